@@ -85,6 +85,7 @@ from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 from cpm_core.particles.coulomb.coulomb_force import coulomb_force
 from cpm_core.particles.initialization import circle, divergence_centers, gradient_threshold, stroke, uniform_grid
 from cpm_core.particles.state import Particles, State
+from cpm_core.particles.volume_starts import box, sphere
 from cpm_core.reconstruction import reconstruct_curve
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.method import METHODS, Method
@@ -114,6 +115,7 @@ __all__ = [
     "Skeleton",
     "State",
     "Truth",
+    "box",
     "circle",
     "compare",
     "containment",
@@ -134,6 +136,7 @@ __all__ = [
     "segment",
     "similar",
     "skeleton",
+    "sphere",
     "strip",
     "stroke",
     "teach",

@@ -11,7 +11,7 @@ import scipy
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour, sampled
-from cpm_core.contours.graph import chains
+from cpm_core.contours.graph.graph import chains
 from cpm_core.contours.rasterize import inside, paint
 from cpm_core.numerics.types import Array
 

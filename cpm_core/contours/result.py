@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Bridge, Contour
+from cpm_core.contours.surface import Surface
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
 from cpm_core.numerics import polyline
@@ -27,8 +28,8 @@ class Result:
         Final positions in px of the image.
     contours : tuple of Contour
         The reconstructed contours, longest first.
-    surface : None
-        Reserved for volumes; always None for images.
+    surface : Surface or None
+        The reconstructed surface of objects in a volume; None for images.
     steps : int
         Number of steps over all scales.
     converged : bool
@@ -57,7 +58,7 @@ class Result:
 
     particles: NDArray[np.float64]
     contours: tuple[Contour, ...]
-    surface: None
+    surface: Surface | None
     steps: int
     converged: bool
     stop_reason: str

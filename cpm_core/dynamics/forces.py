@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from cpm_core.dynamics.equations import FADED, LATEST, damping
 from cpm_core.dynamics.integrator import is_at_rest
 from cpm_core.dynamics.integrator.plane import mesh_force_of, undamped_force
-from cpm_core.field.plane import interpolate_force
+from cpm_core.field.interpolation.plane import interpolate_force
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.types import Array, Index
 from cpm_core.parameters import Parameters

@@ -35,14 +35,19 @@ _MOST_IN_DOUBLE = 2**22
 """Pixels up to which kernels are transformed in double precision."""
 
 
-def convolved_field(edge_map: ArrayLike, exponent: float | None = None, precision: DTypeLike = np.float64) -> Array:
+def convolved_field(
+    edge_map: ArrayLike,
+    exponent: float | None = None,
+    precision: DTypeLike = np.float64,
+    pitch: tuple[float, ...] | None = None,
+) -> Array:
     r"""Electric field of the fixed charges, exact to rounding, shape (D, \*shape); it points towards the charges.
 
     The sum of eq. (8) is a convolution; computed with Fourier transforms on a grid padded with zeros to at least twice
     the size, nothing wraps around. `edge_map` is the edge strength ``f`` of every pixel, shape (\*shape); the force of
-    one charge decays with the power `exponent` of the distance, by default the dimension ``D``. In double precision the
-    error is 1e-14 of the largest vector, in single precision 1e-6. Raises `ValueError` for an exponent that is not
-    positive.
+    one charge decays with the power `exponent` of the distance, by default the dimension ``D``. `pitch` has the
+    distance of two pixels along each axis, by default one. In double precision the error is 1e-14 of the largest
+    vector, in single precision 1e-6. Raises `ValueError` for an exponent that is not positive.
     """
     f = np.asarray(edge_map, dtype=precision)
     given = f.ndim if exponent is None else exponent
@@ -50,7 +55,7 @@ def convolved_field(edge_map: ArrayLike, exponent: float | None = None, precisio
     # the kernel's mirror image begins at half of an even size, which must exceed all differences of two pixels
     padded = tuple(2 * scipy.fft.next_fast_len(max(n, 2), real=axis == f.ndim - 1) for axis, n in enumerate(f.shape))
     spectrum = scipy.fft.rfft(f, padded[-1], axis=-1, workers=-1)
-    kernels = _spectra.of(f.shape, padded, power, f.dtype)
+    kernels = _spectra.of(f.shape, padded, power, f.dtype, pitch)
     out = np.empty((f.ndim, *f.shape), f.dtype)
     if math.prod(padded[:-1]) * spectrum.shape[-1] <= _WHOLE:
         for component, part in enumerate(_convolved(spectrum, kernels, f.shape, padded)):
@@ -132,15 +137,20 @@ class _Spectra:
         self._lock = Lock()
 
     def of(
-        self, shape: tuple[int, ...], padded: tuple[int, ...], power: float, precision: np.dtype
+        self,
+        shape: tuple[int, ...],
+        padded: tuple[int, ...],
+        power: float,
+        precision: np.dtype,
+        pitch: tuple[float, ...] | None,
     ) -> tuple[Array, ...]:
         """Spectra for each component; see `_kernel_spectra`."""
-        key = (shape, padded, power, precision)
+        key = (shape, padded, power, precision, pitch)
         with self._lock:
             if key in self._kept:
                 self._kept.move_to_end(key)
                 return self._kept[key]
-        spectra = tuple(_kernel_spectra(shape, padded, power, precision))
+        spectra = tuple(_kernel_spectra(shape, padded, power, precision, pitch))
         with self._lock:
             self._kept[key] = spectra
             while self.size > _KEPT_BYTES:
@@ -157,7 +167,11 @@ _spectra = _Spectra()
 
 
 def _kernel_spectra(
-    shape: tuple[int, ...], padded: tuple[int, ...], power: float, precision: np.dtype
+    shape: tuple[int, ...],
+    padded: tuple[int, ...],
+    power: float,
+    precision: np.dtype,
+    pitch: tuple[float, ...] | None,
 ) -> Iterator[Array]:
     """Imaginary parts, but for the sign, of the kernels' spectra at frequencies that are not negative.
 
@@ -166,11 +180,16 @@ def _kernel_spectra(
     """
     # in single precision only where double takes too much memory
     most = np.dtype(float) if math.prod(shape) <= _MOST_IN_DOUBLE else precision
-    grid = np.meshgrid(*(np.arange(size // 2 + 1, dtype=most) for size in padded), indexing="ij", sparse=True)
+    sides = (1.0,) * len(shape) if pitch is None else pitch
+    steps = (np.arange(size // 2 + 1, dtype=most) * most.type(side) for size, side in zip(padded, sides, strict=True))
+    grid = np.meshgrid(*steps, indexing="ij", sparse=True)
     squared = sum((g**2 for g in grid[1:]), start=grid[0] ** 2)
     squared[(0,) * len(shape)] = np.inf  # no charge acts on itself
     # a root is several times faster than a power
-    decay = 1.0 / (squared * np.sqrt(squared)) if power == 2.0 else squared ** (-0.5 * (power + 1.0))
+    if power == 2.0:
+        decay = 1.0 / (squared * np.sqrt(squared))
+    else:
+        decay = 1.0 / (squared * squared) if power == 3.0 else squared ** (-0.5 * (power + 1.0))
     for axis, n in enumerate(shape):  # beyond any difference of two pixels: never read
         decay[(slice(None),) * axis + (slice(n, None),)] = 0.0
     del squared

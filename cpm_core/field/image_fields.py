@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
-from typing import Self
+from typing import Any, Self
 
 from numpy.typing import ArrayLike
 
@@ -12,7 +12,8 @@ from cpm_core.field.placed_charge_cache import PlacedChargeCache, charged_force,
 from cpm_core.field.placed_charges import PlacedCharge, at_scale, in_order
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.field.scale_space import ScaleSpace
-from cpm_core.image.image import Image, as_plane
+from cpm_core.field.volume.volume_space import VolumeSpace
+from cpm_core.image.image import Image, as_image
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
@@ -23,8 +24,8 @@ class ImageFields:
 
     Parameters
     ----------
-    values : array_like, shape (H, W), or Image
-        Image.
+    values : array_like, shape (H, W) or (P, H, W), or Image
+        Image or volume.
     parameters : Parameters, optional
         For the number of scales, and the fields to prepare at once.
     regions : Regions, optional
@@ -41,7 +42,7 @@ class ImageFields:
         self, values: ArrayLike | Image, parameters: Parameters | None = None, regions: Regions | None = None
     ) -> None:
         parameters = parameters or Parameters()
-        self.image = as_plane(values)
+        self.image = as_image(values)
         array = self.image.values
         if array.min() == array.max():
             raise ValueError(
@@ -51,7 +52,7 @@ class ImageFields:
         self.regions = regions
         if regions is not None:
             regions.check(array.shape)
-        self._scale_space = ScaleSpace(array, parameters.scales, regions, self.image.colors)
+        self._scale_space = _scale_space_of(self.image, parameters.scales, regions)
         self._scale_space.prepare(parameters)
         self._charged = PlacedChargeCache(array.shape)
         self._latest = parameters
@@ -90,9 +91,10 @@ class ImageFields:
         return parameters.scales == self.scales
 
     def scale_field(self, parameters: Parameters, scale: int = 0) -> ScaleField:
-        """Fields of a scale, built on first use."""
+        """Fields of a scale, built on first use; a `VolumeField` in a volume."""
         self._latest = parameters
-        return self._scale_space.at(scale, parameters)
+        found: ScaleField = self._scale_space.at(scale, parameters)
+        return found
 
     def edge_map(self, parameters: Parameters, scale: int = 0) -> Array:
         """Edge map of a scale, shape (H, W), zero where the edge floor leaves no fixed charge."""
@@ -118,3 +120,10 @@ class ImageFields:
     def _check_edges(self) -> None:
         if not self.scale_field(self._latest).edge_map.any():
             raise ValueError("there are no edges in the regions of interest: draw them around the objects.")
+
+
+def _scale_space_of(image: Image, scales: int, regions: Regions | None) -> Any:
+    """The `ScaleSpace` of an image, or the `VolumeSpace` of a volume, which has the same methods."""
+    if image.ndim == 3:
+        return VolumeSpace(image, scales, regions)
+    return ScaleSpace(image.values, scales, regions, image.colors)

@@ -126,10 +126,15 @@ class Image:
 
 def as_plane(values: ArrayLike | Image) -> Image:
     """Image of two axes from values; `ValueError` when they have another number of axes, or are not an image."""
-    image = values if isinstance(values, Image) else Image(np.asarray(values))
+    image = as_image(values)
     if image.ndim != 2:
         raise _not_a_plane(image.source, image.shape)
     return image
+
+
+def as_image(values: ArrayLike | Image) -> Image:
+    """Image of two or three axes from values."""
+    return values if isinstance(values, Image) else Image(np.asarray(values))
 
 
 def _not_a_plane(source: str, shape: tuple[int, ...]) -> ValueError:

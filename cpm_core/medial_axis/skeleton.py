@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.graph import Graph
+from cpm_core.contours.graph.graph import Graph
 from cpm_core.medial_axis.blur_correction import half_width
 from cpm_core.medial_axis.boundary import Boundary
 from cpm_core.medial_axis.disks import along, covered

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from cpm_core.contours.contour import Contour
 from cpm_core.field.image_fields import ImageFields
 from cpm_core.field.placed_charges import PlacedCharge
-from cpm_core.image.image import Image
+from cpm_core.image.image import Image, as_plane
 from cpm_core.image.regions import Regions
 from cpm_core.medial_axis.boundary import outlined_boundary
 from cpm_core.medial_axis.medial_axis import Axis, medial_axis
@@ -141,7 +141,7 @@ class SkeletonMethod(ImageFields):
         outside: bool = False,
     ) -> None:
         interest = Regions(regions.interest) if regions is not None and regions.interest else None
-        super().__init__(values, replace(parameters or PRESETS["noisy"], scales=1), interest)
+        super().__init__(as_plane(values), replace(parameters or PRESETS["noisy"], scales=1), interest)
         self.regions = regions
         self._outlines = None if within is None else outlines_of(within, self.image.shape)
         self._outside = outside

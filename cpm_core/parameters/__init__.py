@@ -16,6 +16,7 @@ from cpm_core.parameters.choices import CHOICES, Channel, Edges, check_choice
 from cpm_core.parameters.quotation import shown
 from cpm_core.parameters.table import (
     AUTOMATIC,
+    OF_PLANES,
     OF_SKELETONS,
     OF_STARTS,
     PARAMETERS,
@@ -28,9 +29,11 @@ __all__ = [
     "AUTOMATIC",
     "DEFAULTS",
     "FORMER_NAMES",
+    "OF_PLANES",
     "OF_SKELETONS",
     "OF_STARTS",
     "PARAMETERS",
+    "PLANE_PRESETS",
     "PRESETS",
     "UNLIMITED_REACH",
     "ParameterInfo",
@@ -190,6 +193,10 @@ PRESETS: dict[str, Parameters] = {
     "ultrasound": Parameters(
         w1=0.6, w2=0.7, beta=0.4, smoothing=6.0, gamma="auto", edge_floor=0.2, max_border=0.08, sure_edge=0.7
     ),
+    "volume": Parameters(w1=0.6, w2=0.7, beta=0.4, smoothing="auto", edge_floor=0.16, scales=1),
 }
-"""Named settings: shape recovery (section 4.1), automatic segmentation (section 5.2), vessels and noisy images, and
-automatic segmentation of kinds of images whose boundaries other settings find better."""
+"""Named settings: shape recovery (section 4.1), automatic segmentation (section 5.2), vessels and noisy images,
+automatic segmentation of kinds of images whose boundaries other settings find better, and volumes (section 5.4)."""
+
+PLANE_PRESETS: dict[str, Parameters] = {name: preset for name, preset in PRESETS.items() if name != "volume"}
+"""The settings among them that are for images."""

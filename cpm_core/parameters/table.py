@@ -209,6 +209,12 @@ OF_SKELETONS: tuple[str, ...] = ("polarity", "max_width", "pruning")
 OF_STARTS: tuple[str, ...] = ("reach", "weakest_edge")
 """Parameters on which nothing without a start depends."""
 
+OF_PLANES: tuple[str, ...] = (
+    *("reach", "weakest_edge", "max_border", "max_gap", "min_strength", "sure_edge", "min_contrast", "min_length"),
+    "edges",
+)
+"""Parameters that have a meaning in the plane only, and must have their default value in a volume."""
+
 AUTOMATIC = ("smoothing", "gamma")
 """Parameters whose value may also be ``"auto"``: it is then chosen from the image."""
 

@@ -9,11 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.field.placed_charges import Charges
-from cpm_core.image.pyramid import to_image
+from cpm_core.image.pyramid import to_image, to_scale
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.types import Array
+from cpm_core.numerics.vectors import Vector
 from cpm_core.particles.coverage import Coverage
+from cpm_core.particles.coverage.space import SurfaceCoverage
 from cpm_core.particles.mesh import MeshForce
+from cpm_core.particles.surface_contact import SurfaceContact
 
 MEMORY = 4
 """Number T of steps in eq. (23)."""
@@ -26,7 +29,7 @@ class Particles:
     Attributes
     ----------
     position : ndarray, shape (N, D)
-        Positions [px of their scale].
+        Positions [px of their scale]; in a volume in units of the smallest side of a voxel (`SpaceState`).
     velocity : ndarray, shape (N, D)
         Velocities [px / unit of time].
     force : ndarray, shape (N, 2, D)
@@ -35,6 +38,8 @@ class Particles:
         ``|r|`` at the last T steps, newest first: the history of eq. (23); NaN before the particle was inserted.
     identity : ndarray of int64, shape (N,)
         Number of each, used once only in a run.
+    contact : SurfaceContact or None
+        Contact of each with surfaces, in a volume; None in the plane.
     """
 
     position: Array
@@ -42,6 +47,7 @@ class Particles:
     force: Array
     distance: Array
     identity: NDArray[np.int64]
+    contact: SurfaceContact | None = None
 
     @classmethod
     def at_rest(cls, position: Array, first_identity: int = 0) -> Particles:
@@ -53,6 +59,7 @@ class Particles:
             np.zeros((count, 2, dimension)),
             np.full((count, MEMORY), np.nan),
             np.arange(first_identity, first_identity + count),
+            SurfaceContact.none(count) if dimension == 3 else None,
         )
 
     def __len__(self) -> int:
@@ -75,17 +82,27 @@ class Particles:
             self.force.take(index, axis=0),
             self.distance.take(index, axis=0),
             self.identity.take(index),
+            self.contact and self.contact.taken(index),
         )
 
-    def with_more(self, position: Array, first: int) -> Particles:
-        """Add particles without motion or history at positions of shape (M, D), numbered from `first` on."""
+    def woken_at(self, step: int) -> Particles:
+        """The same, all of them awake at a step; in the plane the coverage knows this."""
+        return self if self.contact is None else replace(self, contact=self.contact.woken_at(step))
+
+    def with_more(self, position: Array, first: int, contact: SurfaceContact | None = None) -> Particles:
+        """Add particles without motion or history at positions of shape (M, D), numbered from `first` on.
+
+        In a volume they may have contact with surfaces.
+        """
         more = Particles.at_rest(position, first)
+        met = contact or more.contact
         return Particles(
             np.concatenate([self.position, more.position]),
             np.concatenate([self.velocity, more.velocity]),
             np.concatenate([self.force, more.force]),
             np.concatenate([self.distance, more.distance]),
             np.concatenate([self.identity, more.identity]),
+            self.contact and met and self.contact.joined(met),
         )
 
     def joined_by(self, position: Array, parent: NDArray[np.int64], other: NDArray[np.int64], first: int) -> Particles:
@@ -106,6 +123,22 @@ class Particles:
 
 def _mean(history: Array, one: NDArray[np.int64], other: NDArray[np.int64]) -> Array:
     return np.asarray(0.5 * (history[one] + history[other]))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SpaceState:
+    """What a state holds in a volume only.
+
+    Attributes
+    ----------
+    pitch : tuple of float
+        Sides of a voxel, in units of the smallest one, in which the particles are measured.
+    covered : SurfaceCoverage
+        Where surfaces have been found at the scale.
+    """
+
+    pitch: Vector
+    covered: SurfaceCoverage
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -162,6 +195,8 @@ class State:
         Why the run ended, in words; empty while it continues.
     converged : bool
         Whether it ended at rest.
+    space : SpaceState or None
+        What belongs to a volume; None in the plane.
     """
 
     particles: Particles
@@ -189,11 +224,18 @@ class State:
     reseedings: int = 0
     stop_reason: str = ""
     converged: bool = False
+    space: SpaceState | None = None
 
     @property
     def position(self) -> Array:
         """Positions in px of the image itself, at every scale; shape (N, D)."""
-        return to_image(self.particles.position, self.scale, self.shape)
+        places = self.particles.position
+        return to_image(places if self.space is None else places / self.space.pitch, self.scale, self.shape)
+
+    def at_scale(self, places: Array, scale: int) -> Array:
+        """Positions of the image [px], shape (M, D), as those of particles at a scale."""
+        found = to_scale(places, scale, self.shape)
+        return found if self.space is None else found * self.space.pitch
 
     @property
     def count(self) -> int:
@@ -202,11 +244,13 @@ class State:
 
     def arrays(self) -> list[NDArray[Any]]:
         """The arrays that keeping this state costs, without the start, which all states of a run share."""
-        particles, mesh = self.particles, self.mesh
+        particles, mesh, contact = self.particles, self.mesh, self.particles.contact
         return [
             *(particles.position, particles.velocity, particles.force, particles.distance, particles.identity),
             *self.coverage.tiles,
             *(() if mesh is None else (mesh.force,)),
+            *(() if self.space is None else (self.space.covered.cells,)),
+            *(() if contact is None else (contact.normal, contact.seated, contact.strength, contact.woken)),
         ]
 
     def resumed(self) -> State:

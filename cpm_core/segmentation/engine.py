@@ -7,87 +7,52 @@ from any state, without memory of its own, so that a run can be paused, changed,
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, fields, replace
-from typing import ClassVar
+from dataclasses import asdict, replace
+from types import MappingProxyType
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from cpm_core.contours.contour import Bridge
 from cpm_core.contours.result import Result
-from cpm_core.dynamics.energies import Energies, energies, kinetic_energy
-from cpm_core.dynamics.equations import FADED
-from cpm_core.dynamics.forces import Forces, forces
-from cpm_core.dynamics.integrator import Moved
-from cpm_core.dynamics.time_step import displaced, populated
+from cpm_core.dynamics.energies import Energies, kinetic_energy
+from cpm_core.dynamics.forces import Forces
 from cpm_core.field.placed_charges import PlacedCharge, in_order
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.image import Image
-from cpm_core.image.pyramid import to_image
-from cpm_core.numerics.types import Array, Index
+from cpm_core.image.regions import Regions
+from cpm_core.numerics.types import Array
 from cpm_core.parameters import OF_SKELETONS, PARAMETERS, Parameters
 from cpm_core.parameters.choices import CHOICES
 from cpm_core.parameters.provenance import Provenance, taken
-from cpm_core.particles.coverage import no_coverage
 from cpm_core.particles.initialization import starting_points
-from cpm_core.particles.state import Particles, State
-from cpm_core.reconstruction import find_contours
+from cpm_core.particles.state import State
 from cpm_core.segmentation import interventions
-from cpm_core.segmentation.completion import idle_steps_of
-from cpm_core.segmentation.reach.reach_map import ReachMap
+from cpm_core.segmentation.laws import plane, space
 from cpm_core.segmentation.reach.run_fields import RunFields
-from cpm_core.segmentation.scale_schedule import advance, start_scale
+from cpm_core.segmentation.scale_schedule import start_scale
 
-
-def reconstruction(
-    state: State, image: Image, scale_field: ScaleField, parameters: Parameters, reached: ReachMap | None = None
-) -> Result:
-    """Contours through the particles of a state, from the fields of its scale, in px of the image."""
-    scale, shape, size = state.scale, image.shape, 2.0**state.scale
-    # an edge without particles may have been cleared by the user; it is then not traced
-    filled = state.converged and not state.charges and not state.erased
-    found, bridged = find_contours(state.particles.position, scale_field, parameters, at_rest=filled)
-    contours = tuple(replace(c, points=to_image(c.points, scale, shape), strength=c.strength / size) for c in found)
-    if reached is not None:
-        contours = tuple(replace(c, reached=reached.way_of(c.points)) for c in contours)
-    bridges = tuple(Bridge(to_image(b.points, scale, shape), b.length * size, b.strength / size) for b in bridged)
-    return Result(
-        particles=state.position,
-        contours=contours,
-        surface=None,
-        steps=state.step,
-        converged=state.converged,
-        stop_reason=state.stop_reason,
-        shape=shape,
-        spacing=image.spacing,
-        unit=image.unit,
-        source=image.source,
-        bridges=bridges,
-        image=image,
-        regions=state.regions,
-        channel=image.channel(parameters.channel),
-        provenance=Provenance(
-            "cpm",
-            taken(parameters, Engine.parameters),
-            len(state.start),
-            tuple({"shape": "charge", **asdict(charge)} for charge in state.charges),
-            scale,
-            sha256=image.sha256,
-            of_file=bool(image.file_sha256),
-        ),
-    )
+_LAWS: Mapping[int, Any] = MappingProxyType({2: plane, 3: space})
+"""The laws of a run by the number of axes of its image."""
 
 
 class Engine(RunFields):
     """The charged-particle model on one image: a `Method` whose states are `State`.
 
-    `ImageFields` describes image, parameters and regions and the errors that they raise.
+    `ImageFields` describes image, parameters and regions and the errors that they raise. In a volume positions are
+    (plane, row, col) in voxels.
     """
 
     name: ClassVar[str] = "cpm"
     title: ClassVar[str] = "Charged particles"
     parameters: ClassVar[tuple[str, ...]] = tuple(name for name in (*PARAMETERS, *CHOICES) if name not in OF_SKELETONS)
     seeded: ClassVar[bool] = True
+
+    def __init__(
+        self, values: ArrayLike | Image, parameters: Parameters | None = None, regions: Regions | None = None
+    ) -> None:
+        super().__init__(values, parameters, regions)
+        self._laws = _LAWS[self.image.ndim]
 
     @staticmethod
     def steering(parameters: Parameters) -> tuple[object, ...]:
@@ -114,8 +79,7 @@ class Engine(RunFields):
             When there is no particle, or none inside the image and the regions of interest.
         """
         points = starting_points(seeds, self.image.shape, self.regions)
-        none = Particles.at_rest(points[:0])
-        first = State(none, points, self.image.shape, self.scales, no_coverage(()), regions=self.regions)
+        first = self._laws.first(points, self.image, self.scales, self.regions)
         return start_scale(first, self.scales - 1, self.regions)
 
     def step(self, state: State, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> State:
@@ -140,14 +104,9 @@ class Engine(RunFields):
         """
         if state.stop_reason:
             return state
-        state = interventions.applied(state, self.regions, parameters, charges)
-        scale_field = self._charged.of(self._field_of(state, parameters), state.scale, state.charges)
-        idle = idle_steps_of(state, scale_field, parameters)
-        repulsion_gone = not (idle < FADED).any()
-        state, moved = displaced(state, idle, scale_field, parameters)
-        if len(state.particles):
-            state = self._populate(state, moved, repulsion_gone, scale_field, parameters)
-        return advance(state, scale_field, self.regions, parameters)
+        state = self._laws.applied(state, self.regions, parameters, charges)
+        field = self._charged.of(self._field_of(state, parameters), state.scale, state.charges)
+        return self._stepped(state, field, parameters)
 
     def forces(
         self,
@@ -178,14 +137,11 @@ class Engine(RunFields):
             damping exactly and applies friction along the edge at once; these are not forces.
         """
         asked = np.arange(state.count) if index is None else np.atleast_1d(np.asarray(index, dtype=np.int64))
-        changed = interventions.applied(state, self.regions, parameters, charges)
-        scale_field = self._field_of(state, parameters)
-        charged = self._charged.of(scale_field, state.scale, changed.charges)
-        idle = idle_steps_of(changed, charged, parameters)
-        row = _places(state.particles.identity, changed.particles.identity)[asked]
-        there = row >= 0
-        found = forces(changed, scale_field, charged, idle, parameters, row[there])
-        return found if there.all() else Forces(*(_spread(getattr(found, f.name), there) for f in fields(Forces)))
+        changed = self._laws.applied(state, self.regions, parameters, charges)
+        field = self._field_of(state, parameters)
+        charged = self._charged.of(field, state.scale, changed.charges)
+        found: Forces = self._laws.forces_on(state, changed, field, charged, parameters, asked)
+        return found
 
     def energies(self, state: State, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> Energies:
         """Kinetic and potential energy of the particles of a state, as `cpm_core.dynamics.energies` defines them.
@@ -193,7 +149,8 @@ class Engine(RunFields):
         The potential of the fixed charges is computed at the first call for a scale and cached with the field.
         """
         placed = replace(state, charges=in_order(charges))
-        return energies(placed, self._field_of(state, parameters), parameters)
+        found: Energies = self._laws.energies_of(placed, self._field_of(state, parameters), parameters)
+        return found
 
     def joined(self, state: State, seeds: ArrayLike) -> State:
         """Add particles to a run.
@@ -257,8 +214,9 @@ class Engine(RunFields):
         Result
             In px of the image.
         """
-        reached = self.reach_map(state.start, parameters)
-        return reconstruction(state, self.image, self._field_of(state, parameters), parameters, reached)
+        field = self._field_of(state, parameters)
+        found: Result = self._laws.result(state, self.image, field, parameters, self.reach_map)
+        return replace(found, provenance=self._provenance(state, parameters))
 
     def measures(self, state: State, parameters: Parameters, thorough: bool = False) -> Mapping[str, float]:
         """Metrics of a state by name, the potential energy only if `thorough`; see `Method.measures`."""
@@ -271,25 +229,23 @@ class Engine(RunFields):
         """Positions of the particles, shape (N, 2) [px of the image]."""
         return state.position
 
-    def _populate(
-        self, state: State, moved: Moved, repulsion_gone: bool, scale_field: ScaleField, parameters: Parameters
-    ) -> State:
-        """Insertion and deletion of a step; a method of its own so that experiments can replace it."""
-        return populated(state, moved, repulsion_gone, scale_field, parameters)
+    def _provenance(self, state: State, parameters: Parameters) -> Provenance:
+        """How the contours of a state were found."""
+        return Provenance(
+            "cpm",
+            taken(parameters, self.parameters),
+            len(state.start),
+            tuple({"shape": "charge", **asdict(charge)} for charge in state.charges),
+            state.scale,
+            sha256=self.image.sha256,
+            of_file=bool(self.image.file_sha256),
+        )
+
+    def _stepped(self, state: State, field: ScaleField, parameters: Parameters) -> State:
+        """The state after a step; a method of its own so that experiments can replace it."""
+        after: State = self._laws.stepped(state, field, self.regions, parameters)
+        return after
 
 
 _METRICS = {name: name for name in ("epsilon", "count", "born", "deleted", "scale")} | {"numbered": "next_identity"}
 """Metrics by name -> attributes of a state."""
-
-
-def _places(before: Index, after: Index) -> Index:
-    """For each earlier identity its index among the later ones, which keep their order; -1 where it is gone."""
-    stays = np.isin(before, after)
-    return np.where(stays, np.cumsum(stays) - 1, -1)
-
-
-def _spread(rows: Array, there: NDArray[np.bool_]) -> Array:
-    """Rows, shape (K, 2), at the positions where `there`, shape (M,), is true; NaN elsewhere."""
-    spread = np.full((len(there), 2), np.nan)
-    spread[there] = rows
-    return spread

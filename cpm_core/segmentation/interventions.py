@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cpm_core.field.placed_charges import REACH, Charges, PlacedCharge, at_scale, changed, in_order
-from cpm_core.image.pyramid import to_scale
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
@@ -32,6 +31,7 @@ def reactivated(state: State) -> State:
     """Reactivate all particles, so that those at rest follow the change."""
     return replace(
         state,
+        particles=state.particles.woken_at(state.step_of_scale),
         coverage=renewed(state.coverage, state.step_of_scale),
         annealed=1.0,
         erased=False,
@@ -64,7 +64,7 @@ def reactivated_near(state: State, charges: Charges) -> State:
 def joined(state: State, seeds: ArrayLike, regions: Regions | None) -> State:
     """Put more particles into a run; see `Engine.joined`."""
     points = starting_points(seeds, state.shape, regions)
-    particles = state.particles.with_more(to_scale(points, state.scale, state.shape), state.next_identity)
+    particles = state.particles.with_more(state.at_scale(points, state.scale), state.next_identity)
     joined = replace(
         state,
         particles=particles,

@@ -12,9 +12,10 @@ from cpm_core.image.pyramid import shape_of_scale, to_image, to_scale
 from cpm_core.image.regions import Regions
 from cpm_core.parameters import Parameters
 from cpm_core.particles.coverage import no_coverage
+from cpm_core.particles.coverage.space import no_surface
 from cpm_core.particles.initialization import allowed_by, inside_image
 from cpm_core.particles.state import Particles, State
-from cpm_core.segmentation.completion import is_travelling, reseeded, without_off_edge, without_resting_off_edge
+from cpm_core.segmentation.completion.plane import is_travelling, reseeded, without_off_edge, without_resting_off_edge
 
 _STEPS_A_PIXEL = 2.0
 """Greatest number of steps of a scale for each pixel of the longest side: a front advances about two pixels a step."""
@@ -49,13 +50,13 @@ def advance(state: State, scale_field: ScaleField, regions: Regions | None, para
 
 def start_scale(state: State, scale: int, regions: Regions | None) -> State:
     """Begin a scale with the particles of the coarser one and with all seeds."""
-    found = to_scale(to_image(state.particles.position, state.scale, state.shape), scale, state.shape)
-    seeds = to_scale(state.start, scale, state.shape)
+    position = np.concatenate([to_scale(places, scale, state.shape) for places in (state.position, state.start)])
     shape = shape_of_scale(state.shape, scale)
-    position = np.concatenate([found, seeds])
     position = position[inside_image(position, shape)]
     position = position[allowed_by(to_image(position, scale, state.shape), regions)]
-    first = state.next_identity
+    first, space = state.next_identity, state.space
+    if space is not None:
+        position, space = position * space.pitch, replace(space, covered=no_surface())
     return replace(
         state,
         particles=Particles.at_rest(position, first),
@@ -70,4 +71,5 @@ def start_scale(state: State, scale: int, regions: Regions | None) -> State:
         reseedings=0,
         mesh=None,
         epsilon=float("nan"),
+        space=space,
     )

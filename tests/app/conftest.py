@@ -5,9 +5,9 @@ from __future__ import annotations
 import gc
 import itertools
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import pytest
@@ -25,6 +25,8 @@ from app.views.window import dialogs
 from cpm_core.shapes import Circle
 
 SIDE = 64
+
+T = TypeVar("T")
 
 _sessions = itertools.count(1)
 _COLLECTED_EVERY = 10
@@ -211,6 +213,24 @@ def ready(window: MainWindow) -> MainWindow:
     """A window with a circle across the boundary of the disc."""
     window.session.edit("draw circle", lambda document: edits.add_shape(document, Circle((32.0, 32.0), 10.0)))
     return window
+
+
+@pytest.fixture
+def cases(window: MainWindow, request: pytest.FixtureRequest) -> Callable[[Iterable[T]], Iterator[T]]:
+    """Goes through the cases of a law in one window; each begins with the first drawing and nothing to undo or read.
+
+    To make a window takes longer than most cases do.
+    """
+    first = window.session.document
+
+    def each(values: Iterable[T]) -> Iterator[T]:
+        for value in values:
+            request.node.add_report_section("call", "case", f"{value!r}\n")
+            window.session.begin_document(first)
+            window.canvas_area.messages.clear()
+            yield value
+
+    return each
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ from typing import Any
 from app.model.text.assets import asset
 from app.model.text.language import tr
 from cpm_core.formats.sessions.plain_values import parameters_from_plain
-from cpm_core.parameters import PRESETS, Parameters
+from cpm_core.parameters import PLANE_PRESETS, Parameters
 
 SUFFIX = ".cpmpreset"
 
@@ -60,8 +60,8 @@ class Preset:
 
 @cache
 def built_in() -> tuple[Preset, ...]:
-    """The presets of the program."""
-    return tuple(_made(key, parameters) for key, parameters in PRESETS.items())
+    """The presets of the program, for images."""
+    return tuple(_made(key, parameters) for key, parameters in PLANE_PRESETS.items())
 
 
 def checked_name(name: str) -> str:

@@ -13,10 +13,13 @@ from cpm_core.cli.figures.pages import Page, Panel, Picture, Stairs
 from cpm_core.cli.figures.runs import Moment, Run, run
 from cpm_core.cli.figures.scenes import Scene
 from cpm_core.contours.agreement import agreement, recovered
+from cpm_core.dynamics.time_step.plane import populated
+from cpm_core.field.scale_field import ScaleField
 from cpm_core.parameters import Parameters
 from cpm_core.particles.state import State
 from cpm_core.reconstruction import reconstruct_curve
 from cpm_core.segmentation.engine import Engine
+from cpm_core.segmentation.laws import plane
 
 BETAS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.4, 2.0, 3.0, 4.0)
 """Dampings of the series under Fig. 10."""
@@ -57,9 +60,14 @@ def population() -> Page:
 class _Constant(Engine):
     """The model without insertion and deletion."""
 
-    def _populate(self, state: State, *rest: Any) -> State:
-        after = super()._populate(state, *rest)
-        return replace(after, particles=state.particles, born=0, deleted=state.deleted)
+    def _stepped(self, state: State, field: ScaleField, parameters: Parameters) -> State:
+        return plane.stepped(state, field, self.regions, parameters, _unchanged)
+
+
+def _unchanged(state: State, *rest: Any) -> State:
+    """The coverage of a step with insertion and deletion, and the particles before them."""
+    after = populated(state, *rest)
+    return replace(after, particles=state.particles, born=0, deleted=state.deleted)
 
 
 def _without_population(scene: Scene) -> Run:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cpm_core.dynamics.edge_contact import is_on_edge
-from cpm_core.field.plane import between, component
+from cpm_core.field.interpolation.plane import between, component
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Mask, Single

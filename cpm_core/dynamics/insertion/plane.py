@@ -9,7 +9,7 @@ import numpy as np
 
 from cpm_core.dynamics.edge_contact import EdgeContact
 from cpm_core.dynamics.insertion import CROWD, CROWD_RANGE, STRIDE, STRIDE_ROOM, Births, Rule, Search, search_range
-from cpm_core.field.plane import between, component
+from cpm_core.field.interpolation.plane import between, component
 from cpm_core.field.scale_field import FAINTEST, ScaleField
 from cpm_core.image.barriers import BarrierMap, crosses
 from cpm_core.numerics.jit import compiled

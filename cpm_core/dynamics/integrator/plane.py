@@ -10,7 +10,7 @@ import numpy as np
 from cpm_core.dynamics.edge_contact.plane import on_edge_at
 from cpm_core.dynamics.equations import FADED, advance, coulomb_scale, is_stuck, repulsion_left
 from cpm_core.dynamics.integrator import NEIGHBOR_RANGE, REACH, REST_SPEED, Law, Moved, damped_motion
-from cpm_core.field.plane import between, component
+from cpm_core.field.interpolation.plane import between, component
 from cpm_core.field.scale_field import GATE, ScaleField
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share

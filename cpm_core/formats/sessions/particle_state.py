@@ -88,7 +88,7 @@ def _particles(given: Mapping[str, Any], size: tuple[int, ...], following: int) 
         raise ValueError("identity of state holds a number twice, or one below zero.")
     if len(identity) and identity.max() >= following:
         raise ValueError("identity of state holds a number that is yet to come.")
-    arrays = {}
+    arrays: dict[str, Any] = {}
     for name, rest in _PARTICLES.items():
         array = array_from_plain(given.get(name), float, (len(identity), *rest), f"{name} of state")
         if np.isinf(array).any() or (name != "distance" and np.isnan(array).any()):

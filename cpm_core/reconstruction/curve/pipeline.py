@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cpm_core.contours.contour import Bridge, Contour
-from cpm_core.contours.graph import Graph
+from cpm_core.contours.graph.graph import Graph
 from cpm_core.dynamics.deletion.plane import deletion
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.types import Array

@@ -18,7 +18,7 @@ from app.session.storage.presets import PresetStore
 from app.views.features.run.parameters import ParametersFeature
 from app.views.presets import preset_files as dialogs
 from app.views.presets.preset_gallery import PICTURE, PresetGallery, picture_of
-from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
+from cpm_core.parameters import PARAMETERS, PLANE_PRESETS, PRESETS, Parameters
 from cpm_core.parameters.choices import CHOICES
 
 OWN = Preset("Mine & yours ‹1›", Parameters(beta=1.25, smoothing="auto", scales=2), "For tests.", b"\x89PNG")
@@ -30,7 +30,7 @@ def store(tmp_path, qapp) -> PresetStore:
 
 
 def test_the_built_in_presets_are_those_of_the_core_with_text_and_picture(qapp) -> None:
-    assert {preset.key: preset.parameters for preset in built_in()} == PRESETS
+    assert {preset.key: preset.parameters for preset in built_in()} == PLANE_PRESETS
     for preset in built_in():
         assert preset.about
         assert not QImage.fromData(preset.picture).isNull()
@@ -110,7 +110,7 @@ def test_a_preset_is_saved_found_renamed_and_deleted(store, qtbot) -> None:
     assert store.called(OWN.name) is None
     store.delete("Other")
     assert not list(store.folder.iterdir())
-    assert [preset.own for preset in store.presets] == [False] * len(PRESETS)
+    assert [preset.own for preset in store.presets] == [False] * len(PLANE_PRESETS)
 
 
 def test_names_in_use_and_changes_of_built_in_presets_are_rejected(store) -> None:
@@ -130,7 +130,7 @@ def test_a_preset_is_imported_under_a_free_name_and_damaged_files_are_ignored(st
     assert store.bring_in(shared).name == OWN.name
     assert store.bring_in(shared).name == f"{OWN.name} 2"
     (store.folder / "broken.cpmpreset").write_bytes(b"{")
-    assert len(PresetStore(store.folder).presets) == len(PRESETS) + 2
+    assert len(PresetStore(store.folder).presets) == len(PLANE_PRESETS) + 2
 
 
 # In the window
@@ -208,7 +208,7 @@ def test_the_menu_offers_every_preset(window) -> None:
     inner = next(action.menu() for action in menu.actions() if action.text() == "&Preset")
     inner.aboutToShow.emit()
     texts = [action.text() for action in inner.actions()]
-    assert texts[: len(PRESETS)] == [preset.name for preset in built_in()]
+    assert texts[: len(PLANE_PRESETS)] == [preset.name for preset in built_in()]
     assert inner.actions()[0].isChecked()
     inner.actions()[1].trigger()
     assert window.session.document.parameters == PRESETS["automatic"]

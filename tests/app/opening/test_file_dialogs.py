@@ -53,18 +53,18 @@ ASKS: dict[str, Callable[[MainWindow], object]] = {
 }
 
 
-@pytest.mark.parametrize("title", ASKS)
 def test_every_dialog_begins_beside_the_image_and_lists_no_suffixes(
-    window, seen, image_file, monkeypatch, title
+    window, seen, image_file, monkeypatch, cases
 ) -> None:
-    monkeypatch.setattr(
-        "app.views.presets.preset_files.ask_for_preset", lambda parent, names, question, button: names[0]
-    )
-    ASKS[title](window)
-    begin, filters, _, options = seen[title]
-    assert Path(begin) == image_file.parent or Path(begin).parent == image_file.parent
-    assert options & QFileDialog.Option.HideNameFilterDetails
-    assert len(filters.split(";;")) >= 1
+    for title in cases(ASKS):
+        monkeypatch.setattr(
+            "app.views.presets.preset_files.ask_for_preset", lambda parent, names, question, button: names[0]
+        )
+        ASKS[title](window)
+        begin, filters, _, options = seen[title]
+        assert Path(begin) == image_file.parent or Path(begin).parent == image_file.parent
+        assert options & QFileDialog.Option.HideNameFilterDetails
+        assert len(filters.split(";;")) >= 1
 
 
 def test_images_and_sessions_are_offered_together_and_apart(window, hand, seen) -> None:

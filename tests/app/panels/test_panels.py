@@ -31,23 +31,21 @@ def test_every_tooltip_has_symbol_range_default_and_effect(window) -> None:
             assert part in tip, name
 
 
-@pytest.mark.parametrize("name", ["beta", "ratio", "annealing", "w2", "time_step", "d_min", "edge_floor"])
-def test_a_double_click_on_a_slider_and_the_button_restore_the_default(window, hand, name) -> None:
+def test_a_double_click_on_a_slider_and_the_button_restore_the_default(window, hand, cases) -> None:
     panel = window.panels["parameters"]
     panel.advanced.fold.click()
-    row = panel.rows[name]
-    hand.wait(lambda: row.findChild(QToolButton, "restore").height() > 8)
-    for restore in (
-        lambda: hand.qtbot.mouseDClick(row.slider, Qt.MouseButton.LeftButton),
-        lambda: hand.qtbot.mouseClick(row.findChild(QToolButton, "restore"), Qt.MouseButton.LeftButton),
-    ):
-        row.slider.setValue(row.slider.maximum())
-        assert window.session.document.parameters != Parameters()
-        restore()
-        parameters = window.session.document.parameters
-        assert getattr(parameters, name if name != "ratio" else "w1") == pytest.approx(
-            getattr(Parameters(), name if name != "ratio" else "w1")
-        )
+    for name in cases(["beta", "ratio", "annealing", "w2", "time_step", "d_min", "edge_floor"]):
+        row = panel.rows[name]
+        button = row.findChild(QToolButton, "restore")
+        hand.wait(lambda button=button: button.height() > 8)
+        for click, target in ((hand.qtbot.mouseDClick, row.slider), (hand.qtbot.mouseClick, button)):
+            row.slider.setValue(row.slider.maximum())
+            assert window.session.document.parameters != Parameters()
+            click(target, Qt.MouseButton.LeftButton)
+            parameters = window.session.document.parameters
+            assert getattr(parameters, name if name != "ratio" else "w1") == pytest.approx(
+                getattr(Parameters(), name if name != "ratio" else "w1")
+            )
 
 
 def test_automatic_smoothing_can_be_turned_on_and_off(window, hand) -> None:

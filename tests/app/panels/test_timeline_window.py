@@ -319,12 +319,12 @@ def test_with_very_little_memory_every_step_is_still_exact(rested, hand, fresh) 
     assert navigation(rested).outline.kept <= 2
 
 
-@pytest.mark.parametrize("size", [(120, 44), (160, 50), (220, 44), (700, 44)])
-def test_an_empty_timeline_says_as_much_as_it_has_room_for(window, size) -> None:
-    metrics, area = window.panels["timeline"].view.fontMetrics(), QRect(0, 0, *size)
-    text = text_of_none(metrics, area)
-    assert text, "something is always said"
-    assert area.contains(metrics.boundingRect(area, Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, text))
+def test_an_empty_timeline_says_as_much_as_it_has_room_for(window, cases) -> None:
+    for size in cases([(120, 44), (160, 50), (220, 44), (700, 44)]):
+        metrics, area = window.panels["timeline"].view.fontMetrics(), QRect(0, 0, *size)
+        text = text_of_none(metrics, area)
+        assert text, "something is always said"
+        assert area.contains(metrics.boundingRect(area, Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, text))
 
 
 def test_every_part_of_the_window_has_the_rows_that_it_brings(rested) -> None:

@@ -176,31 +176,33 @@ def test_a_skeleton_is_there_again(ready, hand, tmp_path) -> None:
     assert ready.session.scene.skeleton.length == length
 
 
-@pytest.mark.parametrize(
-    ("path", "value", "left"),
-    [
-        (("runs", 0, "branches", 0, "steps"), [[[99], 4]], ["Run 2"]),
-        (("runs", 0, "branches", 0, "steps"), [[[], 1], [[0], 10**12]], ["Run 2"]),
-        (("runs", 0, "branches", 1, "parent"), 77, ["Run 2"]),
-        (("runs", 0, "document"), "no document", ["Run 2"]),
-        (("runs", 1, "actions", 0, "step", "beta"), -5.0, ["Run 1", "Branch 1"]),
-        (("states", 0, "state", "position", "data"), "AAAA", ["Run 1", "Branch 1", "Run 2"]),
-        (("numbers",), [[1, 5.0, 5.0], [1, 9.0, 9.0]], ["Run 1", "Branch 1", "Run 2"]),
-        (("numbers",), [[2, 5.0, "far"]], ["Run 1", "Branch 1", "Run 2"]),
-        (("runs",), 3, []),
-    ],
-)
-def test_a_damaged_piece_is_one_sentence_and_the_rest_is_opened(steered, hand, tmp_path, path, value, left) -> None:
-    content = json.loads(saved(steered, hand, tmp_path / "a.cpm").read_text())
-    at = content["runs"]
-    for key in path[:-1]:
-        at = at[key]
-    at[path[-1]] = value
-    (tmp_path / "b.cpm").write_text(json.dumps(content))
-    said = reopened(steered, hand, tmp_path / "b.cpm")
-    assert len([text for text in said if "damaged" in text]) == 1
-    assert [branch.name for branch in navigation(steered).outline.branches] == left
-    assert steered.session.document.shapes == (Circle((30.0, 28.0), 6.0),)
+DAMAGES = [
+    (("runs", 0, "branches", 0, "steps"), [[[99], 4]], ["Run 2"]),
+    (("runs", 0, "branches", 0, "steps"), [[[], 1], [[0], 10**12]], ["Run 2"]),
+    (("runs", 0, "branches", 1, "parent"), 77, ["Run 2"]),
+    (("runs", 0, "document"), "no document", ["Run 2"]),
+    (("runs", 1, "actions", 0, "step", "beta"), -5.0, ["Run 1", "Branch 1"]),
+    (("states", 0, "state", "position", "data"), "AAAA", ["Run 1", "Branch 1", "Run 2"]),
+    (("numbers",), [[1, 5.0, 5.0], [1, 9.0, 9.0]], ["Run 1", "Branch 1", "Run 2"]),
+    (("numbers",), [[2, 5.0, "far"]], ["Run 1", "Branch 1", "Run 2"]),
+    (("runs",), 3, []),
+]
+"""Pieces of a session file, what they are replaced by, and the branches that are left."""
+
+
+def test_a_damaged_piece_is_one_sentence_and_the_rest_is_opened(steered, hand, tmp_path, cases) -> None:
+    whole = saved(steered, hand, tmp_path / "a.cpm").read_text()
+    for path, value, left in cases(DAMAGES):
+        content = json.loads(whole)
+        at = content["runs"]
+        for key in path[:-1]:
+            at = at[key]
+        at[path[-1]] = value
+        (tmp_path / "b.cpm").write_text(json.dumps(content))
+        said = reopened(steered, hand, tmp_path / "b.cpm")
+        assert len([text for text in said if "damaged" in text]) == 1
+        assert [branch.name for branch in navigation(steered).outline.branches] == left
+        assert steered.session.document.shapes == (Circle((30.0, 28.0), 6.0),)
 
 
 def test_runs_that_are_no_mapping_leave_the_document(ready, hand, tmp_path) -> None:

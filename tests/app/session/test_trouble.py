@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import pytest
 from PIL import Image as Picture
 from PySide6.QtCore import QMimeData, QPoint, Qt, QUrl
 from PySide6.QtGui import QDropEvent
@@ -51,22 +50,22 @@ def folder_itself(folder: Path) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("make", [no_image, one_pixel, constant, not_a_number, missing, folder_itself])
-def test_an_unusable_file_is_reported_in_one_sentence_and_the_image_stays(ready, hand, tmp_path, make) -> None:
-    document = ready.session.document
-    ready.session.open(make(tmp_path))
-    hand.wait(lambda: bool(ready.canvas_area.messages.text))
-    hand.wait(lambda: ready.session.idle)
-    said = ready.canvas_area.messages.text
-    assert said.endswith(".")
-    assert "\n" not in said
-    assert "Something unexpected" not in said
-    assert "Traceback" not in said
-    assert ready.session.document == document
-    hand.key(KEY.Key_Escape)
-    assert ready.canvas_area.messages.text == ""
-    hand.key(KEY.Key_Period)
-    hand.wait(lambda: ready.session.status.step == 1)
+def test_an_unusable_file_is_reported_in_one_sentence_and_the_image_stays(ready, hand, tmp_path, cases) -> None:
+    for make in cases([no_image, one_pixel, constant, not_a_number, missing, folder_itself]):
+        document, step = ready.session.document, ready.session.status.step
+        ready.session.open(make(tmp_path))
+        hand.wait(lambda: bool(ready.canvas_area.messages.text))
+        hand.wait(lambda: ready.session.idle)
+        said = ready.canvas_area.messages.text
+        assert said.endswith(".")
+        assert "\n" not in said
+        assert "Something unexpected" not in said
+        assert "Traceback" not in said
+        assert ready.session.document == document
+        hand.key(KEY.Key_Escape)
+        assert ready.canvas_area.messages.text == ""
+        hand.key(KEY.Key_Period)
+        hand.wait(lambda step=step: ready.session.status.step == step + 1)
 
 
 def test_a_file_without_permission_is_reported_and_the_image_stays(ready, hand, tmp_path, monkeypatch) -> None:

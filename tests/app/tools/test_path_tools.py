@@ -43,39 +43,39 @@ def draw(hand, key: KEY, corners=CORNERS) -> None:
     hand.key(KEY.Key_Return)
 
 
-@pytest.mark.parametrize("key", KINDS, ids=["stroke", "region", "barrier"])
-def test_clicks_place_corners_and_enter_ends_the_path_as_one_step_of_undo(window, hand, key) -> None:
-    draw(hand, key)
-    shape = only(window)
-    assert type(shape) is KINDS[key]
-    assert near(shape.points, CORNERS)
-    assert window.session.selected == 0
-    hand.key(KEY.Key_Z, CONTROL)
-    assert window.session.document.shapes == ()
-    hand.key(KEY.Key_Y, CONTROL)
-    assert only(window) == shape
+def test_clicks_place_corners_and_enter_ends_the_path_as_one_step_of_undo(window, hand, cases) -> None:
+    for key in cases(KINDS):
+        draw(hand, key)
+        shape = only(window)
+        assert type(shape) is KINDS[key]
+        assert near(shape.points, CORNERS)
+        assert window.session.selected == 0
+        hand.key(KEY.Key_Z, CONTROL)
+        assert window.session.document.shapes == ()
+        hand.key(KEY.Key_Y, CONTROL)
+        assert only(window) == shape
 
 
-@pytest.mark.parametrize("key", KINDS, ids=["stroke", "region", "barrier"])
-def test_a_drag_draws_freehand_and_the_path_follows_the_pointer(window, hand, key) -> None:
-    hand.key(key)
-    angles = np.linspace(0.0, 1.5 * np.pi, 120)
-    way = [(32.0 + 20.0 * math.sin(angle), 32.0 + 20.0 * math.cos(angle)) for angle in angles]
-    hand.drag(*way)
-    shape = only(window)
-    assert type(shape) is KINDS[key]
-    assert max(polyline.distance(shape.points, position) for position in way) < 1.5
-    assert max(polyline.distance(way, point) for point in shape.points) < 1.0
-    assert 8 <= len(shape.points) < len(way)
+def test_a_drag_draws_freehand_and_the_path_follows_the_pointer(window, hand, cases) -> None:
+    for key in cases(KINDS):
+        hand.key(key)
+        angles = np.linspace(0.0, 1.5 * np.pi, 120)
+        way = [(32.0 + 20.0 * math.sin(angle), 32.0 + 20.0 * math.cos(angle)) for angle in angles]
+        hand.drag(*way)
+        shape = only(window)
+        assert type(shape) is KINDS[key]
+        assert max(polyline.distance(shape.points, position) for position in way) < 1.5
+        assert max(polyline.distance(way, point) for point in shape.points) < 1.0
+        assert 8 <= len(shape.points) < len(way)
 
 
-@pytest.mark.parametrize("key", KINDS, ids=["stroke", "region", "barrier"])
-def test_a_double_click_places_the_last_corner_and_ends_the_path(window, hand, key) -> None:
-    hand.key(key)
-    for corner in CORNERS[:-1]:
-        hand.click(*corner)
-    hand.double_click(*CORNERS[-1])
-    assert near(only(window).points, CORNERS)
+def test_a_double_click_places_the_last_corner_and_ends_the_path(window, hand, cases) -> None:
+    for key in cases(KINDS):
+        hand.key(key)
+        for corner in CORNERS[:-1]:
+            hand.click(*corner)
+        hand.double_click(*CORNERS[-1])
+        assert near(only(window).points, CORNERS)
 
 
 def test_a_click_on_the_first_corner_closes_a_region_but_not_a_barrier(window, hand) -> None:
@@ -92,20 +92,20 @@ def test_a_click_on_the_first_corner_closes_a_region_but_not_a_barrier(window, h
     assert near(window.session.document.shapes[1].points, (*CORNERS, CORNERS[0]))
 
 
-@pytest.mark.parametrize("key", KINDS, ids=["stroke", "region", "barrier"])
-def test_escape_discards_a_path_and_leaves_nothing_to_undo(window, hand, key) -> None:
-    hand.key(key)
-    hand.click(10, 10)
-    hand.click(10, 40)
-    hand.move(40, 40)
-    assert window.session.document.shapes == ()
-    assert "Esc cancels" in window.canvas_area.hint.text()
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_Escape)
-    hand.key(KEY.Key_Return)
-    assert window.session.document.shapes == ()
-    assert not window.actions_by_name["undo"].isEnabled()
-    assert "Esc cancels" not in window.canvas_area.hint.text()
+def test_escape_discards_a_path_and_leaves_nothing_to_undo(window, hand, cases) -> None:
+    for key in cases(KINDS):
+        hand.key(key)
+        hand.click(10, 10)
+        hand.click(10, 40)
+        hand.move(40, 40)
+        assert window.session.document.shapes == ()
+        assert "Esc cancels" in window.canvas_area.hint.text()
+        hand.canvas.setFocus()
+        hand.key(KEY.Key_Escape)
+        hand.key(KEY.Key_Return)
+        assert window.session.document.shapes == ()
+        assert not window.actions_by_name["undo"].isEnabled()
+        assert "Esc cancels" not in window.canvas_area.hint.text()
 
 
 def test_backspace_removes_the_last_corner_and_not_the_selected_shape(ready, hand) -> None:
@@ -122,14 +122,14 @@ def test_backspace_removes_the_last_corner_and_not_the_selected_shape(ready, han
     assert ready.session.document.shapes == (circle,)
 
 
-@pytest.mark.parametrize("key", KINDS, ids=["stroke", "region", "barrier"])
-def test_a_single_click_makes_nothing_and_says_how(window, hand, key) -> None:
-    hand.canvas.setFocus()
-    hand.key(key)
-    hand.click(20, 20)
-    hand.key(KEY.Key_Return)
-    assert window.session.document.shapes == ()
-    assert "corner by corner" in window.canvas_area.messages.text
+def test_a_single_click_makes_nothing_and_says_how(window, hand, cases) -> None:
+    for key in cases(KINDS):
+        hand.canvas.setFocus()
+        hand.key(key)
+        hand.click(20, 20)
+        hand.key(KEY.Key_Return)
+        assert window.session.document.shapes == ()
+        assert "corner by corner" in window.canvas_area.messages.text
 
 
 def test_another_tool_discards_the_path_that_was_begun(window, hand) -> None:
@@ -144,41 +144,41 @@ def test_another_tool_discards_the_path_that_was_begun(window, hand) -> None:
     assert len(window.session.document.shapes) == 1
 
 
-@pytest.mark.parametrize("key", KINDS, ids=["stroke", "region", "barrier"])
-def test_a_path_is_selected_on_its_line_moved_by_drag_and_keys_and_deleted(window, hand, key) -> None:
-    draw(hand, key)
-    drawn = only(window)
-    hand.key(KEY.Key_Escape)
-    assert window.session.selected is None
-    hand.key(KEY.Key_S)
-    middle = tuple(np.mean(drawn.points[:2], axis=0))
-    hand.drag(middle, (middle[0] + 2, middle[1] + 2), (middle[0] + 4, middle[1] + 3))
-    assert window.session.selected == 0
-    moved = only(window)
-    assert near(moved.points, [(row + 4, col + 3) for row, col in drawn.points])
-    assert [math.dist(a, b) for a, b in pairwise(moved.points)] == pytest.approx(
-        [math.dist(a, b) for a, b in pairwise(drawn.points)]
-    )
-    hand.key(KEY.Key_Down)
-    assert only(window).points == tuple((row + 1, col) for row, col in moved.points)
-    hand.key(KEY.Key_Delete)
-    assert window.session.document.shapes == ()
+def test_a_path_is_selected_on_its_line_moved_by_drag_and_keys_and_deleted(window, hand, cases) -> None:
+    for key in cases(KINDS):
+        draw(hand, key)
+        drawn = only(window)
+        hand.key(KEY.Key_Escape)
+        assert window.session.selected is None
+        hand.key(KEY.Key_S)
+        middle = tuple(np.mean(drawn.points[:2], axis=0))
+        hand.drag(middle, (middle[0] + 2, middle[1] + 2), (middle[0] + 4, middle[1] + 3))
+        assert window.session.selected == 0
+        moved = only(window)
+        assert near(moved.points, [(row + 4, col + 3) for row, col in drawn.points])
+        assert [math.dist(a, b) for a, b in pairwise(moved.points)] == pytest.approx(
+            [math.dist(a, b) for a, b in pairwise(drawn.points)]
+        )
+        hand.key(KEY.Key_Down)
+        assert only(window).points == tuple((row + 1, col) for row, col in moved.points)
+        hand.key(KEY.Key_Delete)
+        assert window.session.document.shapes == ()
 
 
-@pytest.mark.parametrize("key", KINDS, ids=["stroke", "region", "barrier"])
-def test_a_corner_of_the_selected_path_can_be_dragged_with_any_tool(window, hand, key) -> None:
-    draw(hand, key)
-    hand.drag(CORNERS[1], (15, 50), (20, 54))
-    assert near(only(window).points, (CORNERS[0], (20.0, 54.0), *CORNERS[2:]))
-    assert window.actions_by_name["undo"].text().startswith("Undo reshape")
-    hand.press(*CORNERS[0])
-    hand.move(30, 30)
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_Escape)
-    hand.release(30, 30)
-    assert near(only(window).points, (CORNERS[0], (20.0, 54.0), *CORNERS[2:]))
-    hand.key(KEY.Key_Z, CONTROL)
-    assert near(only(window).points, CORNERS)
+def test_a_corner_of_the_selected_path_can_be_dragged_with_any_tool(window, hand, cases) -> None:
+    for key in cases(KINDS):
+        draw(hand, key)
+        hand.drag(CORNERS[1], (15, 50), (20, 54))
+        assert near(only(window).points, (CORNERS[0], (20.0, 54.0), *CORNERS[2:]))
+        assert window.actions_by_name["undo"].text().startswith("Undo reshape")
+        hand.press(*CORNERS[0])
+        hand.move(30, 30)
+        hand.canvas.setFocus()
+        hand.key(KEY.Key_Escape)
+        hand.release(30, 30)
+        assert near(only(window).points, (CORNERS[0], (20.0, 54.0), *CORNERS[2:]))
+        hand.key(KEY.Key_Z, CONTROL)
+        assert near(only(window).points, CORNERS)
 
 
 def test_limits_alone_ask_for_a_start_and_go_to_the_engine_in_px_of_the_image(window, hand) -> None:

@@ -97,56 +97,55 @@ def test_an_ellipse_is_resized_and_turned_by_its_handles_with_any_tool(window, h
     assert turned.radii == pytest.approx((12, 10), abs=PIXEL)
 
 
-@pytest.mark.parametrize(("key", "kind"), [(KEY.Key_O, Polygon), (KEY.Key_G, Grid), (KEY.Key_H, Threshold)])
-def test_a_closed_line_is_drawn_corner_by_corner_and_its_particles_are_shown(window, hand, key, kind) -> None:
-    hand.canvas.setFocus()
-    hand.key(key)
-    assert "corner by corner" in window.canvas_area.hint.text()
-    for corner in CORNERS:
-        hand.click(*corner)
-    hand.key(KEY.Key_Return)
-    shape = only(window)
-    assert type(shape) is kind
-    assert max(math.dist(a, b) for a, b in zip(shape.points, CORNERS, strict=True)) <= PIXEL
-    hand.wait(lambda: window.session.idle)
-    layer = hand.canvas.layers.drawing
-    values = window.session.image.values
-    shown = {Polygon: layer._seeds.count, Grid: layer._points.count, Threshold: layer.everywhere}[kind]
-    if kind is Threshold:
-        strength = edge_map(values, 1.0)
-        pixels = np.argwhere(np.ones(values.shape, bool)).astype(float)
-        within = polyline.inside(shape.points, pixels).reshape(values.shape)
-        assert shown == np.count_nonzero(within & (strength > shape.fraction * strength[within].max())) > 10
-    else:
-        assert shown == len(shape.seeds()) > 10
+def test_a_closed_line_is_drawn_corner_by_corner_and_its_particles_are_shown(window, hand, cases) -> None:
+    for key, kind in cases([(KEY.Key_O, Polygon), (KEY.Key_G, Grid), (KEY.Key_H, Threshold)]):
+        hand.canvas.setFocus()
+        hand.key(key)
+        assert "corner by corner" in window.canvas_area.hint.text()
+        for corner in CORNERS:
+            hand.click(*corner)
+        hand.key(KEY.Key_Return)
+        shape = only(window)
+        assert type(shape) is kind
+        assert max(math.dist(a, b) for a, b in zip(shape.points, CORNERS, strict=True)) <= PIXEL
+        hand.wait(lambda: window.session.idle)
+        layer = hand.canvas.layers.drawing
+        values = window.session.image.values
+        shown = {Polygon: layer._seeds.count, Grid: layer._points.count, Threshold: layer.everywhere}[kind]
+        if kind is Threshold:
+            strength = edge_map(values, 1.0)
+            pixels = np.argwhere(np.ones(values.shape, bool)).astype(float)
+            within = polyline.inside(shape.points, pixels).reshape(values.shape)
+            assert shown == np.count_nonzero(within & (strength > shape.fraction * strength[within].max())) > 10
+        else:
+            assert shown == len(shape.seeds()) > 10
 
 
-@pytest.mark.parametrize(
-    ("shape", "value"),
-    [
-        (Circle((30.0, 30.0), 10.0), lambda shape: shape.radius),
-        (Ellipse((30.0, 30.0), (10.0, 5.0)), lambda shape: shape.radii[0]),
-        (Polygon(CORNERS), lambda shape: polyline.area(shape.points)),
-        (Region(CORNERS), lambda shape: polyline.area(shape.points)),
-        (Grid(CORNERS), lambda shape: shape.spacing),
-        (Threshold(CORNERS), lambda shape: shape.fraction),
-        (Charge((30.0, 30.0), 2.0), lambda shape: shape.strength),
-        (Charge((30.0, 30.0), -2.0), lambda shape: -shape.strength),
-    ],
-)
-def test_less_and_greater_change_the_size_of_the_selected_shape_and_undo_brings_it_back(
-    window, hand, shape, value
-) -> None:
-    add(window, shape)
-    window.session.select(0)
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_Greater)
-    assert value(only(window)) > value(shape)
-    hand.key(KEY.Key_Less)
-    hand.key(KEY.Key_Less)
-    assert value(only(window)) < value(shape)
-    hand.key(KEY.Key_Z, MODIFIER.ControlModifier)
-    assert only(window) == shape
+SIZES = [
+    (Circle((30.0, 30.0), 10.0), lambda shape: shape.radius),
+    (Ellipse((30.0, 30.0), (10.0, 5.0)), lambda shape: shape.radii[0]),
+    (Polygon(CORNERS), lambda shape: polyline.area(shape.points)),
+    (Region(CORNERS), lambda shape: polyline.area(shape.points)),
+    (Grid(CORNERS), lambda shape: shape.spacing),
+    (Threshold(CORNERS), lambda shape: shape.fraction),
+    (Charge((30.0, 30.0), 2.0), lambda shape: shape.strength),
+    (Charge((30.0, 30.0), -2.0), lambda shape: -shape.strength),
+]
+"""Shapes, and what is larger the larger they are."""
+
+
+def test_less_and_greater_change_the_size_of_the_selected_shape_and_undo_brings_it_back(window, hand, cases) -> None:
+    for shape, value in cases(SIZES):
+        add(window, shape)
+        window.session.select(0)
+        hand.canvas.setFocus()
+        hand.key(KEY.Key_Greater)
+        assert value(only(window)) > value(shape)
+        hand.key(KEY.Key_Less)
+        hand.key(KEY.Key_Less)
+        assert value(only(window)) < value(shape)
+        hand.key(KEY.Key_Z, MODIFIER.ControlModifier)
+        assert only(window) == shape
 
 
 def test_spraying_scatters_points_in_the_ring_as_one_step_of_undo_and_never_two_in_one_place(window, hand) -> None:
@@ -189,19 +188,19 @@ def test_less_and_greater_change_the_ring_which_is_shown_and_hidden_with_the_poi
     assert len(ring.getData()[0]) > 0
 
 
-@pytest.mark.parametrize("key", [KEY.Key_Y, KEY.Key_E, KEY.Key_L, KEY.Key_A])
-def test_escape_during_a_drag_leaves_the_drawing_as_it_was_and_nothing_to_undo(window, hand, key) -> None:
-    hand.key(key)
-    window.session.begin_document(edits.add_shape(window.session.document, Circle((30.0, 30.0), 8.0)))
-    before = window.session.document
-    hand.press(20, 20)
-    hand.move(24, 30)
-    hand.move(30, 38)
-    assert window.session.document != before
-    hand.qtbot.keyClick(hand.canvas, KEY.Key_Escape)
-    hand.release(30, 38)
-    assert window.session.document.shapes == before.shapes
-    assert not window.actions_by_name["undo"].isEnabled()
+def test_escape_during_a_drag_leaves_the_drawing_as_it_was_and_nothing_to_undo(window, hand, cases) -> None:
+    for key in cases([KEY.Key_Y, KEY.Key_E, KEY.Key_L, KEY.Key_A]):
+        hand.key(key)
+        window.session.begin_document(edits.add_shape(window.session.document, Circle((30.0, 30.0), 8.0)))
+        before = window.session.document
+        hand.press(20, 20)
+        hand.move(24, 30)
+        hand.move(30, 38)
+        assert window.session.document != before
+        hand.qtbot.keyClick(hand.canvas, KEY.Key_Escape)
+        hand.release(30, 38)
+        assert window.session.document.shapes == before.shapes
+        assert not window.actions_by_name["undo"].isEnabled()
 
 
 def test_the_eraser_deletes_single_points_and_other_shapes_that_it_touches_and_keeps_the_rest(window, hand) -> None:

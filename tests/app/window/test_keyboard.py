@@ -56,39 +56,41 @@ def fields(window) -> dict[str, object]:
 KINDS = ("number", "slider", "choice", "button", "check box", "preset", "timeline")
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_space_runs_from_every_field_that_is_no_text(board, hand, kind) -> None:
-    field = fields(board)[kind]
-    parameters = board.session.document.parameters
-    focus(hand, field)
-    hand.key(KEY.Key_Space)
-    assert board.session.status.phase != "ready"
-    assert board.session.document.parameters == parameters
-    assert not board.panels["parameters"].gallery.popup.isVisible()
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_letters_choose_tools_from_every_field_and_bring_the_keyboard_to_the_canvas(board, hand, kind) -> None:
-    field = fields(board)[kind]
-    for tool in TOOLS:
+def test_space_runs_from_every_field_that_is_no_text(board, hand, cases) -> None:
+    for kind in cases(KINDS):
+        field = fields(board)[kind]
+        parameters = board.session.document.parameters
         focus(hand, field)
-        hand.key(getattr(KEY, f"Key_{tool.shortcut}"))
-        assert hand.canvas.tool.name == tool.name
+        hand.key(KEY.Key_Space)
+        assert board.session.status.phase != "ready"
+        assert board.session.document.parameters == parameters
+        assert not board.panels["parameters"].gallery.popup.isVisible()
+        board.session.reset()
+        hand.wait_for_phase("ready")
+
+
+def test_letters_choose_tools_from_every_field_and_bring_the_keyboard_to_the_canvas(board, hand, cases) -> None:
+    for kind in cases(KINDS):
+        field = fields(board)[kind]
+        for tool in TOOLS:
+            focus(hand, field)
+            hand.key(getattr(KEY, f"Key_{tool.shortcut}"))
+            assert hand.canvas.tool.name == tool.name
+            assert hand.canvas.hasFocus()
+
+
+def test_escape_gives_the_keyboard_back_from_every_field(board, hand, cases) -> None:
+    for kind in cases(KINDS):
+        focus(hand, fields(board)[kind])
+        hand.key(KEY.Key_Escape)
         assert hand.canvas.hasFocus()
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_escape_gives_the_keyboard_back_from_every_field(board, hand, kind) -> None:
-    focus(hand, fields(board)[kind])
-    hand.key(KEY.Key_Escape)
-    assert hand.canvas.hasFocus()
-
-
-@pytest.mark.parametrize("kind", ["number", "slider", "choice", "timeline"])
-def test_enter_gives_the_keyboard_back_from_every_field(board, hand, kind) -> None:
-    focus(hand, fields(board)[kind])
-    hand.key(KEY.Key_Return)
-    assert hand.canvas.hasFocus()
+def test_enter_gives_the_keyboard_back_from_every_field(board, hand, cases) -> None:
+    for kind in cases(["number", "slider", "choice", "timeline"]):
+        focus(hand, fields(board)[kind])
+        hand.key(KEY.Key_Return)
+        assert hand.canvas.hasFocus()
 
 
 def test_a_number_is_entered_by_enter_and_space_then_runs(board, hand, beta) -> None:
@@ -115,18 +117,18 @@ def test_a_number_takes_no_space_and_no_letter_even_where_they_do_nothing(window
         assert number.text() == text
 
 
-@pytest.mark.parametrize("kind", ["number", "slider", "choice"])
-def test_escape_restores_the_value_from_before_the_first_key(board, hand, kind) -> None:
-    board.session.edit("β", lambda document: edits.set_parameter(document, "beta", 0.777))  # between two steps
-    before = board.session.document.parameters
-    field = fields(board)[kind]
-    focus(hand, field)
-    for _ in range(2):
-        hand.key(KEY.Key_Right if kind == "slider" else KEY.Key_Down)
-    assert board.session.document.parameters != before
-    hand.key(KEY.Key_Escape)
-    assert board.session.document.parameters == before
-    assert hand.canvas.hasFocus()
+def test_escape_restores_the_value_from_before_the_first_key(board, hand, cases) -> None:
+    for kind in cases(["number", "slider", "choice"]):
+        board.session.edit("β", lambda document: edits.set_parameter(document, "beta", 0.777))  # between two steps
+        before = board.session.document.parameters
+        field = fields(board)[kind]
+        focus(hand, field)
+        for _ in range(2):
+            hand.key(KEY.Key_Right if kind == "slider" else KEY.Key_Down)
+        assert board.session.document.parameters != before
+        hand.key(KEY.Key_Escape)
+        assert board.session.document.parameters == before
+        assert hand.canvas.hasFocus()
 
 
 def test_escape_drops_what_is_typed_and_not_entered(board, hand, beta) -> None:

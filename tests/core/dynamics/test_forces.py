@@ -9,7 +9,7 @@ from cpm_core import Engine, Forces, Parameters, PlacedCharge, circle
 from cpm_core.dynamics.equations import damping, repulsion_left
 from cpm_core.field.convolution import convolved_potential
 from cpm_core.field.interpolation import interpolate
-from cpm_core.segmentation.completion import idle_steps_of
+from cpm_core.segmentation.completion.plane import idle_steps_of
 
 from ..scenes import antialiased, disk
 from .moving import repulsion

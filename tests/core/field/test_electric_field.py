@@ -60,9 +60,9 @@ def test_a_size_seen_before_takes_over_its_kernels_and_only_so_many_are_kept(mon
     built = []
     build = convolution._kernel_spectra
 
-    def counting(shape, padded, power, precision):
+    def counting(shape, padded, power, precision, pitch):
         built.append(shape)
-        return build(shape, padded, power, precision)
+        return build(shape, padded, power, precision, pitch)
 
     monkeypatch.setattr(convolution, "_kernel_spectra", counting)
     monkeypatch.setattr(convolution, "_spectra", convolution._Spectra())

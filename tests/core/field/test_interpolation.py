@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from scipy import ndimage
 
 from cpm_core.field.interpolation import interpolate
-from cpm_core.field.plane import between, component
+from cpm_core.field.interpolation.plane import between, component
 
 
 def random_field(shape, channels, seed):

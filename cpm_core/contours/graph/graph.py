@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.graph_paths import Ways, follow, ways_of
+from cpm_core.contours.graph.paths import Ways, follow, ways_of
 from cpm_core.numerics.polyline import lengths_along
 from cpm_core.numerics.types import Array, Index
 

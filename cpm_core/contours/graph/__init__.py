@@ -1,0 +1,1 @@
+"""Graphs of points and edges, from which contours are read."""

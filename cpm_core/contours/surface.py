@@ -1,0 +1,128 @@
+"""A surface in a volume: triangles, and what tells whether to trust them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.numerics.types import Array, Index
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Triangles in a volume.
+
+    Attributes
+    ----------
+    vertices : ndarray of float64, shape (N, 3)
+        Positions (plane, row, col) [voxels], voxel centers at integers.
+    faces : ndarray of int64, shape (F, 3)
+        Vertices of each triangle, in such an order that its normal, by the right-hand rule in (plane, row, col),
+        points outward: to the dark side of an edge, or where given normals point.
+    spacing : tuple of float
+        Size of a voxel along each axis, in `unit`.
+    unit : str or None
+        Unit of length of `spacing`; None when it is not known.
+    unsupported : float
+        Share of the vertices that have no particle near: there the surface is a guess. NaN when it is not known.
+    left_out : int
+        Number of components that were left out, because they had too few particles or vertices without any near.
+    """
+
+    vertices: NDArray[np.float64]
+    faces: NDArray[np.int64]
+    spacing: tuple[float, ...] = (1.0, 1.0, 1.0)
+    unit: str | None = None
+    unsupported: float = np.nan
+    left_out: int = 0
+
+    def __post_init__(self) -> None:
+        vertices = np.array(self.vertices, dtype=np.float64).reshape(-1, 3)
+        faces = np.array(self.faces, dtype=np.int64).reshape(-1, 3)
+        if not np.isfinite(vertices).all():
+            raise ValueError("A surface has vertices that are NaN or infinite: leave them out.")
+        if len(faces) and not 0 <= faces.min() <= faces.max() < len(vertices):
+            raise ValueError(f"A triangle names vertex {faces.max()}, but there are {len(vertices)} vertices.")
+        for name, values in (("vertices", vertices), ("faces", faces)):
+            values.flags.writeable = False
+            object.__setattr__(self, name, values)
+
+    @cached_property
+    def normals(self) -> Array:
+        """Unit vectors outward at the vertices, in units of length, shape (N, 3); zero where there is no triangle."""
+        sums = np.zeros((len(self.vertices), 3))
+        for corner in range(3):
+            for axis in range(3):
+                sums[:, axis] += np.bincount(self.faces[:, corner], self._crosses[:, axis], minlength=len(sums))
+        lengths = np.linalg.norm(sums, axis=1)
+        sums[lengths > 0] /= lengths[lengths > 0, None]
+        return sums
+
+    @cached_property
+    def area(self) -> float:
+        """Area, in `unit` squared."""
+        return float(np.linalg.norm(self._crosses, axis=1).sum() / 2.0)
+
+    @cached_property
+    def volume(self) -> float:
+        """Volume that a closed surface encloses, in `unit` cubed; hollows count as outside."""
+        if not len(self.faces):
+            return 0.0
+        center = self._physical.mean(0)
+        return float(np.einsum("ij,ij->", self._physical[self.faces[:, 0]] - center, self._crosses) / 6.0)
+
+    @cached_property
+    def euler(self) -> int:
+        """Euler characteristic: vertices - edges + triangles; 2 for a ball, 0 for a torus, their sum for several."""
+        return len(np.unique(self.faces)) - len(self._edge_counts) + len(self.faces)
+
+    @cached_property
+    def free_edges(self) -> int:
+        """Number of edges with one triangle; a closed surface has none."""
+        return int((self._edge_counts == 1).sum())
+
+    @cached_property
+    def nonmanifold_edges(self) -> int:
+        """Number of edges with more than two triangles."""
+        return int((self._edge_counts > 2).sum())
+
+    @cached_property
+    def component_of_vertex(self) -> Index:
+        """Number of the component of each vertex, from 0 up; vertices without a triangle have their own."""
+        from scipy.sparse import coo_array  # noqa: PLC0415 - slow to load
+        from scipy.sparse.csgraph import connected_components  # noqa: PLC0415
+
+        one, other = self.faces[:, [0, 1]].ravel(), self.faces[:, [1, 2]].ravel()
+        count = len(self.vertices)
+        joined = coo_array((np.ones(len(one), np.int8), (one, other)), shape=(count, count))
+        return connected_components(joined, directed=False)[1].astype(np.int64)
+
+    @property
+    def components(self) -> int:
+        """Number of parts that do not hang together."""
+        return len(np.unique(self.component_of_vertex[self.faces[:, 0]]))
+
+    @property
+    def closed(self) -> bool:
+        """Whether every edge has two triangles, so that there is an inside."""
+        return len(self.faces) > 0 and not self.free_edges and not self.nonmanifold_edges
+
+    @cached_property
+    def _physical(self) -> Array:
+        return np.asarray(self.vertices * np.array(self.spacing))
+
+    @cached_property
+    def _crosses(self) -> Array:
+        """Outward normals of the triangles, in units of length, as long as twice their area."""
+        a, b, c = (self._physical[self.faces[:, corner]] for corner in range(3))
+        return np.asarray(np.cross(b - a, c - a))
+
+    @cached_property
+    def _edge_counts(self) -> Index:
+        """Number of triangles at each edge."""
+        ends = np.sort(self.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+        numbers: Index = ends[:, 0] * len(self.vertices) + ends[:, 1]
+        return np.unique(numbers, return_counts=True)[1]

@@ -1,0 +1,1 @@
+"""One time step of a run: motion, deletion and insertion; `plane` for images, `space` for volumes."""

@@ -1,0 +1,95 @@
+"""The Lorentz force on a particle in a volume, and the ridge of the edge map beside it.
+
+Far from edges it is the unit vector of the field. On an edge the field along the normal changes its sign over a
+fraction of a voxel, and its part along the edge leads to stronger parts. There the relative slope of the edge map takes
+its place, ``n (f+ - f-) / (f+ + f-)``, with the edge strength one unit ahead and behind along the normal ``n`` of the
+smoothed volume: it has nearly unit size on the flank and falls linearly through zero on the ridge. No normalization is
+needed, and what the far field lacks in resolution does not matter.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cpm_core.field.interpolation.space import normal_at, sampled, value_at
+from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.types import Array, Single
+from cpm_core.numerics.vectors import Vector, dot, length, moved, scaled
+
+GATE = 0.45
+"""Relative slope of the edge map under which a particle on an edge is on its ridge."""
+
+_HALF_NEAR = 0.5
+"""Edge strength, as a fraction of the floor, at which the slope of the edge map begins to count."""
+
+_RIDGE_STEP, _LONGEST_STEP, _SHORTEST_STEP = 0.7, 0.6, 0.01
+"""Distance of the two samples beside a ridge, longest step towards it, and the one after which it is reached."""
+
+
+@compiled
+def felt_at(
+    smoothed: Single, edges: Single, far: Single, pitch: Vector, block: Vector, floor: float, place: Vector
+) -> tuple[Vector, Vector, float, float, float]:
+    """Force at a place, normal, edge strength, relative slope of the edge map, and how much of the force it is."""
+    normal = normal_at(smoothed, pitch, place)
+    here = sampled(edges, pitch, place)
+    ahead = sampled(edges, pitch, moved(place, 1.0, normal))
+    behind = sampled(edges, pitch, moved(place, -1.0, normal))
+    slope = (ahead - behind) / (ahead + behind + 1e-30)
+    near = min(max((max(here, ahead, behind) / floor - _HALF_NEAR) / (1.0 - _HALF_NEAR), 0.0), 1.0)
+    force = scaled(normal, near * slope)
+    if near < 1.0:
+        away = far_at(far, pitch, block, place)
+        force = moved(force, (1.0 - near) / (length(away) + 1e-30), away)
+    return force, normal, here, slope, near
+
+
+@compiled
+def far_at(far: Single, pitch: Vector, block: Vector, place: Vector) -> Vector:
+    """Field of the fixed charges at a place, from blocks of voxels."""
+    z = (place[0] / pitch[0] + 0.5) / block[0] - 0.5
+    y = (place[1] / pitch[1] + 0.5) / block[1] - 0.5
+    x = (place[2] / pitch[2] + 0.5) / block[2] - 0.5
+    return value_at(far[0], z, y, x), value_at(far[1], z, y, x), value_at(far[2], z, y, x)
+
+
+@compiled
+def on_ridge(smoothed: Single, edges: Single, pitch: Vector, place: Vector, rounds: int) -> Vector:
+    """The place on the ridge of the edge map beside another one, along the normal: the top of a parabola, repeated."""
+    for _ in range(rounds):
+        normal = normal_at(smoothed, pitch, place)
+        here = sampled(edges, pitch, place)
+        ahead = sampled(edges, pitch, moved(place, _RIDGE_STEP, normal))
+        behind = sampled(edges, pitch, moved(place, -_RIDGE_STEP, normal))
+        bend = ahead - 2.0 * here + behind
+        step = _RIDGE_STEP * (-0.5 * (ahead - behind) / bend if bend < 0.0 else np.sign(ahead - behind))
+        step = min(max(step, -_LONGEST_STEP), _LONGEST_STEP)
+        place = moved(place, step, normal)
+        if abs(step) < _SHORTEST_STEP:
+            break
+    return place
+
+
+@compiled
+def is_ridge(smoothed: Single, edges: Single, pitch: Vector, place: Vector, reach: float) -> bool:
+    """Whether the edge is nowhere stronger at a distance along the normal, to either side."""
+    normal = normal_at(smoothed, pitch, place)
+    here = sampled(edges, pitch, place)
+    return bool(
+        sampled(edges, pitch, moved(place, reach, normal)) <= here
+        and sampled(edges, pitch, moved(place, -reach, normal)) <= here
+    )
+
+
+@compiled
+def on_ridges(smoothed: Single, edges: Single, pitch: Vector, places: Array, rounds: int, out: Array) -> None:
+    """`on_ridge` of places of shape (N, 3), into `out`."""
+    for i in range(len(places)):
+        found = on_ridge(smoothed, edges, pitch, (places[i, 0], places[i, 1], places[i, 2]), rounds)
+        out[i, 0], out[i, 1], out[i, 2] = found[0], found[1], found[2]
+
+
+@compiled
+def faces_alike(one: Vector, other: Vector) -> bool:
+    """Whether two normals belong to the same sheet of a surface: the two walls of a thin object point apart."""
+    return dot(one, other) > 0.0

@@ -1,0 +1,217 @@
+"""The fields of a volume at one scale: smoothed volume, edge map, and the far field of the fixed charges."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal, NamedTuple
+
+import numpy as np
+import scipy
+
+from cpm_core.field.convolution import convolved_field
+from cpm_core.field.scale_field import WEAKEST_EDGE
+from cpm_core.field.volume.ridges import Ridges, ridges_of
+from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.parallel import share
+from cpm_core.numerics.types import Array, Mask, Single
+from cpm_core.numerics.vectors import Vector
+
+Accuracy = Literal["half", "exact"]
+"""How the far field is computed: from blocks of two units, or from every voxel."""
+
+BLOCK = 2.0
+"""Side of the blocks of the far field [units]."""
+
+_CHARGED = 0.25
+"""Edge strength under which a voxel carries no charge of the far field, as a fraction of the floor."""
+
+_MOST_BACKGROUND = 0.35
+"""Largest background, as a fraction of the largest edge strength; a volume above it is full of edges."""
+
+_MAXWELL_QUARTILE, _DEVIATIONS = 1.1010, 4.2
+"""Lower quartile of the Maxwell distribution of unit width, and the deviations of a component of the gradient that
+noise rarely exceeds: one in two thousand voxels, which are no ridge that a front could follow."""
+
+_SERIES, _CLEAR = (0.7, 1.0, 1.4, 2.0, 3.0), (0.1, 0.25, 0.25, 0.25, 1.0)
+"""Sigmas that the automatic smoothing tries [units], and the background, as a fraction of the largest edge strength, up
+to which each is enough. The first one keeps thin vessels that nearly touch apart."""
+
+_TURN = 0.5
+"""Scalar product of the normals of two voxels of the edge map, from which on they belong to one surface."""
+
+_EVERY = 3
+"""The background is measured at every third voxel along each axis."""
+
+_LEAST_LINES = 8
+"""Planes or rows that are worth a thread."""
+
+
+class FarField(NamedTuple):
+    """Field of the fixed charges, float32 of shape (3, P, R, C), and the voxels along the sides of a block."""
+
+    force: Single
+    block: Vector
+
+
+@dataclass(frozen=True, eq=False)
+class VolumeField:
+    """The fields of one scale of a volume.
+
+    Attributes
+    ----------
+    smoothed : ndarray of float32, shape (P, R, C)
+        The smoothed volume; on an edge its slope is normal to it.
+    edge_map : ndarray of float32, shape (P, R, C)
+        Edge strength f [gray levels / unit]; zero outside the regions of interest.
+    pitch : tuple of float
+        Sides of a voxel [units].
+    strongest : float
+        Largest edge strength.
+    floor : float
+        Least edge strength for edge contact.
+    smoothing : float
+        Sigma of the Gaussian [units].
+    exponent : float
+        Power of the distance with which the force of a fixed charge decays.
+    accuracy : {"half", "exact"}
+        How the far field is computed.
+    noisy : bool
+        Whether noise decides on the floor; the normals of single voxels then tell little.
+    closed : ndarray of bool, shape (P, R, C), or None
+        Voxels that no particle enters.
+    """
+
+    smoothed: Single
+    edge_map: Single
+    pitch: Vector
+    strongest: float
+    floor: float
+    smoothing: float
+    exponent: float = 3.0
+    accuracy: Accuracy = "half"
+    noisy: bool = False
+    closed: Mask | None = None
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the volume at this scale."""
+        return self.edge_map.shape
+
+    @property
+    def extent(self) -> Vector:
+        """Size of the volume [units]."""
+        planes, rows, cols = (float(n * side) for n, side in zip(self.shape, self.pitch, strict=True))
+        return planes, rows, cols
+
+    @property
+    def fixed_charges(self) -> Single:
+        """Size of the fixed charges."""
+        return self.edge_map
+
+    @cached_property
+    def far(self) -> FarField:
+        """Field of the fixed charges; computed on first use."""
+        wanted = BLOCK if self.accuracy == "half" else 1.0
+        block = [max(1, round(wanted / side)) for side in self.pitch]
+        charges = block_means(np.where(self.edge_map < _CHARGED * self.floor, np.float32(0), self.edge_map), block)
+        sides = tuple(n * side for n, side in zip(block, self.pitch, strict=True))
+        force = convolved_field(charges, self.exponent, np.float32, sides).astype(np.float32, copy=False)
+        return FarField(force, (float(block[0]), float(block[1]), float(block[2])))
+
+    @cached_property
+    def ridges(self) -> Ridges:
+        """Ridges of the edge map; found on first use."""
+        return ridges_of(self.smoothed, self.edge_map, self.pitch, self.floor, -1.0 if self.noisy else _TURN)
+
+
+def build_volume_field(
+    values: Array,
+    pitch: Vector,
+    smoothing: float | Literal["auto"],
+    edge_floor: float,
+    interest: Mask | None = None,
+    closed: Mask | None = None,
+) -> VolumeField:
+    """Fields of a volume, shape (P, R, C), with voxels of these sides [units].
+
+    `smoothing` is the sigma of the Gaussian [units], or the least of a series that raises the edges above the noise;
+    `edge_floor` is the fraction of the largest edge strength below which there is no edge, 0 for what the background
+    decides alone; outside `interest` there are no edges.
+    """
+    for sigma, clear in zip(_SERIES, _CLEAR, strict=True) if smoothing == "auto" else ((float(smoothing), 1.0),):
+        smoothed = smoothed_volume(values, [sigma / side for side in pitch])
+        edges = edge_strength(smoothed, pitch)
+        background = _background(edges)
+        if interest is not None:
+            edges[~interest] = 0.0
+        strongest = float(edges.max())
+        if background <= clear * strongest:
+            break
+    least = max(WEAKEST_EDGE, edge_floor) * strongest
+    noise = min(background, _MOST_BACKGROUND * strongest)
+    floor = max(least, noise) if strongest > 0.0 else math.inf
+    return VolumeField(smoothed, edges, pitch, strongest, floor, sigma, noisy=noise > least, closed=closed)
+
+
+def _background(edges: Single) -> float:
+    """Edge strength that the background rarely exceeds; 0 for a flat background."""
+    some = edges[::_EVERY, ::_EVERY, ::_EVERY]
+    return _DEVIATIONS * float(np.percentile(some, 25.0)) / _MAXWELL_QUARTILE
+
+
+def smoothed_volume(values: Array, sigmas: list[float]) -> Single:
+    """A volume after a Gaussian with a sigma for each axis [voxels], in single precision."""
+    smoothed: Single = values.astype(np.float32) if not any(sigmas) else values  # type: ignore[assignment]
+    for axis, sigma in enumerate(sigmas):
+        if sigma > 0.0:
+            smoothed = _smoothed_along(smoothed, sigma, axis)
+    return smoothed
+
+
+def _smoothed_along(volume: Single, sigma: float, axis: int) -> Single:
+    """A volume smoothed along one axis; the lines are shared among the cores."""
+    out = np.empty(volume.shape, np.float32)
+    other = 1 if axis == 0 else 0
+
+    def work(first: int, end: int) -> None:
+        part = (slice(None),) * other + (slice(first, end),)
+        scipy.ndimage.gaussian_filter1d(volume[part], sigma, axis, output=out[part], mode="nearest")
+
+    share(work, volume.shape[other], _LEAST_LINES)
+    return out
+
+
+def edge_strength(smoothed: Single, pitch: Vector) -> Single:
+    """Size of the slope of a volume at every voxel, from central differences [gray levels / unit]."""
+    out = np.empty_like(smoothed)
+    share(lambda first, last: _edge_strength(smoothed, pitch, first, last, out), len(out), _LEAST_LINES)
+    return out
+
+
+@compiled
+def _edge_strength(smoothed: Single, pitch: Vector, first: int, last: int, out: Single) -> None:
+    planes, rows, cols = smoothed.shape
+    a, b, c = np.float32(0.5 / pitch[0]), np.float32(0.5 / pitch[1]), np.float32(0.5 / pitch[2])
+    for i in range(first, last):
+        above, below = max(i - 1, 0), min(i + 1, planes - 1)
+        for j in range(rows):
+            before, behind = max(j - 1, 0), min(j + 1, rows - 1)
+            for k in range(cols):
+                left, right = max(k - 1, 0), min(k + 1, cols - 1)
+                z = a * (smoothed[below, j, k] - smoothed[above, j, k])
+                y = b * (smoothed[i, behind, k] - smoothed[i, before, k])
+                x = c * (smoothed[i, j, right] - smoothed[i, j, left])
+                out[i, j, k] = np.sqrt(z * z + y * y + x * x)
+
+
+def block_means(volume: Single, block: list[int]) -> Single:
+    """Means of the blocks of a volume, of so many voxels along each axis; the last blocks may be smaller."""
+    for axis, n in enumerate(block):
+        if n > 1:
+            starts = np.arange(0, volume.shape[axis], n)
+            sums = np.add.reduceat(volume, starts, axis=axis)
+            sums *= np.float32(1.0 / n)  # a smaller block counts as filled up with zeros
+            volume = sums
+    return volume

@@ -1,0 +1,76 @@
+"""The scale space of a volume: the fields of each of its scales, built on first use."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from copy import copy
+from dataclasses import replace
+from threading import Lock
+
+from cpm_core.field.source_images import SourceImages
+from cpm_core.field.volume.volume_field import VolumeField, build_volume_field
+from cpm_core.image.image import Image
+from cpm_core.image.regions import Regions
+from cpm_core.numerics.vectors import Vector
+from cpm_core.parameters import DEFAULTS, OF_PLANES, Parameters
+
+_Key = tuple[int, float | str, float | str, float]
+
+_KEPT_SETTINGS = 1
+"""Settings whose fields are kept: those of a volume take much memory."""
+
+
+class VolumeSpace:
+    """Fields of a volume at its scales, for any parameters; threads may share it."""
+
+    def __init__(self, image: Image, scales: int, regions: Regions | None = None) -> None:
+        self._pitch = pitch_of(image)
+        self._sources = SourceImages(image.values, scales)
+        self._regions = regions
+        self._kept: OrderedDict[_Key, VolumeField] = OrderedDict()
+        self._lock = Lock()
+
+    def __len__(self) -> int:
+        return len(self._sources)
+
+    def with_regions(self, regions: Regions | None) -> VolumeSpace:
+        """The same volume with other regions."""
+        other = copy(self)
+        other._regions, other._kept, other._lock = regions, OrderedDict(), Lock()
+        return other
+
+    def at(self, scale: int, parameters: Parameters) -> VolumeField:
+        """Fields of a scale; ValueError for parameters that have no meaning in a volume."""
+        check_parameters(parameters)
+        key = scale, parameters.gamma, parameters.smoothing, parameters.edge_floor
+        with self._lock:
+            if key not in self._kept:
+                values = self._sources.at(scale, replace(parameters, smoothing=0.0)).values  # not cleaned
+                self._kept[key] = build_volume_field(values, self._pitch, parameters.smoothing, parameters.edge_floor)
+            self._kept.move_to_end(key)
+            while len(self._kept) > _KEPT_SETTINGS * len(self):
+                self._kept.popitem(last=False)
+            return self._kept[key]
+
+    def prepare(self, parameters: Parameters) -> None:
+        """Check the parameters; the fields are built when a run needs them."""
+        check_parameters(parameters)
+
+
+def pitch_of(image: Image) -> Vector:
+    """Sides of the voxels of a volume, in units of the smallest one."""
+    least = min(image.spacing)
+    plane, row, col = (side / least for side in image.spacing)
+    return plane, row, col
+
+
+def check_parameters(parameters: Parameters) -> None:
+    """Raise a `ValueError` unless the parameters that have a meaning in the plane only have their default values."""
+    for name in OF_PLANES:
+        value = getattr(parameters, name)
+        if value != DEFAULTS[name]:
+            shown = f"{value:g}" if isinstance(value, float) else repr(value)
+            raise ValueError(
+                f"{name} is {shown} but has no meaning in a volume: leave it at {DEFAULTS[name]}, "
+                'as PRESETS["volume"] does.'
+            )

@@ -1,0 +1,53 @@
+"""Vectors of space as three numbers, for compiled loops: no array is made for any of them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.types import Array
+
+Vector = tuple[float, float, float]
+"""A position or a direction (plane, row, col)."""
+
+
+@compiled
+def dot(one: Vector, other: Vector) -> float:
+    """Scalar product."""
+    return one[0] * other[0] + one[1] * other[1] + one[2] * other[2]
+
+
+@compiled
+def length(vector: Vector) -> float:
+    """Length of a vector."""
+    return float(np.sqrt(dot(vector, vector)))
+
+
+@compiled
+def moved(place: Vector, way: float, direction: Vector) -> Vector:
+    """The place that is reached from another one by going some way in a direction."""
+    return place[0] + way * direction[0], place[1] + way * direction[1], place[2] + way * direction[2]
+
+
+@compiled
+def scaled(vector: Vector, factor: float) -> Vector:
+    """A vector times a number."""
+    return factor * vector[0], factor * vector[1], factor * vector[2]
+
+
+@compiled
+def difference(one: Vector, other: Vector) -> Vector:
+    """The vector from the other place to the first one."""
+    return one[0] - other[0], one[1] - other[1], one[2] - other[2]
+
+
+@compiled
+def row_of(rows: Array, i: int) -> Vector:
+    """One row of an array of shape (N, 3)."""
+    return float(rows[i, 0]), float(rows[i, 1]), float(rows[i, 2])
+
+
+@compiled
+def set_row(rows: Array, i: int, vector: Vector) -> None:
+    """Write one row of an array of shape (N, 3)."""
+    rows[i, 0], rows[i, 1], rows[i, 2] = vector[0], vector[1], vector[2]

@@ -1,0 +1,1 @@
+"""From particles in a volume to surfaces."""

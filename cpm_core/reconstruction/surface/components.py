@@ -1,0 +1,58 @@
+"""Components of a surface: which of them enough particles bear out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from cpm_core.contours.surface import Surface
+from cpm_core.numerics.types import Array, Index, Mask
+
+
+@dataclass(frozen=True)
+class Leaving:
+    """Which components of a surface are left out.
+
+    Attributes
+    ----------
+    fewest : int
+        Least number of particles.
+    share : float
+        Least number of particles as a share of those of the component with most of them; 0 leaves none out for this.
+    supported : float
+        Least share of the vertices that have a particle near.
+    """
+
+    fewest: int = 12
+    share: float = 0.02
+    supported: float = 0.25
+
+
+def well_supported(
+    vertices: Array,
+    faces: Index,
+    points: Array,
+    supported: Mask,
+    spacing: tuple[float, ...],
+    unit: str | None,
+    leaving: Leaving,
+) -> Surface:
+    """Surface of the components that are not left out; `supported` tells which vertices have a particle near.
+
+    A particle belongs to the component of the vertex next to it.
+    """
+    whole = Surface(vertices, faces, spacing, unit)
+    if not len(faces):
+        return whole
+    component = whole.component_of_vertex
+    nearest = KDTree(vertices * spacing).query(points * spacing)[1]
+    particles = np.bincount(component[nearest], minlength=component.max() + 1)
+    share = np.bincount(component, supported) / np.bincount(component)
+    kept = (particles >= max(leaving.fewest, leaving.share * particles.max())) & (share >= leaving.supported)
+    stays = kept[component]
+    number = np.cumsum(stays) - 1
+    unsupported = 1.0 - float(supported[stays].mean()) if stays.any() else np.nan
+    left_out = int(len(kept) - kept.sum())
+    return Surface(vertices[stays], number[faces[stays[faces[:, 0]]]], spacing, unit, unsupported, left_out)

@@ -1,0 +1,153 @@
+"""Joints: parts of the inside that hang together by a neck thinner than the voxels, joined along the neck.
+
+Where a vessel is about as thin as a voxel, the smoothed volume may sink below the local threshold although the vessel
+goes on. Between two parts the way along which the volume stays highest passes a saddle; if it lies in a neck (`necks`),
+the voxels of the way are raised. The ways make no loop, since each joins two parts that were apart.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.runs import Runs, runs_of
+from cpm_core.numerics.types import Index, Single
+from cpm_core.reconstruction.surface.iso.necks import DEEPEST, Surroundings
+
+Labels = NDArray[np.int32]
+"""Parts of voxels, and voxels of runs."""
+
+_APART = 3
+"""Distance between saddles of the same two parts that are looked at [voxels]."""
+
+_WINDOW = 6
+"""Voxels around a saddle in which the way is sought."""
+
+_RAISED = 0.25
+"""Height of the voxels on a way: just inside."""
+
+_MOST_MEETINGS = 4
+"""Parts that may meet another one in a voxel."""
+
+
+def join(height: Single, begin: Index, surroundings: Surroundings) -> int:
+    """Raise the voxels of necks in a height just above zero, and return the number of joints.
+
+    `begin` is the first voxel of the height in the volume.
+    """
+    parts = runs_of(height > 0.0, corners=True)
+    if parts.count < 2:
+        return 0
+    meetings = _meetings(height, parts)
+    group = np.arange(parts.count)
+    looked_at: dict[tuple[int, int], list[Index]] = {}
+    joined = 0
+    for p, r, c, one, other in meetings:
+        a, b = _root(group, one), _root(group, other)
+        saddle, pair = np.array([p, r, c]), (min(one, other), max(one, other))
+        tried = looked_at.setdefault(pair, [])
+        if a == b or any((np.abs(saddle - before) < _APART).all() for before in tried):
+            continue
+        tried.append(saddle)
+        depth = -float(height[p, r, c])
+        if not surroundings.may_be_neck(saddle + begin, depth):
+            continue
+        way = _way(height, parts, saddle, one, other)
+        if way is None or not surroundings.is_neck(way + begin, saddle + begin, depth):
+            continue
+        group[max(a, b)] = min(a, b)
+        joined += 1
+        inner = tuple(way.T)
+        height[inner] = np.maximum(height[inner], _RAISED)
+    return joined
+
+
+def _meetings(height: Single, parts: Runs) -> Index:
+    """Voxels, and the two parts, where the slopes of different parts meet, the highest first, shape (M, 5)."""
+    own: Labels = np.zeros(height.shape, np.int32)
+    _paint(own, parts.begin, parts.first, parts.last, parts.part)
+    low = np.argwhere((height <= 0.0) & (height > -DEEPEST))
+    low = low[np.argsort(-height[tuple(low.T)], kind="stable")]
+    basin = np.arange(parts.count + len(low) + 1)
+    found = np.empty((_MOST_MEETINGS * len(low), 5), np.int64)
+    return found[: _descend(height, own, low, parts.count, basin, found)]
+
+
+@compiled
+def _paint(own: Labels, begin: Index, first: Labels, last: Labels, part: Index) -> None:
+    rows = own.shape[1]
+    for line in range(len(begin) - 1):
+        for k in range(begin[line], begin[line + 1]):
+            for c in range(first[k], last[k]):
+                own[line // rows, line % rows, c] = part[k] + 1
+
+
+@compiled
+def _root(group: Index, k: int) -> int:
+    while group[k] != k:
+        group[k] = group[group[k]]
+        k = group[k]
+    return k
+
+
+@compiled
+def _descend(height: Single, own: Labels, low: Index, count: int, basin: Index, found: Index) -> int:
+    """Give voxels, from high to low, to the part whose slope they lie on; note where two parts meet.
+
+    A voxel without a higher neighbor begins a basin of its own, which goes to the first part that reaches it.
+    """
+    planes, rows, cols = height.shape
+    seen = np.empty(27, np.int64)
+    met = 0
+    for n in range(len(low)):
+        p, r, c = low[n]
+        many, mine = 0, -1
+        highest = -np.inf
+        for u in range(max(p - 1, 0), min(p + 2, planes)):
+            for v in range(max(r - 1, 0), min(r + 2, rows)):
+                for w in range(max(c - 1, 0), min(c + 2, cols)):
+                    if own[u, v, w] > 0:
+                        root = _root(basin, own[u, v, w])
+                        if root <= count and height[u, v, w] > highest:
+                            highest, mine = height[u, v, w], root
+                        new = True
+                        for k in range(many):
+                            new = new and seen[k] != root
+                        if new:
+                            seen[many] = root
+                            many += 1
+        if mine < 0:
+            mine = seen[0] if many else count + 1 + n
+        own[p, r, c] = mine
+        noted = 0
+        for k in range(many):
+            if seen[k] > count:
+                basin[seen[k]] = mine
+            elif seen[k] != mine and noted < _MOST_MEETINGS:
+                found[met, 0], found[met, 1], found[met, 2] = p, r, c
+                found[met, 3], found[met, 4] = mine - 1, seen[k] - 1
+                noted += 1
+                met += 1
+    return met
+
+
+def _way(height: Single, parts: Runs, saddle: Index, one: int, other: int) -> Index | None:
+    """Shortest way between two parts over voxels no lower than a saddle, through it, ends included; None without."""
+    from skimage.graph import MCP_Geometric  # noqa: PLC0415 - loaded when there is something to join
+
+    low = np.maximum(saddle - _WINDOW, 0)
+    window = height[tuple(slice(a, a + 2 * _WINDOW + 1) for a in low)]
+    passable = window >= height[tuple(saddle)]
+    costs = MCP_Geometric(np.where(passable, 1.0, -1.0))
+    reached, _ = costs.find_costs([tuple(saddle - low)])
+    inside = np.argwhere(passable & (window > 0.0))
+    part = parts.part_at(inside + low)
+    halves = []
+    for wanted in (one, other):
+        ends = inside[part == wanted]
+        cost = reached[tuple(ends.T)]
+        if not len(ends) or not np.isfinite(cost).any():
+            return None
+        halves.append(np.array(costs.traceback(tuple(ends[cost.argmin()]))) + low)
+    return np.concatenate([halves[0][::-1], halves[1][1:]])

@@ -1,0 +1,145 @@
+"""How far the gray levels around particles lie above those at the particles: positive on the bright side of an edge.
+
+At each particle the smoothed volume has some value, the local threshold of the edge. Around the particles it is
+spread by a Gaussian, and the surface lies where the volume passes through it. So it follows edges whose contrast and
+gray levels change from place to place, as no single threshold does.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.parallel import share
+from cpm_core.numerics.types import Array, Index, Single
+
+_LEAST_PLANES = 4
+"""Planes that one thread takes at least."""
+
+_TAIL = 3.0
+"""Widths of the Gaussian beyond which a particle is not felt."""
+
+_THICKEST = 2.0
+"""Least half thickness of the band around the particles [voxels]: it holds voxels on both sides of every edge."""
+
+
+@dataclass(frozen=True, eq=False)
+class Levels:
+    """Particles on the edges of a volume, and what the surface needs to know of each.
+
+    Attributes
+    ----------
+    points : ndarray, shape (N, 3)
+        Positions [voxels].
+    thresholds : ndarray, shape (N,)
+        Gray level of the smoothed volume at which the edge lies.
+    slopes : ndarray, shape (N,)
+        Steepness of the edge [gray levels / smallest side of a voxel].
+    """
+
+    points: Array
+    thresholds: Array
+    slopes: Array
+
+
+class Box(NamedTuple):
+    """A part of a volume: its first voxel, shape (3,), and the number of voxels along each axis."""
+
+    begin: Index
+    shape: tuple[int, int, int]
+
+
+def height(volume: Single, box: Box, levels: Levels, size: Array, width: float, band: float) -> Single:
+    """Height over the local threshold, within `band` of a particle, NaN elsewhere, in steps of the slope there.
+
+    That is about the distance to the edge, in smallest sides of a voxel. The height of a box of the volume is found,
+    which may reach beyond the border: there the outermost voxels go on. `size` holds the sides of a voxel, `width` is
+    that of the Gaussian, and `band` a distance, all in the same unit.
+    """
+    found = np.full(box.shape, np.nan, np.float32)
+    radii = np.maximum(band / size, _THICKEST)
+    reach = max(_TAIL * width, float((radii * size).max()))
+    places = levels.points - box.begin
+    order, begin, cells = _in_cells(places * size, np.array(box.shape) * size, reach)
+    points, thresholds, slopes = places[order], levels.thresholds[order], levels.slopes[order]
+    _mark(found, points, radii)
+    weight = -0.5 / width**2
+
+    def work(first: int, last: int) -> None:
+        _height(volume, box.begin, found, points, thresholds, slopes, begin, cells, size, reach, weight, first, last)
+
+    share(work, len(found), _LEAST_PLANES)
+    return found
+
+
+def _in_cells(places: Array, extent: Array, side: float) -> tuple[Index, NDArray[np.int32], Index]:
+    """Order of places by cubic cells, the first place of each cell, and the number of cells along each axis."""
+    cells = (extent / side).astype(np.int64) + 1
+    at = np.clip((places / side).astype(np.int64), 0, cells - 1)
+    cell = (at[:, 0] * cells[1] + at[:, 1]) * cells[2] + at[:, 2]
+    counts = np.bincount(cell, minlength=int(np.prod(cells)))
+    return np.argsort(cell, kind="stable"), np.concatenate([[0], np.cumsum(counts)]).astype(np.int32), cells
+
+
+@compiled
+def _mark(found: Single, points: Array, radii: Array) -> None:
+    """Set the voxels of the band to zero."""
+    low, high = np.empty(3, np.int64), np.empty(3, np.int64)
+    for i in range(len(points)):
+        for k in range(3):
+            low[k] = max(int(np.ceil(points[i, k] - radii[k])), 0)
+            high[k] = min(int(np.floor(points[i, k] + radii[k])) + 1, found.shape[k])
+        for p in range(low[0], high[0]):
+            across = 1.0 - ((p - points[i, 0]) / radii[0]) ** 2
+            for r in range(low[1], high[1]):
+                left = across - ((r - points[i, 1]) / radii[1]) ** 2
+                for c in range(low[2], high[2]):
+                    if ((c - points[i, 2]) / radii[2]) ** 2 <= left:
+                        found[p, r, c] = 0.0
+
+
+@compiled
+def _height(
+    volume: Single,
+    origin: Index,
+    found: Single,
+    points: Array,
+    thresholds: Array,
+    slopes: Array,
+    begin: NDArray[np.int32],
+    cells: Index,
+    size: Array,
+    reach: float,
+    weight: float,
+    first: int,
+    last: int,
+) -> None:
+    top, bottom, right = volume.shape[0] - 1, volume.shape[1] - 1, volume.shape[2] - 1
+    for p in range(first, last):
+        plane = min(max(p + origin[0], 0), top)
+        a = min(int(p * size[0] / reach), cells[0] - 1)
+        for r in range(found.shape[1]):
+            row = min(max(r + origin[1], 0), bottom)
+            b = min(int(r * size[1] / reach), cells[1] - 1)
+            for c in range(found.shape[2]):
+                if np.isnan(found[p, r, c]):
+                    continue
+                d = min(int(c * size[2] / reach), cells[2] - 1)
+                total = threshold = slope = 0.0
+                for u in range(max(a - 1, 0), min(a + 2, cells[0])):
+                    for v in range(max(b - 1, 0), min(b + 2, cells[1])):
+                        line = (u * cells[1] + v) * cells[2]
+                        for i in range(begin[line + max(d - 1, 0)], begin[line + min(d + 2, cells[2])]):
+                            x, y, z = points[i, 0] - p, points[i, 1] - r, points[i, 2] - c
+                            off = (x * size[0]) ** 2 + (y * size[1]) ** 2 + (z * size[2]) ** 2
+                            if off < reach * reach:
+                                part = np.exp(weight * off)
+                                total += part
+                                threshold += part * thresholds[i]
+                                slope += part * slopes[i]
+                col = min(max(c + origin[2], 0), right)
+                found[p, r, c] = (volume[plane, row, col] * total - threshold) / max(slope, 1e-30)

@@ -1,0 +1,129 @@
+import numpy as np
+import pytest
+from scipy.ndimage import map_coordinates
+
+from cpm_core.reconstruction.surface.components import Leaving
+from tests.core.reconstruction.surface import solids
+from tests.core.reconstruction.surface.solids import ball, brick, ring, rod, scene, surface_of, union, without
+
+ALONG = np.array([0.0, 0.0, 1.0])
+LINKED = union(ring(9, 3.5, 0, solids.MIDDLE - 5 * ALONG), ring(9, 3.5, 1, solids.MIDDLE + 5 * ALONG))
+DOUBLE = union(ring(7, 3, 0, solids.MIDDLE - 7.5 * ALONG), ring(7, 3, 0, solids.MIDDLE + 7.5 * ALONG))
+
+
+@pytest.mark.parametrize("noise", [2.0, 20.0])
+@pytest.mark.parametrize(
+    ("solid", "euler", "parts", "bias"),
+    [
+        (ball(13), 2, 1, 0.05),
+        (ring(11, 5), 0, 1, 0.05),
+        (brick(8, 12, 10), 2, 1, None),
+        (DOUBLE, -2, 1, None),
+        (LINKED, 0, 2, None),
+        (without(ball(16), ball(8)), 4, 2, 0.05),
+        (brick(2, 14, 14), 2, 1, None),
+    ],
+    ids=["ball", "torus", "brick", "double torus", "linked tori", "shell", "thin plate"],
+)
+def test_surfaces_have_the_topology_and_the_place_of_the_solid(solid, euler, parts, bias, noise):
+    seen = scene(solid, noise=noise)
+    surface = surface_of(seen)
+    assert (surface.euler, surface.components) == (euler, parts)
+    assert surface.closed and surface.volume > 0.0
+    off = np.abs(solid(surface.vertices))
+    assert (off < 1.0).mean() > 0.98
+    assert surface.unsupported < 0.01
+    if bias is not None:
+        assert off.mean() <= bias
+
+
+@pytest.mark.parametrize("solid", [ball(13), ring(11, 5)], ids=["ball", "torus"])
+def test_voxels_need_not_be_cubes(solid):
+    surface = surface_of(scene(solid, spacing=(2.0, 1.0, 1.0), noise=2.0))
+    off = np.abs(solid(surface.vertices * surface.spacing))
+    assert off.mean() <= 0.1
+    assert surface.closed and surface.components == 1
+    cubes = surface_of(scene(solid, noise=2.0))
+    assert surface.euler == cubes.euler
+    assert surface.volume == pytest.approx(cubes.volume, rel=0.02)
+    assert surface.area == pytest.approx(cubes.area, rel=0.02)
+
+
+def test_a_dark_object_has_the_surface_of_a_bright_one():
+    bright, dark = (surface_of(scene(LINKED, dark=dark)) for dark in (False, True))
+    assert (dark.euler, dark.components, dark.closed) == (0, 2, True)
+    assert dark.volume == pytest.approx(bright.volume, rel=0.01)
+
+
+@pytest.mark.parametrize("gap", [2.0, 3.0])
+@pytest.mark.parametrize("noise", [2.0, 20.0])
+@pytest.mark.parametrize("shape", ["balls", "rod ends", "crossing rods", "bricks"])
+def test_what_is_apart_stays_apart(shape, gap, noise):
+    middle, half = solids.MIDDLE, gap / 2.0
+    solid = {
+        "balls": union(ball(6, middle - (6 + half) * ALONG), ball(6, middle + (6 + half) * ALONG)),
+        "rod ends": union(
+            rod(middle - 15 * ALONG, middle - (3 + half) * ALONG, 3),
+            rod(middle + (3 + half) * ALONG, middle + 15 * ALONG, 3),
+        ),
+        "crossing rods": union(
+            rod((middle[0] - 2 - half, 4, middle[2]), (middle[0] - 2 - half, 35, middle[2]), 2),
+            rod((middle[0] + 2 + half, middle[1], 4), (middle[0] + 2 + half, middle[1], 35), 2),
+        ),
+        "bricks": union(
+            brick(8, 8, 6, center=middle - (6 + half) * ALONG), brick(8, 8, 6, center=middle + (6 + half) * ALONG)
+        ),
+    }[shape]
+    assert surface_of(scene(solid, noise=noise)).components == 2
+
+
+@pytest.mark.parametrize("noise", [0.0, 20.0])
+def test_a_vessel_that_thins_out_stays_one_surface(noise):
+    """Two vessels that meet at the corners of voxels: nowhere between them is the volume as bright as at the edges."""
+    middle = solids.MIDDLE.astype(int)
+    label = np.zeros((40, 40, 40))
+    label[middle[0] - 2 : middle[0] + 1, middle[1] - 2 : middle[1] + 1, 6 : middle[2]] = 1.0
+    label[middle[0] + 1 : middle[0] + 4, middle[1] + 1 : middle[1] + 4, middle[2] : 34] = 1.0
+    solid = as_solid(label)
+    surface = surface_of(scene(solid, noise=noise, apart=1.5))
+    assert surface.components == 1
+    assert surface.closed
+
+
+def as_solid(label):
+    """A solid of voxels: half inside where they are 1, half outside where they are 0."""
+    return lambda p: map_coordinates(label - 0.5, np.moveaxis(p, -1, 0), order=1, mode="nearest")
+
+
+def test_a_surface_is_cut_or_ends_at_the_border():
+    center = np.array([-2.0, 19.5, 19.5])
+    seen = scene(ball(13, center))
+    cut, ending = surface_of(seen), surface_of(seen, open_border=True)
+    assert (cut.euler, cut.free_edges) == (2, 0)
+    assert (ending.euler, ending.closed) == (1, False)
+    assert ending.free_edges > 0
+    assert ending.vertices[:, 0].min() >= 0.0
+    edge = ending.vertices[ending.vertices[:, 0] < 1e-9]
+    assert np.abs(np.linalg.norm(edge - center, axis=1) - 13.0).max() < 0.5
+
+
+def test_components_with_few_particles_are_left_out_and_counted():
+    small = ball(3, solids.MIDDLE + 15 * ALONG)
+    seen = scene(union(ball(9, solids.MIDDLE - 6 * ALONG), small))
+    everything = surface_of(seen)
+    assert (everything.components, everything.left_out) == (2, 0)
+    larger = surface_of(seen, leaving=Leaving(share=0.5))
+    assert (larger.components, larger.left_out) == (1, 1)
+    assert len(larger.vertices) == len(np.unique(larger.faces))
+
+
+def test_too_few_particles_make_no_surface():
+    seen = scene(ball(9))
+    surface = surface_of(seen._replace(points=seen.points[:3]))
+    assert (len(surface.vertices), len(surface.faces), surface.euler, surface.closed) == (0, 0, 0, False)
+
+
+def test_the_same_particles_give_the_same_surface():
+    seen = scene(ring(11, 5), noise=20.0)
+    one, other = surface_of(seen), surface_of(seen)
+    assert np.array_equal(one.vertices, other.vertices) and np.array_equal(one.faces, other.faces)
