@@ -57,10 +57,7 @@ def segment(
     ValueError
         For an unusable image, seeds or parameters; the message says what to do.
     """
-    if max_steps is not None:
-        checked_number(
-            "max_steps", max_steps, lambda steps: steps >= 1 and steps == int(steps), "at least 1, and whole"
-        )
+    _check_steps(max_steps)
     chosen = parameters or Parameters()
     engine = Engine(values, chosen, regions)
     state = engine.start(seeds)
@@ -71,6 +68,11 @@ def segment(
         if state.step == max_steps and not state.stop_reason:
             state = state.stopped(f"stopped after {max_steps} steps, as asked")
     return engine.result(state, chosen)
+
+
+def _check_steps(given: int | None) -> None:
+    if given is not None:
+        checked_number("max_steps", given, lambda steps: steps >= 1 and steps == int(steps), "at least 1, and whole")
 
 
 def with_hand_edits(
