@@ -5,6 +5,7 @@ A call gives a result of finite numbers, or says in one sentence which value it 
 
 from __future__ import annotations
 
+import functools
 import inspect
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -27,10 +28,6 @@ prepare = warm_up
 _ROW, _COL = np.indices((16, 18))
 DISC = np.where(np.hypot(_ROW - 7.5, _COL - 8.5) < 4.5, 200.0, 20.0)
 _SEEDS = np.array([[4.0, 8.0], [7.5, 8.5], [11.0, 9.0]])
-_FOUND = cpm_core.segment(DISC, _SEEDS, Parameters(scales=1), max_steps=60)
-_PARTITION = cpm_core.partition(DISC, Parameters(scales=1))
-_SELECTION = _PARTITION.select(np.array([[7.5, 8.5]]))
-_TRUTH = Truth((DISC > 99).astype(np.int32), _FOUND.contours)
 _FRAME = np.zeros((4, 6, 3), np.uint8)
 
 _NUMBERS: tuple[Any, ...] = (
@@ -130,71 +127,79 @@ _POINTS: tuple[Any, ...] = (
     np.full((3, 2), 1e300),
     np.indices((16, 18)).reshape(2, -1).T,
 )
-_CONTOURS: tuple[Any, ...] = (_FOUND.contours, RESULT.contours, (), list(_FOUND.contours), RESULT.contours[:1])
 _PARAMETERS: tuple[Any, ...] = (
     None,
     Parameters(scales=1),
     Parameters(scales=2, smoothing="auto"),
     Parameters(scales=8),
 )
-_RESULTS: tuple[Any, ...] = (_FOUND, RESULT)
 
-SOUND: Mapping[str, tuple[Any, ...]] = {
-    "values": _IMAGES,
-    "edge_map": _IMAGES,
-    "image": (Image(DISC),),
-    "points": _POINTS,
-    "positions": _POINTS,
-    "seeds": _POINTS,
-    "targets": (None, [0, 1], np.array([2]), [-1], [99], []),
-    "parameters": _PARAMETERS,
-    "params": _PARAMETERS,
-    "max_steps": (1, 2, 5, 0, -1, np.int64(3)),
-    "regions": (
-        None,
-        Regions(),
-        Regions(interest=(((2, 2), (2, 15), (13, 15), (13, 2)),)),
-        Regions(barriers=(((0, 3), (15, 3)),)),
-    ),
-    "charges": ((), (PlacedCharge((5.0, 5.0), 2.0),), (PlacedCharge((1e6, -1e6), -4.0),)),
-    "contours": _CONTOURS,
-    "truth": (_TRUTH,),
-    "result": _RESULTS,
-    "partition": (_PARTITION,),
-    "selection": (_SELECTION,),
-    "selections": ([_SELECTION], [], [_SELECTION] * 2),
-    "center": ((8, 8), (1e6, 0), (0.0, -5.0), [4, 4]),
-    "shape": ((16, 18), (0, 0), (1, 1), (10**6, 10**6), (-3, 4), (16, 18, 4), (16.5, 3)),
-    "method": (
-        "auto",
-        "direct",
-        "fast",
-        "convolution",
-        "pppm",
-        "x",
-    ),
-    "suffix": (*cpm_core.formats.WRITABLE, ".x", "svg"),
-    "of": (None, "auto", "dark", "light", "x"),
-    "within": (None, DISC > 99, DISC[:3] > 0, _FOUND.contours),
-    "frames": ([_FRAME], [_FRAME] * 3, [], [_FRAME, _FRAME[:2]]),
-    "captions": ((), ("a",), ("a", "b", "c")),
-    "names": ((), ("a",)),
-    "kept": ((), (0,), (0, 1), (99,), (-1,)),
-    "rejected": ((), (1,), (0,)),
-    "examples": (None,),
-    "spacing": (2.0, 1, 0.1, (1.0, 1.0), (0.5, 2.0), (0, 1), 1e-6),
-    "channel": ("luminance", "red", "x"),
-    "holes": (True, False),
-    "outside": (True, False),
-    "outlines": (True, False),
-    "contrast": (True, False),
-    "columns": (None, 1, 2, 0),
-    "interest": ((), (((2, 2), (2, 9), (9, 9)),), (((2, 2),),)),
-    "barriers": ((), (((0, 3), (15, 3)),)),
-    "position": ((5.0, 5.0), (1, 2)),
-    "smoothing": ("auto", 1.0, 2.5),
-}
-"""Name of an argument -> values that it may have, not all of them sensible."""
+
+@functools.cache
+def sound() -> Mapping[str, tuple[Any, ...]]:
+    """Name of an argument -> values that it may have, not all of them sensible."""
+    found = cpm_core.segment(DISC, _SEEDS, Parameters(scales=1), max_steps=60)
+    partition = cpm_core.partition(DISC, Parameters(scales=1))
+    selection = partition.select(np.array([[7.5, 8.5]]))
+    truth = Truth((DISC > 99).astype(np.int32), found.contours)
+    contours: tuple[Any, ...] = (found.contours, RESULT.contours, (), list(found.contours), RESULT.contours[:1])
+    results: tuple[Any, ...] = (found, RESULT)
+    return {
+        "values": _IMAGES,
+        "edge_map": _IMAGES,
+        "image": (Image(DISC),),
+        "points": _POINTS,
+        "positions": _POINTS,
+        "seeds": _POINTS,
+        "targets": (None, [0, 1], np.array([2]), [-1], [99], []),
+        "parameters": _PARAMETERS,
+        "params": _PARAMETERS,
+        "max_steps": (1, 2, 5, 0, -1, np.int64(3)),
+        "regions": (
+            None,
+            Regions(),
+            Regions(interest=(((2, 2), (2, 15), (13, 15), (13, 2)),)),
+            Regions(barriers=(((0, 3), (15, 3)),)),
+        ),
+        "charges": ((), (PlacedCharge((5.0, 5.0), 2.0),), (PlacedCharge((1e6, -1e6), -4.0),)),
+        "contours": contours,
+        "truth": (truth,),
+        "result": results,
+        "partition": (partition,),
+        "selection": (selection,),
+        "selections": ([selection], [], [selection] * 2),
+        "center": ((8, 8), (1e6, 0), (0.0, -5.0), [4, 4]),
+        "shape": ((16, 18), (0, 0), (1, 1), (10**6, 10**6), (-3, 4), (16, 18, 4), (16.5, 3)),
+        "method": (
+            "auto",
+            "direct",
+            "fast",
+            "convolution",
+            "pppm",
+            "x",
+        ),
+        "suffix": (*cpm_core.formats.WRITABLE, ".x", "svg"),
+        "of": (None, "auto", "dark", "light", "x"),
+        "within": (None, DISC > 99, DISC[:3] > 0, found.contours),
+        "frames": ([_FRAME], [_FRAME] * 3, [], [_FRAME, _FRAME[:2]]),
+        "captions": ((), ("a",), ("a", "b", "c")),
+        "names": ((), ("a",)),
+        "kept": ((), (0,), (0, 1), (99,), (-1,)),
+        "rejected": ((), (1,), (0,)),
+        "examples": (None,),
+        "spacing": (2.0, 1, 0.1, (1.0, 1.0), (0.5, 2.0), (0, 1), 1e-6),
+        "channel": ("luminance", "red", "x"),
+        "holes": (True, False),
+        "outside": (True, False),
+        "outlines": (True, False),
+        "contrast": (True, False),
+        "columns": (None, 1, 2, 0),
+        "interest": ((), (((2, 2), (2, 9), (9, 9)),), (((2, 2),),)),
+        "barriers": ((), (((0, 3), (15, 3)),)),
+        "position": ((5.0, 5.0), (1, 2)),
+        "smoothing": ("auto", 1.0, 2.5),
+    }
+
 
 _SKIPPED = {
     "Engine",
@@ -260,7 +265,7 @@ def calls(draw: st.DrawFn) -> tuple[str, dict[str, Any]]:
         if key in _SKIPPED_ARGUMENTS or (optional and draw(st.booleans())):
             continue
         wrong = key not in _OF_THE_LIBRARY and draw(st.integers(0, 7)) == 0
-        arguments[key] = draw(st.sampled_from(_WRONG if wrong else SOUND.get(key, _NUMBERS)))
+        arguments[key] = draw(st.sampled_from(_WRONG if wrong else sound().get(key, _NUMBERS)))
     return name, arguments
 
 
