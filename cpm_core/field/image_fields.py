@@ -15,8 +15,12 @@ from cpm_core.field.scale_space import ScaleSpace
 from cpm_core.field.volume.volume_space import VolumeSpace
 from cpm_core.image.image import Image, as_image
 from cpm_core.image.regions import Regions
+from cpm_core.numerics.memory import check_room
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
+
+_LEAST_MEMORY = 80.0
+"""Memory that no run needs less of, for one pixel [bytes]; 106 to 200 are measured."""
 
 
 class ImageFields:
@@ -35,7 +39,8 @@ class ImageFields:
     Raises
     ------
     ValueError
-        When the image has no edges in the regions of interest, or allows fewer scales than `parameters` asks for.
+        When the image has no edges in the regions of interest, allows fewer scales than `parameters` asks for, or needs
+        more memory than is free.
     """
 
     def __init__(
@@ -52,6 +57,7 @@ class ImageFields:
         self.regions = regions
         if regions is not None:
             regions.check(array.shape)
+        check_room(array.shape, _LEAST_MEMORY, self.image.source)
         self._scale_space = _scale_space_of(self.image, parameters.scales, regions)
         self._scale_space.prepare(parameters)
         self._charged = PlacedChargeCache(array.shape)

@@ -111,16 +111,15 @@ def export(
         Called with a sentence for each file that leaves contours out, before anything is written; by default a warning
         is logged.
     refused : callable, optional
-        Called with each file that the result holds nothing for, and a sentence; the others are written. By default that
-        is an error.
+        Called with each file that the result holds nothing for, and a sentence; by default that is an error.
 
     Raises
     ------
     ValueError
-        When a suffix is not known, a file cannot be written there, or the result holds nothing such a file could show,
-        or with `refused` nothing for any of them. Then nothing is written.
+        When a suffix is not known, a file cannot be written there, or the result holds nothing such a file could show;
+        with `refused`, nothing for any of them. Then nothing is written.
     """
-    files = [Path(path) for path in paths]
+    files = list(map(Path, paths))
     for file in files:
         check_export(file)
     contents = []

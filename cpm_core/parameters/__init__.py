@@ -193,7 +193,7 @@ PRESETS: dict[str, Parameters] = {
     "ultrasound": Parameters(
         w1=0.6, w2=0.7, beta=0.4, smoothing=6.0, gamma="auto", edge_floor=0.2, max_border=0.08, sure_edge=0.7
     ),
-    "volume": Parameters(w1=0.6, w2=0.7, beta=0.4, smoothing="auto", edge_floor=0.16, scales=1),
+    "volume": Parameters(w1=0.6, w2=0.7, beta=0.4, d_min=1.75, smoothing="auto", edge_floor=0.16, scales=1),
 }
 """Named settings: shape recovery (section 4.1), automatic segmentation (section 5.2), vessels and noisy images,
 automatic segmentation of kinds of images whose boundaries other settings find better, and volumes (section 5.4)."""

@@ -216,7 +216,7 @@ class Engine(RunFields):
         """
         field = self._field_of(state, parameters)
         found: Result = self._laws.result(state, self.image, field, parameters, self.reach_map)
-        return replace(found, provenance=self._provenance(state, parameters))
+        return replace(found, provenance=_provenance(self.image, state, parameters))
 
     def measures(self, state: State, parameters: Parameters, thorough: bool = False) -> Mapping[str, float]:
         """Metrics of a state by name, the potential energy only if `thorough`; see `Method.measures`."""
@@ -229,18 +229,6 @@ class Engine(RunFields):
         """Positions of the particles, shape (N, 2) [px of the image]."""
         return state.position
 
-    def _provenance(self, state: State, parameters: Parameters) -> Provenance:
-        """How the contours of a state were found."""
-        return Provenance(
-            "cpm",
-            taken(parameters, self.parameters),
-            len(state.start),
-            tuple({"shape": "charge", **asdict(charge)} for charge in state.charges),
-            state.scale,
-            sha256=self.image.sha256,
-            of_file=bool(self.image.file_sha256),
-        )
-
     def _stepped(self, state: State, field: ScaleField, parameters: Parameters) -> State:
         """The state after a step; a method of its own so that experiments can replace it."""
         after: State = self._laws.stepped(state, field, self.regions, parameters)
@@ -249,3 +237,16 @@ class Engine(RunFields):
 
 _METRICS = {name: name for name in ("epsilon", "count", "born", "deleted", "scale")} | {"numbered": "next_identity"}
 """Metrics by name -> attributes of a state."""
+
+
+def _provenance(image: Image, state: State, parameters: Parameters) -> Provenance:
+    """How the contours of a state were found."""
+    return Provenance(
+        "cpm",
+        taken(parameters, Engine.parameters),
+        len(state.start),
+        tuple({"shape": "charge", **asdict(charge)} for charge in state.charges),
+        state.scale,
+        sha256=image.sha256,
+        of_file=bool(image.file_sha256),
+    )

@@ -11,17 +11,23 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
+from .disk.disk import failed
 from .kills.kills import killed
 from .report import Budget, Part, Report
+from .reproducible import compared
 from .window.closing import try_closing
 from .window.monkey import try_gestures
 from .window.orders import try_orders
+from .workers.workers import broken
 
 PARTS: dict[str, tuple[str, Part]] = {
     "gestures": ("random gestures on the window", try_gestures),
     "orders": ("orders to a session in every sequence, under delays", try_orders),
     "closing": ("closing the window during all that goes on", try_closing),
+    "reproducible": ("the same runs on one core and on all, to the bit", compared),
     "kills": ("kill -9 at random moments over runs, batches, saves and compilations", killed),
+    "disk": ("disks that are full, read-only or faulty, at each operation in turn", failed),
+    "workers": ("errors in threads, workers that die, memory that is not enough", broken),
 }
 """Name of each part: what it tries in a few words, and the function that runs it."""
 

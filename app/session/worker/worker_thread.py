@@ -12,9 +12,13 @@ from app.session.exchange.error_messages import sentence
 from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Overlays, Report, RunFailed, Snapshot
 from app.session.worker.commands.run import Command, CommandContext, Quit
+from app.session.worker.free_memory import give_back
 from app.session.worker.prepared_methods import PreparedMethods
 from app.session.worker.reconstruction import Reconstructor
 from app.session.worker.run import Run
+
+QUIET = 1.0
+"""Time without a command after which memory is given back [s]."""
 
 
 class WorkerThread:
@@ -88,7 +92,7 @@ class WorkerThread:
         """The next command; None when a step is due before one arrives."""
         if not self._run.stepping:
             self._waiting = True
-            command = self._commands.get()
+            command = self._await_command()
             self._waiting = False
             return command
         try:
@@ -96,6 +100,14 @@ class WorkerThread:
             return self._commands.get(timeout=wait) if wait > 0 else self._commands.get_nowait()
         except queue.Empty:
             return None
+
+    def _await_command(self) -> Command:
+        """The next command; when none comes for a while, free memory is given back first."""
+        try:
+            return self._commands.get(timeout=QUIET)
+        except queue.Empty:
+            give_back()
+            return self._commands.get()
 
     def _guarded_step(self) -> None:
         try:

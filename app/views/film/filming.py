@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from PySide6.QtCore import QObject, QTimer
 
 from app.model.text.language import tr
+from app.session.exchange.error_messages import sentence
 from app.session.session import Session
 from app.session.signals import FILMING
 from app.session.tasks.tasks import Task
@@ -107,7 +108,13 @@ class Filming(QObject):
             self._session.say(report.sentence or gone, True, FILMING)
             self.stop()
             return
-        self._take(self._renderer.draw(report))
+        try:
+            self._take(self._renderer.draw(report))
+        except Exception as error:  # it would be the same for each further try
+            self._task.cancel()
+            self._session.say(sentence(error, "drawing a film"), True, FILMING)
+            self.stop()
+            return
         self._next += 1
         if self._next == len(self._places):
             self.stop()

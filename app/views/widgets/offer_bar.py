@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QSizePolicy, QToolButton
 
 from app.model.text.language import tr
@@ -14,6 +14,9 @@ from app.views.theme.theme import Theme
 
 class OfferBar(QFrame):
     """One sentence, buttons, and a cross that turns the offer down; it waits without a limit of time."""
+
+    changed = Signal()
+    """Something is offered, or no longer."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -27,12 +30,14 @@ class OfferBar(QFrame):
         self.cross.setAutoRaise(True)
         self.cross.setToolTip(tr("No, thank you"))
         self.cross.setAccessibleName(tr("No, thank you"))
-        self.cross.clicked.connect(self.hide)
+        self.cross.clicked.connect(self.end)
         self._row = QHBoxLayout(self)
         self._row.setContentsMargins(12, 4, 6, 4)
         self._row.setSpacing(8)
         self._row.addWidget(self._label, 1)
         self._row.addWidget(self.cross)
+        self.waiting = False
+        """Whether something is offered that has not been answered."""
         self.hide()
 
     @property
@@ -50,7 +55,15 @@ class OfferBar(QFrame):
         self.buttons = [self._button(text, do) for text, do in answers]
         for place, button in enumerate(self.buttons, start=1):
             self._row.insertWidget(place, button)
+        self.waiting = True
         self.show()
+        self.changed.emit()
+
+    def end(self) -> None:
+        """Offer nothing any more."""
+        self.waiting = False
+        self.hide()
+        self.changed.emit()
 
     def use_theme(self, theme: Theme) -> None:
         """Tint the cross."""
@@ -61,7 +74,7 @@ class OfferBar(QFrame):
         button.setAutoDefault(False)
 
         def take() -> None:
-            self.hide()
+            self.end()
             do()
 
         button.clicked.connect(take)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -17,6 +18,8 @@ from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.segment import segment, with_hand_edits
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on
+
+_LOG = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,10 +66,18 @@ def do(job: Job) -> Done:
         facts = facts_of(result, time.perf_counter() - began)
         files, notes = _files(result, job.suffixes)
         return Done(job.number, facts, files, notes=(*notes_on(image, parameters), *small, *notes), sha256=image.sha256)
-    except ValueError as error:
-        return Done(job.number, error=str(error), sha256=fingerprint(Path(job.path)))
-    except MemoryError:
-        return Done(job.number, error="There is not enough memory for this image.", sha256=fingerprint(Path(job.path)))
+    except Exception as error:
+        return Done(job.number, error=_reason(error), sha256=fingerprint(Path(job.path)))
+
+
+def _reason(error: Exception) -> str:
+    """Why an image has failed; a defect of the program, too, is told, since it does not concern the other images."""
+    if isinstance(error, ValueError):
+        return str(error)
+    if isinstance(error, MemoryError):
+        return "There is not enough memory for this image."
+    _LOG.info("an unexpected error", exc_info=error)
+    return f"Something unexpected happened: {type(error).__name__}: {error}."
 
 
 def _files(result: Result, suffixes: Sequence[str]) -> tuple[dict[str, bytes], list[str]]:

@@ -38,7 +38,7 @@ _SERIES, _CLEAR = (0.7, 1.0, 1.4, 2.0, 3.0), (0.1, 0.25, 0.25, 0.25, 1.0)
 """Sigmas that the automatic smoothing tries [units], and the background, as a fraction of the largest edge strength, up
 to which each is enough. The first one keeps thin vessels that nearly touch apart."""
 
-_TURN = 0.5
+_TURN = 0.7
 """Scalar product of the normals of two voxels of the edge map, from which on they belong to one surface."""
 
 _EVERY = 3

@@ -138,7 +138,7 @@ def luminance(channels: NDArray[Any]) -> NDArray[np.float64]:
     """Luminance of red, green and blue, shape (H, W, 3), in their range."""
     gray = np.zeros(channels.shape[:2])
     for channel, weight in enumerate(WEIGHTS):
-        gray += weight * channels[..., channel]
+        gray += np.float64(weight) * channels[..., channel]  # of half precision too
     return gray
 
 

@@ -23,10 +23,10 @@ from cpm_core.particles.cell_list.space import Cells, build_cells, cells_around,
 from cpm_core.particles.state import State
 from cpm_core.particles.surface_contact import SurfaceContact
 
-LAUNCHES = 8
+LAUNCHES = 16
 """Number of launches at a scale."""
 
-WORTHWHILE = 0.002
+WORTHWHILE = 0.0005
 """Fraction of the particles that a launch must add for another one to follow."""
 
 _COVERED, _APART = 2.2, 3.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from cpm_core.contours.result import Result
 from cpm_core.dynamics.time_step.space import stepped as moved
@@ -10,6 +11,7 @@ from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.field.volume.volume_field import VolumeField
 from cpm_core.field.volume.volume_space import pitch_of
 from cpm_core.image.image import Image
+from cpm_core.image.pyramid import to_image
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
@@ -62,13 +64,23 @@ def stepped(state: State, field: VolumeField, regions: Regions | None, parameter
 
 
 def result(
-    state: State, image: Image, _field: VolumeField, parameters: Parameters, _reach: Callable[..., object]
+    state: State, image: Image, field: VolumeField, parameters: Parameters, _reach: Callable[..., object]
 ) -> Result:
-    """Particles of a state and the surface through them, in voxels."""
+    """Particles of a state and the surface through those that are seated, in voxels."""
+    from cpm_core.reconstruction.surface.iso.pipeline import find_surface  # noqa: PLC0415 - loads scipy.spatial
+
+    particles, scale = state.particles, state.scale
+    assert state.space is not None
+    assert particles.contact is not None
+    points = particles.position[particles.contact.seated] / state.space.pitch
+    spacing = tuple(side * 2.0**scale for side in image.spacing)
+    surface = find_surface(field.smoothed, field.edge_map, points, spacing, image.unit, smoothing=field.smoothing)
+    if scale:
+        surface = replace(surface, vertices=to_image(surface.vertices, scale, image.shape), spacing=image.spacing)
     return Result(
         particles=state.position,
         contours=(),
-        surface=None,
+        surface=surface,
         steps=state.step,
         converged=state.converged,
         stop_reason=state.stop_reason,

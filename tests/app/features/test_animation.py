@@ -19,6 +19,7 @@ from app.views.features.run.tasks import TasksFeature
 from app.views.features.run.timeline import TimelineFeature
 from app.views.features.view.animation import AnimationFeature
 from app.views.film.animation_dialog import AnimationDialog, AnimationPlan
+from app.views.film.frame_renderer import FrameRenderer
 from app.views.film.step_choice import evenly, every, written
 from app.views.film.strip_dialog import StripDialog
 from app.views.theme import theme
@@ -271,3 +272,18 @@ def test_steps_are_chosen_evenly_by_stride_or_by_list() -> None:
     for text in ("", " , ", "a", "1.5", "-1", "10"):
         with pytest.raises(ValueError, match="step"):
             written(text, 0, 9)
+
+
+def test_a_frame_that_cannot_be_drawn_ends_the_film_with_a_sentence_and_another_can_be_made(
+    rested, hand, tmp_path, monkeypatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise ValueError("No room to draw.")
+
+    with monkeypatch.context() as broken:
+        broken.setattr(FrameRenderer, "draw", fail)
+        write(rested, hand, tmp_path / "a.gif", (1, 2))
+    assert rested.canvas_area.messages.text == "No room to draw."
+    assert list(tmp_path.glob("*.gif")) == []
+    write(rested, hand, tmp_path / "a.gif", (1, 2))
+    assert (tmp_path / "a.gif").exists()

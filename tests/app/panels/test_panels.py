@@ -16,7 +16,6 @@ from app.model.state.situation import Situation
 from app.model.state.status import RunStatus
 from app.views.canvas.items.curves import pieces
 from app.views.canvas.layers.fields.field import ARROW_SPACING, arrow_lines, arrows
-from app.views.features.help.help import show_about
 from app.views.panels.run.plot_panel import PlotPanel
 from cpm_core import Parameters
 from cpm_core.parameters.choices import CHOICES
@@ -156,12 +155,6 @@ def test_light_and_dark_colors_can_be_chosen(window) -> None:
     window.actions_by_name["theme_light"].trigger()
     assert dark < 60
     assert window.palette().window().color().lightness() > 200
-
-
-def test_about_names_the_paper(window, qtbot) -> None:
-    about = show_about(window)
-    assert "charged particles" in about.text()
-    about.close()
 
 
 def test_a_change_of_a_parameter_is_shown_once(window, monkeypatch) -> None:

@@ -279,7 +279,7 @@ class SessionMachine(RuleBasedStateMachine):
         if self.document_file.unsaved:
             file = load_session(self.journal.path)
             assert (file.shapes, file.parameters) == (self.now.shapes, self.now.parameters)
-        assert left_behind(self.folder / "journals") == []
+        assert left_behind(self.folder / "journals").leftovers == []
 
     # Invariants
 

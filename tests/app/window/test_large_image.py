@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
+from app.views.features.file.beginning import BeginningFeature
 from app.views.features.file.large_image import LargeImageFeature
 from cpm_core.parameters import PRESETS
 from cpm_core.segmentation import large_images
@@ -46,3 +47,12 @@ def test_an_image_of_common_size_after_it_offers_nothing(window, hand, bar, imag
     window.session.open(image_file)
     hand.wait(lambda: window.session.document.image.name == image_file.name and window.session.idle)
     assert not bar.text
+
+
+def test_of_two_offers_the_second_waits_until_the_first_is_answered(window, hand, bar, image_file):
+    other = window.feature(BeginningFeature).bar
+    other.offer("Something else?", ("Yes", lambda: None))
+    assert (other.text, bar.text) == ("Something else?", "")
+    hand.qtbot.mouseClick(other.cross, Qt.MouseButton.LeftButton)
+    assert "4 scales" in bar.text
+    assert not other.text

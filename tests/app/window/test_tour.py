@@ -37,6 +37,7 @@ def test_the_bubble_and_its_button_stay_in_their_place_and_cover_no_target(windo
         assert not tour.geometry().intersects(place(target, window)), stop.title
         assert (tour.geometry(), place(tour.next, window)) == (bubble, button)
         assert window.rect().contains(bubble)
+        assert not tour.geometry().intersects(place(window.canvas_area.strip, window)), "messages can be read"
 
 
 def test_no_text_of_a_bubble_is_cut_off(window, hand, tour) -> None:

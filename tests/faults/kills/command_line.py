@@ -40,17 +40,18 @@ def draw_images(folder: Path) -> None:
 def run(folder: Path) -> tuple[int, str]:
     """``cpm run`` with six exports; its status and what it says on standard error."""
     files = (str(folder / name) for name in _FILES)
-    return _said("run", "0.npy", "--session", "start.cpm", "--scales", "1", "--max-steps", "3", "--export", *files)
+    return said_by("run", "0.npy", "--session", "start.cpm", "--scales", "1", "--max-steps", "3", "--export", *files)
 
 
 def batch(folder: Path, steps: int) -> tuple[int, str]:
     """``cpm batch`` of all images, in one process."""
     images = (f"{number}.npy" for number in range(len(_CENTERS)))
     place = ("--output", str(folder / "out"), "--workers", "1", "--export", *_SUFFIXES)
-    return _said("batch", *images, "--session", "start.cpm", "--max-steps", str(steps), *place)
+    return said_by("batch", *images, "--session", "start.cpm", "--max-steps", str(steps), *place)
 
 
-def _said(*arguments: str) -> tuple[int, str]:
+def said_by(*arguments: str) -> tuple[int, str]:
+    """Status of a command, and what it says on standard error."""
     said = io.StringIO()
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(said):
         status = cli.main(arguments)

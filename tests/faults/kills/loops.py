@@ -25,7 +25,7 @@ def outer(x):
 print(outer(10.0), sum(outer.stats.cache_hits.values()))
 """
 
-_PATIENCE = 60.0
+_PATIENCE = 300.0
 
 
 class Loops:

@@ -29,7 +29,7 @@ _KEY = "kills/number"
 
 def work(folder: Path) -> None:
     """Draw circles, each of which is in the journal before the next, and save now and then."""
-    window = _opened(folder)
+    window = opened(folder)
     document_file, journal = window.feature(OpenSaveFeature).document_file, window.feature(RecoveryFeature).journal
     assert journal is not None
     noted = os.open(folder / "noted", os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
@@ -43,24 +43,24 @@ def work(folder: Path) -> None:
         os.write(noted, b"%d " % number)
         if number % _SAVED_EVERY == 0:
             document_file.save(folder / "work.cpm")
-            _until(lambda: not document_file.unsaved)
+            until(lambda: not document_file.unsaved)
             journal.write()
             journal.flush()
 
 
 def next_start(folder: Path) -> tuple[int, int]:
     """Open a window as after a crash and restore what it offers: the circles that it has then, and the preference."""
-    window = _opened(folder)
+    window = opened(folder)
     box = window.feature(RecoveryFeature).box
     if box is not None:
         next(button for button in box.buttons() if "Restore" in button.text().replace("&", "")).click()
-        _until(lambda: bool(window.session.document.shapes) and window.session.idle)
+        until(lambda: bool(window.session.document.shapes) and window.session.idle)
     found, stored = len(window.session.document.shapes), window.preferences.get(_KEY, 0)
     window.close()
     return found, stored
 
 
-def _opened(folder: Path) -> MainWindow:
+def opened(folder: Path) -> MainWindow:
     """A window on an image of the folder, with all its own files there."""
     os.environ |= {name: str(folder / "home") for name in ("HOME", "XDG_CACHE_HOME", "XDG_DATA_HOME")}
     QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, str(folder / "preferences"))
@@ -68,11 +68,11 @@ def _opened(folder: Path) -> MainWindow:
     make_application()
     window = open_window(str(folder / "0.npy"))
     window.session.set_pace(None)
-    _until(lambda: window.session.document.image is not None and window.session.idle)
+    until(lambda: window.session.document.image is not None and window.session.idle)
     return window
 
 
-def _until(condition: Callable[[], bool]) -> None:
+def until(condition: Callable[[], bool]) -> None:
     end = time.monotonic() + _PATIENCE
     while not condition():
         assert time.monotonic() < end, "the window does not go on"

@@ -18,6 +18,8 @@ from pathlib import Path
 from PySide6.QtCore import QEventLoop, QObject, QTimer
 from PySide6.QtWidgets import QApplication, QWidget
 
+from app.session.worker.worker_thread import QUIET
+
 from ..report import Budget, Report
 from .gestures import Gesture, Hand
 from .memory import Taken, quarters, still_rising, taken
@@ -78,8 +80,10 @@ class Monkey(QObject):
         await_true(lambda: self._heard() and self.window.session.idle, "coming to rest")
 
     def check(self) -> list[str]:
-        """Come to rest, and say what does not hold then."""
+        """Come to rest for a moment, as a person does, and say what does not hold then."""
         self.come_to_rest()
+        rested = time.monotonic() + 1.5 * QUIET
+        await_true(lambda: self._heard() and time.monotonic() > rested, "resting")
         broken = list(self._watch.troubles)
         session = self.window.session
         done = session.changes[1]

@@ -213,16 +213,25 @@ def carried_out(row: Sequence[str], seed: object, folder: Path, images: Path) ->
     return office.broken, delays.count
 
 
+def every_row(seed: int) -> Iterator[tuple[str, ...]]:
+    """Give all rows of three orders, all of four, and then random ones without end."""
+    choice = random.Random(seed)
+    for length in (3, 4):
+        rows = list(sequences(length))
+        choice.shuffle(rows)
+        yield from rows
+    while True:
+        yield tuple(choice.choices(ORDERS, k=choice.randint(5, 12)))
+
+
 def try_orders(budget: Budget, rows: Iterator[tuple[str, ...]] | None = None) -> Report:
-    """Try all rows of three orders, or those that are given, and then random ones of up to twelve."""
+    """Try the rows that are given; else all of three orders, all of four, and then random ones of up to twelve."""
     tried = faults = 0
     failures: list[str] = []
     end = time.monotonic() + budget.seconds
-    choice = random.Random(budget.seed)
-    longer = (tuple(choice.choices(ORDERS, k=choice.randint(4, 12))) for _ in itertools.count())
     with surroundings(budget.folder) as images, Watch().kept() as watch:
         draw_small_images(images)
-        for row in itertools.chain(sequences(3) if rows is None else rows, longer if rows is None else ()):
+        for row in every_row(budget.seed) if rows is None else rows:
             if time.monotonic() > end:
                 break
             tried += 1

@@ -11,11 +11,15 @@ from app.views.window.feature import Feature, FeatureContext
 
 
 class OfferingFeature(Feature):
-    """Offers something for each image that is opened; the offer ends when a run begins or another image is opened."""
+    """Offers something for each image that is opened, until a run begins or another image is opened.
+
+    Of several offers one is shown at a time.
+    """
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
         self.bar = OfferBar()
+        self.bar.changed.connect(self._take_turns)
         context.canvas_area.offers.addWidget(self.bar)
         context.session.listen(Opened, self._begin)
         context.session.status_changed.connect(self._withdraw)
@@ -29,9 +33,18 @@ class OfferingFeature(Feature):
         self.bar.use_theme(theme)
 
     def _begin(self, opened: Opened) -> None:
-        self.bar.hide()
+        self.bar.end()
         self.offer(opened)
 
     def _withdraw(self) -> None:
-        if self.bar.isVisible() and self.context.session.status.started:
-            self.bar.hide()
+        if self.bar.waiting and self.context.session.status.started:
+            self.bar.end()
+
+    def _take_turns(self) -> None:
+        """Show the first of all offers that wait for an answer."""
+        offers = self.context.canvas_area.offers
+        items = [item for place in range(offers.count()) if (item := offers.itemAt(place)) is not None]
+        bars = [bar for item in items if isinstance(bar := item.widget(), OfferBar)]
+        first = next((bar for bar in bars if bar.waiting), None)
+        for bar in bars:
+            bar.setVisible(bar is first)

@@ -66,7 +66,7 @@ class HelpFeature(Feature):
         if self.tour is None:
             context = self.context
             self.tour = Tour(
-                context.window, context.canvas_area, stops(context.window, context.session, context.reveal)
+                context.window, context.canvas_area.canvas, stops(context.window, context.session, context.reveal)
             )
             self.tour.ended.connect(self._end_tour)
         self.tour.begin()

@@ -27,6 +27,9 @@ from app.views.widgets.marked_slider import MarkedSlider
 
 _SAME = 1e-9
 
+_WIDTH, _ARROWS, _LONGEST = 106, 44, "0000.0"
+"""Width of the field of a number, that of its arrows and margins [px], and a number that has room beside any unit."""
+
 
 class Number(QDoubleSpinBox):
     """A number field that shows words for some values; the wheel changes it only while it has the focus."""
@@ -157,7 +160,8 @@ class ParameterRow(QWidget):
         self.number.setKeyboardTracking(False)
         self.number.setSuffix(f" {control.unit}" if control.unit else "")
         self.number.setAlignment(Qt.AlignmentFlag.AlignRight)
-        self.number.setFixedWidth(106)
+        longest = self.number.fontMetrics().horizontalAdvance(f"{_LONGEST} {control.unit}")
+        self.number.setFixedWidth(max(_WIDTH, longest + _ARROWS))
         self.effect.setObjectName("dim")
         self.effect.hide()
         self._restore.setObjectName("restore")

@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core.formats import load_image
+from cpm_core.formats.images.decoded import WEIGHTS
 
 RAMP = np.arange(24 * 20).reshape(24, 20)
 LZW, ZSTD, DEFLATE, NONE = 5, 50000, 8, 1
@@ -158,3 +159,52 @@ def test_a_packing_that_needs_a_package_is_named_with_it(tmp_path):
     write_values(tmp_path / "a.tif", values, compression=NONE, t259=34887)
     with pytest.raises(ValueError, match=r"a\.tif (is a TIFF .* method LERC, which needs|is damaged)"):
         load_image(tmp_path / "a.tif")
+
+
+def same_as_tifffile(path, *, planar, order):
+    """Whether a page is read as tifffile reads it, in gray and upright; or why it is refused."""
+    true = tifffile.imread(path).astype(float)
+    gray = true if planar is None else (true if planar == 1 else np.moveaxis(true, 0, -1)) @ WEIGHTS
+    try:
+        found = load_image(path).values
+    except ValueError as error:
+        return str(error)
+    wanted = np.rot90(gray, -1) if order == 6 else gray
+    return found.shape == wanted.shape and np.allclose(found, wanted, rtol=1e-9, atol=1e-9 * np.abs(wanted).max())
+
+
+def write_by_tifffile(path, values, packing, predictor, planar, order):
+    """Whether tifffile can write such a page."""
+    data = {None: values, 1: np.stack([values, values // 2, values[::-1]], axis=2)}
+    data[2] = np.moveaxis(data[1], -1, 0)
+    lossless = {"jpeg2000": {"level": 0}, "jpegxl": {"lossless": True}, "webp": {"lossless": True}}
+    settings = {"photometric": "minisblack"} if planar is None else {"photometric": "rgb", "planarconfig": planar}
+    settings |= {"compression": packing, "predictor": predictor, "compressionargs": lossless.get(packing)}
+    try:
+        tifffile.imwrite(path, data[planar], extratags=[(274, 3, 1, order, True)], **settings)
+        tifffile.imread(path)
+    except Exception:  # tifffile raises anything where a packing lacks a kind of sample
+        return False
+    return True
+
+
+@pytest.mark.parametrize("planar", [None, 1, 2])
+@pytest.mark.parametrize(
+    "packing", [None, "zlib", "lzma", "lzw", "zstd", "packbits", "jpeg2000", "jpegxl", "lerc", "png"]
+)
+def test_every_packing_kind_and_arrangement_is_read_as_tifffile_does_or_refused_in_a_sentence(
+    tmp_path, packing, planar
+):
+    if packing not in (None, "zlib", "lzma"):
+        pytest.importorskip("imagecodecs", reason="tifffile packs so with imagecodecs")
+    written = 0
+    for values in KINDS:
+        predictors = (None, *((2, 3) if values.dtype.kind == "f" else (2,)))
+        for predictor in predictors if packing in ("zlib", "lzw", "zstd") else (None,):
+            for order in (1, 6):
+                path = tmp_path / f"{values.dtype}-{predictor}-{order}.tif"
+                if write_by_tifffile(path, values, packing, predictor, planar, order):
+                    read = same_as_tifffile(path, planar=planar, order=order)
+                    assert read is True or "imagecodecs" in read, (path.name, read)
+                    written += 1
+    assert written >= (0 if planar and packing in ("lerc", "jpegxl") else 4)

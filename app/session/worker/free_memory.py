@@ -1,0 +1,27 @@
+"""Memory that is free within the process: given back to the system while nothing goes on.
+
+Runs make and drop many arrays of different sizes, and the C library keeps the gaps between those that stay. A window
+that is used for hours would take more and more memory for the same work.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable
+from functools import cache
+
+
+def give_back() -> None:
+    """Give free memory back to the system, where its C library can."""
+    trim = _trim()
+    if trim is not None:
+        trim(0)
+
+
+@cache
+def _trim() -> Callable[[int], int] | None:
+    try:
+        found: Callable[[int], int] = ctypes.CDLL(None).malloc_trim
+    except (OSError, TypeError, AttributeError):  # not the C library of GNU
+        return None
+    return found

@@ -1,0 +1,78 @@
+"""Memory: how much is free, so that work which cannot fit is refused before the system ends the program."""
+
+from __future__ import annotations
+
+import math
+import sys
+from contextlib import suppress
+from pathlib import Path
+
+_GROUP = Path("/sys/fs/cgroup")
+"""What the system says of the group of processes that this one belongs to, as in a container."""
+
+
+def free() -> float:
+    """Memory that this process may still take [bytes]; infinite where the system does not say."""
+    return min(_of_the_computer(), _of_the_group(), _of_the_process())
+
+
+def check_room(shape: tuple[int, ...], each: float, source: str) -> None:
+    """Check whether there is room for the fields of an image.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Size of the image in each direction [px].
+    each : float
+        Memory for one pixel [bytes].
+    source : str
+        The image, as it is named in the message.
+
+    Raises
+    ------
+    ValueError
+        When there is not; the sentence names a size that would fit.
+    """
+    needed, there = math.prod(shape) * each, free()
+    if needed <= there:
+        return
+    fitting = tuple(int(side * (there / needed) ** (1.0 / len(shape))) for side in shape)
+    raise ValueError(
+        f"{source} has {_size(shape)} px, which need {needed / 1e9:.2g} GB of memory, and {there / 1e9:.2g} GB are "
+        f"free: make it smaller, about {_size(fitting)} px, crop it, or close other programs."
+    )
+
+
+def _size(shape: tuple[int, ...]) -> str:
+    return " × ".join(f"{side:,}" for side in shape)
+
+
+def _of_the_computer() -> float:
+    with suppress(OSError, ValueError, IndexError):
+        for line in Path("/proc/meminfo").read_text().splitlines():
+            if line.startswith("MemAvailable:"):
+                return 1024.0 * int(line.split()[1])
+    return math.inf
+
+
+def _of_the_group() -> float:
+    with suppress(OSError, ValueError):  # "max" is no number: there is no limit
+        most, taken = (int((_GROUP / f"memory.{name}").read_text()) for name in ("max", "current"))
+        lines = (line.split() for line in (_GROUP / "memory.stat").read_text().splitlines())
+        given_back = sum(int(count) for name, count in lines if name in ("inactive_file", "active_file"))
+        return float(max(most - taken + given_back, 0))
+    return math.inf
+
+
+def _of_the_process() -> float:
+    if sys.platform == "win32":
+        return math.inf
+    import resource  # noqa: PLC0415  # Windows has none
+
+    most = resource.getrlimit(resource.RLIMIT_AS)[0]
+    if most == resource.RLIM_INFINITY:
+        return math.inf
+    with suppress(OSError, ValueError, IndexError):
+        taken = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+        return float(max(most - taken, 0))
+    return math.inf
