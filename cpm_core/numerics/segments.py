@@ -192,8 +192,8 @@ class Bands:
     def of(self, row: Array) -> NDArray[np.int64]:
         """Number of the band of each row.
 
-        It is no compiled loop: one may multiply by the reciprocal instead of dividing, and then finds another band for a
-        row between two, where the sides that begin at this row are missing.
+        It is no compiled loop: one may multiply by the reciprocal instead of dividing, and then finds another band for
+        a row between two, where the sides that begin at this row are missing.
         """
         return np.clip((row - self.first) / self.height, 0, self._count - 1).astype(np.int64)
 
