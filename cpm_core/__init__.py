@@ -66,6 +66,7 @@ from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.learning import teach
 from cpm_core.contours.measurements import containment, measure
 from cpm_core.contours.result import Result
+from cpm_core.contours.surface import Surface
 from cpm_core.dynamics.energies import Energies
 from cpm_core.dynamics.forces import Forces
 from cpm_core.field.edge_map import edge_map
@@ -86,7 +87,7 @@ from cpm_core.particles.coulomb.coulomb_force import coulomb_force
 from cpm_core.particles.initialization import circle, divergence_centers, gradient_threshold, stroke, uniform_grid
 from cpm_core.particles.state import Particles, State
 from cpm_core.particles.volume_starts import box, sphere
-from cpm_core.reconstruction import reconstruct_curve
+from cpm_core.reconstruction import reconstruct_curve, reconstruct_surface
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.method import METHODS, Method
 from cpm_core.segmentation.segment import segment
@@ -114,6 +115,7 @@ __all__ = [
     "Selection",
     "Skeleton",
     "State",
+    "Surface",
     "Truth",
     "box",
     "circle",
@@ -133,6 +135,7 @@ __all__ = [
     "objects_result",
     "partition",
     "reconstruct_curve",
+    "reconstruct_surface",
     "segment",
     "similar",
     "skeleton",

@@ -12,6 +12,7 @@ from cpm_core.cli.arguments import as_number
 from cpm_core.contours.result import Result
 from cpm_core.image.image import Image
 from cpm_core.objects import Selection, objects_result, partition
+from cpm_core.parameters.quotation import shown
 
 
 def add_objects(parser: argparse._ActionsContainer) -> None:
@@ -87,6 +88,6 @@ def _places(flag: str, texts: Sequence[str]) -> list[tuple[float, float]]:
     for text in texts:
         numbers = [as_number(part.strip()) for part in text.split(",")]
         if len(numbers) != 2 or not all(isinstance(number, (int, float)) and np.isfinite(number) for number in numbers):
-            raise ValueError(f'{flag} is "{text}" but must be two numbers, ROW,COL in px.')
+            raise ValueError(f"{flag} is {shown(text)} but must be two numbers, ROW,COL in px.")
         places.append((float(numbers[0]), float(numbers[1])))
     return places

@@ -43,6 +43,7 @@ from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
 from cpm_core.objects import Selection
 from cpm_core.parameters import PRESETS, Parameters
+from cpm_core.parameters.quotation import shown
 from cpm_core.particles.initialization import circle, stroke
 from cpm_core.reconstruction.curve.closing import close_contours
 from cpm_core.segmentation.segment import segment, with_hand_edits
@@ -213,7 +214,7 @@ def _plain_shapes(arguments: argparse.Namespace) -> list[dict[str, Any]]:
 def _circle(text: str) -> NDArray[np.float64]:
     numbers = _numbers(text)
     if len(numbers) != 3:
-        raise ValueError(f'--circle is "{text}" but must be three numbers, ROW,COL,RADIUS in px.')
+        raise ValueError(f"--circle is {shown(text)} but must be three numbers, ROW,COL,RADIUS in px.")
     return circle(center=(numbers[0], numbers[1]), radius=numbers[2])
 
 
@@ -241,7 +242,7 @@ def _line(flag: str, text: str, least: int) -> tuple[tuple[float, float], ...]:
     points = tuple(zip(numbers[::2], numbers[1::2], strict=False))
     if len(numbers) % 2 or len(set(points)) < least:
         raise ValueError(
-            f'{flag} is "{text}" but must be rows and columns in turn, of {least} different points at least, '
+            f"{flag} is {shown(text)} but must be rows and columns in turn, of {least} different points at least, "
             "ROW,COL,ROW,COL,... in px."
         )
     return points

@@ -24,6 +24,9 @@ from cpm_core.segmentation.segment import segment
 _OF_IMAGES = ("circle", "stroke", "points", "region", "barrier", "auto", "object", "session", "close")
 """Options that have a meaning for images only; ``--not`` follows ``--object``."""
 
+_SURFACES = (".ply", ".stl", ".obj", ".vtk", ".vtp")
+"""Suffixes of files that hold surfaces."""
+
 
 def run_volume(arguments: argparse.Namespace) -> None:
     """Find a surface; every check that needs no volume comes first."""
@@ -36,6 +39,9 @@ def run_volume(arguments: argparse.Namespace) -> None:
     parameters = parameters_of(arguments, PRESETS[arguments.preset or "volume"])
     max_steps = as_steps(arguments.max_steps)
     check_exports(arguments.export, arguments.image, None)
+    for path in arguments.export:
+        if not path.lower().endswith(_SURFACES):
+            raise ValueError(f"{path} is for contours, but a volume has a surface: end its name in .ply or .stl.")
     volume = load_volume(arguments.image)
     started = time.perf_counter()
     progress = Progress() if sys.stderr.isatty() else None

@@ -8,7 +8,6 @@ is wrong, and that of the other is 0.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 from cpm_core.contours.contour import Contour, sampled
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.rasterize import inside, paint
+from cpm_core.numerics.real_numbers import checked_number
 from cpm_core.numerics.segments import SegmentTree
 from cpm_core.numerics.types import Array, Mask
 
@@ -268,8 +268,7 @@ def _boundaries(a: _Boundary, b: _Boundary, tolerance: float) -> dict[str, float
 
 
 def _check(tolerance: float) -> None:
-    if not (math.isfinite(tolerance) and tolerance > 0.0):
-        raise ValueError(f"tolerance is {tolerance:g} px but must be a number above 0.")
+    checked_number("tolerance", tolerance, lambda distance: distance > 0.0, "a number of px above 0")
 
 
 def _share(distances: Array, tolerance: float) -> float:

@@ -13,6 +13,7 @@ import numpy as np
 
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array
+from cpm_core.parameters.quotation import shown
 
 SAMPLING = 0.25
 """Distance between samples along contours that are compared [px]."""
@@ -104,7 +105,7 @@ class Contour:
     def __post_init__(self) -> None:
         if self.color and not re.fullmatch("#[0-9A-Fa-f]{6}", self.color):
             raise ValueError(
-                f'The color of a contour is "{self.color}" but must be "#rrggbb", two hexadecimal digits each for '
+                f'The color of a contour is {shown(self.color)} but must be "#rrggbb", two hexadecimal digits each for '
                 "red, green and blue, or empty."
             )
 

@@ -17,6 +17,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.features import FEATURES, contour_features, usable
 from cpm_core.contours.result import Result, remaining
 from cpm_core.numerics.types import Array, Mask
+from cpm_core.parameters.quotation import shown
 
 _PRIOR = 1.0
 """Mean of the log-odds that a contour counts, before any example."""
@@ -171,6 +172,9 @@ def _pull(covariance: Array, kept: Mask) -> Array:
 
 def _checked(count: int, kept: Sequence[int], rejected: Sequence[int]) -> dict[int, bool]:
     """Index of each judged contour -> whether it was kept."""
+    for name, indices in (("kept", kept), ("rejected", rejected)):
+        if np.ndim(indices) != 1 or (len(indices) and np.asarray(indices).dtype.kind not in "iu"):
+            raise ValueError(f"{name} is {shown(indices)} but must be a list of the indices of contours.")
     judged = {int(index): True for index in kept} | {int(index): False for index in rejected}
     for index in judged:
         if not 0 <= index < count:

@@ -9,6 +9,9 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour, numbers_of
 from cpm_core.numerics.polyline import inside, middles
+from cpm_core.numerics.real_numbers import real_numbers
+from cpm_core.numerics.types import Array
+from cpm_core.parameters.quotation import shown
 
 _PROBES = 16
 """Samples along a contour that are tested for containment; the majority decides where contours touch."""
@@ -112,38 +115,54 @@ def measure(
     -------
     tuple of Measures
         One row for each contour, in their order.
+
+    Raises
+    ------
+    ValueError
+        When the spacing is not two positive numbers.
     """
+    _check_spacing(spacing)
     around = containment(contours)
+    net = _net_areas(contours, around)
+    numbers, labels = numbers_of(contours), contour_labels(contours)
+    return tuple(
+        Measures(
+            number=number,
+            label=label,
+            name=contour.name,
+            color=contour.color,
+            closed=contour.closed,
+            junctions=sum(contour.junctions),
+            length=contour.length,
+            area=contour.area,
+            strength=contour.strength,
+            contrast=contour.contrast if contrast and contour.sides else None,
+            inside=0 if outer is None else numbers[outer],
+            length_in_units=float(np.linalg.norm(np.diff(contour.path, axis=0) * spacing, axis=1).sum()),
+            area_in_units=contour.area * spacing[0] * spacing[1],
+            by_hand=contour.length_by_hand,
+            net_area=own,
+            net_area_in_units=own * spacing[0] * spacing[1],
+        )
+        for number, label, contour, outer, own in zip(numbers, labels, contours, around, net.tolist(), strict=True)
+    )
+
+
+def _check_spacing(spacing: Sequence[float]) -> None:
+    sizes = real_numbers(spacing)
+    if sizes.shape != (2,) or not (np.isfinite(sizes) & (sizes > 0.0)).all():
+        raise ValueError(f"spacing is {shown(spacing)} but must be two positive numbers, (row, col).")
+
+
+def _net_areas(contours: Sequence[Contour], around: Sequence[int | None]) -> Array:
+    """Areas without those of the contours inside, shape (N,) [px²]."""
     net = np.array([contour.area for contour in contours])
     for contour, outer in zip(contours, around, strict=True):
         if outer is not None:
             net[outer] -= contour.area
     net[[contour.hole for contour in contours]] = 0.0
     np.maximum(net, 0.0, out=net)  # contours may share a stretch of edge and overlap there
-    rows: list[Measures] = []
-    numbers, labels = numbers_of(contours), contour_labels(contours)
-    for number, label, contour, outer, own in zip(numbers, labels, contours, around, net.tolist(), strict=True):
-        rows.append(
-            Measures(
-                number=number,
-                label=label,
-                name=contour.name,
-                color=contour.color,
-                closed=contour.closed,
-                junctions=sum(contour.junctions),
-                length=contour.length,
-                area=contour.area,
-                strength=contour.strength,
-                contrast=contour.contrast if contrast and contour.sides else None,
-                inside=0 if outer is None else numbers[outer],
-                length_in_units=float(np.linalg.norm(np.diff(contour.path, axis=0) * spacing, axis=1).sum()),
-                area_in_units=contour.area * spacing[0] * spacing[1],
-                by_hand=contour.length_by_hand,
-                net_area=own,
-                net_area_in_units=own * spacing[0] * spacing[1],
-            )
-        )
-    return tuple(rows)
+    return net
 
 
 def containment(contours: Sequence[Contour]) -> tuple[int | None, ...]:

@@ -23,6 +23,7 @@ from cpm_core.contours.result import Result, remaining
 from cpm_core.numerics import polyline
 from cpm_core.numerics.segments import distances_to_segments
 from cpm_core.numerics.types import Array, Position
+from cpm_core.parameters.quotation import shown
 
 Verdict = Literal["", "kept", "rejected"]
 """Verdict on a contour: none yet, kept, or rejected."""
@@ -87,14 +88,16 @@ class Mark:
 
     def __post_init__(self) -> None:
         if len(self.anchor) != 2 or not all(math.isfinite(place) for place in self.anchor):
-            raise ValueError(f"The anchor of a mark is {self.anchor} but must be two finite numbers, row and column.")
+            raise ValueError(
+                f"The anchor of a mark is {shown(self.anchor)} but must be two finite numbers, row and column."
+            )
         if self.verdict not in get_args(Verdict):
-            raise ValueError(f'The verdict of a mark is "{self.verdict}" but must be "kept", "rejected" or empty.')
+            raise ValueError(f'The verdict of a mark is {shown(self.verdict)} but must be "kept", "rejected" or empty.')
         check_name("a contour", self.name)
         if self.color and not re.fullmatch("#[0-9A-Fa-f]{6}", self.color):
             raise ValueError(
-                f'The color of a mark is "{self.color}" but must be "#rrggbb", two hexadecimal digits each for red, '
-                "green and blue, or empty."
+                f'The color of a mark is {shown(self.color)} but must be "#rrggbb", two hexadecimal digits each for '
+                "red, green and blue, or empty."
             )
 
     @property

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from cpm_core.numerics.types import Array, Index
@@ -92,13 +93,10 @@ class Surface:
     @cached_property
     def component_of_vertex(self) -> Index:
         """Number of the component of each vertex, from 0 up; vertices without a triangle have their own."""
-        from scipy.sparse import coo_array  # noqa: PLC0415 - slow to load
-        from scipy.sparse.csgraph import connected_components  # noqa: PLC0415
-
         one, other = self.faces[:, [0, 1]].ravel(), self.faces[:, [1, 2]].ravel()
         count = len(self.vertices)
-        joined = coo_array((np.ones(len(one), np.int8), (one, other)), shape=(count, count))
-        return connected_components(joined, directed=False)[1].astype(np.int64)
+        joined = scipy.sparse.coo_array((np.ones(len(one), np.int8), (one, other)), shape=(count, count))
+        return scipy.sparse.csgraph.connected_components(joined, directed=False)[1].astype(np.int64)
 
     @property
     def components(self) -> int:

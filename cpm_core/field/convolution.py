@@ -17,6 +17,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
+from cpm_core.numerics.real_numbers import checked_number
 from cpm_core.numerics.types import Array
 
 _KEPT_BYTES = 128 * 2**20
@@ -49,9 +50,8 @@ def convolved_field(
     vector, in single precision 1e-6. Raises `ValueError` for an exponent that is not positive.
     """
     f = np.asarray(edge_map, dtype=precision)
-    power = float(f.ndim if exponent is None else exponent)
-    if not power > 0:
-        raise ValueError(f"exponent is {power:g} but must be above 0.")
+    given = f.ndim if exponent is None else exponent
+    power = checked_number("exponent", given, lambda number: number > 0.0, "above 0")
     # the kernel's mirror image begins at half of an even size, which must exceed all differences of two pixels
     padded = tuple(2 * scipy.fft.next_fast_len(max(n, 2), real=axis == f.ndim - 1) for axis, n in enumerate(f.shape))
     spectrum = scipy.fft.rfft(f, padded[-1], axis=-1, workers=-1)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, DTypeLike
 
 from cpm_core.image.denoising import Cleaned, clean, noise_level
 from cpm_core.numerics.parallel import share
-from cpm_core.numerics.real_numbers import real_numbers
+from cpm_core.numerics.real_numbers import checked_number, grid_of_numbers, real_numbers
 from cpm_core.numerics.types import Array
 
 _DEVIATIONS = 4.0
@@ -35,6 +35,10 @@ _CLEAR = 0.25
 
 _LEAST_LINES = 64
 """Lines of an image that are worth a thread."""
+
+
+_LEAST_SIDE = 2
+"""Pixels along each axis without which there is no difference between two of them."""
 
 
 def gradient(values: ArrayLike, smoothing: float, precision: DTypeLike = np.float64) -> Array:
@@ -91,11 +95,16 @@ def edge_map(values: ArrayLike, smoothing: float | Literal["auto"] = 1.0) -> Arr
     -------
     ndarray, shape (\*shape)
         Edge strength [gray levels / px]; the fixed charge is its negative.
+
+    Raises
+    ------
+    ValueError
+        When the values are no image of finite numbers, or the smoothing is no number from 0 on.
     """
-    image = real_numbers(values)
-    if smoothing == "auto":
+    image = grid_of_numbers(values, _LEAST_SIDE)
+    if isinstance(smoothing, str) and smoothing == "auto":
         image, smoothing, _ = prepared(image)
-    return magnitude(gradient(image, float(smoothing)))
+    return magnitude(gradient(image, checked_number("smoothing", smoothing, lambda sigma: sigma >= 0.0, "0 or more")))
 
 
 def background_strength(strength: Array) -> float:

@@ -6,8 +6,9 @@ from numpy.typing import ArrayLike
 
 from cpm_core.field.convolution import convolved_field
 from cpm_core.field.pppm import pppm_field
-from cpm_core.numerics.real_numbers import real_numbers
+from cpm_core.numerics.real_numbers import grid_of_numbers
 from cpm_core.numerics.types import Array
+from cpm_core.parameters.quotation import shown
 
 METHODS = ("convolution", "pppm")
 """Methods for the computation of the field."""
@@ -53,12 +54,12 @@ def electric_field(
         For an unknown method, an exponent that is not positive, and what the PPPM method does not support: volumes,
         other exponents than 2, a cut-off or a number of sweeps out of range.
     """
-    if method == "convolution":
-        return convolved_field(real_numbers(edge_map), exponent)
-    if method != "pppm":
+    if isinstance(method, str) and method == "convolution":
+        return convolved_field(grid_of_numbers(edge_map), exponent)
+    if not isinstance(method, str) or method != "pppm":
         names = " or ".join(f'"{name}"' for name in METHODS)
-        raise ValueError(f"method is {method!r} but must be {names}.")
+        raise ValueError(f"method is {shown(method)} but must be {names}.")
     if exponent not in (None, 2):
         wanted = 'must be 2 for method "pppm", which solves Poisson\'s equation: use method "convolution".'
-        raise ValueError(f"exponent is {exponent:g} but {wanted}")
+        raise ValueError(f"exponent is {shown(exponent)} but {wanted}")
     return pppm_field(edge_map, cutoff, iterations)

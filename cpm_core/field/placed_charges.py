@@ -24,7 +24,9 @@ from numpy.typing import NDArray
 
 from cpm_core.image.pyramid import to_scale
 from cpm_core.numerics.jit import compiled, inlined
+from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array
+from cpm_core.parameters.quotation import shown
 
 Box = tuple[int, int, int, int]
 """First row, the one behind the last, first column, the one behind the last."""
@@ -72,19 +74,19 @@ class PlacedCharge:
 
     def __post_init__(self) -> None:
         try:
-            row, col = (float(number) for number in self.position)
+            row, col = real_numbers(self.position).tolist()
         except (TypeError, ValueError):
             raise ValueError(
-                f"the position of a placed charge is {self.position!r} but must be a row and a column."
+                f"the position of a placed charge is {shown(self.position)} but must be a row and a column."
             ) from None
         if not (np.isfinite(row) and np.isfinite(col)):
             raise ValueError(f"the position of a placed charge is ({row:g}, {col:g}) but must be finite.")
         strength = self.strength
         number = isinstance(strength, (int, float, np.number)) and not isinstance(strength, bool)
         if not number or not abs(strength) <= STRONGEST:
-            shown = f"{strength:g}" if number else repr(strength)
             raise ValueError(
-                f"the strength of a placed charge is {shown} but must be a number from {-STRONGEST:g} to {STRONGEST:g}."
+                f"the strength of a placed charge is {shown(strength)} but must be a number from {-STRONGEST:g} to "
+                f"{STRONGEST:g}."
             )
         object.__setattr__(self, "position", (row, col))
         object.__setattr__(self, "strength", float(strength))

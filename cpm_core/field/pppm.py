@@ -43,7 +43,7 @@ import scipy
 from numpy.typing import ArrayLike
 
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.real_numbers import real_numbers
+from cpm_core.numerics.real_numbers import checked_number, grid_of_numbers
 from cpm_core.numerics.types import Array
 
 _LEAST_CUTOFF, _LARGEST_CUTOFF = 5.0, 100.0
@@ -77,15 +77,15 @@ def pppm_field(edge_map: ArrayLike, cutoff: float = 20.0, iterations: int = 50) 
     1. Raises `ValueError` when the edge map has not two dimensions, or for a cut-off or a number of sweeps out of
     range.
     """
-    f = real_numbers(edge_map)
+    f = grid_of_numbers(edge_map)
     if f.ndim != 2:
         raise ValueError(
             f'the edge map has {f.ndim} dimensions but must have 2 for method "pppm": use method "convolution".'
         )
-    if not _LEAST_CUTOFF <= cutoff <= _LARGEST_CUTOFF:
-        raise ValueError(f"cutoff is {cutoff:g} px but must be from {_LEAST_CUTOFF:g} to {_LARGEST_CUTOFF:g} px.")
-    if not 1 <= iterations <= _MOST_ITERATIONS or iterations != int(iterations):
-        raise ValueError(f"iterations is {iterations:g} but must be a whole number from 1 to {_MOST_ITERATIONS}.")
+    wanted = f"from {_LEAST_CUTOFF:g} to {_LARGEST_CUTOFF:g} px"
+    checked_number("cutoff", cutoff, lambda reach: _LEAST_CUTOFF <= reach <= _LARGEST_CUTOFF, wanted)
+    wanted = f"a whole number from 1 to {_MOST_ITERATIONS}"
+    checked_number("iterations", iterations, lambda n: 1 <= n <= _MOST_ITERATIONS and n == int(n), wanted)
     return short_range(f, cutoff) + mesh_part(f, cutoff, int(iterations))
 
 

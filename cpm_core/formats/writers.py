@@ -19,6 +19,7 @@ from cpm_core.formats.contours import coco, contour_csv, contour_json, dxf, geoj
 from cpm_core.formats.masks import label_tiff, labels, nifti
 from cpm_core.formats.printable import printable
 from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.parameters.quotation import shown
 
 _LOG = logging.getLogger(__name__)
 
@@ -182,8 +183,8 @@ def encoded(result: Result | Skeleton, suffix: str, *, outlines: bool = False) -
     ValueError
         When the suffix is not known, or the result holds nothing such a file could show.
     """
-    if suffix not in _WRITERS:
-        raise ValueError(f'"{suffix}" names no format that can be written: choose one of {_known()}.')
+    if not isinstance(suffix, str) or suffix not in _WRITERS:
+        raise ValueError(f"{shown(suffix)} names no format that can be written: choose one of {_known()}.")
     encode = _OUTLINES[suffix] if outlines and suffix in _OUTLINES else _WRITERS[suffix][1]
     return encode(_named(result))
 
@@ -218,7 +219,7 @@ def check_export(path: str | os.PathLike[str]) -> None:
     """
     file = Path(path)
     if not suffix_of(file) and not file.is_dir():
-        named = f'ends in "{file.suffix}"' if file.suffix and file.suffix not in WRITABLE else "has no suffix"
+        named = f"ends in {shown(file.suffix)}" if file.suffix and file.suffix not in WRITABLE else "has no suffix"
         raise ValueError(f"{file.name} {named}, which names no format that can be written: choose one of {_known()}.")
     check_place(file)
 

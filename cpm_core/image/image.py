@@ -13,6 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from cpm_core.image.colors import Colors, channel_of
 from cpm_core.image.gray_levels import usable
 from cpm_core.numerics.memory import check_room
+from cpm_core.numerics.real_numbers import real_numbers
+from cpm_core.parameters.quotation import shown
 
 MINIMUM_SIDE = 8
 """Least number of pixels along each axis [px]: in smaller images the edges cannot be separated from the border."""
@@ -78,7 +80,8 @@ class Image:
             )
         if given.ndim == 3:
             check_room(given.shape, _BYTES_A_VOXEL, self.source)
-        values = np.array(given, dtype=np.float64, order="C")
+        with np.errstate(invalid="ignore"):  # of NaN of the signaling kind, which are refused as all others
+            values = np.array(given, dtype=np.float64, order="C")
         unusable = values.size - int(np.isfinite(values).sum())
         if unusable:
             raise ValueError(
@@ -86,10 +89,11 @@ class Image:
                 f"{'is' if unusable == 1 else 'are'} NaN or infinite: replace them by numbers first."
             )
         values, changes = usable(values)
-        spacing = tuple(float(size) for size in self.spacing) or (1.0,) * values.ndim
+        spacing = tuple(np.ravel(real_numbers(self.spacing)).tolist()) or (1.0,) * values.ndim
         if len(spacing) != values.ndim or not all(math.isfinite(size) and size > 0 for size in spacing):
             raise ValueError(
-                f"The spacing of {self.source} is {self.spacing}, but must be {_COUNTS[values.ndim]} positive numbers."
+                f"The spacing of {self.source} is {shown(self.spacing)}, but must be {_COUNTS[values.ndim]} positive "
+                "numbers."
             )
         if self.colors is not None and self.colors.samples.shape != (*values.shape, 3):
             raise ValueError(

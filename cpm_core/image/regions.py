@@ -14,6 +14,7 @@ from cpm_core.image.pyramid import to_scale
 from cpm_core.numerics import polyline
 from cpm_core.numerics.segments import Bands, cut, nearest_distances, segments_of
 from cpm_core.numerics.types import Array
+from cpm_core.parameters.quotation import shown
 
 Line = tuple[tuple[float, float], ...]
 
@@ -108,6 +109,8 @@ class Regions:
 def _lines(noun: str, lines: Iterable[Iterable[Sequence[float]]], least: int) -> tuple[Line, ...]:
     """Check lines, and convert them to tuples."""
     checked = []
+    if not isinstance(lines, Iterable):
+        raise ValueError(f"each {noun} must be a sequence of points, not {shown(lines)}: give a list of them.")
     for number, line in enumerate(lines, start=1):
         what = f"{noun} {number}"
         try:

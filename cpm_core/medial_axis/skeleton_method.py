@@ -25,6 +25,7 @@ from cpm_core.medial_axis.structure import Structure, find_structure, with_axis
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import OF_STARTS, PRESETS, Parameters, invalidating
 from cpm_core.parameters.provenance import Provenance, taken
+from cpm_core.parameters.quotation import shown
 from cpm_core.particles.initialization import inside_image
 from cpm_core.particles.state import Particles
 
@@ -308,8 +309,8 @@ def skeleton(
 
 def _chosen(params: Parameters, of: str | None, max_width: float | None, pruning: float | None) -> Parameters:
     """Parameters with what is given in place of their values."""
-    if of is not None and of not in _POLARITIES:
-        raise ValueError(f'of is "{of}" but must be one of {", ".join(_POLARITIES)}.')
+    if of is not None and not (isinstance(of, str) and of in _POLARITIES):
+        raise ValueError(f"of is {shown(of)} but must be one of {', '.join(_POLARITIES)}.")
     return replace(
         params,
         polarity=params.polarity if of is None else _POLARITIES[of],

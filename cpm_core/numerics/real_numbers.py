@@ -1,11 +1,20 @@
-"""Real numbers: the check of arrays that callers give."""
+"""Real numbers: the checks of arrays and numbers that callers give."""
 
 from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.numerics.types import Array
+from cpm_core.parameters.quotation import shown
+
+_REAL: tuple[type, ...] = (int, float, np.integer, np.floating)
 
 
 def real_numbers(values: ArrayLike) -> Array:
@@ -13,7 +22,35 @@ def real_numbers(values: ArrayLike) -> Array:
 
     NumPy's own conversion drops the imaginary parts.
     """
-    given = np.asarray(values)
+    try:
+        given = np.asarray(values)
+    except ValueError:
+        raise ValueError(f"The values are {shown(values)}, whose lists differ in length: make them the same.") from None
     if given.size and given.dtype.kind not in "buif":
         raise ValueError(f"The values are of type {given.dtype} but must be real numbers.")
     return given.astype(np.float64, copy=False)
+
+
+def checked_number(name: str, value: Any, fits: Callable[[float], bool], wanted: str) -> float:
+    """A number that a caller gives; ValueError, which says what is wanted, unless it is a finite one that fits."""
+    number = math.nan
+    if issubclass(type(value), _REAL):
+        with suppress(OverflowError):  # of a whole number of some hundred digits
+            number = float(value)
+    if not (math.isfinite(number) and fits(number)):
+        raise ValueError(f"{name} is {shown(value)} but must be {wanted}.")
+    return number
+
+
+def grid_of_numbers(values: ArrayLike, least: int = 1) -> Array:
+    """Values of an image or a volume in double precision; ValueError unless they are finite, on a grid of this size."""
+    image = real_numbers(values)
+    if image.ndim not in (2, 3) or min(image.shape) < least:
+        raise ValueError(
+            f"The values have the shape {image.shape}, but an image needs two axes or three, with {least} or more "
+            "pixels along each."
+        )
+    low, high = float(image.min()), float(image.max())
+    if not abs(low) + abs(high) <= sys.float_info.max:
+        raise ValueError("The values hold NaN, infinite or far too large numbers: replace them first.")
+    return image

@@ -13,6 +13,7 @@ from typing import Literal, cast
 import numpy as np
 
 from cpm_core.parameters.choices import CHOICES, Channel, Edges, check_choice
+from cpm_core.parameters.quotation import shown
 from cpm_core.parameters.table import (
     AUTOMATIC,
     OF_PLANES,
@@ -168,8 +169,7 @@ def _check(info: ParameterInfo, value: object) -> None:
     if not fits or (whole and value != int(cast("float", value))):
         kind = "a whole number" if whole else "a number"
         words = f"{kind} from {info.low:g} to {info.high:g}" + (' or "auto"' if info.name in AUTOMATIC else "")
-        shown = f"{value:g}" if isinstance(value, float) else repr(value)
-        raise ValueError(f"{info.name} is {shown} but must be {words}.")
+        raise ValueError(f"{info.name} is {shown(value)} but must be {words}.")
 
 
 DEFAULTS: dict[str, float | str] = {name: getattr(Parameters(), name) for name in (*PARAMETERS, *CHOICES)}

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from cpm_core.parameters.quotation import shown
+
 Invalidates = Literal["nothing", "contours", "field", "run"]
 Edges = Literal["gradient", "vessels"]
 Channel = Literal["luminance", "red", "green", "blue", "hematoxylin", "eosin", "dab"]
@@ -66,4 +68,4 @@ def check_choice(info: ChoiceInfo, value: object) -> None:
     """Raise a `ValueError` that names field, value and choices unless `value` is one of them."""
     if not isinstance(value, str) or value not in info.choices:
         names = " or ".join(f'"{name}"' for name in info.choices)
-        raise ValueError(f"{info.name} is {value!r} but must be {names}.")
+        raise ValueError(f"{info.name} is {shown(value)} but must be {names}.")

@@ -12,8 +12,9 @@ from cpm_core.field.interpolation import interpolate
 from cpm_core.field.scale_field import WEAKEST_EDGE, unit_vectors
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.polyline import lengths_along, places_at
-from cpm_core.numerics.real_numbers import real_numbers
+from cpm_core.numerics.real_numbers import checked_number, real_numbers
 from cpm_core.numerics.types import Array, Mask
+from cpm_core.parameters.quotation import shown
 
 _LEAST_ON_CIRCLE = 5
 
@@ -22,6 +23,9 @@ STRONG = 0.10
 
 _MOST_ON_PIXEL = 16
 """Particles that may start on one pixel."""
+
+_MOST = 2**24
+"""Most particles that a start gives."""
 
 _LARGEST_RADIUS = 1e5
 """Largest radius of a circle, beyond any image that can be processed [px]."""
@@ -61,12 +65,13 @@ def circle(center: tuple[float, float], radius: float, spacing: float = 2.0) -> 
     ValueError
         When radius or spacing is not a positive number, or the center is not finite.
     """
-    if not np.isfinite(center).all() or len(center) != 2:
-        raise ValueError(f"center is {center!r} but must be two finite numbers, (row, col).")
+    if np.shape(center) != (2,) or not np.isfinite(real_numbers(center)).all():
+        raise ValueError(f"center is {shown(center)} but must be two finite numbers, (row, col).")
     _positive("radius", radius)
     _positive("spacing", spacing)
     if radius > _LARGEST_RADIUS:
         raise ValueError(f"radius is {radius:g} px but must be at most {_LARGEST_RADIUS:g} px.")
+    _check_count(2.0 * np.pi * radius / spacing, spacing)
     count = max(_LEAST_ON_CIRCLE, round(2.0 * np.pi * radius / spacing))
     angle = 2.0 * np.pi * np.arange(count) / count
     return np.stack([center[0] + radius * np.sin(angle), center[1] + radius * np.cos(angle)], axis=1)
@@ -93,7 +98,7 @@ def stroke(points: ArrayLike, spacing: float = 2.0) -> Array:
         When there are no points, they have no coordinates, are not finite or lie implausibly far apart, or when the
         spacing is not a positive number.
     """
-    corners = np.asarray(points, dtype=float)
+    corners = real_numbers(points)
     if corners.ndim != 2 or 0 in corners.shape:
         raise ValueError(
             f"the points of the stroke have the shape {corners.shape} but must be (K, D), one row a point."
@@ -104,6 +109,7 @@ def stroke(points: ArrayLike, spacing: float = 2.0) -> Array:
     whole = float(lengths_along(corners)[-1])
     if not whole <= _LONGEST_STROKE:
         raise ValueError(f"the stroke is {whole:g} px long but must be at most {_LONGEST_STROKE:g} px.")
+    _check_count(whole / spacing, spacing)
     if whole == 0.0:
         return corners[:1].copy()
     return places_at(corners, np.linspace(0.0, whole, max(1, round(whole / spacing)) + 1))
@@ -137,8 +143,12 @@ def uniform_grid(shape: tuple[int, ...], spacing: float = 8.0) -> Array:
         Positions, the same distance from opposite borders.
     """
     _positive("spacing", spacing)
+    sides = np.ravel(real_numbers(shape))
+    if not len(sides) or not all(side >= 1.0 and side == int(side) for side in sides if np.isfinite(side)):
+        raise ValueError(f"shape is {shown(shape)} but must be whole numbers of pixels, 1 or more along each axis.")
+    _check_count(float(np.prod(sides / spacing + 1.0)), spacing)
     axes = []
-    for n in shape:
+    for n in sides.astype(int).tolist():
         count = max(1, int((n - 1) // spacing) + 1)
         axes.append(0.5 * (n - 1) + spacing * (np.arange(count) - 0.5 * (count - 1)))
     return np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
@@ -161,8 +171,7 @@ def gradient_threshold(values: ArrayLike, fraction: float = STRONG, smoothing: f
     ndarray, shape (N, D)
         Positions.
     """
-    if not 0.0 <= fraction <= 1.0:
-        raise ValueError(f"fraction is {fraction:g} but must be from 0 to 1.")
+    checked_number("fraction", fraction, lambda share: 0.0 <= share <= 1.0, "from 0 to 1")
     return above(edge_map(values, smoothing), fraction)
 
 
@@ -209,8 +218,6 @@ def divergence_centers(values: ArrayLike, smoothing: float = 2.0, spacing: float
     if image.ndim != 2:
         raise ValueError(f"the image has {image.ndim} dimensions but must have 2 to look for centers of divergence.")
     _positive("spacing", spacing)
-    if not (np.isfinite(smoothing) and smoothing >= 0):
-        raise ValueError(f"smoothing is {smoothing:g} but must be 0 or more.")
     strength = edge_map(image, smoothing)
     direction = unit_vectors(electric_field(strength))
     parts = [np.gradient(component, axis=axis) for axis, component in enumerate(direction)]
@@ -290,5 +297,12 @@ def _inflow(direction: Array) -> Array:
 
 
 def _positive(name: str, value: float) -> None:
-    if not (np.isfinite(value) and value > 0):
-        raise ValueError(f"{name} is {value:g} but must be above 0.")
+    checked_number(name, value, lambda number: number > 0.0, "above 0")
+
+
+def _check_count(count: float, spacing: float) -> None:
+    """Raise ValueError before memory is taken for more particles than any computer moves."""
+    if count > _MOST:
+        raise ValueError(
+            f"a spacing of {spacing:g} px gives {count:.3g} particles, more than {_MOST}: choose a larger spacing."
+        )

@@ -1,6 +1,7 @@
-"""From particles to contours (section 3.4)."""
+"""From particles to contours (section 3.4) and surfaces (section 5.4)."""
 
 from cpm_core.reconstruction.curve.crust import reconstruct_curve
 from cpm_core.reconstruction.curve.pipeline import find_contours
+from cpm_core.reconstruction.surface.from_points.reconstruct import reconstruct_surface
 
-__all__ = ["find_contours", "reconstruct_curve"]
+__all__ = ["find_contours", "reconstruct_curve", "reconstruct_surface"]

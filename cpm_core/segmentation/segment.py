@@ -12,6 +12,7 @@ from cpm_core.field.image_fields import ImageFields
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
+from cpm_core.numerics.real_numbers import checked_number
 from cpm_core.parameters import Parameters
 from cpm_core.particles.state import State
 from cpm_core.reconstruction.by_hand.operations import carried_out
@@ -56,8 +57,7 @@ def segment(
     ValueError
         For an unusable image, seeds or parameters; the message says what to do.
     """
-    if max_steps is not None and max_steps < 1:
-        raise ValueError(f"max_steps is {max_steps} but must be at least 1.")
+    _check_steps(max_steps)
     chosen = parameters or Parameters()
     engine = Engine(values, chosen, regions)
     state = engine.start(seeds)
@@ -68,6 +68,11 @@ def segment(
         if state.step == max_steps and not state.stop_reason:
             state = state.stopped(f"stopped after {max_steps} steps, as asked")
     return engine.result(state, chosen)
+
+
+def _check_steps(given: int | None) -> None:
+    if given is not None:
+        checked_number("max_steps", given, lambda steps: steps >= 1 and steps == int(steps), "at least 1, and whole")
 
 
 def with_hand_edits(

@@ -12,6 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from .disk.disk import failed
+from .fuzzing.parts import PARTS as FUZZING
 from .kills.kills import killed
 from .report import Budget, Part, Report
 from .reproducible import compared
@@ -21,6 +22,7 @@ from .window.orders import try_orders
 from .workers.workers import broken
 
 PARTS: dict[str, tuple[str, Part]] = {
+    **FUZZING,
     "gestures": ("random gestures on the window", try_gestures),
     "orders": ("orders to a session in every sequence, under delays", try_orders),
     "closing": ("closing the window during all that goes on", try_closing),

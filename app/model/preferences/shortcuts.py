@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from app.model.text.language import tr
-from cpm_core.formats.sessions.plain_values import shown
+from cpm_core.parameters.quotation import shown
 
 KEY = "shortcuts"
 """Key of the file of preferences: the chosen keys of all actions, as one line of JSON."""

@@ -12,7 +12,7 @@ from PySide6.QtCore import QByteArray, QObject, QSettings, Signal
 
 from app.model.preferences.preference import Preference
 from app.model.text.language import tr
-from cpm_core.formats.sessions.plain_values import shown
+from cpm_core.parameters.quotation import shown
 
 Value = TypeVar("Value", bool, int, float, str, list[str], QByteArray)
 V = TypeVar("V")

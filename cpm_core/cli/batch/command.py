@@ -22,6 +22,7 @@ from cpm_core.formats.fingerprint import fingerprint
 from cpm_core.formats.printable import printable
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.parameters import Parameters
+from cpm_core.parameters.quotation import shown
 from cpm_core.shapes.document_shapes import starts_of
 
 FAILED = 1
@@ -144,7 +145,7 @@ def _suffixes(given: Sequence[str]) -> tuple[str, ...]:
     wanted = tuple(dict.fromkeys(f".{suffix.lower().lstrip('.')}" for suffix in given))
     for suffix in wanted:
         if suffix not in WRITABLE:
-            raise ValueError(f'--export is "{suffix}" but must be one of {", ".join(WRITABLE)}.')
+            raise ValueError(f"--export is {shown(suffix)} but must be one of {', '.join(WRITABLE)}.")
     return wanted
 
 

@@ -16,13 +16,20 @@ import PIL.ImageFont
 import PIL.PngImagePlugin
 
 from cpm_core.formats.atomic import check_place, write_together
+from cpm_core.numerics.real_numbers import checked_number
 from cpm_core.numerics.types import Pixels
+from cpm_core.parameters.quotation import shown
 
 Font = PIL.ImageFont.FreeTypeFont | PIL.ImageFont.ImageFont
 
 _MOST_COLUMNS = 4
 _TEXT_SHARE, _LEAST_TEXT = 0.05, 11.0
 """Height of the letters of a caption: fraction of a frame's height, and smallest value [px]."""
+
+_LARGEST_TEXT, _WIDEST_GAP = 1000.0, 1000
+"""Largest height of letters and gap between frames [px]."""
+
+_GAPS = f"a whole number of px from 0 to {_WIDEST_GAP}"
 
 _COMMON = ("DejaVuSans.ttf", "segoeui.ttf", "Arial Unicode.ttf", "arial.ttf", "LiberationSans-Regular.ttf")
 """Fonts of Linux, Windows and macOS with Greek and accented letters."""
@@ -70,7 +77,7 @@ def strip(
     ValueError
         When there is no frame, frames differ in size or are not such arrays, or the number of captions differs.
     """
-    _check(frames, captions, columns, gap)
+    _check(frames, captions, columns, gap, text_size)
     height, width = frames[0].shape[:2]
     across = min(columns or _MOST_COLUMNS, len(frames))
     down = -(-len(frames) // across)
@@ -117,22 +124,31 @@ def write_picture(pixels: Pixels, path: str | os.PathLike[str], comment: str = "
     write_together([(file, stream.getvalue())])
 
 
-def _check(frames: Sequence[Pixels], captions: Sequence[str], columns: int | None, gap: int) -> None:
+def _check(
+    frames: Sequence[Pixels], captions: Sequence[str], columns: int | None, gap: int, size: float | None
+) -> None:
     """Raise ValueError unless these arguments make a strip."""
-    if not frames:
+    if not isinstance(frames, Sequence) or not frames:
         raise ValueError("A strip needs at least one frame: take a snapshot first.")
-    for frame in frames:
-        if frame.dtype != np.uint8 or frame.ndim != 3 or frame.shape[2] != 3 or frame.shape != frames[0].shape:
+    for frame in map(np.asarray, frames):
+        if frame.dtype != np.uint8 or frame.ndim != 3 or frame.shape[2] != 3 or frame.shape != np.shape(frames[0]):
             raise ValueError(
                 f"A frame holds {frame.dtype} of shape {frame.shape}, but all must hold uint8 of one shape "
-                f"(rows, columns, 3); the first has {frames[0].shape}."
+                f"(rows, columns, 3); the first has {np.shape(frames[0])}."
             )
+    if not isinstance(captions, Sequence) or not all(isinstance(caption, str) for caption in captions):
+        raise ValueError(f"captions is {shown(captions)} but must be a list of texts.")
     if len(captions) not in (0, len(frames)):
         raise ValueError(f"There are {len(captions)} captions for {len(frames)} frames: give one for each, or none.")
-    if columns is not None and columns < 1:
-        raise ValueError(f"columns is {columns} but must be at least 1.")
-    if gap < 0:
-        raise ValueError(f"gap is {gap} px but must be 0 or more.")
+    if columns is not None:
+        checked_number(
+            "columns", columns, lambda number: number >= 1 and number == int(number), "a whole number from 1"
+        )
+    checked_number("gap", gap, lambda number: 0 <= number <= _WIDEST_GAP and number == int(number), _GAPS)
+    if size is not None:
+        checked_number(
+            "text_size", size, lambda number: 1.0 <= number <= _LARGEST_TEXT, f"from 1 to {_LARGEST_TEXT:g} px"
+        )
 
 
 def _font(text: str, size: float) -> Font:

@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from cpm_core.parameters.quotation import shown
+
 
 def load_points(path: str | os.PathLike[str]) -> NDArray[np.float64]:
     """Read points from a CSV file.
@@ -61,6 +63,6 @@ def _point(name: str, number: int, cells: list[str], columns: tuple[int, int]) -
         row = col = np.nan
     if not (np.isfinite(row) and np.isfinite(col)):
         raise ValueError(
-            f'Line {number} of {name} is "{",".join(cells)}" but must be two numbers, row and column in px.'
+            f"Line {number} of {name} is {shown(','.join(cells))} but must be two numbers, row and column in px."
         )
     return row, col

@@ -17,6 +17,9 @@ MAXIMUM_PIXELS = 2**26
 WEIGHTS = (0.2125, 0.7154, 0.0721)
 """Share of red, green and blue in the luminance (ITU-R BT.709)."""
 
+_BLOCK = 2**18
+"""Pixels whose colors are computed at once; those of the whole image would take many times its memory."""
+
 LUMINANCE_NOTE = "Color was turned into luminance."
 
 ORIENTATION_TAG = 274
@@ -52,30 +55,15 @@ class Decoded:
         Unit of `spacing`; None when the file does not give it.
     notes : tuple of str
         What was changed while reading.
-    channels : ndarray, shape (H, W, 3), or None
-        Red, green and blue in the range of the file; None where the file is gray.
-    white : float
-        What the largest value of a channel is.
+    colors : Colors or None
+        Red, green and blue of each pixel; None where the file is gray.
     """
 
     values: NDArray[Any]
     spacing: tuple[float, float] = (1.0, 1.0)
     unit: str | None = None
     notes: tuple[str, ...] = ()
-    channels: NDArray[Any] | None = None
-    white: float = 255.0
-
-    @property
-    def colors(self) -> Colors | None:
-        """The channels with one byte a sample."""
-        if self.channels is None:
-            return None
-        if self.channels.dtype == np.uint8:
-            return Colors(np.ascontiguousarray(self.channels), self.white)
-        samples = np.empty(self.channels.shape, np.uint8)
-        for row, line in zip(samples, self.channels, strict=True):  # without a second image of eight bytes a sample
-            row[...] = np.rint(np.clip(np.nan_to_num(line * (255.0 / self.white)), 0.0, 255.0))
-        return Colors(samples, self.white)
+    colors: Colors | None = None
 
 
 def check_size(name: str, rows: int, columns: int) -> None:
@@ -117,26 +105,45 @@ def from_samples(
     Decoded
         Gray levels in the range of `samples`, of opaque gray samples unchanged, and the channels of colored ones.
     """
-    said, count = list(notes), samples.shape[-1]
+    said, count, shape = list(notes), samples.shape[-1], samples.shape[:2]
     alike = all(np.array_equal(samples[..., 0], samples[..., other]) for other in range(1, count))
     white = full_scale(samples) if white is None else white
-    if alpha is not None and np.any(alpha != full_scale(alpha)):
-        opacity = (alpha / full_scale(alpha))[..., np.newaxis]
-        samples = (samples[..., :1] if alike else samples) * opacity + white * (1.0 - opacity)
-        after = ["Transparent parts were laid on white."]
-    else:
-        after = []
     if not alike:
         said.append(LUMINANCE_NOTE)
     elif count > 1:
         said.append("Its three color channels are the same; one was taken.")
-    gray = samples[..., 0] if alike else luminance(samples)
-    return Decoded(gray, notes=(*said, *after), channels=None if alike else samples, white=white)
+    flat = (samples[..., :1] if alike else samples).reshape(-1, 1 if alike else count)
+    clear = None
+    if alpha is not None and np.any(alpha != full_scale(alpha)):
+        said.append("Transparent parts were laid on white.")
+        clear = alpha.reshape(-1, 1)
+    if alike and clear is None:
+        return Decoded(samples[..., 0], notes=tuple(said))
+    gray = np.empty(len(flat))
+    colors = None if alike else np.empty(flat.shape, np.uint8)
+    most = 1.0 if clear is None else full_scale(clear)
+    for first in range(0, len(flat), _BLOCK):
+        place = slice(first, first + _BLOCK)
+        part = flat[place]
+        if clear is not None:
+            opacity = clear[place] / most
+            part = part * opacity + white * (1.0 - opacity)
+        gray[place] = part[:, 0] if colors is None else luminance(part)
+        if colors is not None:
+            colors[place] = part if part.dtype == np.uint8 else _bytes_of(part, white)
+    shown = None if colors is None else Colors(colors.reshape(*shape, count), white)
+    return Decoded(gray.reshape(shape), notes=tuple(said), colors=shown)
+
+
+def _bytes_of(samples: NDArray[Any], white: float) -> NDArray[np.float64]:
+    """Samples from 0 to white as whole numbers from 0 to 255."""
+    shares = np.asarray(np.clip(samples, 0.0, white), np.float64) / white
+    return np.rint(np.nan_to_num(255.0 * shares))
 
 
 def luminance(channels: NDArray[Any]) -> NDArray[np.float64]:
-    """Luminance of red, green and blue, shape (H, W, 3), in their range."""
-    gray = np.zeros(channels.shape[:2])
+    """Luminance of red, green and blue, which are the last axis, in their range."""
+    gray = np.zeros(channels.shape[:-1])
     for channel, weight in enumerate(WEIGHTS):
         gray += np.float64(weight) * channels[..., channel]  # of half precision too
     return gray
@@ -153,6 +160,6 @@ def upright(decoded: Decoded, orientation: int) -> Decoded:
         pixels = pixels.swapaxes(0, 1) if swap else pixels
         return np.ascontiguousarray(pixels[:: -1 if flip_rows else 1, :: -1 if flip_columns else 1])
 
-    channels = None if decoded.channels is None else turned(decoded.channels)
+    colors = decoded.colors and replace(decoded.colors, samples=turned(decoded.colors.samples))
     notes = (*decoded.notes, "It was turned upright by its orientation tag.")
-    return replace(decoded, values=turned(decoded.values), spacing=spacing, notes=notes, channels=channels)
+    return replace(decoded, values=turned(decoded.values), spacing=spacing, notes=notes, colors=colors)

@@ -64,7 +64,7 @@ def read(path: Path) -> Decoded:
             return upright(replace(decoded, spacing=spacing, unit=unit, notes=notes), turn)
         # Pillow has turned the pixels; the size of a pixel turns with them
         turned = upright(Decoded(np.empty((0, 0)), spacing, unit, notes), turn)
-        return replace(turned, values=decoded.values, channels=decoded.channels, white=decoded.white)
+        return replace(turned, values=decoded.values, colors=decoded.colors)
 
 
 def _by_pillow(page: tifffile.TiffPage, path: Path) -> Decoded | None:

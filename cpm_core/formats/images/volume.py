@@ -67,9 +67,11 @@ def load_volume(path: str | os.PathLike[str]) -> Image:
         raise ValueError(f"{file} cannot be read: {error.strerror or error}.") from error
     except Exception as error:  # decoders raise exceptions of any kind on damaged files
         raise ValueError(f"{name} is damaged or of an unknown kind: get a sound copy of it.") from error
+    if not stored.values.size:
+        raise ValueError(f"{name} is damaged or empty: get a sound copy of it.")
     if stored.values.ndim != 3:
         raise ValueError(
-            f"{name} has {stored.values.ndim} dimensions {stored.values.shape}, but a volume has three, "
+            f"{name} has the shape {stored.values.shape}, but a volume has three, "
             "(planes, rows, columns): use an image with --circle instead, or save one volume of it."
         )
     return Image(stored.values, stored.spacing, stored.unit, name)

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from cpm_core.formats.sessions.plain_values import from_plain, shown
+from cpm_core.formats.sessions.plain_values import from_plain
 from cpm_core.formats.sessions.session_json import Plain
+from cpm_core.parameters.quotation import shown
 
 
 @dataclass(frozen=True, slots=True)

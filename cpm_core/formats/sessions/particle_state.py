@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 
 from cpm_core.formats.sessions.plain_arrays import array_from_plain, array_to_plain
-from cpm_core.formats.sessions.plain_values import mapping, number, shown
+from cpm_core.formats.sessions.plain_values import mapping, number
 from cpm_core.image.pyramid import shape_of_scale
 from cpm_core.numerics.types import Array
+from cpm_core.parameters.quotation import shown
 from cpm_core.particles.coulomb.mesh_force import PITCH, mesh_shape, softening
 from cpm_core.particles.coulomb.mesh_force.plane import NO_MESH
 from cpm_core.particles.coverage import coverage_of, no_coverage

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from cpm_core.formats.sessions.plain_values import mapping, shown
+from cpm_core.formats.sessions.plain_values import mapping
+from cpm_core.parameters.quotation import shown
 
 _LARGEST = 256 * 2**20
 """Most bytes of an array that is read."""

@@ -13,6 +13,7 @@ from types import MappingProxyType
 from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 from cpm_core.parameters import FORMER_NAMES, Parameters
+from cpm_core.parameters.quotation import shown
 from cpm_core.shapes import SHAPES, Everywhere, Kind, Shape
 
 T = TypeVar("T")
@@ -71,8 +72,9 @@ def shape_from_plain(plain: object, where: str) -> Shape:
     kind = values.pop("shape", None)
     if not isinstance(kind, str) or kind not in SHAPES:
         raise ValueError(f"{where} is of the kind {shown(kind)} but must be one of {', '.join(SHAPES)}.")
-    if SHAPES[kind] is Everywhere and values.get("kind") in _FORMER_KINDS:
-        values["kind"] = _FORMER_KINDS[values["kind"]]
+    former = values.get("kind")
+    if SHAPES[kind] is Everywhere and isinstance(former, str) and former in _FORMER_KINDS:
+        values["kind"] = _FORMER_KINDS[former]
     return from_plain(SHAPES[kind], values, f"{where} ({kind})")
 
 
@@ -97,12 +99,6 @@ def mapping(value: object, where: str) -> Mapping[str, Any]:
     if not isinstance(value, Mapping):
         raise ValueError(f"{where} is {shown(value)} but must be an object with named values.")
     return value
-
-
-def shown(value: object) -> str:
-    """A value as text for a sentence, truncated to 40 characters."""
-    text = f'"{value}"' if isinstance(value, str) else repr(value)
-    return text if len(text) <= 40 else f"{text[:36]}…"
 
 
 def number(value: object, where: str, largest: float = LARGEST) -> float:

@@ -26,13 +26,13 @@ from cpm_core.formats.sessions.plain_values import (
     parameters_from_plain,
     shape_from_plain,
     shape_to_plain,
-    shown,
     to_plain,
 )
 from cpm_core.formats.sessions.session_json import MARK, VERSION, Plain, parsed, text_of
 from cpm_core.medial_axis.outlines import Outlined
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects
 from cpm_core.parameters import Parameters
+from cpm_core.parameters.quotation import shown
 from cpm_core.shapes import Shape
 
 SUFFIX = ".cpm"

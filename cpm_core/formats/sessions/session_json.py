@@ -8,7 +8,7 @@ import re
 from collections.abc import Mapping
 from typing import Any, NoReturn
 
-from cpm_core.formats.sessions.plain_values import shown
+from cpm_core.parameters.quotation import shown
 
 VERSION = 1
 

@@ -13,6 +13,7 @@ from cpm_core.contours.contour import Contour, check_name
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Mask, Position
 from cpm_core.objects.selection import Selection
+from cpm_core.parameters.quotation import shown
 
 Line = tuple[Position, ...]
 
@@ -23,8 +24,8 @@ MOST_CLASSES = 9
 def _check_color(what: str, color: str) -> None:
     if not re.fullmatch("#[0-9A-Fa-f]{6}", color):
         raise ValueError(
-            f'The color of {what} is "{color}" but must be "#rrggbb", two hexadecimal digits each for red, green and '
-            "blue."
+            f'The color of {what} is {shown(color)} but must be "#rrggbb", two hexadecimal digits each for red, green '
+            "and blue."
         )
 
 

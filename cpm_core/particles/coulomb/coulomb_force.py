@@ -11,8 +11,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cpm_core.numerics.real_numbers import real_numbers
+from cpm_core.numerics.real_numbers import checked_number, real_numbers
 from cpm_core.numerics.types import Array, Index
+from cpm_core.parameters.quotation import shown
 from cpm_core.particles.coulomb.direct_sum import pair_sums, usual_force
 from cpm_core.particles.coulomb.fast_multipole import tree_force
 
@@ -61,10 +62,9 @@ def coulomb_force(
     points = real_numbers(positions)
     if points.ndim != 2 or points.shape[1] != 2:
         raise ValueError(f"positions have the shape {points.shape} but must be (N, 2).")
-    if method not in METHODS:
-        raise ValueError(f"method is {method!r} but must be one of {', '.join(METHODS)}.")
-    if not 1e-12 <= tolerance <= 0.1:
-        raise ValueError(f"tolerance is {tolerance} but must be from 1e-12 to 0.1.")
+    if not isinstance(method, str) or method not in METHODS:
+        raise ValueError(f"method is {shown(method)} but must be one of {', '.join(METHODS)}.")
+    checked_number("tolerance", tolerance, lambda error: 1e-12 <= error <= 0.1, "from 1e-12 to 0.1")
     wanted = None if targets is None else _checked(targets, len(points))
     if not len(points):
         return np.zeros((0, 2))

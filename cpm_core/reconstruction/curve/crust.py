@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.graph.graph import chains
+from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Index
 
 _LEAST_POINTS = 4
@@ -75,7 +76,7 @@ def reconstruct_curve(points: ArrayLike) -> tuple[Contour, ...]:
     ValueError
         For an array of another shape, or values that are not finite.
     """
-    array = np.asarray(points, dtype=float)
+    array = real_numbers(points)
     if array.ndim != 2 or array.shape[1] != 2:
         raise ValueError(f"points have the shape {array.shape} but must be (N, 2).")
     if not np.isfinite(array).all():

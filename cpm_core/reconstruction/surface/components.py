@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import KDTree
+import scipy
 
 from cpm_core.contours.surface import Surface
 from cpm_core.numerics.types import Array, Index, Mask
@@ -30,6 +30,11 @@ class Leaving:
     supported: float = 0.25
 
 
+def support(vertices: Array, points: Array, distance: float) -> Mask:
+    """Which vertices have a point within a distance."""
+    return np.asarray(scipy.spatial.KDTree(points).query(vertices)[0]) <= distance
+
+
 def well_supported(
     vertices: Array,
     faces: Index,
@@ -47,7 +52,7 @@ def well_supported(
     if not len(faces):
         return whole
     component = whole.component_of_vertex
-    nearest = KDTree(vertices * spacing).query(points * spacing)[1]
+    nearest = scipy.spatial.KDTree(vertices * spacing).query(points * spacing)[1]
     particles = np.bincount(component[nearest], minlength=component.max() + 1)
     share = np.bincount(component, supported) / np.bincount(component)
     kept = (particles >= max(leaving.fewest, leaving.share * particles.max())) & (share >= leaving.supported)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import KDTree
+import scipy
 
 from cpm_core.numerics.types import Array
 
@@ -13,5 +13,5 @@ _NEIGHBORS = 4
 
 def typical_distance(places: Array) -> float:
     """Typical distance between neighboring places, shape (N, 3), in their unit."""
-    distances = KDTree(places).query(places, [min(_NEIGHBORS, len(places) - 1) + 1])[0]
+    distances = scipy.spatial.KDTree(places).query(places, [min(_NEIGHBORS, len(places) - 1) + 1])[0]
     return float(np.median(distances))

@@ -173,28 +173,25 @@ def test_what_another_version_has_added_survives_saving(ready, hand, saved_to) -
     assert (again["weather"], again["mode"], len(again["shapes"])) == (3, "shape", 2)
 
 
-@pytest.mark.parametrize(
-    ("spoil", "said"),
-    [
-        (lambda path: path.write_text("{"), "work.cpm is not a session file"),
-        (lambda path: path.unlink(), "does not exist"),
-        (lambda path: path.write_text('{"cpm-session": 1}'), "names no image"),
-        (lambda path: path.write_text('{"cpm-session": 1, "image": {"path": "gone.png"}}'), "gone.png"),
-        (lambda path: path.write_text('{"cpm-session": 9}'), "version 9"),
-    ],
-)
-def test_an_unusable_session_is_reported_and_everything_stays(
-    ready, hand, saved_to, spoil: Callable[[Path], object], said: str
-) -> None:
+SPOILED: list[tuple[Callable[[Path], object], str]] = [
+    (lambda path: path.write_text("{"), "work.cpm is not a session file"),
+    (lambda path: path.unlink(), "does not exist"),
+    (lambda path: path.write_text('{"cpm-session": 1}'), "names no image"),
+    (lambda path: path.write_text('{"cpm-session": 1, "image": {"path": "gone.png"}}'), "gone.png"),
+    (lambda path: path.write_text('{"cpm-session": 9}'), "version 9"),
+]
+
+
+def test_an_unusable_session_is_reported_and_everything_stays(ready, hand, saved_to, cases) -> None:
     document_file(ready).save(saved_to)
-    hand.wait(lambda: not document_file(ready).unsaved)
+    hand.wait(lambda: not document_file(ready).unsaved and ready.session.idle)
     document = ready.session.document
-    ready.canvas_area.messages.clear()
-    spoil(saved_to)
-    drop(ready, saved_to)
-    hand.wait(lambda: said in ready.canvas_area.messages.text)
-    hand.wait(lambda: ready.session.idle)
-    assert ready.session.document == document
+    for spoil, said in cases(SPOILED):
+        spoil(saved_to)
+        drop(ready, saved_to)
+        hand.wait(lambda said=said: said in ready.canvas_area.messages.text)
+        hand.wait(lambda: ready.session.idle)
+        assert ready.session.document == document
 
 
 def test_an_image_that_has_changed_since_is_opened_with_a_warning(ready, hand, saved_to, image_file) -> None:

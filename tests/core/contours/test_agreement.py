@@ -107,7 +107,7 @@ def test_nothing_found_and_nothing_to_find(judge):
 
 @pytest.mark.parametrize("tolerance", [0.0, -1.0, float("nan")])
 def test_an_invalid_tolerance_is_refused(tolerance):
-    with pytest.raises(ValueError, match=f"tolerance is {tolerance:g} px but must be a number above 0"):
+    with pytest.raises(ValueError, match=f"tolerance is {tolerance:g} but must be a number of px above 0"):
         agreement([], [], tolerance)
 
 

@@ -163,5 +163,5 @@ def test_open_contours_have_boundaries_and_no_inside():
 
 @pytest.mark.parametrize("tolerance", [0.0, -1.0, math.nan, math.inf])
 def test_an_invalid_tolerance_is_refused(tolerance):
-    with pytest.raises(ValueError, match=r"tolerance is .* px but must be a number above 0"):
+    with pytest.raises(ValueError, match=r"tolerance is .* but must be a number of px above 0"):
         compare([disk(5.0)], truth_of_contours([disk(5.0)], SHAPE), tolerance)

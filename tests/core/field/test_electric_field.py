@@ -133,7 +133,7 @@ def test_no_charge_no_field():
 
 
 def test_unknown_method_and_impossible_exponent_are_refused():
-    with pytest.raises(ValueError, match='method is \'guess\' but must be "convolution" or "pppm"'):
+    with pytest.raises(ValueError, match='method is "guess" but must be "convolution" or "pppm"'):
         electric_field(np.ones((8, 8)), method="guess")
     for exponent in (0.0, -1.0, float("nan")):
         with pytest.raises(ValueError, match=r"exponent is .* must be above 0"):

@@ -180,7 +180,7 @@ def test_what_it_cannot_do_is_refused():
 
 @pytest.mark.parametrize("cutoff", [0.0, 4.9, -20.0, 101.0, float("nan"), float("inf")])
 def test_cut_off_out_of_range_is_refused(cutoff):
-    with pytest.raises(ValueError, match=r"cutoff is .* px but must be from 5 to 100 px"):
+    with pytest.raises(ValueError, match=r"cutoff is .* but must be from 5 to 100 px"):
         electric_field(np.ones((8, 8)), method="pppm", cutoff=cutoff)
 
 

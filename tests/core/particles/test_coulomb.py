@@ -145,7 +145,7 @@ def test_other_shapes_are_refused(points):
 
 
 def test_unknown_method_is_refused():
-    with pytest.raises(ValueError, match="method is 'magic' but must be one of auto, exact, single, tree"):
+    with pytest.raises(ValueError, match='method is "magic" but must be one of auto, exact, single, tree'):
         coulomb_force(np.zeros((3, 2)), method="magic")
 
 

@@ -101,7 +101,7 @@ def test_a_choice_takes_its_names_alone_and_the_first_by_itself(name):
 def test_only_some_parameters_can_be_left_to_the_image():
     assert AUTOMATIC == ("smoothing", "gamma")
     assert [getattr(Parameters(**{name: "auto"}), name) for name in AUTOMATIC] == ["auto", "auto"]
-    with pytest.raises(ValueError, match="beta is 'auto'"):
+    with pytest.raises(ValueError, match='beta is "auto"'):
         Parameters(beta="auto")
 
 

@@ -12,10 +12,11 @@ import numpy as np
 from app.session.timeline.run_actions import Erased, Joined, RunAction, Stepped
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats.sessions.plain_arrays import array_from_plain, array_to_plain
-from cpm_core.formats.sessions.plain_values import from_plain, mapping, parameters_from_plain, shown, to_plain
+from cpm_core.formats.sessions.plain_values import from_plain, mapping, parameters_from_plain, to_plain
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.types import Position
 from cpm_core.parameters import Parameters
+from cpm_core.parameters.quotation import shown
 
 MOST_STEPS = 200_000
 """Most steps of a branch that are read."""

@@ -23,10 +23,11 @@ from app.session.timeline.stored.stored_runs import StoredBranch, StoredRun, Sto
 from cpm_core.field.placed_charges import in_order
 from cpm_core.formats.sessions.particle_state import state_from_plain, state_to_plain
 from cpm_core.formats.sessions.plain_arrays import array_from_plain, array_to_plain
-from cpm_core.formats.sessions.plain_values import mapping, number, shape_from_plain, shape_to_plain, shown
+from cpm_core.formats.sessions.plain_values import mapping, number, shape_from_plain, shape_to_plain
 from cpm_core.formats.sessions.session_file import decode, encode
 from cpm_core.numerics.types import Position
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects
+from cpm_core.parameters.quotation import shown
 from cpm_core.particles.state import State
 from cpm_core.shapes import Points, Start
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial import KDTree
+import scipy
 
 from cpm_core.field.interpolation import interpolate
 from cpm_core.numerics.types import Array, Index, Single
@@ -62,8 +62,8 @@ class Surroundings:
     size: Array
 
     @cached_property
-    def _places(self) -> KDTree:
-        return KDTree(self.points * self.size)
+    def _places(self) -> scipy.spatial.KDTree:
+        return scipy.spatial.KDTree(self.points * self.size)
 
     def on_a_ridge(self, saddle: Index) -> bool:
         """Whether gray levels fall to all sides of some line through a voxel, nearly as much as they rise on it."""

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from cpm_core.contours.surface import Surface
 from cpm_core.numerics.types import Array, Single
-from cpm_core.reconstruction.surface.components import Leaving, well_supported
+from cpm_core.reconstruction.surface.components import Leaving, support, well_supported
 from cpm_core.reconstruction.surface.iso.joints import join
 from cpm_core.reconstruction.surface.iso.local_threshold import Box, height
 from cpm_core.reconstruction.surface.iso.marching import zero_surface
@@ -42,7 +41,7 @@ def find_surface(
     Parameters
     ----------
     volume, edge_map : ndarray of float32, shape (P, R, C)
-        The smoothed volume, and the length of its gradient.
+        Smoothed volume, and the length of its gradient.
     points : ndarray, shape (N, 3)
         Particles on edges [voxels].
     spacing : tuple of float
@@ -62,9 +61,8 @@ def find_surface(
         Without triangles when there are fewer than four particles.
     """
     size = np.array(spacing) / min(spacing)
-    points = np.asarray(points, float).reshape(-1, 3)
     if len(points) < _FEWEST:
-        return Surface(np.empty((0, 3)), np.empty((0, 3), np.int64), tuple(spacing), unit)
+        return Surface(np.empty((0, 3)), np.empty((0, 3), np.int64), spacing, unit)
     points = on_ridge(volume, edge_map, points, size)
     levels, normals = levels_at(volume, edge_map, points, size, smoothing)
     apart = typical_distance(points * size)
@@ -74,8 +72,9 @@ def find_surface(
     sign = _settle(found)
     join(found, box.begin, Surroundings(volume, sign, points, sign * normals, levels.slopes, size))
     vertices, faces = zero_surface(found, _inner(box, volume.shape) if open_border else None)
-    supported = np.asarray(KDTree(points * size).query((vertices + box.begin) * size)[0]) <= apart
-    return well_supported(vertices + box.begin, faces, points, supported, tuple(spacing), unit, leaving)
+    vertices += box.begin
+    supported = support(vertices * size, points * size, apart)
+    return well_supported(vertices, faces, points, supported, spacing, unit, leaving)
 
 
 def _box(points: Array, shape: tuple[int, ...], band: Array) -> Box:

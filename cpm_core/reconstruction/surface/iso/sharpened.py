@@ -9,7 +9,7 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-from scipy.special import ive
+import scipy
 
 from cpm_core.field.interpolation import interpolate
 from cpm_core.numerics.types import Array, Single
@@ -105,7 +105,7 @@ def _shift_of_tubes() -> tuple[Array, Array]:
     around = np.linspace(0.5, 46.0, 9101)
     ridges = []
     for radius in radii:
-        slope = np.exp(-0.5 * (around - radius) ** 2) * ive(1, around * radius)
+        slope = np.exp(-0.5 * (around - radius) ** 2) * scipy.special.ive(1, around * radius)
         k = int(slope.argmax())
         bend = slope[k - 1] - 2.0 * slope[k] + slope[k + 1]
         ridges.append(around[k] - 0.5 * (slope[k + 1] - slope[k - 1]) / bend * (around[1] - around[0]))

@@ -102,8 +102,8 @@ def test_bad_input_is_refused_in_a_sentence():
         (([frame(0), frame(0, (60, 81))],), "all must hold uint8 of one shape"),
         (([frame(0)[..., 0]],), "all must hold uint8 of one shape"),
         (([frame(0)], ["a", "b"]), "There are 2 captions for 1 frames"),
-        (([frame(0)], [], 0), "columns is 0 but must be at least 1"),
-        (([frame(0)], [], 1, -1), "gap is -1 px but must be 0 or more"),
+        (([frame(0)], [], 0), "columns is 0 but must be a whole number from 1"),
+        (([frame(0)], [], 1, -1), "gap is -1 but must be a whole number of px from 0 to 1000"),
     ):
         with pytest.raises(ValueError, match=sentence):
             strip(*arguments)

@@ -45,3 +45,11 @@ def test_a_file_that_is_no_text_is_refused(tmp_path):
 def test_a_missing_file_is_refused(tmp_path):
     with pytest.raises(ValueError, match=r"none\.csv cannot be read"):
         load_points(tmp_path / "none.csv")
+
+
+def test_a_line_is_quoted_in_printable_characters_and_cut_short(tmp_path):
+    (tmp_path / "a.csv").write_text("1,2\n\x00\x1b[31m" + "x" * 5000)
+    with pytest.raises(ValueError, match="Line 2 of a") as caught:
+        load_points(tmp_path / "a.csv")
+    assert str(caught.value).isprintable()
+    assert len(str(caught.value)) < 200

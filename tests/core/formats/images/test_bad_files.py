@@ -5,6 +5,7 @@ import os
 import re
 import struct
 import tempfile
+import tracemalloc
 import zlib
 from pathlib import Path
 from typing import ClassVar
@@ -17,6 +18,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from cpm_core.formats import load_image, readers
+from cpm_core.formats.images import decoded
 from cpm_core.formats.images.decoded import Decoded
 from cpm_core.image.image import Image
 
@@ -230,3 +232,40 @@ def test_a_sound_file_of_a_kind_that_is_not_read_is_called_by_its_name(tmp_path,
     assert f" {kind} " in report
     assert "damaged" not in report
     assert "save the plane that you want as TIFF or PNG" in report
+
+
+def test_colors_and_transparency_are_the_same_however_many_pixels_are_computed_at_once(tmp_path, monkeypatch):
+    clear = np.dstack([VALUES, VALUES[::-1], VALUES[:, ::-1], VALUES])
+    PIL.Image.fromarray(clear).save(tmp_path / "a.png")
+    whole = load_image(tmp_path / "a.png")
+    monkeypatch.setattr(decoded, "_BLOCK", 7)
+    parts = load_image(tmp_path / "a.png")
+    np.testing.assert_array_equal(parts.values, whole.values)
+    np.testing.assert_array_equal(parts.colors.samples, whole.colors.samples)
+    opacity = VALUES / 255.0
+    red = VALUES * opacity + 255.0 * (1.0 - opacity)
+    np.testing.assert_array_equal(whole.colors.samples[..., 0], np.rint(red))
+
+
+def test_a_transparent_image_takes_little_memory_beside_its_own(tmp_path):
+    PIL.Image.new("RGBA", (1500, 1000), (9, 99, 199, 128)).save(tmp_path / "a.png")
+    tracemalloc.start()
+    load_image(tmp_path / "a.png")
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert most < 45 * 1500 * 1000  # bytes; it was 100 a pixel
+
+
+@pytest.mark.parametrize("value", [1e308, -1e308])
+def test_extreme_colors_are_read_without_a_warning(tmp_path, value):
+    colors = np.dstack([VALUES, VALUES[::-1], VALUES[:, ::-1]]) / 255.0
+    colors[3, 4, 1] = value
+    np.save(tmp_path / "a.npy", colors)
+    assert load_image(tmp_path / "a.npy").colors.samples.shape == (*VALUES.shape, 3)
+
+
+def test_nan_of_the_signaling_kind_is_refused_as_any_other(tmp_path):
+    bits = VALUES.astype(np.float32).view(np.uint32)
+    bits[3, 4] = 0x7F800001
+    np.save(tmp_path / "a.npy", bits.view(np.float32))
+    assert "holds 1 value that is NaN or infinite" in failure_report(tmp_path / "a.npy")

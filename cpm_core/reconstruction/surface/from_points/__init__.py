@@ -1,0 +1,1 @@
+"""Surfaces from points alone, without the volume in which they were found."""

@@ -1,0 +1,83 @@
+"""Surfaces from points alone."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cpm_core.contours.surface import Surface
+from cpm_core.numerics.types import Array
+from cpm_core.reconstruction.surface.components import support
+from cpm_core.reconstruction.surface.from_points.crust import crust
+from cpm_core.reconstruction.surface.from_points.implicit import implicit_surface
+from cpm_core.reconstruction.surface.from_points.normals import estimated_normals
+from cpm_core.reconstruction.surface.sampling import typical_distance
+
+METHODS = ("implicit", "crust")
+"""Ways to a surface from points alone."""
+
+_FEWEST = 4
+
+
+def reconstruct_surface(points: ArrayLike, normals: ArrayLike | None = None, method: str = "implicit") -> Surface:
+    """Surface through points that lie densely on it, without the volume in which they were found.
+
+    Parameters
+    ----------
+    points : array_like of real numbers, shape (N, 3)
+        Places on the surface, in any unit, about equally far from their neighbors.
+    normals : array_like of real numbers, shape (N, 3), optional
+        Directions outward at the points, of any length. Without them they are estimated from the neighbors.
+    method : {"implicit", "crust"}
+        ``"implicit"``: the zero of a function that the points with their normals define, closed and manifold by
+        construction. ``"crust"``: triangles between the points themselves, by Amenta, Bern and Kamvysselis (1998),
+        with normal filtering, trimming and manifold extraction; it needs no normals, but a dense sample.
+
+    Returns
+    -------
+    Surface
+        Vertices are in the unit of the points.
+
+    Raises
+    ------
+    ValueError
+        When points or normals are not three finite real numbers each, when all points lie in a plane, or when they
+        are not dense enough for the crust.
+    """
+    if method not in METHODS:
+        raise ValueError(f'"{method}" is no method of surface reconstruction: choose one of {", ".join(METHODS)}.')
+    places = np.unique(_triples(points, "points"), axis=0) if normals is None else _triples(points, "points")
+    if len(places) < _FEWEST or np.linalg.matrix_rank(places - places.mean(0), tol=1e-9 * (1 + np.ptp(places))) < 3:
+        raise ValueError(f"A surface needs points that span a volume, but these {len(places)} lie in a plane.")
+    apart = typical_distance(places)
+    if method == "crust":
+        vertices, faces = crust(places)
+        if not len(faces):
+            raise ValueError(
+                f"The {len(places)} points are not dense enough for the crust, in which every gap spreads: "
+                'give more points, or choose the method "implicit".'
+            )
+    else:
+        given = None if normals is None else _triples(normals, "normals")
+        if given is not None and len(given) != len(places):
+            raise ValueError(f"There are {len(places)} points, but {len(given)} normals: give one for each point.")
+        outward = estimated_normals(places, apart) if given is None else _unit(given)
+        vertices, faces = implicit_surface(places, outward, apart)
+    return Surface(vertices, faces, unsupported=1.0 - float(support(vertices, places, apart).mean()))
+
+
+def _triples(given: ArrayLike, name: str) -> Array:
+    values = np.asarray(given)
+    if values.dtype.kind not in "buif" or values.ndim != 2 or values.shape[1] != 3:
+        raise ValueError(f"The {name} have the shape {values.shape}, but must be real numbers of shape (N, 3).")
+    found = values.astype(float)
+    if not np.isfinite(found).all():
+        raise ValueError(f"The {name} hold NaN or infinite numbers: leave them out.")
+    return found
+
+
+def _unit(normals: Array) -> Array:
+    lengths = np.linalg.norm(normals, axis=1)
+    if not (lengths > 0.0).all():
+        raise ValueError("A normal of length zero points nowhere: leave its point out.")
+    return np.asarray(normals / lengths[:, None])

@@ -1,0 +1,160 @@
+"""Command line: any arguments end with status 0, 1 or 2, in words of one line each, and leave no half of a file."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+from pathlib import Path
+from random import Random
+
+import numpy as np
+
+from cpm_core.cli import main
+from cpm_core.formats import WRITABLE
+from cpm_core.objects.warm_up import warm_up
+from cpm_core.parameters import PARAMETERS, PRESETS
+
+from .limits import LONGEST_SENTENCE, in_time
+from .session_samples import IMAGE, sample, write_images
+
+prepare = warm_up
+
+_AT_ONCE = 4
+_SESSION, _POINTS, _TEXT = "sound.cpm", "points.csv", "notes.txt"
+_FILES = (IMAGE, "truth.npy", _SESSION, _POINTS, _TEXT, "none.png", ".", "", "/dev/null", "a\nb.png", "é.png", "-")
+_NUMBERS = (
+    "0",
+    "1",
+    "-1",
+    "2",
+    "0.5",
+    "3",
+    "1e9",
+    "nan",
+    "inf",
+    "-inf",
+    "auto",
+    "x",
+    "",
+    "1e400",
+    "0x1",
+    "1_0",
+    "٣",
+    "9" * 400,
+)
+_PLACES = (
+    "20,20,6",
+    "20,20",
+    "4,4,4,30",
+    "4,4,30,30,4,30",
+    "1e9,1e9,1",
+    "nan,1,2",
+    ",",
+    "20,20,-1",
+    "20,20,1e9",
+    "a,b",
+)
+_FLAGS: dict[str, tuple[str, ...]] = {
+    "--circle": _PLACES,
+    "--stroke": _PLACES,
+    "--region": _PLACES,
+    "--barrier": _PLACES,
+    "--object": _PLACES,
+    "--not": _PLACES,
+    "--points": _FILES,
+    "--session": _FILES,
+    "--within": _FILES,
+    "--auto": ("grid", "centers", "x"),
+    "--preset": (*PRESETS, "x"),
+    "--max-steps": _NUMBERS,
+    "--workers": ("1", "0", "x", "99999"),
+    "--of": ("dark", "x"),
+    "--export": (*(f"out{suffix}" for suffix in WRITABLE), "out.x", IMAGE, "no/out.csv", "", "svg", "csv"),
+    "--output": ("there", "", IMAGE, "/dev/null/x"),
+    "--close": ("edges", "straight", "x"),
+    "--json": (),
+    "--again": (),
+    "--outside": (),
+    "--help": (),
+    "--version": (),
+    "--scheduler": ("nowhere:1",),
+    **{f"--{name.replace('_', '-')}": _NUMBERS for name in PARAMETERS},
+    "--edges": ("vessels", "x"),
+    "--channel": ("red",),
+}
+_COMMANDS = ("run", "run", "run", "skeleton", "info", "batch", "x", "")
+_STEPS = {"run": ["--max-steps", "3"], "batch": ["--workers", "1", "--max-steps", "3"]}
+
+
+def arguments_of(random: Random) -> list[str]:
+    """A list of arguments, more often than not one that can be carried out."""
+    command = random.choice(_COMMANDS)
+    given = [command]
+    if random.random() < 0.8:
+        given += [IMAGE] if random.random() < 0.8 else [random.choice(_FILES)]
+    if command == "batch" and random.random() < 0.8:
+        given += ["--session", _SESSION, "--output", "there"]
+    if command == "run" and random.random() < 0.6:
+        given += ["--circle", "20,20,6"]
+    for _ in range(random.randrange(5)):
+        flag = random.choice(list(_FLAGS))
+        given.append(flag)
+        if _FLAGS[flag] and random.random() < 0.95:
+            given.append(random.choice(_FLAGS[flag]))
+    given += _STEPS.get(command, [])
+    if random.random() < 0.1:
+        random.shuffle(given)
+    return given
+
+
+def attempt(arguments: list[str]) -> None:
+    """Carry out one command in this folder; fails unless its status, its words and its files agree."""
+    before = _contents()
+    said, printed = io.StringIO(), io.StringIO()
+    with in_time(60.0), contextlib.redirect_stderr(said), contextlib.redirect_stdout(printed):
+        try:
+            status = main(arguments)
+        except SystemExit as end:  # of --help and --version
+            status = int(end.code or 0)
+    lines = said.getvalue().splitlines()
+    assert status in (0, 1, 2), f"status {status}: {lines}"
+    assert all(line.startswith("cpm: ") for line in lines), f"said {lines}"
+    assert all(len(line) <= LONGEST_SENTENCE for line in lines), f"a line of {max(map(len, lines))} characters"
+    assert status == 0 or lines or "batch" in arguments, "refused without a word"
+    after = _contents()
+    changed = {name for name in after if before.get(name) != after[name]}
+    assert before.keys() <= after.keys(), f"lost {before.keys() - after.keys()}"
+    assert status != 2 or not changed, f"refused with {lines[-1:]}, but wrote {changed}"
+    assert not changed & {IMAGE, _SESSION, _POINTS, _TEXT}, f"overwrote {changed}"
+    assert all(after[name] for name in changed), f"an empty file among {changed}"
+    if "--json" in arguments and status == 0 and "--help" not in arguments and "--version" not in arguments:
+        json.loads(printed.getvalue(), parse_constant=_refuse)
+    for name in changed:
+        Path(name).unlink()
+
+
+def _refuse(constant: str) -> None:
+    raise AssertionError(f"JSON holds {constant}")
+
+
+def _contents() -> dict[str, bytes]:
+    return {str(path): path.read_bytes() for path in Path().rglob("*") if path.is_file()}
+
+
+def trial(random: Random, folder: Path) -> int:
+    """Carry out some commands in a folder with sound files."""
+    write_images(folder)
+    (folder / _SESSION).write_text(json.dumps(sample(folder)))
+    (folder / _POINTS).write_text("row,col\n20,14\n20,26\n")
+    (folder / _TEXT).write_text("nothing\n")
+    np.save(folder / "é.png.npy", np.zeros((9, 9)))
+    with contextlib.chdir(folder):
+        for _ in range(_AT_ONCE):
+            arguments = arguments_of(random)
+            try:
+                attempt(arguments)
+            except BaseException as error:
+                error.args = (f"{error} by {arguments}"[:600],)
+                raise
+    return _AT_ONCE

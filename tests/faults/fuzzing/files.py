@@ -1,0 +1,87 @@
+"""Files: every reader gives a value within the size that a file says, or refuses it in one sentence."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import numpy as np
+
+from cpm_core import Truth, load_contours, load_image, load_truth
+from cpm_core.formats import load_points
+from cpm_core.formats.images.decoded import MAXIMUM_PIXELS
+
+from .limits import check_sentence, in_time
+from .mutations import mutated
+from .samples import SHAPE, samples
+
+_AT_ONCE = 20
+"""Files that one trial tries."""
+
+
+def _truth(path: Path) -> Truth:
+    return load_truth(path, SHAPE)
+
+
+READERS: dict[str, tuple[Callable[[Path], Any], ...]] = {
+    ".csv": (load_contours, load_points, _truth),
+    ".json": (load_contours, _truth),
+    ".geojson": (load_contours, _truth),
+}
+"""What reads files with such a name; all others are images."""
+
+_OF_IMAGES = (load_image, _truth)
+
+
+def read(path: Path) -> None:
+    """Give a file to all readers of its kind; fails unless each gives a value or refuses it in one sentence."""
+    for reader in READERS.get(path.suffix, _OF_IMAGES):
+        with in_time():
+            try:
+                found = reader(path)
+            except ValueError as error:
+                check_sentence(error)
+                assert "does not fit into memory" not in str(error), str(error)
+                continue
+        check(found)
+
+
+def check(found: Any) -> None:
+    """Fail unless what was read is of finite numbers and of bounded size."""
+    if isinstance(found, np.ndarray):
+        assert found.ndim == 2, f"points of shape {found.shape}"
+        assert np.isfinite(found).all(), "points that are not finite"
+    elif isinstance(found, Truth):
+        assert found.labels.shape == SHAPE, f"labels of shape {found.labels.shape}"
+    elif isinstance(found, tuple):
+        assert all(np.isfinite(contour.points).all() for contour in found), "vertices that are not finite"
+        assert all(np.isfinite(contour.strength) for contour in found), "a strength that is not finite"
+    else:
+        assert found.values.size <= MAXIMUM_PIXELS, f"{found.values.shape} pixels"
+        assert np.isfinite(found.values).all(), "gray levels that are not finite"
+        assert np.isfinite(np.ptp(found.values)), "gray levels whose span is not finite"
+        assert all(np.isfinite(found.spacing)), f"spacing {found.spacing}"
+
+
+@functools.cache
+def _samples() -> list[tuple[str, bytes]]:
+    return [tuple(sample) for sample in samples()]
+
+
+def trial(random: Random, folder: Path) -> int:
+    """Damage some samples and read them; what fails is kept beside them."""
+    others = [content for _, content in _samples()]
+    for number in range(_AT_ONCE):
+        suffix, content = random.choice(_samples())
+        path = folder / f"damaged{suffix}"
+        damaged = mutated(content, random, others)
+        path.write_bytes(damaged)
+        try:
+            read(path)
+        except BaseException as error:
+            error.args = (f"file {number} of the trial: {error}",)
+            raise
+    return _AT_ONCE
