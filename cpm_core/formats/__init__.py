@@ -5,6 +5,7 @@ from cpm_core.formats.contours.points_csv import load_points
 from cpm_core.formats.readers import READABLE, load_image
 from cpm_core.formats.writers import (
     FOR_SKELETONS,
+    FOR_VOLUMES,
     OUTLINABLE,
     WRITABLE,
     check_export,
@@ -18,6 +19,7 @@ from cpm_core.formats.writers import (
 __all__ = [
     "CONTOURS_READABLE",
     "FOR_SKELETONS",
+    "FOR_VOLUMES",
     "OUTLINABLE",
     "READABLE",
     "WRITABLE",

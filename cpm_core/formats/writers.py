@@ -17,6 +17,7 @@ from cpm_core.contours.result import Result
 from cpm_core.formats.atomic import check_place, write_together
 from cpm_core.formats.contours import coco, contour_csv, contour_json, dxf, geojson, imagej, labelme, svg
 from cpm_core.formats.masks import label_tiff, labels, nifti
+from cpm_core.formats.meshes import obj, ply, stl, vtk
 from cpm_core.formats.printable import printable
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.parameters.quotation import shown
@@ -50,6 +51,16 @@ _WRITERS: Mapping[str, tuple[str, Encode]] = MappingProxyType(
 )
 """Suffix -> what is written, and the function that encodes it."""
 
+_MESHES: Mapping[str, tuple[str, Encode]] = MappingProxyType(
+    {
+        ".ply": ("the surface of a volume with its normals", ply.encode),
+        ".stl": ("the triangles of the surface of a volume, for printing", stl.encode),
+        ".obj": ("the surface of a volume as text", obj.encode),
+        ".vtk": ("the surface of a volume as poly data", vtk.encode),
+    }
+)
+"""The same for surfaces, which only volumes have."""
+
 _OUTLINES: Mapping[str, Encode] = MappingProxyType(
     {
         ".png": partial(labels.encode_png, outlines=True),
@@ -69,6 +80,11 @@ _CLOSED_ONLY = OUTLINABLE | {".coco.json"}
 
 WRITABLE: dict[str, str] = {suffix: text for suffix, (text, _) in _WRITERS.items()}
 """Suffixes that a result can be exported to, some of two parts -> what is written."""
+
+_LABEL_VOLUMES = dict.fromkeys((".tif", ".tiff", ".nii", ".nii.gz"), "the objects inside a surface as a label volume")
+
+FOR_VOLUMES: dict[str, str] = {**{suffix: text for suffix, (text, _) in _MESHES.items()}, **_LABEL_VOLUMES}
+"""Suffixes that the result of a volume can be exported to -> what is written."""
 
 FOR_SKELETONS: dict[str, str] = {
     ".svg": "branches as a vector drawing, with their thickness",
@@ -169,7 +185,7 @@ def encoded(result: Result | Skeleton, suffix: str, *, outlines: bool = False) -
     result : Result or Skeleton
         Outcome of a run, or of `skeleton`.
     suffix : str
-        One of `WRITABLE`. Text is encoded as UTF-8.
+        One of `WRITABLE`, or of `FOR_VOLUMES` for the result of a volume. Text is encoded as UTF-8.
     outlines : bool
         Whether masks hold contours as lines.
 
@@ -183,9 +199,14 @@ def encoded(result: Result | Skeleton, suffix: str, *, outlines: bool = False) -
     ValueError
         When the suffix is not known, or the result holds nothing such a file could show.
     """
-    if not isinstance(suffix, str) or suffix not in _WRITERS:
+    if not isinstance(suffix, str) or suffix not in {**_WRITERS, **_MESHES}:
         raise ValueError(f"{shown(suffix)} names no format that can be written: choose one of {_known()}.")
-    encode = _OUTLINES[suffix] if outlines and suffix in _OUTLINES else _WRITERS[suffix][1]
+    if isinstance(result, Result) and result.surface is not None and suffix not in FOR_VOLUMES:
+        raise ValueError(
+            f'{result.source} is a volume, but a file with the suffix "{suffix}" holds what lies in a plane: '
+            f"choose one of {', '.join(FOR_VOLUMES)}."
+        )
+    encode = _OUTLINES[suffix] if outlines and suffix in _OUTLINES else {**_WRITERS, **_MESHES}[suffix][1]
     return encode(_named(result))
 
 
@@ -199,13 +220,13 @@ def _named(result: Result | Skeleton) -> Result | Skeleton:
 
 
 def suffix_of(path: str | os.PathLike[str]) -> str:
-    """Suffix of `WRITABLE` that a file's name ends in, in lower case; empty when no format is known by it.
+    """Suffix of `WRITABLE` or `FOR_VOLUMES` that a file's name ends in, in lower case; empty when there is none.
 
     Of several the longest counts, so that ``a.coco.json`` is not a plain ``.json``; a name that consists of a suffix
     only has none.
     """
     name = Path(path).name.lower()
-    suffix = max((suffix for suffix in WRITABLE if name.endswith(suffix)), key=len, default="")
+    suffix = max((suffix for suffix in {**WRITABLE, **FOR_VOLUMES} if name.endswith(suffix)), key=len, default="")
     return suffix if len(suffix) < len(name) else ""
 
 
@@ -226,4 +247,4 @@ def check_export(path: str | os.PathLike[str]) -> None:
 
 def _known() -> str:
     """Suffixes of all formats that can be written."""
-    return ", ".join(WRITABLE)
+    return ", ".join({**WRITABLE, **FOR_VOLUMES})

@@ -13,7 +13,7 @@ from cpm_core.contours.measurements import Measures, measure
 from cpm_core.contours.rasterize import Labels, paint
 from cpm_core.contours.result import Result
 from cpm_core.formats.contours.appearance import rgb
-from cpm_core.formats.json_text import pairs, rounded, text
+from cpm_core.formats.contours.json_text import pairs, rounded, text
 from cpm_core.formats.provenance import ENTRY, PROGRAM, facts_of
 from cpm_core.medial_axis.skeleton import Skeleton
 

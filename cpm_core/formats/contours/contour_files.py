@@ -15,8 +15,8 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour, present_names
 from cpm_core.formats.contours import contour_json
+from cpm_core.formats.contours.json_text import PIXEL
 from cpm_core.formats.images.decoded import UnreadableError
-from cpm_core.formats.json_text import PIXEL
 from cpm_core.formats.printable import text_of_cell
 from cpm_core.numerics.types import Array
 

@@ -26,17 +26,20 @@ def encode(result: Result | Skeleton, *, outlines: bool = False) -> bytes:
     facts = facts_of(result)
     mask = labels_of(result, outlines=outlines)
     entries: dict[str, Any] = {}
+    height, width = result.spacing[-2:]
     if result.unit:
-        entries["resolution"] = (1.0 / result.spacing[1], 1.0 / result.spacing[0])
+        entries["resolution"] = (1.0 / width, 1.0 / height)
     if mask.dtype == np.uint16:
         unit = {"µm": "um"}.get(result.unit or "pixel", result.unit or "pixel")
         info = "".join(f"{name}: {told}\n" for name, told in entries_of(facts).items())
-        entries |= {"imagej": True, "metadata": {"axes": "YX", "unit": unit, "Info": info}}
+        entries |= {"imagej": True, "metadata": {"axes": "ZYX"[-mask.ndim :], "unit": unit, "Info": info}}
+        if mask.ndim == 3:
+            entries["metadata"]["spacing"] = result.spacing[0]
     else:
         entries |= {"metadata": None, "description": text_of(facts)}
         if result.unit in _PER_CENTIMETER:
             factor = _PER_CENTIMETER[result.unit]
-            entries["resolution"] = (factor / result.spacing[1], factor / result.spacing[0])
+            entries["resolution"] = (factor / width, factor / height)
             entries["resolutionunit"] = "CENTIMETER"
     stream = io.BytesIO()
     tifffile.imwrite(stream, mask, photometric="minisblack", software=PROGRAM, **entries)

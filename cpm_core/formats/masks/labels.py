@@ -17,8 +17,10 @@ from cpm_core.contours.contour import Contour, numbers_of
 from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.rasterize import MOST_LABELS, label_type, paint
 from cpm_core.contours.result import Result
+from cpm_core.contours.surface import Surface
 from cpm_core.formats.provenance import PROGRAM, facts_of, text_of
 from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.reconstruction.surface.inside import numbered
 
 _GOLDEN, _PLASTIC, _SILVER = 0.6180339887, 0.7548776662, 0.4142135624
 """Steps of hue, saturation and brightness from one label to the next; multiples of them are spread evenly."""
@@ -37,19 +39,29 @@ def labels_of(result: Result | Skeleton, *, outlines: bool = False) -> NDArray[n
     Returns
     -------
     ndarray of uint16 or uint32, shape `result.shape`
-        Labels, 0 outside; 32 bits where there are more than 65535.
+        Labels, 0 outside; 32 bits where there are more than 65535. Of a volume the objects inside the surface, the
+        largest first.
 
     Raises
     ------
     ValueError
         When there is nothing to paint.
     """
+    if isinstance(result, Result) and result.surface is not None:
+        return _volume_labels(result.surface, result)
     _count(result, outlines)
     if isinstance(result, Skeleton):
         return paint_branches(result)
     if outlines:
         return paint_lines(result.contours, numbers_of(result.contours), result.shape)
     return paint(result.contours, result.shape)
+
+
+def _volume_labels(surface: Surface, result: Result) -> NDArray[np.unsignedinteger]:
+    if not surface.closed:
+        raise ValueError(f"{result.source} has no closed surface, so that nothing is inside: write the surface itself.")
+    labels = numbered(surface, result.shape)
+    return labels.astype(label_type(int(labels.max())))
 
 
 def paint_branches(skeleton: Skeleton) -> NDArray[np.unsignedinteger]:

@@ -28,31 +28,32 @@ _SCANNER = 1
 
 
 def encode(result: Result | Skeleton, *, outlines: bool = False) -> bytes:
-    """Make a NIfTI-1 file of one slice, columns first, from the label mask of a result or a skeleton.
+    """Make a NIfTI-1 file, columns first, from the label mask of a result or a skeleton: one slice, or a volume.
 
-    Columns run to the patient's left and rows to the back, as in a picture that is opened without a position, so that
-    mask and picture coincide. Micrometers, millimeters and meters are kept, other units converted to the nearest of
-    them. How the labels were found is a comment behind the header. ValueError when there is nothing to paint.
+    Columns run to the patient's left, rows to the back and planes to the head, as in a picture that is opened without a
+    position, so that mask and picture coincide. Micrometers, millimeters and meters are kept, other units converted to
+    the nearest of them. How the labels were found is a comment behind the header. ValueError when there is nothing to
+    paint.
     """
     mask = labels_of(result, outlines=outlines)
-    rows, cols = mask.shape
+    planes, rows, cols = (1, *mask.shape)[-3:]
     code, bits = _DATATYPES[mask.dtype]
     unit, factor = _UNITS.get(result.unit or "", (_UNKNOWN, 1.0))
-    height, width = (size * factor for size in result.spacing)
+    depth, height, width = (1.0, *(size * factor for size in result.spacing))[-3:]
     comment = _comment(text_of(facts_of(result)).encode("ascii"))
     header = struct.pack(
         "<i10s18sihcB8h3f4h8f3fhcB4f2i80s24s2h6f4f4f4f16s4s",
         *(_HEADER, b"", b"", 0, 0, b"r", 0),
-        *(3, cols, rows, 1, 1, 1, 1, 1),  # number of axes and their lengths
+        *(3, cols, rows, planes, 1, 1, 1, 1),  # number of axes and their lengths
         *(0.0, 0.0, 0.0, 0, code, bits, 0),
-        *(1.0, width, height, 1.0, 0.0, 0.0, 0.0, 0.0),  # handedness and the size of a pixel
+        *(1.0, width, height, depth, 0.0, 0.0, 0.0, 0.0),  # handedness and the size of a pixel
         *(float(_BEGINNING + len(comment)), 1.0, 0.0, 0, b"\0", unit),
         *(0.0, 0.0, 0.0, 0.0, 0, 0),
         *(f"label mask, {PROGRAM}".encode("ascii"), b"", _SCANNER, _SCANNER),
         *(0.0, 0.0, 1.0, 0.0, 0.0, 0.0),  # half a turn about the axis of the slice, no shift
         *(-width, 0.0, 0.0, 0.0),
         *(0.0, -height, 0.0, 0.0),
-        *(0.0, 0.0, 1.0, 0.0),
+        *(0.0, 0.0, depth, 0.0),
         *(b"", b"n+1\0"),
     )
     extended = struct.pack("<4B", 1, 0, 0, 0)

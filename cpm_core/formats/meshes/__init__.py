@@ -1,0 +1,1 @@
+"""Files of surfaces, for programs of radiology, printing and display."""

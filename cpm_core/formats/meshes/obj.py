@@ -1,0 +1,22 @@
+"""OBJ: the surface with its normals as text, for programs of drawing and animation."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+
+from cpm_core.contours.result import Result
+from cpm_core.formats.meshes.world import mesh_of
+from cpm_core.medial_axis.skeleton import Skeleton
+
+
+def encode(result: Result | Skeleton) -> bytes:
+    """Make an OBJ file of the surface of a result; ValueError when it has none."""
+    mesh = mesh_of(result)
+    stream = io.BytesIO()
+    stream.write("".join(f"# {note}\n" for note in mesh.notes).encode())
+    np.savetxt(stream, mesh.points, "v %.7g %.7g %.7g")
+    np.savetxt(stream, mesh.normals, "vn %.5f %.5f %.5f")
+    np.savetxt(stream, np.repeat(mesh.faces + 1, 2, axis=1), "f %d//%d %d//%d %d//%d")
+    return stream.getvalue()

@@ -1,0 +1,31 @@
+"""VTK: the surface with its normals as poly data, for ParaView, 3D Slicer and ITK-SNAP."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cpm_core.contours.result import Result
+from cpm_core.formats.meshes.world import mesh_of
+from cpm_core.medial_axis.skeleton import Skeleton
+
+_TITLE = 255
+"""Most characters of the title."""
+
+
+def encode(result: Result | Skeleton) -> bytes:
+    """Make a binary file of VTK, version 3.0, of the surface of a result; ValueError when it has none."""
+    mesh = mesh_of(result)
+    count, faces = len(mesh.points), len(mesh.faces)
+    title = "; ".join(mesh.notes[:3])[:_TITLE]
+    polygons = np.hstack([np.full((faces, 1), 3), mesh.faces]).astype(">i4")
+    return b"".join(
+        (
+            f"# vtk DataFile Version 3.0\n{title}\nBINARY\nDATASET POLYDATA\nPOINTS {count} float\n".encode(),
+            mesh.points.astype(">f4").tobytes(),
+            f"\nPOLYGONS {faces} {polygons.size}\n".encode(),
+            polygons.tobytes(),
+            f"\nPOINT_DATA {count}\nNORMALS normals float\n".encode(),
+            mesh.normals.astype(">f4").tobytes(),
+            b"\n",
+        )
+    )

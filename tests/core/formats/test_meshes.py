@@ -1,0 +1,137 @@
+"""Surfaces written to files, read back by hand from the documents of the formats; label volumes by their readers."""
+
+import gzip
+import io
+import struct
+
+import nibabel
+import numpy as np
+import pytest
+import tifffile
+
+from cpm_core import Result, Surface
+from cpm_core.formats import FOR_VOLUMES, encoded, export
+from cpm_core.reconstruction.surface.inside import inside_of, numbered
+from cpm_core.reconstruction.surface.iso.marching import zero_surface
+
+SHAPE, SPACING = (16, 20, 24), (2.0, 0.5, 1.0)
+PLACES = np.stack(np.meshgrid(*[np.arange(float(n)) for n in SHAPE], indexing="ij"), -1)
+
+
+def ball(center, radius):
+    return radius - np.linalg.norm(PLACES - center, axis=-1)
+
+
+VALUES = np.maximum(np.minimum(ball((8, 8, 8), 6.3), -ball((8, 8, 8), 2.4)), ball((8, 14, 18), 3.1))
+SURFACE = Surface(*zero_surface(VALUES.astype(np.float32)), SPACING, "mm")
+
+
+def result_with(surface, shape=SHAPE):
+    spacing = SPACING[-len(shape) :]
+    return Result(np.zeros((0, len(shape))), (), surface, 1, True, "at rest", shape, spacing, "mm", "a ball.nii")
+
+
+RESULT = result_with(SURFACE)
+POINTS = (SURFACE.vertices * SPACING)[:, ::-1]
+
+
+def read_ply(content):
+    head, body = content.split(b"end_header\n", 1)
+    lines = head.decode("ascii").splitlines()
+    assert lines[:2] == ["ply", "format binary_little_endian 1.0"]
+    vertices, faces = (int(line.split()[2]) for line in lines if line.startswith("element"))
+    numbers = np.frombuffer(body, "<f4", 6 * vertices).reshape(-1, 6)
+    triangles = np.frombuffer(body[24 * vertices :], np.dtype([("n", "u1"), ("at", "<i4", 3)]))
+    assert len(triangles) == faces and (triangles["n"] == 3).all()
+    return numbers[:, :3], triangles["at"], numbers[:, 3:], head.decode()
+
+
+def read_obj(content):
+    rows = [line.split() for line in content.decode().splitlines()]
+    points, normals = (np.array([row[1:] for row in rows if row[0] == kind], float) for kind in ("v", "vn"))
+    faces = np.array([[corner.split("//")[0] for corner in row[1:]] for row in rows if row[0] == "f"], int) - 1
+    return points, faces, normals, content.decode()
+
+
+def read_vtk(content):
+    stream = io.BytesIO(content)
+    assert stream.readline() == b"# vtk DataFile Version 3.0\n"
+    title = stream.readline().decode()
+    assert [stream.readline() for _ in range(2)] == [b"BINARY\n", b"DATASET POLYDATA\n"]
+    count = int(stream.readline().split()[1])
+    points = np.frombuffer(stream.read(12 * count), ">f4").reshape(-1, 3)
+    stream.readline()
+    faces, size = map(int, stream.readline().split()[1:])
+    polygons = np.frombuffer(stream.read(4 * size), ">i4").reshape(faces, 4)
+    assert (polygons[:, 0] == 3).all()
+    assert [stream.readline() for _ in range(3)] == [
+        b"\n",
+        f"POINT_DATA {count}\n".encode(),
+        b"NORMALS normals float\n",
+    ]
+    return points, polygons[:, 1:], np.frombuffer(stream.read(12 * count), ">f4").reshape(-1, 3), title
+
+
+def volume_of(points, faces):
+    a, b, c = points[faces].astype(float).transpose(1, 0, 2)
+    return float((a * np.cross(b, c)).sum() / 6.0)
+
+
+@pytest.mark.parametrize(("suffix", "read"), [(".ply", read_ply), (".obj", read_obj), (".vtk", read_vtk)])
+def test_surfaces_are_read_back_as_they_were(suffix, read):
+    points, faces, normals, notes = read(encoded(RESULT, suffix))
+    assert points == pytest.approx(POINTS, abs=1e-4)
+    assert np.sort(faces, axis=1).tolist() == np.sort(SURFACE.faces, axis=1).tolist()
+    assert normals == pytest.approx(SURFACE.normals[:, ::-1], abs=1e-4)
+    assert volume_of(points, faces) == pytest.approx(SURFACE.volume, rel=1e-4)
+    assert "SPACE=LPS" in notes and "UNIT=mm" in notes and "CPM" in notes
+
+
+def test_triangles_for_printing_are_read_back():
+    content = encoded(RESULT, ".stl")
+    assert not content.startswith(b"solid") and b"SPACE=LPS UNIT=mm" in content[:80]
+    assert struct.unpack("<I", content[80:84]) == (len(SURFACE.faces),)
+    found = np.frombuffer(content[84:], np.dtype([("normal", "<f4", 3), ("at", "<f4", (3, 3)), ("more", "<u2")]))
+    assert found["at"] == pytest.approx(POINTS[SURFACE.faces[:, ::-1]], abs=1e-4)
+    assert np.linalg.norm(found["normal"], axis=1) == pytest.approx(1.0, abs=1e-3)
+    outward = (found["normal"] * SURFACE.normals[SURFACE.faces[:, 0]][:, ::-1]).sum(1)
+    assert (outward > 0.0).all()
+
+
+def test_voxels_inside_are_those_of_the_solid():
+    assert inside_of(SURFACE, SHAPE).tolist() == (VALUES > 0.0).tolist()
+    labels = numbered(SURFACE, SHAPE)
+    assert labels[8, 8, 4] == 1 and labels[8, 14, 18] == 2 and labels[8, 8, 8] == 0
+
+
+def test_label_volumes_are_aligned_with_the_input(tmp_path):
+    export(RESULT, tmp_path / "a.nii", tmp_path / "a.nii.gz", tmp_path / "a.tif")
+    image = nibabel.Nifti1Image.from_bytes((tmp_path / "a.nii").read_bytes())
+    wanted = numbered(SURFACE, SHAPE)
+    assert np.asarray(image.dataobj).transpose().tolist() == wanted.tolist()
+    assert image.header.get_zooms() == SPACING[::-1]
+    corner = image.affine @ (23, 19, 15, 1)
+    assert corner[:3] == pytest.approx((-23 * 1.0, -19 * 0.5, 15 * 2.0))  # RAS; meshes of the same result are LPS
+    assert gzip.decompress((tmp_path / "a.nii.gz").read_bytes()) == (tmp_path / "a.nii").read_bytes()
+    with tifffile.TiffFile(tmp_path / "a.tif") as file:
+        assert file.asarray().tolist() == wanted.tolist()
+        assert file.imagej_metadata["spacing"] == 2.0 and file.series[0].axes == "ZYX"
+
+
+@pytest.mark.parametrize("suffix", [".ply", ".stl", ".obj", ".vtk"])
+def test_without_a_surface_a_sentence_says_so(suffix):
+    with pytest.raises(ValueError, match=r"a ball\.nii has no surface: only runs on volumes find one"):
+        encoded(result_with(None, (20, 24)), suffix)
+
+
+@pytest.mark.parametrize("suffix", [".svg", ".png", ".json", ".roi"])
+def test_what_lies_in_a_plane_is_refused_for_volumes(suffix):
+    assert suffix not in FOR_VOLUMES
+    with pytest.raises(ValueError, match="is a volume"):
+        encoded(RESULT, suffix)
+
+
+def test_an_open_surface_has_no_inside():
+    opened = Surface(SURFACE.vertices, SURFACE.faces[1:], SPACING, "mm")
+    with pytest.raises(ValueError, match="no closed surface"):
+        encoded(result_with(opened), ".nii")
