@@ -1,7 +1,7 @@
 """Memory of a window that is used for hours.
 
-What is free is given back to the system, and only while the worker has nothing to do; runs that follow each other take no
-more than the first few.
+What is free is given back to the system, and only while the worker has nothing to do; runs that follow each other take
+no more than the first few.
 """
 
 from __future__ import annotations
