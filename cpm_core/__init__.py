@@ -76,11 +76,13 @@ from cpm_core.formats import encoded, export, load_contours, load_image
 from cpm_core.formats.animations.animation import write_animation
 from cpm_core.formats.animations.snapshot_strip import strip
 from cpm_core.formats.ground_truth_file import load_truth
+from cpm_core.formats.meshes.swc import write_swc
 from cpm_core.formats.provenance import VERSION
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeleton_method import skeleton
+from cpm_core.medial_axis.space.centerlines import Centerlines, centerlines
 from cpm_core.objects import Partition, Selection, objects_result, partition, similar
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 from cpm_core.particles.coulomb.coulomb_force import coulomb_force
@@ -99,6 +101,7 @@ __all__ = [
     "PARAMETERS",
     "PRESETS",
     "Bridge",
+    "Centerlines",
     "Comparison",
     "Contour",
     "Energies",
@@ -118,6 +121,7 @@ __all__ = [
     "Surface",
     "Truth",
     "box",
+    "centerlines",
     "circle",
     "compare",
     "containment",
@@ -145,4 +149,5 @@ __all__ = [
     "teach",
     "uniform_grid",
     "write_animation",
+    "write_swc",
 ]

@@ -30,6 +30,7 @@ from cpm_core.cli.arguments import (
 from cpm_core.cli.batch.jobs import facts_of as outcome_of
 from cpm_core.cli.objects import add_objects, check_objects, choose, facts_of_object, sentence
 from cpm_core.cli.terminal import Progress, counted, written
+from cpm_core.cli.volume import run_volume
 from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply
@@ -64,6 +65,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     line = "ROW,COL,ROW,COL,..."
     for group, flag, form, meaning in (
         (start, "--circle", "ROW,COL,RADIUS", "a circle, in px"),
+        (start, "--sphere", "PLANE,ROW,COL,RADIUS", "a sphere in a volume, in voxels; IMAGE is then a volume"),
         (start, "--stroke", line, "a stroke from point to point"),
         (start, "--points", "FILE.csv", "points: row,col on each line"),
         (place, "--region", line, "corners of a polygon that particles stay in, in px"),
@@ -88,6 +90,9 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
 
 def _run(arguments: argparse.Namespace) -> None:
     """Find the contours of an image; every check that needs no image comes first."""
+    if arguments.sphere:
+        run_volume(arguments)
+        return
     session = load_session(Path(arguments.session)) if arguments.session else SessionFile()
     if arguments.image is None and session.image is None:
         raise ValueError("No IMAGE is given: name one, or with --session FILE a session that has one.")

@@ -19,8 +19,9 @@ from cpm_core.numerics.memory import check_room
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 
-_LEAST_MEMORY = 80.0
-"""Memory that no run needs less of, for one pixel [bytes]; 106 to 200 are measured."""
+_LEAST_MEMORY = {2: 80.0, 3: 24.0}
+"""Memory that no run needs less of, for one pixel [bytes], in the plane and in space; in the plane 106 to 200 are
+measured."""
 
 
 class ImageFields:
@@ -57,7 +58,7 @@ class ImageFields:
         self.regions = regions
         if regions is not None:
             regions.check(array.shape)
-        check_room(array.shape, _LEAST_MEMORY, self.image.source)
+        check_room(array.shape, _LEAST_MEMORY[array.ndim], self.image.source)
         self._scale_space = _scale_space_of(self.image, parameters.scales, regions)
         self._scale_space.prepare(parameters)
         self._charged = PlacedChargeCache(array.shape)

@@ -12,11 +12,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from cpm_core.image.colors import Colors, channel_of
 from cpm_core.image.gray_levels import usable
+from cpm_core.numerics.memory import check_room
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.parameters.quotation import shown
 
 MINIMUM_SIDE = 8
 """Least number of pixels along each axis [px]: in smaller images the edges cannot be separated from the border."""
+
+_BYTES_A_VOXEL = 40
+"""Memory that a run on a volume takes for each voxel [bytes]."""
 
 _COUNTS = {2: "two", 3: "three"}
 
@@ -62,13 +66,20 @@ class Image:
         given = np.asarray(self.values)
         if given.dtype.kind not in "buif":
             raise ValueError(f"{self.source} holds values of type {given.dtype}, but gray levels must be real numbers.")
-        if given.ndim not in (2, 3) or (given.ndim == 3 and min(given.shape) < MINIMUM_SIDE):
+        if given.ndim not in (2, 3) or (given.ndim == 3 and given.shape[-1] < MINIMUM_SIDE):
             raise _not_a_plane(self.source, given.shape)
+        if given.ndim == 3 and min(given.shape) < MINIMUM_SIDE:
+            raise ValueError(
+                f"{self.source} has {_size(given.shape)} voxels, but a volume needs at least {MINIMUM_SIDE} "
+                "planes, rows and columns."
+            )
         if min(given.shape) < MINIMUM_SIDE:
             raise ValueError(
                 f"{self.source} is {given.shape[0]} x {given.shape[1]} px, "
                 f"but an image needs at least {MINIMUM_SIDE} px along each side."
             )
+        if given.ndim == 3:
+            check_room(given.shape, _BYTES_A_VOXEL, self.source)
         with np.errstate(invalid="ignore"):  # of NaN of the signaling kind, which are refused as all others
             values = np.array(given, dtype=np.float64, order="C")
         unusable = values.size - int(np.isfinite(values).sum())
@@ -122,6 +133,10 @@ class Image:
     def ndim(self) -> int:
         """Number of axes."""
         return self.values.ndim
+
+
+def _size(shape: tuple[int, ...]) -> str:
+    return " x ".join(map(str, shape))
 
 
 def as_plane(values: ArrayLike | Image) -> Image:

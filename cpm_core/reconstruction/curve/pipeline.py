@@ -6,6 +6,7 @@ from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.graph.graph import Graph
 from cpm_core.dynamics.deletion.plane import deletion
 from cpm_core.field.scale_field import ScaleField
+from cpm_core.image.barriers import BarrierMap
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction.curve.end_linking import close_gaps
@@ -62,6 +63,7 @@ def find_contours(
     close_gaps(graph, scale_field, reach)
     graph.drop_spurs(_SPUR * parameters.d_min)
     graph.merge_junctions(max(_MERGED, scale_field.smoothing))
+    _cut(graph, scale_field.barrier_map)
     if max(parameters.min_strength, parameters.sure_edge, parameters.min_contrast) > 0.0:
         drop_weak(graph, scale_field, parameters)
         graph.drop_spurs(_SPUR * parameters.d_min)
@@ -74,3 +76,11 @@ def find_contours(
         graph.contours(max(shortest(scale_field, parameters), parameters.min_length)), scale_field, parameters
     )
     return contours, bridges_of(bridges, contours)
+
+
+def _cut(graph: Graph, barrier_map: BarrierMap) -> None:
+    """Remove the edges that cross a barrier: simplified curves may cut the corner that an edge goes around."""
+    if not len(barrier_map.segments):
+        return
+    edges = graph.edges()
+    graph.unlink(edges[barrier_map.crossed(graph.points[edges[:, 0]], graph.points[edges[:, 1]])])

@@ -1,0 +1,69 @@
+"""SWC: center lines as a tree of points with radii, for Vaa3D, neuTube, SNT and other programs of neuroscience."""
+
+from __future__ import annotations
+
+import os
+from collections import deque
+from pathlib import Path
+
+from cpm_core.formats.atomic import check_place, write_together
+from cpm_core.formats.meshes.world import SPACE
+from cpm_core.formats.provenance import PROGRAM
+from cpm_core.medial_axis.space.centerlines import Centerlines
+
+_UNDEFINED = 0
+"""Type of a point of no known structure."""
+
+
+def write_swc(lines: Centerlines, path: str | os.PathLike[str]) -> None:
+    """Write center lines as an SWC file; see `encode`. ValueError when it cannot be written there."""
+    check_place(Path(path))
+    write_together([(Path(path), encode(lines))])
+
+
+def encode(lines: Centerlines) -> bytes:
+    """Make an SWC file: a line of text for each point, with x, y, z and radius in the unit of the spacing, and parent.
+
+    The coordinates are those of surfaces (`world`). SWC holds trees alone: a loop is cut at the end of one of its
+    branches, where a point stands twice.
+    """
+    rows: list[tuple[int, float, float, float, float, int]] = []
+    number: dict[int, int] = {}
+    at_node: dict[int, list[int]] = {}
+    for k, branch in enumerate(lines.branches):
+        for node in branch.nodes:
+            at_node.setdefault(node, []).append(k)
+    done: set[int] = set()
+
+    def add(branch: int, point: int, parent: int) -> int:
+        place = lines.branches[branch].points[point] * lines.spacing
+        x, y, z = place[::-1].tolist()
+        rows.append((len(rows) + 1, x, y, z, float(lines.branches[branch].radii[point]), parent))
+        return len(rows)
+
+    for first in range(len(lines.branches)):
+        if first in done:
+            continue
+        root = lines.branches[first].nodes[0]
+        number[root] = add(first, 0, -1)
+        waiting = deque([root])
+        while waiting:
+            node = waiting.popleft()
+            for k in at_node[node]:
+                if k in done:
+                    continue
+                done.add(k)
+                one, other = lines.branches[k].nodes
+                count = len(lines.branches[k].points)
+                order = range(1, count) if one == node else range(count - 2, -1, -1)
+                last = number[node]
+                for point in order:
+                    last = add(k, point, last)
+                beyond = other if one == node else one
+                if beyond not in number:
+                    number[beyond] = last
+                    waiting.append(beyond)
+    unit = {"µm": "um"}.get(lines.unit or "", lines.unit or "voxel")
+    head = f"# {PROGRAM}\n# {SPACE}\n# UNIT={unit}\n# id type x y z radius parent\n"
+    text = "".join(f"{k} {_UNDEFINED} {x:.6g} {y:.6g} {z:.6g} {r:.6g} {parent}\n" for k, x, y, z, r, parent in rows)
+    return (head + text).encode("ascii", "replace")

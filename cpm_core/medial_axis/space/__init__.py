@@ -1,0 +1,1 @@
+"""Center lines of what is long and thin in a volume."""

@@ -1,0 +1,117 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from scipy.ndimage import distance_transform_edt, label
+
+from cpm_core.contours.surface import Surface
+from cpm_core.formats.meshes.swc import write_swc
+from cpm_core.medial_axis.space.centerlines import centerlines
+from cpm_core.medial_axis.space.thinning import thinned
+from cpm_core.reconstruction.surface.iso.marching import zero_surface
+from tests.core.reconstruction.surface.solids import ball, grid, ring, rod, union
+
+MIDDLE = 19.5
+
+
+def inside(solid, spacing=(1.0, 1.0, 1.0)):
+    return solid(grid(spacing)) > 0.0
+
+
+def test_a_rod_has_one_branch_along_its_axis_with_its_radius():
+    found = centerlines(inside(rod((MIDDLE, MIDDLE, 8), (MIDDLE, MIDDLE, 31), 4)))
+    assert len(found.branches) == 1
+    branch = found.branches[0]
+    assert np.abs(branch.points[:, :2] - MIDDLE).max() < 1.0
+    assert np.abs(branch.radii - 4.0).mean() < 0.5
+    assert found.lengths[0] > 18.0
+
+
+def test_three_vessels_meet_in_one_junction():
+    middle = np.full(3, MIDDLE)
+    ends = [middle + 15 * np.array(way) for way in ((0, 0, 1), (0, 0.87, -0.5), (0, -0.87, -0.5))]
+    found = centerlines(inside(union(*[rod(middle, end, 3) for end in ends])))
+    assert len(found.branches) == 3
+    nodes = [node for branch in found.branches for node in branch.nodes]
+    common = max(set(nodes), key=nodes.count)
+    assert nodes.count(common) == 3
+    for branch in found.branches:
+        at = branch.points[0] if branch.nodes[0] == common else branch.points[-1]
+        assert np.linalg.norm(at - middle) < 2.0
+        assert np.abs(branch.radii[2:-2] - 3.0).mean() < 0.5
+
+
+def test_a_ring_is_closed():
+    found = centerlines(inside(ring(11, 3)))
+    assert len(found.branches) == 1
+    branch = found.branches[0]
+    assert branch.nodes[0] == branch.nodes[1]
+    assert branch.points[0] == pytest.approx(branch.points[-1])
+    assert found.lengths[0] == pytest.approx(2.0 * np.pi * 11.0, rel=0.06)
+
+
+def test_wrinkles_are_pruned_and_vessels_are_not():
+    middle = np.full(3, MIDDLE)
+    vessel = rod((MIDDLE, MIDDLE, 4.5), (MIDDLE, MIDDLE, 34.5), 4)
+    wrinkled = inside(union(vessel, ball(2, middle + np.array([0, 4.5, 0]))))
+    assert len(centerlines(wrinkled, pruning=1.5).branches) == 1
+    branched = inside(union(vessel, rod(middle, middle + np.array([0, 16, 0]), 2)))
+    assert len(centerlines(branched, pruning=1.5).branches) == 3
+
+
+def test_lengths_and_radii_are_in_the_unit_of_the_spacing():
+    spacing = (2.0, 1.0, 1.0)
+    solid = rod((8, MIDDLE, MIDDLE), (31, MIDDLE, MIDDLE), 5)
+    coarse = centerlines(inside(solid, spacing), spacing, "mm")
+    fine = centerlines(inside(solid))
+    assert coarse.lengths.sum() == pytest.approx(fine.lengths.sum(), rel=0.2)
+    assert np.median(coarse.branches[0].radii) == pytest.approx(5.0, abs=1.0)
+
+
+def test_every_part_has_its_lines():
+    mask = inside(union(rod((8, 8, 8), (8, 8, 30), 3), rod((30, 30, 8), (30, 30, 30), 3)))
+    assert label(mask)[1] == 2
+    assert len(centerlines(mask).branches) == 2
+    assert centerlines(np.zeros((9, 9, 9))).branches == ()
+
+
+@pytest.mark.parametrize(
+    ("mask", "spacing", "said"),
+    [(np.ones((5, 5)), (1, 1, 1), "must be a volume"), (np.ones((5, 5, 5)), (1, 0, 1), "three positive numbers")],
+)
+def test_what_is_no_volume_is_refused(mask, spacing, said):
+    with pytest.raises(ValueError, match=said):
+        centerlines(mask, spacing)
+
+
+@settings(max_examples=40, deadline=None)
+@given(arrays(bool, st.tuples(*[st.integers(1, 6)] * 3)))
+def test_thinning_keeps_the_topology(mask):
+    mask = np.pad(mask, 1)
+    lines = thinned(mask, distance_transform_edt(mask))
+    corners = np.ones((3, 3, 3))
+    assert not (lines & ~mask).any()
+    assert label(lines, corners)[1] == label(mask, corners)[1]
+    assert label(~lines)[1] == label(~mask)[1]
+    assert euler(lines) == euler(mask)
+
+
+def euler(mask):
+    return Surface(*zero_surface(np.where(mask, 1.0, -1.0).astype(np.float32))).euler
+
+
+def test_center_lines_are_written_as_a_tree(tmp_path):
+    middle = np.full(3, MIDDLE)
+    ends = [middle + 15 * np.array(way) for way in ((0, 0, 1), (0, 0.87, -0.5), (0, -0.87, -0.5))]
+    found = centerlines(inside(union(*[rod(middle, end, 3) for end in ends])), (2.0, 1.0, 1.0), "mm")
+    write_swc(found, tmp_path / "lines.swc")
+    text = (tmp_path / "lines.swc").read_text()
+    assert "# SPACE=LPS\n# UNIT=mm\n" in text
+    rows = np.loadtxt(tmp_path / "lines.swc")
+    assert rows[:, 0].tolist() == list(range(1, len(rows) + 1))
+    assert (rows[1:, 6] < rows[1:, 0]).all() and rows[0, 6] == -1 and (rows[1:, 6] > 0).all()
+    steps = np.linalg.norm(rows[1:, 2:5] - rows[rows[1:, 6].astype(int) - 1, 2:5], axis=1)
+    assert steps.sum() == pytest.approx(found.lengths.sum(), rel=1e-3)
+    assert rows[:, 4] == pytest.approx(2.0 * MIDDLE, abs=3.0)  # z is the plane
+    assert rows[:, 5].max() == pytest.approx(max(branch.radii.max() for branch in found.branches), rel=1e-4)

@@ -1,0 +1,156 @@
+"""Runs in volumes: what they find, and the laws that hold in the plane as well."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+import scipy
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import cpm_core as cpm
+from cpm_core.field.volume.volume_field import build_volume_field
+from cpm_core.numerics import parallel
+from cpm_core.parameters import OF_PLANES
+
+VOLUME = cpm.PRESETS["volume"]
+CENTER = (15.2, 16.1, 14.7)
+
+
+def ball(spacing=(1.0, 1.0, 1.0), radius=9.0, side=31.0):
+    """A ball sampled with voxels of these sides, in a cube of this side."""
+    axes = [np.arange(round(side / s) + 1) * s - c for s, c in zip(spacing, CENTER, strict=True)]
+    away = np.sqrt(sum(a**2 for a in np.meshgrid(*axes, indexing="ij")))
+    return 20.0 + 200.0 * np.clip(0.5 - (away - radius) / max(spacing), 0.0, 1.0)
+
+
+def off(result, spacing=(1.0, 1.0, 1.0), radius=9.0):
+    """Distance of the particles from the surface of the ball."""
+    return np.linalg.norm(result.particles * spacing - CENTER, axis=1) - radius
+
+
+@cache
+def engine():
+    return cpm.Engine(ball(), VOLUME)
+
+
+@cache
+def states():
+    found = [engine().start(cpm.sphere(CENTER, 4.0, 60))]
+    while not found[-1].stop_reason:
+        found.append(engine().step(found[-1], VOLUME))
+    return found
+
+
+def frozen(state):
+    return [array.tobytes() for array in state.arrays()]
+
+
+def test_a_ball_is_covered_from_inside_and_the_particles_lie_on_it():
+    result = engine().result(states()[-1], VOLUME)
+    assert result.converged
+    assert np.abs(off(result)).max() < 0.3
+    sphere = CENTER + 9.0 * (cpm.sphere((0.0, 0.0, 0.0), 1.0, 2000))
+    assert scipy.spatial.KDTree(result.particles).query(sphere)[0].max() < VOLUME.d_min
+    assert result.surface is not None
+    assert len(result.surface.vertices) - len(result.surface.faces) // 2 == 2
+
+
+def test_a_step_depends_on_the_state_alone_and_changes_nothing():
+    for before, after in ((states()[1], states()[2]), (states()[-2], states()[-1])):
+        held = frozen(before)
+        assert frozen(engine().step(before, VOLUME)) == frozen(after)
+        assert frozen(before) == held
+
+
+def test_one_core_or_several_give_the_same_bits(monkeypatch):
+    seeds = cpm.sphere(CENTER, 4.0, 60)
+    for cores in (1, 3):
+        monkeypatch.setattr(parallel, "cores", lambda cores=cores: cores)
+        other = cpm.Engine(ball(), VOLUME)
+        state = other.start(seeds)
+        for _ in range(14):
+            state = other.step(state, VOLUME)
+        assert frozen(state) == frozen(states()[14])
+
+
+def test_a_run_that_has_ended_stays_as_it_is():
+    assert engine().step(states()[-1], VOLUME) is states()[-1]
+
+
+def test_parameters_act_at_the_next_step():
+    before = states()[3]
+    for name, value in (("w1", 0.3), ("w2", 1.5), ("beta", 2.0), ("time_step", 0.2), ("d_min", 3.0)):
+        after = engine().step(before, replace(VOLUME, **{name: value}))
+        assert frozen(after) != frozen(states()[4]), name
+
+
+@settings(max_examples=3, deadline=None)
+@given(st.sampled_from([(2.0, 1.0, 1.0), (1.0, 1.5, 1.0), (1.2, 1.0, 2.4)]))
+def test_voxels_of_unequal_sides_show_the_same_object_as_cubes(spacing):
+    image = cpm.Image(ball(spacing), spacing=tuple(0.3 * s for s in spacing), unit="mm")
+    result = cpm.segment(image, cpm.sphere(CENTER, 4.0, 60) / spacing, VOLUME)
+    cubes = engine().result(states()[-1], VOLUME)
+    assert result.converged
+    assert np.abs(off(result, spacing)).max() < 0.3 * max(spacing)
+    assert abs(off(result, spacing).mean() - off(cubes).mean()) < 0.15
+    assert 0.8 < len(result.particles) / len(cubes.particles) < 1.25
+
+
+def test_a_unit_of_length_changes_nothing_but_itself():
+    one, other = (
+        cpm.segment(cpm.Image(ball(), spacing=(side,) * 3), cpm.sphere(CENTER, 4.0, 60), VOLUME) for side in (1.0, 0.25)
+    )
+    np.testing.assert_array_equal(one.particles, other.particles)
+    np.testing.assert_array_equal(one.surface.vertices, other.surface.vertices)
+
+
+def test_coarser_scales_lead_to_the_same_surface():
+    result = cpm.segment(ball(), cpm.sphere(CENTER, 4.0, 60), replace(VOLUME, scales=2))
+    assert result.converged
+    assert np.abs(off(result)).max() < 0.3
+
+
+def test_more_particles_join_a_run_and_others_leave_it():
+    state = states()[-1]
+    more = engine().joined(state, [CENTER])
+    assert (more.count, more.stop_reason) == (state.count + 1, "")
+    np.testing.assert_allclose(more.position[-1], CENTER)
+    less = engine().erased(state, state.position[:, 0] > CENTER[0])
+    assert 0 < less.count < state.count
+    assert engine().step(less.resumed(), VOLUME).count <= less.count + 40
+
+
+@pytest.mark.parametrize("name", OF_PLANES)
+def test_parameters_for_images_only_are_refused_in_a_volume(name):
+    value = "vessels" if name == "edges" else 0.1
+    with pytest.raises(ValueError, match=f"^{name} is .* but has no meaning in a volume: leave it at .*\\.$"):
+        cpm.Engine(ball(), replace(VOLUME, **{name: value}))
+
+
+def test_charges_are_refused_in_a_volume():
+    with pytest.raises(ValueError, match="charges cannot be placed in a volume"):
+        engine().step(states()[0], VOLUME, [cpm.PlacedCharge((3.0, 3.0), 1.0)])
+
+
+def test_noise_decides_on_the_smoothing_and_the_floor():
+    clean = build_volume_field(ball(), (1.0, 1.0, 1.0), "auto", 0.1)
+    noise = np.random.default_rng(0).normal(0.0, 40.0, ball().shape)
+    noisy = build_volume_field(ball() + noise, (1.0, 1.0, 1.0), "auto", 0.1)
+    assert (clean.smoothing, clean.noisy, noisy.noisy) == (0.7, False, True)
+    assert noisy.smoothing > clean.smoothing
+    flat = build_volume_field(noise, (1.0, 1.0, 1.0), 1.0, 0.0)
+    assert (flat.edge_map > flat.floor).mean() < 0.01 or flat.floor == pytest.approx(0.35 * flat.strongest)
+
+
+def test_the_field_of_a_volume_pulls_to_the_edge_and_its_potential_is_lowest_there():
+    force, potential = engine().field(VOLUME), engine().potential(VOLUME)
+    assert force.shape == (3, *ball().shape)
+    assert np.linalg.norm(force, axis=0).max() <= 1.0 + 1e-6
+    grid = np.moveaxis(np.indices(ball().shape), 0, -1) - CENTER
+    away = np.linalg.norm(grid, axis=-1)
+    outward = np.einsum("i...,...i->...", force, grid) / np.maximum(away, 1e-9)
+    assert (outward[(away > 3.0) & (away < 8.0)] > 0.0).mean() > 0.99
+    assert (outward[(away > 10.0) & (away < 14.0)] < 0.0).mean() > 0.99
+    assert abs(away.ravel()[np.argmin(potential)] - 9.0) < 1.5
