@@ -82,6 +82,8 @@ def elsewhere(jobs: Sequence[Job], address: str) -> Generator[Done, None, None]:
         client = Client(address, timeout=10)
     except (OSError, ValueError, TimeoutError) as error:
         raise ValueError(f'--scheduler is "{address}" but no scheduler answers there: {error}.') from error
+    for name in ("distributed", "distributed.client"):  # what it would log, with tracebacks, is said in sentences
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     waiting = {job.number for job in jobs}
     futures: list[Any] = []
     try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import logging
 import os
 import pickle
 import shutil
@@ -363,10 +364,11 @@ def test_a_scheduler_that_does_not_answer_or_cannot_be_asked_is_told(
 
 
 def test_a_scheduler_that_goes_away_leaves_its_images_to_the_next_batch(
-    command, dask, session, disks, monkeypatch, tmp_path
+    command, dask, session, disks, monkeypatch, tmp_path, caplog
 ):
     def one_and_gone(futures):
         yield futures[0]
+        logging.getLogger("distributed.client").error("a traceback")  # as dask does
         raise CancelledError
 
     monkeypatch.setattr(sys.modules["distributed"], "as_completed", one_and_gone)
@@ -374,6 +376,7 @@ def test_a_scheduler_that_goes_away_leaves_its_images_to_the_next_batch(
     status, _, err = command(*line, "--scheduler", "tcp://there:8786")
     assert status == 1
     assert "The scheduler at tcp://there:8786 has gone" in err
+    assert "a traceback" not in caplog.text
     assert [bool(row["trouble"]) for row in table(tmp_path / "o")] == [False, True]
     assert command(*line, "--workers", 1)[0] == 0
     assert [bool(row["trouble"]) for row in table(tmp_path / "o")] == [False, False]

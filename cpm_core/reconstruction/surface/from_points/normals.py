@@ -29,8 +29,9 @@ def estimated_normals(points: Array, apart: float) -> Array:
     spread = points[near] - points[near].mean(1, keepdims=True)
     normals = np.linalg.eigh(np.einsum("nki,nkj->nij", spread, spread))[1][:, :, 0]
     distances, links = map(np.asarray, tree.query(points, min(_LINKS, len(points) - 1) + 1))
-    one = np.repeat(np.arange(len(points)), links.shape[1])
-    other = links.ravel()
+    # the only indices of graphs that all releases of SciPy take
+    one = np.repeat(np.arange(len(points), dtype=np.int32), links.shape[1])
+    other = links.ravel().astype(np.int32)
     close = (distances.ravel() <= _FARTHEST * apart) & (one != other)
     one, other = one[close], other[close]
     price = 1.0 - np.abs((normals[one] * normals[other]).sum(1)) + _LEAST_PRICE
