@@ -7,7 +7,7 @@ from typing import Any
 import pyqtgraph as pg
 from PySide6.QtCore import QRectF
 from PySide6.QtGui import QColor, QPen
-from PySide6.QtWidgets import QGraphicsItem
+from PySide6.QtWidgets import QGraphicsItem, QGraphicsObject
 
 from app.views.canvas.coordinates import image_rectangle
 from app.views.theme.look import Kind, look
@@ -25,8 +25,10 @@ def cached(item: QGraphicsItem) -> None:
     item.setCacheMode(QGraphicsItem.CacheMode.DeviceCoordinateCache)
 
 
-class OverImage(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type hints
+class OverImage(QGraphicsObject):
     """An item that covers the image and a rim around it.
+
+    It is an item of Qt: one of pyqtgraph follows each change of its view and of itself, which none of these needs.
 
     Parameters
     ----------
