@@ -61,6 +61,10 @@ class OverImage(QGraphicsObject):
         self._shown = shown
         self.setVisible(shown and not self.empty)
 
+    def show(self, *what: Any, **how: Any) -> None:
+        """Show what it draws; each kind of item says what it takes."""
+        super().show()
+
     def boundingRect(self) -> QRectF:
         """The area that may be drawn on."""
         return self._room
