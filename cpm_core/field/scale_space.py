@@ -61,7 +61,7 @@ class ScaleSpace:
             )
         same = _interest(regions) == _interest(self._regions)
         other._kept = kept if same else OrderedDict()
-        other._former = former if same else OrderedDict({**former, **kept})
+        other._former = former if same else other._newest(OrderedDict({**former, **kept}))
         return other
 
     def __len__(self) -> int:
@@ -97,8 +97,11 @@ class ScaleSpace:
             if scale in built:
                 self._kept[key] = built[scale]
             self._kept.move_to_end(key)
-        while len(self._kept) > _KEPT_SETTINGS * len(self):
-            self._kept.popitem(last=False)
+        self._kept = self._newest(self._kept)
+
+    def _newest(self, fields: OrderedDict[_Key, ScaleField]) -> OrderedDict[_Key, ScaleField]:
+        """Those of some fields that are kept, the last ones."""
+        return OrderedDict(list(fields.items())[-_KEPT_SETTINGS * len(self) :])
 
     def _build(self, scale: int, parameters: Parameters) -> ScaleField:
         regions = self._regions and self._regions.at_scale(scale, self._image.shape)

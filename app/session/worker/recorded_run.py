@@ -31,7 +31,9 @@ MEGABYTE = 2**20
 _METHODS = 3
 """Methods with different regions that are kept for repeating steps."""
 
-_FIRST_CAPACITY = 1024
+_FIRST_CAPACITY = 64
+"""Steps that a record has room for at first; each branch has one."""
+
 _NAMES = [field.name for field in fields(RunMetrics)]
 
 
@@ -177,7 +179,7 @@ class RecordedRun:
         else:
             self.timeline.restart(run)
         self._begun = {known: self._begun.get(known, begun) for known in self.timeline.runs} | {run: begun}
-        self._methods[run, method.regions] = method
+        self._keep_method(run, method)
         known = {node.identity for node in self.timeline.nodes}
         self._records = {branch: kept for branch, kept in self._records.items() if branch in known}
 
@@ -252,7 +254,7 @@ class RecordedRun:
                 fault = fault or str(error)
                 continue
             self._begun[number] = Begun(run.document, -generation)
-            self._methods = {(number, method.regions): method}
+            self._keep_method(number, method)
             for branch in run.branches:
                 nodes.append(_node(branch, number))
                 self._records[branch.number] = RunRecord.of(branch.figures)
@@ -273,10 +275,15 @@ class RecordedRun:
         if method is None:
             method = next((known for (of, _), known in self._methods.items() if of == run), None)
             method = (method or self._make(self._begun[run].document)).with_regions(regions)
-            if len(self._methods) >= _METHODS:
-                self._methods.pop(next(iter(self._methods)))
-        self._methods[run, regions] = method  # used last, and therefore removed last
+        self._keep_method(run, method)
         return method
+
+    def _keep_method(self, run: int, method: Method[Any]) -> None:
+        """Keep a method as the one that is used last, and therefore removed last; its fields take up memory."""
+        self._methods.pop((run, method.regions), None)
+        self._methods[run, method.regions] = method
+        while len(self._methods) > _METHODS:
+            self._methods.pop(next(iter(self._methods)))
 
     def _apply(self, run: int, state: MethodState, action: RunAction) -> MethodState:
         after: MethodState = action.apply(self._method(run, action.regions), state)

@@ -170,6 +170,7 @@ class TimelineMachine(RuleBasedStateMachine):
             id(array): array.nbytes
             for state in kept
             for array in (*(getattr(state.particles, name) for name in Particles.__slots__), *state.coverage.tiles)
+            if array is not None
         }
         assert timeline.used == sum(arrays.values())
 

@@ -1,5 +1,6 @@
 """The scale space of an image: each part is computed when what it depends on has changed, and at no other time."""
 
+import gc
 import sys
 from collections import Counter
 from dataclasses import replace
@@ -12,6 +13,7 @@ from cpm_core.field import convolution as convolution_module
 from cpm_core.field import scale_field as scale_field_module
 from cpm_core.field import scale_space as scale_space_module
 from cpm_core.field import source_images as source_images_module
+from cpm_core.field.scale_field import ScaleField
 from cpm_core.field.scale_space import ScaleSpace
 from cpm_core.image.regions import Regions
 from cpm_core.parameters import OF_STARTS, PARAMETERS, Parameters, invalidating
@@ -237,3 +239,17 @@ def test_a_field_that_is_transformed_in_parts_is_the_very_field(monkeypatch):
     monkeypatch.setattr(convolution_module, "_BLOCK", 2000)
     parts = convolution_module.convolved_field(IMAGE)
     np.testing.assert_allclose(parts, whole, rtol=0, atol=1e-12 * np.abs(whole).max())
+
+
+def test_fields_in_former_regions_of_interest_do_not_pile_up():
+    """However often regions and smoothing change, as many fields stay as after a few changes."""
+    space, alive = ScaleSpace(IMAGE, 2), []
+    for change in range(12):
+        parameters = replace(START, smoothing=1.0 + 0.1 * change)
+        corner = 50 + change
+        space = space.with_regions(Regions(interest=[[(4, 4), (4, corner), (corner, corner), (corner, 4)]]))
+        for scale in range(2):
+            space.at(scale, parameters)
+        gc.collect()
+        alive.append(sum(isinstance(thing, ScaleField) for thing in gc.get_objects()))
+    assert alive[-1] == alive[5]
