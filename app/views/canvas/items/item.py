@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import pyqtgraph as pg
+from pyqtgraph.Qt import QtWidgets
 from PySide6.QtCore import QRectF
 from PySide6.QtGui import QColor, QPen
-from PySide6.QtWidgets import QGraphicsItem, QGraphicsObject
+from PySide6.QtWidgets import QGraphicsItem
 
 from app.views.canvas.coordinates import image_rectangle
 from app.views.theme.look import Kind, look
@@ -25,7 +26,7 @@ def cached(item: QGraphicsItem) -> None:
     item.setCacheMode(QGraphicsItem.CacheMode.DeviceCoordinateCache)
 
 
-class OverImage(QGraphicsObject):
+class OverImage(QtWidgets.QGraphicsObject):  # type: ignore[misc]  # `show` of its kinds takes what they draw
     """An item that covers the image and a rim around it.
 
     It is an item of Qt: one of pyqtgraph follows each change of its view and of itself, which none of these needs.
@@ -60,10 +61,6 @@ class OverImage(QGraphicsObject):
         """Show or hide the item; an empty one is hidden and costs nothing in a frame."""
         self._shown = shown
         self.setVisible(shown and not self.empty)
-
-    def show(self, *what: Any, **how: Any) -> None:
-        """Show what it draws; each kind of item says what it takes."""
-        super().show()
 
     def boundingRect(self) -> QRectF:
         """The area that may be drawn on."""
