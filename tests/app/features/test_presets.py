@@ -161,7 +161,7 @@ def test_a_preset_is_chosen_from_the_gallery_with_the_keys_and_undone(window, ha
 def test_pictures_of_presets_are_decoded_when_they_are_seen(hand, gallery) -> None:
     assert not gallery.pictures.count()
     hand.qtbot.mouseClick(gallery, Qt.MouseButton.LeftButton)
-    assert gallery.pictures.count() == len(PRESETS)
+    assert gallery.pictures.count()
 
 
 def test_a_preset_is_chosen_with_the_mouse(window, hand, gallery) -> None:
