@@ -96,16 +96,19 @@ def _convolved(
         yield back
 
 
-def convolved_potential(edge_map: Array) -> Array:
+def convolved_potential(edge_map: NDArray[np.floating], pitch: tuple[float, ...] | None = None) -> Array:
     r"""Potential of the fixed charges of an image, shape (\*shape), whose slope is the field of eq. (8).
 
     ``V(r) = sum_k -f_k / ((D - 1) |r - R_k|^(D - 1))``, which is eq. (7) in the plane: below zero everywhere, and
     lowest on edges. No pixel acts on itself. `edge_map` is the edge strength ``f`` of every pixel [gray levels / px],
-    of at least two axes. The transforms are done in single precision, with an error of 1e-6 of the largest value.
+    of at least two axes, `pitch` the distance of two pixels along each, by default one. The transforms are done in
+    single precision, with an error of 1e-6 of the largest value.
     """
     dimension, last = edge_map.ndim, edge_map.ndim - 1
     padded = tuple(scipy.fft.next_fast_len(2 * n - 1, axis == last) for axis, n in enumerate(edge_map.shape))
-    offsets = np.meshgrid(*(size * np.fft.fftfreq(size) for size in padded), indexing="ij", sparse=True)
+    sides = (1.0,) * dimension if pitch is None else pitch
+    steps = (side * (size * np.fft.fftfreq(size)) for size, side in zip(padded, sides, strict=True))
+    offsets = np.meshgrid(*steps, indexing="ij", sparse=True)
     away = reduce(np.hypot, offsets).astype(np.float32)
     away[(0,) * dimension] = np.inf
     spectrum = scipy.fft.rfftn(edge_map.astype(np.float32), padded, workers=-1)

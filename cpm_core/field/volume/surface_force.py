@@ -45,6 +45,27 @@ def felt_at(
 
 
 @compiled
+def force_on_voxels(
+    smoothed: Single,
+    edges: Single,
+    far: Single,
+    pitch: Vector,
+    block: Vector,
+    floor: float,
+    first: int,
+    last: int,
+    out: Single,
+) -> None:
+    """`felt_at` of the voxels of some planes, shape (3, P, R, C)."""
+    for i in range(first, last):
+        for j in range(edges.shape[1]):
+            for k in range(edges.shape[2]):
+                place = (i * pitch[0], j * pitch[1], k * pitch[2])
+                force = felt_at(smoothed, edges, far, pitch, block, floor, place)[0]
+                out[0, i, j, k], out[1, i, j, k], out[2, i, j, k] = force
+
+
+@compiled
 def far_at(far: Single, pitch: Vector, block: Vector, place: Vector) -> Vector:
     """Field of the fixed charges at a place, from blocks of voxels."""
     z = (place[0] / pitch[0] + 0.5) / block[0] - 0.5

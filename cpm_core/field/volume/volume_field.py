@@ -10,9 +10,10 @@ from typing import Literal, NamedTuple
 import numpy as np
 import scipy
 
-from cpm_core.field.convolution import convolved_field
+from cpm_core.field.convolution import convolved_field, convolved_potential
 from cpm_core.field.scale_field import WEAKEST_EDGE
 from cpm_core.field.volume.ridges import Ridges, ridges_of
+from cpm_core.field.volume.surface_force import force_on_voxels
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Mask, Single
@@ -119,6 +120,19 @@ class VolumeField:
         sides = tuple(n * side for n, side in zip(block, self.pitch, strict=True))
         force = convolved_field(charges, self.exponent, np.float32, sides).astype(np.float32, copy=False)
         return FarField(force, (float(block[0]), float(block[1]), float(block[2])))
+
+    @property
+    def lorentz(self) -> Single:
+        """Lorentz force on the voxels, shape (3, P, R, C), as particles there feel it."""
+        out = np.empty((3, *self.shape), np.float32)
+        fields = (self.smoothed, self.edge_map, self.far.force, self.pitch, self.far.block, self.floor)
+        share(lambda first, last: force_on_voxels(*fields, first, last, out), len(self.edge_map), _LEAST_LINES)
+        return out
+
+    @cached_property
+    def potential(self) -> Array:
+        """Potential of the fixed charges, shape (P, R, C), exact."""
+        return convolved_potential(self.edge_map, self.pitch)
 
     @cached_property
     def ridges(self) -> Ridges:

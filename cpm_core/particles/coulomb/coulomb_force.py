@@ -16,6 +16,7 @@ from cpm_core.numerics.types import Array, Index
 from cpm_core.parameters.quotation import shown
 from cpm_core.particles.coulomb.direct_sum import pair_sums, usual_force
 from cpm_core.particles.coulomb.fast_multipole import tree_force
+from cpm_core.particles.coulomb.space import space_sums
 
 METHODS = ("auto", "exact", "single", "tree")
 
@@ -34,8 +35,8 @@ def coulomb_force(
 
     Parameters
     ----------
-    positions : array_like, shape (N, 2)
-        Positions of the particles [px].
+    positions : array_like, shape (N, 2) or (N, 3)
+        Positions of the particles [px]. In space all methods sum pair by pair in double precision.
     method : {"auto", "exact", "single", "tree"}
         How the sum is computed. "exact": pair by pair in double precision. "single": pair by pair, distances in double
         precision and the rest in single precision, in half the time; the error of each pair is 2e-7 of its force.
@@ -49,7 +50,7 @@ def coulomb_force(
 
     Returns
     -------
-    ndarray, shape (N, 2) or (M, 2)
+    ndarray, shape (N, D) or (M, D)
         ``sum_j (r_i - r_j) / |r_i - r_j|^3``, not normalized. Particles at the same position do not act on each other;
         this includes particles nearer to each other than 1e-18 of the extent of all.
 
@@ -60,14 +61,16 @@ def coulomb_force(
         or a tolerance out of range.
     """
     points = real_numbers(positions)
-    if points.ndim != 2 or points.shape[1] != 2:
-        raise ValueError(f"positions have the shape {points.shape} but must be (N, 2).")
+    if points.ndim != 2 or points.shape[1] not in (2, 3):
+        raise ValueError(f"positions have the shape {points.shape} but must be (N, 2) or (N, 3).")
     if not isinstance(method, str) or method not in METHODS:
         raise ValueError(f"method is {shown(method)} but must be one of {', '.join(METHODS)}.")
     checked_number("tolerance", tolerance, lambda error: 1e-12 <= error <= 0.1, "from 1e-12 to 0.1")
     wanted = None if targets is None else _checked(targets, len(points))
     if not len(points):
-        return np.zeros((0, 2))
+        return np.zeros((0, points.shape[1]))
+    if points.shape[1] == 3:
+        return space_sums(points, np.arange(len(points)) if wanted is None else wanted)
     y, x, scale = _on_unit_square(points)
     force = _unit_force(y, x, method, wanted, tolerance)
     force /= scale

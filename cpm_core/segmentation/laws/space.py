@@ -6,6 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from cpm_core.contours.result import Result
+from cpm_core.dynamics.energies import Energies
+from cpm_core.dynamics.forces import Forces
 from cpm_core.dynamics.time_step.space import stepped as moved
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.field.volume.volume_field import VolumeField
@@ -61,6 +63,16 @@ def stepped(state: State, field: VolumeField, regions: Regions | None, parameter
     if state.quiet >= _ENDED:
         return settled(state, field).stopped("at rest: no particle finds anything new", True)
     return state.stopped(f"not at rest after {most} steps at full size") if overdue else state
+
+
+def forces_on(*_given: object) -> Forces:
+    """Forces on single particles, which are not told apart in a volume."""
+    raise ValueError("the forces on single particles are known in images only.")
+
+
+def energies_of(*_given: object) -> Energies:
+    """Energies, which are not defined in a volume: the force on a surface has no potential."""
+    raise ValueError("energies are known in images only.")
 
 
 def result(

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core.particles.cell_list import cell_of, plane
+from cpm_core.particles.cell_list import cell_of, plane, space
 
 from ..dynamics.moving import crowds
 
@@ -23,7 +23,9 @@ def grid(shape, size):
     return tuple(int(n / size) + 1 for n in shape)
 
 
-@pytest.mark.parametrize(("kernels", "shape"), [pytest.param(plane, (60, 45), id="plane")])
+@pytest.mark.parametrize(
+    ("kernels", "shape"), [pytest.param(plane, (60, 45), id="plane"), pytest.param(space, (20, 24, 15), id="space")]
+)
 class TestCellList:
     """What holds for cells in any dimension; rows of cells run along the last axis."""
 

@@ -138,7 +138,7 @@ def test_force_far_from_the_origin_is_that_of_the_same_particles_near_it():
         np.testing.assert_array_equal(coulomb_force(far, method), coulomb_force(far - 2.0**30, method))
 
 
-@pytest.mark.parametrize("points", [np.zeros(4), np.zeros((3, 3)), np.zeros((2, 2, 2))], ids=str)
+@pytest.mark.parametrize("points", [np.zeros(4), np.zeros((3, 4)), np.zeros((2, 2, 2))], ids=str)
 def test_other_shapes_are_refused(points):
     with pytest.raises(ValueError, match=r"positions have the shape .* must be \(N, 2\)"):
         coulomb_force(points)
@@ -178,3 +178,17 @@ def test_tolerance_out_of_range_is_refused(tolerance):
 def test_targets_that_are_no_particles_are_refused(targets, sentence):
     with pytest.raises(ValueError, match=sentence):
         coulomb_force(crowd(3), targets=targets)
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=st.integers(0, 1000), scale=st.sampled_from([1e-3, 1.0, 1e5]))
+def test_the_force_in_space_is_the_sum_over_all_pairs(seed, scale):
+    points = scale * np.random.default_rng(seed).normal(size=(40, 3))
+    points[7] = points[3]  # at the same position: no force on each other
+    apart = points[:, None] - points[None]
+    distance = np.linalg.norm(apart, axis=-1)
+    distance[distance == 0.0] = np.inf
+    truth = (apart / distance[..., None] ** 3).sum(axis=1)
+    np.testing.assert_allclose(coulomb_force(points), truth, rtol=1e-9, atol=1e-11 * np.abs(truth).max())
+    np.testing.assert_array_equal(coulomb_force(points, targets=[5, 2]), coulomb_force(points)[[5, 2]])
+    assert coulomb_force(np.zeros((0, 3))).shape == (0, 3)

@@ -142,3 +142,15 @@ def test_noise_decides_on_the_smoothing_and_the_floor():
     assert noisy.smoothing > clean.smoothing
     flat = build_volume_field(noise, (1.0, 1.0, 1.0), 1.0, 0.0)
     assert (flat.edge_map > flat.floor).mean() < 0.01 or flat.floor == pytest.approx(0.35 * flat.strongest)
+
+
+def test_the_field_of_a_volume_pulls_to_the_edge_and_its_potential_is_lowest_there():
+    force, potential = engine().field(VOLUME), engine().potential(VOLUME)
+    assert force.shape == (3, *ball().shape)
+    assert np.linalg.norm(force, axis=0).max() <= 1.0 + 1e-6
+    grid = np.moveaxis(np.indices(ball().shape), 0, -1) - CENTER
+    away = np.linalg.norm(grid, axis=-1)
+    outward = np.einsum("i...,...i->...", force, grid) / np.maximum(away, 1e-9)
+    assert (outward[(away > 3.0) & (away < 8.0)] > 0.0).mean() > 0.99
+    assert (outward[(away > 10.0) & (away < 14.0)] < 0.0).mean() > 0.99
+    assert abs(away.ravel()[np.argmin(potential)] - 9.0) < 1.5
