@@ -11,9 +11,9 @@ _PART = 2**22
 
 
 def fingerprint(path: Path, go_on: Callable[[], object] | None = None) -> str:
-    """Hash of a file (SHA-256), 64 hexadecimal digits; empty when it cannot be read.
+    """Hash of a file (SHA-256), 64 hexadecimal digits.
 
-    `go_on` is called between the parts of a long file, and may raise to stop.
+    `go_on` is called between the parts of a long file, and may raise to stop. ValueError when the file cannot be read.
     """
     found = hashlib.sha256()
     try:
@@ -22,6 +22,14 @@ def fingerprint(path: Path, go_on: Callable[[], object] | None = None) -> str:
                 found.update(part)
                 if go_on is not None:
                     go_on()
-    except OSError:
-        return ""
+    except OSError as error:
+        raise ValueError(f"{path} cannot be read: {error.strerror or error}.") from error
     return found.hexdigest()
+
+
+def fingerprint_if_read(path: Path, go_on: Callable[[], object] | None = None) -> str:
+    """Hash of a file as `fingerprint` makes it; empty when the file cannot be read."""
+    try:
+        return fingerprint(path, go_on)
+    except ValueError:
+        return ""

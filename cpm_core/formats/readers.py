@@ -62,7 +62,8 @@ def load_image(path: str | os.PathLike[str], go_on: Callable[[], object] | None 
     Raises
     ------
     ValueError
-        When there is no such file, or it cannot be used; one sentence with its name and what to do.
+        When there is no such file, or it cannot be used or read again for its hash; one sentence with its name and
+        what to do.
     """
     file = Path(path)
     head = _head(file)
@@ -77,6 +78,8 @@ def load_image(path: str | os.PathLike[str], go_on: Callable[[], object] | None 
         raise ValueError(f"{file.name} does not fit into memory: crop it or make it smaller first.") from None
     except Exception as error:  # decoders raise exceptions of any kind on damaged files
         _LOG.info("%s: %s: %s", file, type(error).__name__, error)
+        if foreign.reads(head, file):  # a DICOM file may begin as a TIFF does, and need not be one as well
+            foreign.read(file)
         raise ValueError(
             f"{file.name} is damaged, cut short or of an unknown kind: get a sound copy of it, "
             "or save it again as PNG or TIFF."

@@ -168,16 +168,17 @@ class Bands:
         Sides of the first band, then of the second one, and so on.
     starts : ndarray of int
         Where in `sides` those of each band begin, and the end of the last one.
-    first, height : float
-        Row at which the first band begins, and height of each [px].
+    first, last, height : float
+        Row at which the first band begins, row at which the last one ends, and height of each [px].
     """
 
     def __init__(self, low: Array, high: Array, most: int = _MOST_BANDS) -> None:
-        self.first, last = float(low.min()), float(high.max())
+        self.first, self.last = float(low.min()), float(high.max())
         mean = max(float((high - low).mean()), 1e-9)  # so that a side lies in few bands
-        bands = int(min(max((last - self.first) / mean, 1.0), len(low), most))
-        self.height = max((last - self.first) / bands, 1e-300)
-        lowest, highest = self._band(low, bands), self._band(high, bands)
+        bands = int(min(max((self.last - self.first) / mean, 1.0), len(low), most))
+        self.height = max((self.last - self.first) / bands, 1e-300)
+        self._count = bands
+        lowest, highest = self.of(low), self.of(high)
         spans = highest - lowest + 1
         band_of = np.arange(spans.sum()) - np.repeat(np.cumsum(spans) - spans - lowest, spans)
         self.sides = np.repeat(np.arange(len(low)), spans)[np.argsort(band_of, kind="stable")]
@@ -185,12 +186,16 @@ class Bands:
 
     def between(self, low: float, high: float) -> NDArray[np.int64]:
         """The sides that may reach rows between two, in their order."""
-        bands = len(self.starts) - 1
-        lowest, highest = self._band(np.array([low, high]), bands)
+        lowest, highest = self.of(np.array([low, high]))
         return np.unique(self.sides[self.starts[lowest] : self.starts[highest + 1]])
 
-    def _band(self, row: Array, bands: int) -> NDArray[np.int64]:
-        return np.clip((row - self.first) / self.height, 0, bands - 1).astype(np.int64)
+    def of(self, row: Array) -> NDArray[np.int64]:
+        """Number of the band of each row.
+
+        It is no compiled loop: one may multiply by the reciprocal instead of dividing, and then finds another band for
+        a row between two, where the sides that begin at this row are missing.
+        """
+        return np.clip((row - self.first) / self.height, 0, self._count - 1).astype(np.int64)
 
 
 def winds_around(corners: Array, points: Array) -> Mask:
@@ -202,21 +207,20 @@ def winds_around(corners: Array, points: Array) -> Mask:
     begin, end = np.roll(corners[:, 0], 1), corners[:, 0]
     # sorting the sides takes as long as testing a few points against all of them
     bands = Bands(np.minimum(begin, end), np.maximum(begin, end), 1 if len(points) < _FEW else _MOST_BANDS)
-    return _winds_around(corners, points, bands.sides, bands.starts, bands.first, bands.height)
+    near = np.flatnonzero((points[:, 0] >= bands.first) & (points[:, 0] <= bands.last))
+    inside = np.zeros(len(points), np.bool_)
+    places = points[near]
+    inside[near] = _winds_around(corners, places, bands.of(places[:, 0]), bands.sides, bands.starts)
+    return inside
 
 
 @compiled
-def _winds_around(corners: Array, points: Array, sides: Any, starts: Any, first: float, height: float) -> Mask:
-    """See `winds_around`; `sides` of each band lie between two entries of `starts`."""
+def _winds_around(corners: Array, points: Array, numbers: Any, sides: Any, starts: Any) -> Mask:
+    """See `winds_around`; `numbers` are the bands of the points, whose `sides` lie between two entries of `starts`."""
     inside = np.zeros(len(points), np.bool_)
-    bands = len(starts) - 1
     for i in range(len(points)):
-        band = (points[i, 0] - first) / height
-        if not 0.0 <= band <= bands:
-            continue
-        number = min(int(band), bands - 1)
         turns = 0
-        for s in range(starts[number], starts[number + 1]):
+        for s in range(starts[numbers[i]], starts[numbers[i] + 1]):
             k = sides[s]
             before = k - 1 if k else len(corners) - 1
             below, above = corners[before, 0] <= points[i, 0], corners[k, 0] <= points[i, 0]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
-from functools import reduce
+from functools import partial, reduce
 
 import numpy as np
 
@@ -56,7 +56,10 @@ def drop(document: Document) -> Document:
 def begin_change(document: Document, number: int) -> Document:
     """The document in which an object is being selected anew, beginning with its own clicks."""
     item = document.objects[number]
-    return _with(document, clicks=item.clicks or (Click((item.innermost,)),), edited=number, category=item.category)
+    clicks = item.clicks
+    if not clicks and document.image is not None:
+        clicks = (Click((item.innermost(document.image.shape),)),)
+    return _with(document, clicks=clicks, edited=number, category=item.category)
 
 
 def take(document: Document, taken: Iterable[tuple[Selection, tuple[Click, ...], int]]) -> Document:
@@ -152,11 +155,13 @@ def hide(document: Document, numbers: Iterable[int], hidden: bool) -> Document:
 
 
 def merge(document: Document, numbers: Iterable[int]) -> Document:
-    """The document in which several objects are one: the first of them, with all their places inside."""
+    """The document in which several objects of its image are one: the first of them, with all their places inside."""
+    if document.image is None:
+        return document
     chosen = frozenset(numbers)
     merged = [item for item in document.objects.items if item.number in chosen]
     rest = delete(document, [item.number for item in merged[1:]])
-    whole = reduce(union, merged)
+    whole = reduce(partial(union, shape=document.image.shape), merged)
     return _amended(rest, (whole.number,), lambda _: whole)
 
 

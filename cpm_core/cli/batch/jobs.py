@@ -12,7 +12,7 @@ from cpm_core.cli.arguments import notes_on, with_room
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply
 from cpm_core.formats import encoded, load_image, omission
-from cpm_core.formats.fingerprint import fingerprint
+from cpm_core.formats.fingerprint import fingerprint_if_read
 from cpm_core.formats.provenance import with_shapes
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.parameters import Parameters
@@ -67,7 +67,7 @@ def do(job: Job) -> Done:
         files, notes = _files(result, job.suffixes)
         return Done(job.number, facts, files, notes=(*notes_on(image, parameters), *small, *notes), sha256=image.sha256)
     except Exception as error:
-        return Done(job.number, error=_reason(error), sha256=fingerprint(Path(job.path)))
+        return Done(job.number, error=_reason(error), sha256=fingerprint_if_read(Path(job.path)))
 
 
 def _reason(error: Exception) -> str:

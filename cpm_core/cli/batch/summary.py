@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from cpm_core.formats.atomic import write_together
-from cpm_core.formats.fingerprint import fingerprint
+from cpm_core.formats.fingerprint import fingerprint_if_read
 from cpm_core.formats.printable import cell, printable, text_of_cell
 from cpm_core.formats.provenance import VERSION
 
@@ -117,7 +117,7 @@ class Summary:
             name = printable(Path(image).name)
             if name not in names:
                 continue
-            wanted = (fingerprint(Path(image)), session_sha256, settings, VERSION)
+            wanted = (fingerprint_if_read(Path(image)), session_sha256, settings, VERSION)
             for row in self._earlier:
                 known = (row.image_sha256, row.session_sha256, row.settings, row.version)
                 if not row.trouble and wanted == known and Path(row.image).name == name and self._has(row):

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import io
 import struct
+from functools import cache
 from math import ceil
 
 import numpy as np
@@ -20,6 +21,9 @@ _NONE, _LZW, _ZSTD = 1, 5, 50000
 _BY_LIBTIFF = frozenset({_NONE, _LZW, 8, 32773, 32946, _ZSTD})
 """Compressions that libtiff unpacks byte by byte: also deflate and PackBits, which tifffile unpacks as well."""
 
+_ONE_BYTE = bytes.fromhex("28b52ffd20010900002a")
+"""The byte 42 as Zstandard packs it."""
+
 _UNSIGNED, _FLOAT = 1, 3
 _DIFFERENCES_OF_FLOATS = 3
 _SHORT, _LONG = 3, 4
@@ -29,7 +33,18 @@ def needs_unpacking(page: tifffile.TiffPage) -> bool:
     """Whether `unpacked` must take the place of tifffile's own `asarray`."""
     if page.compression not in _BY_LIBTIFF or not isinstance(page.bitspersample, int):
         return False
+    if page.compression == _ZSTD and not _unpacks_zstd():
+        return False
     return page.compression in (_LZW, _ZSTD) or _is_float_packed(page) or _is_odd(page)
+
+
+@cache
+def _unpacks_zstd() -> bool:
+    """Whether the libtiff of this Pillow knows Zstandard; those of Pillow before 12 may not."""
+    try:
+        return _bytes(_ONE_BYTE, _ZSTD, 1, 1, 1) == _ONE_BYTE[-1:]
+    except OSError:
+        return False
 
 
 def unpacked(page: tifffile.TiffPage) -> NDArray[np.generic]:

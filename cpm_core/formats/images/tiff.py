@@ -82,8 +82,8 @@ def _by_pillow(page: tifffile.TiffPage, path: Path) -> Decoded | None:
 
 def _raw(page: tifffile.TiffPage, name: str) -> NDArray[Any]:
     """Pixels as they are stored; UnreadableError when a package that unpacks them is not installed."""
-    if packing.needs_unpacking(page):
-        with _native_silence():
+    with _native_silence():
+        if packing.needs_unpacking(page):
             return packing.unpacked(page)
     try:
         return np.asarray(page.asarray(maxworkers=1))

@@ -16,7 +16,7 @@ from cpm_core.contours.contour import present_names
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark
 from cpm_core.formats.atomic import check_place, write_together
-from cpm_core.formats.fingerprint import fingerprint
+from cpm_core.formats.fingerprint import fingerprint_if_read
 from cpm_core.formats.provenance import PROGRAM
 from cpm_core.formats.sessions.beside_document import TruthFile, beside_document, place_to_plain
 from cpm_core.formats.sessions.plain_values import (
@@ -286,7 +286,7 @@ def find_image(
     for candidate in candidates:
         if _is_file(candidate):
             found = candidate.resolve()
-            if image.sha256 and fingerprint(found, go_on) != image.sha256:
+            if image.sha256 and fingerprint_if_read(found, go_on) != image.sha256:
                 return found, (f"{found.name} has changed since the session was saved: shapes may be misplaced.",)
             return found, ()
     looked = " or ".join(str(candidate) for candidate in candidates)

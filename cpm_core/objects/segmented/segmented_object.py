@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour, check_name
 from cpm_core.numerics import polyline
@@ -19,6 +18,9 @@ Line = tuple[Position, ...]
 
 MOST_CLASSES = 9
 """Number of classes, one for each digit key."""
+
+_AT_ONCE = 2**20
+"""Pixels that are tested at once, so that a large image takes little memory."""
 
 
 def _check_color(what: str, color: str) -> None:
@@ -145,11 +147,8 @@ class SegmentedObject:
     def mask(self, shape: tuple[int, ...]) -> Mask:
         """The pixels of an image of this shape whose centers lie inside."""
         found = np.zeros(shape, np.bool_)
-        corner, window = self._window()
-        low = np.maximum(corner, 0)
-        high = np.maximum(np.minimum(corner + window.shape, shape), low)
-        (top, left), (bottom, right) = low - corner, high - corner
-        found[low[0] : high[0], low[1] : high[1]] = window[top:bottom, left:right]
+        (top, left), window = self._window(shape)
+        found[top : top + window.shape[0], left : left + window.shape[1]] = window
         return found
 
     @property
@@ -185,23 +184,34 @@ class SegmentedObject:
         row, col = (0.5 * (corners.min(axis=0) + corners.max(axis=0))).tolist()
         return row, col
 
-    @property
-    def innermost(self) -> Position:
-        """The pixel (row, col) inside that is farthest from the boundary, or a vertex when none lies inside."""
-        corner, window = self._window()
+    def innermost(self, shape: tuple[int, ...]) -> Position:
+        """The pixel (row, col) inside that is farthest from the boundary and the border of an image of this shape.
+
+        A vertex when no pixel lies inside.
+        """
+        first, window = self._window(shape)
         if not window.any():
             return self.boundary[0][0]
         depth = scipy.ndimage.distance_transform_edt(np.pad(window, 1))[1:-1, 1:-1]
         row, col = np.unravel_index(int(np.argmax(depth)), window.shape)
-        return float(row + corner[0]), float(col + corner[1])
+        return float(row + first[0]), float(col + first[1])
 
-    def _window(self) -> tuple[NDArray[np.intp], Mask]:
-        """First row and column of the box around the boundary, and which of its pixels lie inside."""
+    def _window(self, shape: tuple[int, ...]) -> tuple[tuple[int, int], Mask]:
+        """First row and column of the part of an image that the boundary is around, and which of its pixels are inside.
+
+        Boundaries may reach far beyond the image.
+        """
         corners = np.concatenate([np.asarray(curve) for curve in self.boundary])
-        low = np.floor(corners.min(axis=0)).astype(np.intp)
-        size = tuple((np.ceil(corners.max(axis=0)).astype(np.intp) - low + 1).tolist())
-        pixels = np.indices(size).reshape(2, -1).T + low
-        return low, self.encloses(pixels.astype(float)).reshape(size)
+        top, left = np.clip(np.floor(corners.min(axis=0)), 0, shape).astype(int).tolist()
+        bottom, right = np.clip(np.ceil(corners.max(axis=0)) + 1, (top, left), np.maximum(shape, (top, left))).tolist()
+        rows, cols = np.arange(top, bottom), np.arange(left, right)
+        window = np.zeros((len(rows), len(cols)), np.bool_)
+        height = max(1, _AT_ONCE // max(1, len(cols)))
+        for first in range(0, len(rows), height):
+            part = window[first : first + height]
+            places = np.stack(np.meshgrid(rows[first : first + height], cols, indexing="ij"), axis=-1).reshape(-1, 2)
+            part[:] = self.encloses(places.astype(float)).reshape(part.shape)
+        return (top, left), window
 
 
 CLASSES: tuple[ObjectClass, ...] = tuple(

@@ -14,13 +14,15 @@ from cpm_core.objects.segmented.segmented_object import Line, SegmentedObject
 _BLEND = 3.0
 """Range of distances that are blended [px]: a slit between objects up to half as wide is closed."""
 
-_MARGIN = 3
+_MARGIN, _BEYOND = 3, 5
+"""Width around the boundaries in which distances are taken, and how far from the image a boundary is kept [px]."""
+
 _NEAR = 1.0
 """Distance from the boundary up to which a gap still belongs to it [px]."""
 
 
-def union(first: SegmentedObject, second: SegmentedObject) -> SegmentedObject:
-    """One object that covers two.
+def union(first: SegmentedObject, second: SegmentedObject, shape: tuple[int, ...]) -> SegmentedObject:
+    """One object that covers two, as far as the image reaches, and a few pixels more.
 
     Its boundary is where the smaller of the signed distances from the two boundaries is zero. Where the boundaries face
     each other, the two distances are blended by the polynomial smooth minimum (I. Quilez, 2013), which closes the slit
@@ -30,6 +32,8 @@ def union(first: SegmentedObject, second: SegmentedObject) -> SegmentedObject:
     ----------
     first, second : SegmentedObject
         The objects.
+    shape : tuple of int
+        Rows and columns of their image.
 
     Returns
     -------
@@ -38,13 +42,17 @@ def union(first: SegmentedObject, second: SegmentedObject) -> SegmentedObject:
         and the means of confidence and strength weighted by perimeter.
     """
     corners = np.concatenate([np.asarray(curve) for item in (first, second) for curve in item.boundary])
-    low = np.floor(corners.min(axis=0)) - _MARGIN
-    size = tuple((np.ceil(corners.max(axis=0)) - low + _MARGIN + 1).astype(int).tolist())
+    # a boundary may lie beyond the image, but not so far that the memory is not enough
+    low = np.clip(np.floor(corners.min(axis=0)), -_BEYOND, shape) - _MARGIN
+    high = np.clip(np.ceil(corners.max(axis=0)), low, np.add(shape, _BEYOND)) + _MARGIN
+    size = tuple((high - low + 1).astype(int).tolist())
     pixels = np.indices(size).reshape(2, -1).T + low
     one, other = (_signed(item, pixels).reshape(size) for item in (first, second))
     blend = np.maximum(_BLEND - np.abs(one - other), 0.0)
     facing = np.clip(-sum(a * b for a, b in zip(np.gradient(one), np.gradient(other), strict=True)), 0.0, 1.0)
     level = np.minimum(one, other) - facing * blend**2 / (4.0 * _BLEND)
+    level[[0, -1]] = np.maximum(level[[0, -1]], 1.0)  # closed also where it is cut
+    level[:, [0, -1]] = np.maximum(level[:, [0, -1]], 1.0)
     found = [line[:-1] + low for line in skimage.measure.find_contours(level, 0.0)]  # type: ignore[no-untyped-call]
     found = [line for line in found if polyline.area(line) >= 1.0]
     boundary = tuple(_line(line) for line in sorted(found, key=lambda line: -len(line)))

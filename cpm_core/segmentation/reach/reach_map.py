@@ -177,7 +177,7 @@ def _crept(edges: Mask, reached: Mask) -> NDArray[np.float32]:
     crept = np.full(edges.shape, np.inf, np.float32)
     if not reached.any():
         return crept
-    number = np.full(edges.shape, -1, np.int64)
+    number = np.full(edges.shape, -1, np.int32)  # the only indices of graphs that all releases of SciPy take
     number[edges] = np.arange(np.count_nonzero(edges))
     pairs, lengths = [], []
     for down, right in ((0, 1), (1, 0), (1, 1), (1, -1)):

@@ -234,6 +234,24 @@ def test_a_sound_file_of_a_kind_that_is_not_read_is_called_by_its_name(tmp_path,
     assert "save the plane that you want as TIFF or PNG" in report
 
 
+def test_a_dicom_file_that_begins_as_a_tiff_does_is_called_by_its_name(tmp_path):
+    head = struct.pack("<2sHI", b"II", 42, 530_000).ljust(128, b"\0")
+    (tmp_path / "scan.dcm").write_bytes(head + b"DICM\2\0\0\0" + bytes(400))
+    assert " DICOM " in failure_report(tmp_path / "scan.dcm")
+
+
+def test_an_image_that_cannot_be_read_again_for_its_hash_is_refused(tmp_path, monkeypatch):
+    np.save(tmp_path / "a.npy", VALUES)
+
+    def read(path):
+        found = Decoded(np.load(path))
+        path.unlink()
+        return found
+
+    monkeypatch.setattr(readers.numpy_array, "read", read)
+    assert "cannot be read: No such file" in failure_report(tmp_path / "a.npy")
+
+
 def test_colors_and_transparency_are_the_same_however_many_pixels_are_computed_at_once(tmp_path, monkeypatch):
     clear = np.dstack([VALUES, VALUES[::-1], VALUES[:, ::-1], VALUES])
     PIL.Image.fromarray(clear).save(tmp_path / "a.png")

@@ -11,11 +11,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core.formats import load_image
+from cpm_core.formats.images import packing as tiff_packing
 from cpm_core.formats.images.decoded import WEIGHTS
 
 RAMP = np.arange(24 * 20).reshape(24, 20)
 LZW, ZSTD, DEFLATE, NONE = 5, 50000, 8, 1
-PILLOW = {LZW: "tiff_lzw", ZSTD: "zstd", DEFLATE: "tiff_adobe_deflate"}
+PILLOW = {LZW: "tiff_lzw", DEFLATE: "tiff_adobe_deflate"}
 KINDS = [
     (RAMP % 251).astype(np.uint8),
     (RAMP % 251 - 125).astype(np.int8),
@@ -34,6 +35,10 @@ def compressed(content, width, compression):
     """Rows of bytes as libtiff packs them."""
     if compression == NONE:
         return content
+    if compression == ZSTD:  # a frame of one block that is stored as it is: not every Pillow can write more
+        assert 256 <= len(content) < 65536
+        block = (len(content) << 3 | 1).to_bytes(3, "little")
+        return b"\x28\xb5\x2f\xfd\x60" + (len(content) - 256).to_bytes(2, "little") + block + content
     stream = io.BytesIO()
     rows = np.frombuffer(content, np.uint8).reshape(-1, width)
     # one strip, and no differences
@@ -158,6 +163,19 @@ def test_a_packing_that_needs_a_package_is_named_with_it(tmp_path):
     values = (RAMP % 251).astype(np.uint8)
     write_values(tmp_path / "a.tif", values, compression=NONE, t259=34887)
     with pytest.raises(ValueError, match=r"a\.tif (is a TIFF .* method LERC, which needs|is damaged)"):
+        load_image(tmp_path / "a.tif")
+
+
+def test_without_zstandard_in_pillow_an_image_needs_a_package_and_is_not_called_damaged(tmp_path, monkeypatch):
+    values = (RAMP % 251).astype(np.uint8)
+    write_values(tmp_path / "a.tif", values, compression=ZSTD)
+    monkeypatch.setattr(tiff_packing, "_unpacks_zstd", lambda: False)
+
+    def lacking(*_, **__):
+        raise ValueError("<COMPRESSION.ZSTD: 50000> requires the 'imagecodecs' package")
+
+    monkeypatch.setattr(tifffile.TiffPage, "asarray", lacking)
+    with pytest.raises(ValueError, match=r"method ZSTD, which needs the package imagecodecs"):
         load_image(tmp_path / "a.tif")
 
 

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from cpm_core.formats.sessions.session_file import SessionFile, load_session, save_session
+from cpm_core.objects.segmented import segmented_object
 from cpm_core.objects.segmented.segmented_object import Click, ObjectClass, SegmentedObject, SegmentedObjects
 from cpm_core.objects.segmented.union import union
 
@@ -35,6 +37,7 @@ def test_a_ring_has_the_area_and_the_perimeter_of_a_ring() -> None:
     assert RING.outer == RING.boundary[:1]
 
 
+@example(11.0, 0.0, 4.383081355689567)  # corners at the height of pixels, between two of the bands of `winds_around`
 @given(st.floats(10.2, 30.2), st.floats(-4.0, 50.0), st.floats(1.0, 12.0))
 def test_the_mask_holds_the_pixels_whose_centers_lie_inside(row: float, col: float, radius: float) -> None:
     item = made(circle(row, col, radius), circle(row, col, radius / 2))
@@ -46,8 +49,37 @@ def test_the_mask_holds_the_pixels_whose_centers_lie_inside(row: float, col: flo
 
 
 def test_the_innermost_pixel_of_a_ring_lies_in_the_middle_between_its_boundaries() -> None:
-    assert math.dist(RING.innermost, (20.0, 20.0)) == pytest.approx(8.5, abs=1.0)
-    assert RING.encloses(np.array([RING.innermost])).all()
+    assert math.dist(RING.innermost((40, 44)), (20.0, 20.0)) == pytest.approx(8.5, abs=1.0)
+    assert RING.encloses(np.array([RING.innermost((40, 44))])).all()
+
+
+FAR = made(((-1e6, -1e6), (-1e6, 12.0), (1e6, 12.0), (1e6, -1e6)), number=2)
+"""An object that reaches far beyond every image: all columns up to the twelfth."""
+
+
+def test_an_object_that_reaches_far_beyond_an_image_takes_the_memory_of_the_image() -> None:
+    tracemalloc.start()
+    mask, (_, col) = FAR.mask((40, 44)), FAR.innermost((40, 44))
+    whole = union(FAR, RING, (40, 44))
+    largest = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert mask[:, :12].all()
+    assert not mask[:, 13:].any()
+    assert 3 <= col <= 8
+    assert (whole.mask((40, 44)) != mask | RING.mask((40, 44))).sum() <= 8
+    assert largest < 10e6
+
+
+def test_an_object_beside_the_image_has_no_pixel_in_it() -> None:
+    beside = made(circle(-30, 20, 12))
+    assert not beside.mask((40, 44)).any()
+    assert beside.innermost((40, 44)) == beside.boundary[0][0]
+
+
+def test_a_large_mask_is_made_in_parts_that_do_not_show(monkeypatch) -> None:
+    whole = RING.mask((40, 44))
+    monkeypatch.setattr(segmented_object, "_AT_ONCE", 70)
+    np.testing.assert_array_equal(RING.mask((40, 44)), whole)
 
 
 @pytest.mark.parametrize(
@@ -87,7 +119,7 @@ def test_frozen_objects_are_barriers_around_which_no_particle_gets() -> None:
 
 
 def test_the_union_of_two_that_lie_apart_is_both() -> None:
-    both = union(RING, made(circle(20, 50, 8), number=2))
+    both = union(RING, made(circle(20, 50, 8), number=2), (40, 70))
     assert both.area == pytest.approx(RING.area + math.pi * 64, rel=0.01)
     assert len(both.boundary) == 3
 
@@ -95,7 +127,7 @@ def test_the_union_of_two_that_lie_apart_is_both() -> None:
 @pytest.mark.parametrize("slit", [0.0, 0.5, 1.0])
 def test_the_union_closes_the_slit_between_two_that_touch(slit: float) -> None:
     left, right = (((10.0, a), (10.0, a + 10.0), (30.0, a + 10.0), (30.0, a)) for a in (5.0, 15.0 + slit))
-    whole = union(made(left), made(right, number=2))
+    whole = union(made(left), made(right, number=2), (40, 44))
     assert len(whole.boundary) == 1
     assert whole.area == pytest.approx(20.0 * (20.0 + slit), rel=0.02)
 
@@ -104,12 +136,12 @@ def test_the_union_closes_the_slit_between_two_that_touch(slit: float) -> None:
 def test_the_union_covers_both_and_nothing_else(one: float, other: float, apart: float) -> None:
     first, second = made(circle(20, 20, one)), made(circle(20, 20 + apart, other), number=2)
     shape = (40, 70)
-    found, truth = union(first, second).mask(shape), first.mask(shape) | second.mask(shape)
+    found, truth = union(first, second, shape).mask(shape), first.mask(shape) | second.mask(shape)
     assert (found != truth).sum() <= 8 + 0.02 * truth.sum()
 
 
 def test_the_union_of_an_object_with_itself_is_that_object() -> None:
-    assert union(RING, RING).area == pytest.approx(RING.area, rel=0.01)
+    assert union(RING, RING, (40, 44)).area == pytest.approx(RING.area, rel=0.01)
 
 
 def test_a_session_file_keeps_every_part_of_the_objects(tmp_path) -> None:
