@@ -68,6 +68,7 @@ class MainWindow(QMainWindow):
         self.preferences = preferences or Preferences(self)
         self.preferences.follow(UNIT, lambda: prefer_unit(self.preferences.value(UNIT)))
         self._garbage = GarbageCollector(self)
+        self._garbage.start()  # before any part of the window is made: the worker is at work already
         self.setAcceptDrops(True)
         self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
         self.resize(_SIZE.boundedTo(self.screen().availableSize() - _FRAME))
@@ -96,7 +97,6 @@ class MainWindow(QMainWindow):
         self._show()
         self._restore_geometry()
         self.canvas_area.canvas.setFocus()
-        self._garbage.start()
 
     def feature(self, kind: type[P]) -> P:
         """A feature by its class."""

@@ -32,6 +32,10 @@ class LayersPanel(QWidget):
         scrolled = QWidget()
         scrolled.setObjectName("scrolled")
         self.setFocusProxy(next(iter(self.boxes.values())))
+        self._area = area = QScrollArea()
+        area.setWidget(scrolled)  # while it is empty: it lays out its content at once, and again in the window
+        area.setWidgetResizable(True)
+        area.setFrameShape(QFrame.Shape.NoFrame)
         column = QVBoxLayout(scrolled)
         column.setContentsMargins(0, 0, 8, 0)
         column.setSpacing(3)
@@ -39,10 +43,6 @@ class LayersPanel(QWidget):
             column.addWidget(row)
             row.unfolded.connect(self._bring_into_view)
         column.addStretch(1)
-        self._area = area = QScrollArea()
-        area.setWidget(scrolled)
-        area.setWidgetResizable(True)
-        area.setFrameShape(QFrame.Shape.NoFrame)
         outer = QVBoxLayout(self)
         outer.setContentsMargins(6, 8, 4, 4)
         outer.addWidget(area)
@@ -134,7 +134,8 @@ class LayerRow(QWidget):
         kept = fold.sizePolicy()
         kept.setRetainSizeWhenHidden(True)
         fold.setSizePolicy(kept)
-        fold.setVisible(self.layer.settable)
+        if not self.layer.settable:  # to show one without a parent would open a window
+            fold.hide()
         return fold
 
     def _show(self) -> None:

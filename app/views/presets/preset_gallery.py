@@ -60,8 +60,8 @@ class PresetGallery(QToolButton):
         """Show these presets."""
         self._presets = presets
         self.pictures.clear()
-        for preset in presets:
-            self.pictures.add(_picture(preset), preset.name, preset, preset.about or preset.name)
+        if self.popup.isVisible():
+            self._add_pictures()
 
     def show_current(self, preset: Preset | None) -> None:
         """Show the name of the preset in use; None if the parameters are not those of a preset."""
@@ -72,6 +72,8 @@ class PresetGallery(QToolButton):
 
     def open(self) -> None:
         """Show the pictures below the button."""
+        if not self.pictures.count():
+            self._add_pictures()
         rows = -(-len(self._presets) // _COLUMNS)
         self.pictures.setFixedHeight(min(rows * _CELL.height() + 6, _MOST_HEIGHT))
         self.popup.adjustSize()
@@ -90,6 +92,11 @@ class PresetGallery(QToolButton):
             self.open()
         else:
             super().keyPressEvent(event)
+
+    def _add_pictures(self) -> None:
+        """Add the pictures of all presets: only when they are seen, because to decode them takes long."""
+        for preset in self._presets:
+            self.pictures.add(_picture(preset), preset.name, preset, preset.about or preset.name)
 
     def _make_popup(self, actions: Iterable[QAction]) -> QFrame:
         popup = QFrame(self, Qt.WindowType.Popup)

@@ -40,6 +40,7 @@ def icon(name: str, color: str, faded: str | None = None) -> QIcon:
     return made
 
 
+@cache
 def program_icon() -> QIcon:
     """Icon of the program itself."""
     renderer = QSvgRenderer(str(asset("icons/cpm.svg")))
@@ -50,7 +51,12 @@ def program_icon() -> QIcon:
 
 
 def swatch(*colors: str) -> QIcon:
-    """Small discs of the given colors side by side, as a legend."""
+    """Small discs of the given colors side by side, in the look in use, as a legend."""
+    return _discs(*(look().color(color) for color in colors))
+
+
+@cache
+def _discs(*colors: str) -> QIcon:
     side = 14
     pixmap = QPixmap(QSize((side + 2) * len(colors), side))
     pixmap.fill(Qt.GlobalColor.transparent)
@@ -58,7 +64,7 @@ def swatch(*colors: str) -> QIcon:
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     painter.setPen(QColor(RIM))
     for index, color in enumerate(colors):
-        painter.setBrush(QColor(look().color(color)))
+        painter.setBrush(QColor(color))
         painter.drawEllipse(QRectF(index * (side + 2) + 1.5, 1.5, side - 3, side - 3))
     painter.end()
     return QIcon(pixmap)

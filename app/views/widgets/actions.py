@@ -8,7 +8,7 @@ from dataclasses import replace
 from PySide6.QtGui import QAction, QActionGroup, QKeySequence
 from PySide6.QtWidgets import QWidget
 
-from app.model.state.situation import Situation
+from app.model.state.situation import Situation, always
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
 from app.views.widgets.action_spec import STATE, TOGGLE, ActionSpec
@@ -32,6 +32,9 @@ class Actions:
             self._specs[spec.name] = spec
             self._actions[spec.name] = self._make(spec, parent)
         self._changing = [spec for spec in self._specs.values() if spec.worded or spec.holds or spec.pictured]
+        self._conditional = [
+            (self._actions[name], spec.when) for name, spec in self._specs.items() if spec.when is not always
+        ]
 
     def __getitem__(self, name: str) -> QAction:
         return self._actions[name]
@@ -46,8 +49,8 @@ class Actions:
 
     def show(self, situation: Situation) -> None:
         """Update state, text and icon of all actions."""
-        for name, spec in self._specs.items():
-            self._actions[name].setEnabled(spec.when(situation))
+        for action, allows in self._conditional:
+            action.setEnabled(allows(situation))
         for spec in self._changing:
             action = self._actions[spec.name]
             if spec.holds is not None:

@@ -158,6 +158,12 @@ def test_a_preset_is_chosen_from_the_gallery_with_the_keys_and_undone(window, ha
     assert gallery.current.key == "shape"
 
 
+def test_pictures_of_presets_are_decoded_when_they_are_seen(hand, gallery) -> None:
+    assert not gallery.pictures.count()
+    hand.qtbot.mouseClick(gallery, Qt.MouseButton.LeftButton)
+    assert gallery.pictures.count()
+
+
 def test_a_preset_is_chosen_with_the_mouse(window, hand, gallery) -> None:
     hand.qtbot.mouseClick(gallery, Qt.MouseButton.LeftButton)
     item = gallery.pictures.item(list(PRESETS).index("noisy"))

@@ -9,6 +9,7 @@ from typing import ClassVar
 
 import pytest
 
+from app.views.main_window import MainWindow
 from app.views.window.garbage import GarbageCollector
 
 
@@ -48,6 +49,16 @@ def test_no_other_thread_collects_while_a_window_is_open(automatic, window) -> N
     GarbageCollector.collect()
     assert len(Knot.gone_on) == 5000
     assert set(Knot.gone_on) == {threading.main_thread().name}
+
+
+def test_no_other_thread_collects_while_a_window_is_being_made(automatic, qtbot, workspace, monkeypatch) -> None:
+    seen: list[bool] = []
+    make = MainWindow._make_context
+    monkeypatch.setattr(MainWindow, "_make_context", lambda window: (seen.append(gc.isenabled()), make(window))[1])
+    window = MainWindow(workspace)
+    qtbot.addWidget(window)
+    window.close()
+    assert seen == [False]
 
 
 def test_without_a_window_python_collects_as_before(automatic, qapp) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import threading
 import time
@@ -59,10 +60,14 @@ def surroundings(folder: Path) -> Iterator[Path]:
     before = Path.cwd()
     with mock.patch.dict(os.environ, {"XDG_CACHE_HOME": str(folder / "cache"), "HOME": str(folder)}):
         os.chdir(folder)
+        automatic = gc.isenabled()
+        gc.disable()  # what is left of a closed window must not be destroyed on a thread of the next one
         try:
             yield images
         finally:
             os.chdir(before)
+            if automatic:
+                gc.enable()
 
 
 def opened(path: Path) -> MainWindow:
@@ -101,7 +106,8 @@ def discarding() -> Iterator[None]:
 
 
 def destroyed(window: MainWindow) -> None:
-    """Destroy a window that is closed, and its session."""
+    """Destroy a window that is closed, its session, and what is left of them."""
     window.session.deleteLater()
     window.deleteLater()
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
+    gc.collect()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pyqtgraph as pg
+from pyqtgraph.Qt import QtWidgets
 from PySide6.QtCore import QRectF
 from PySide6.QtGui import QColor, QPen
 from PySide6.QtWidgets import QGraphicsItem
@@ -25,8 +26,10 @@ def cached(item: QGraphicsItem) -> None:
     item.setCacheMode(QGraphicsItem.CacheMode.DeviceCoordinateCache)
 
 
-class OverImage(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type hints
+class OverImage(QtWidgets.QGraphicsObject):  # type: ignore[misc]  # `show` of its kinds takes what they draw
     """An item that covers the image and a rim around it.
+
+    It is an item of Qt: one of pyqtgraph follows each change of its view and of itself, which none of these needs.
 
     Parameters
     ----------

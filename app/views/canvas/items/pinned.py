@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF, QSizeF
 from PySide6.QtGui import QColor, QFont, QFontMetricsF, QPainter
-from PySide6.QtWidgets import QApplication, QStyleOptionGraphicsItem, QWidget
+from PySide6.QtWidgets import QApplication, QGraphicsObject, QStyleOptionGraphicsItem, QWidget
 
 from app.views.canvas.items.item import cached
 
@@ -18,7 +17,7 @@ BACKGROUND, INK, FAINT = "#cc101216", "#f2f4f7", "#b6bec9"
 _Z = 20.0
 
 
-class Pinned(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type hints
+class Pinned(QGraphicsObject):
     """An item with a size in px of the screen; subclasses draw in `draw`, unless the size is empty."""
 
     def __init__(self) -> None:

@@ -107,6 +107,9 @@ class TruthPanel(QWidget):
     def _lay_out(self) -> None:
         inner = QWidget()
         inner.setObjectName("scrolled")
+        area = QScrollArea()
+        area.setWidgetResizable(True)
+        area.setWidget(inner)  # while it is empty: it lays out its content at once, and again in the window
         column = QVBoxLayout(inner)
         column.setContentsMargins(12, 8, 12, 8)
         column.setSpacing(7)
@@ -138,9 +141,6 @@ class TruthPanel(QWidget):
         column.addLayout(_row(self.worst_button, self.next_button))
         column.addLayout(_legend())
         column.addStretch(1)
-        area = QScrollArea()
-        area.setWidgetResizable(True)
-        area.setWidget(inner)
         outer = QVBoxLayout(self)
         outer.setContentsMargins(0, 0, 0, 0)
         outer.addWidget(area)

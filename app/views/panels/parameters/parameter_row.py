@@ -130,6 +130,8 @@ class ParameterRow(QWidget):
 
     def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
         """The parameter. See `MenuOwner`."""
+        if not self.actions():
+            self._add_actions()
         return "parameter", point if point is not None else self.slider.geometry().center()
 
     def use_theme(self, theme: Theme) -> None:
@@ -150,7 +152,7 @@ class ParameterRow(QWidget):
             self.explained.emit(self.control)
         elif event.type() == QEvent.Type.FocusOut:
             self.released.emit()
-        return super().eventFilter(watched, event)
+        return False
 
     def _set_up(self) -> None:
         control = self.control
@@ -216,6 +218,11 @@ class ParameterRow(QWidget):
         self.number.valueChanged.connect(self._report)
         self.number.editingFinished.connect(self.released)
         self._restore.clicked.connect(self._reset)
+        if self._automatic is not None:
+            self._automatic.clicked.connect(self._set_automatic)
+
+    def _add_actions(self) -> None:
+        """Make the actions of its menu, when that is opened first."""
         for text, do in (
             (tr("&Restore the default"), self._reset),
             (tr("&Copy the value"), lambda: QApplication.clipboard().setText(f"{self.number.exact:.10g}")),
@@ -224,8 +231,6 @@ class ParameterRow(QWidget):
             action = QAction(text, self)
             action.triggered.connect(lambda _=False, do=do: do())
             self.addAction(action)
-        if self._automatic is not None:
-            self._automatic.clicked.connect(self._set_automatic)
 
     def _report(self, value: float) -> None:
         self.changed.emit(self.control.name, int(value) if self.control.whole else value)

@@ -49,6 +49,7 @@ class ParametersPanel(QWidget):
         self.rows = {control.name: ParameterRow(control) for control in controls()}
         self.choices = {control.name: ChoiceRow(control) for control in choice_controls()}
         self.gallery = gallery
+        self._acting: frozenset[str] = frozenset((*self.rows, *self.choices))
         self.explanation = Explanation()
         self.advanced = self._lay_out()
         for row in self.rows.values():
@@ -67,18 +68,25 @@ class ParametersPanel(QWidget):
     def show_document(self, document: Document) -> None:
         """Show the parameters of a document."""
         contrast = document.image.contrast if document.image else 0.0
-        acting = acting_in(document.mode)
+        acting = self._show_acting(document)
         for name, row in self.rows.items():
-            row.setVisible(name in acting)
             row.show_value(value_of(document.parameters, name), contrast)
         self._show_effects()
         if self.explanation.control is not None and self.explanation.control.name not in acting:
             self._explain(next(row.control for name, row in self.rows.items() if name in acting))
         for name, choice in self.choices.items():
-            choice.setVisible(name in acting and (name != CHANNEL or self._colored()))
             choice.show_value(str(value_of(document.parameters, name)))
         if self.explanation.control is not None:
             self._explain(self.explanation.control)
+
+    def _show_acting(self, document: Document) -> frozenset[str]:
+        """Show what acts in the mode of a document and hide the rest; to show a row again takes long."""
+        acting = frozenset(name for name in acting_in(document.mode) if name != CHANNEL or self._colored())
+        for name, row in (*self.rows.items(), *self.choices.items()):
+            if (name in acting) != (name in self._acting):
+                row.setVisible(name in acting)
+        self._acting = acting
+        return acting
 
     def use_wording(self, wording: Wording) -> None:
         """Label everything by name or by symbol first."""
@@ -113,6 +121,7 @@ class ParametersPanel(QWidget):
                 rows.addWidget(choice)
         self._rows = scrolled = QWidget()
         scrolled.setObjectName("scrolled")
+        area = Scroller(scrolled)  # while it is empty: it lays out its content at once, and again in the window
         column = QVBoxLayout(scrolled)
         column.setContentsMargins(0, 0, 8, 0)
         column.setSpacing(0)
@@ -122,7 +131,6 @@ class ParametersPanel(QWidget):
         section = Section(tr("Advanced"), advanced, unfolded=False)
         column.addWidget(section)
         column.addStretch(1)
-        area = Scroller(scrolled)
         # The unfolded rows are scrolled into view after the layout has placed them.
         section.fold.toggled.connect(
             lambda unfolded: QTimer.singleShot(0, area, lambda: self._scroll_to(area, section, unfolded))

@@ -49,8 +49,9 @@ class Docks(QObject):
         self.actions: list[PanelAction] = []
         self._panels = list(panels)
         self._docks: dict[str, QDockWidget] = {}
-        self._titles: dict[str, tuple[PanelTitle, PanelTitle]] = {}
-        """The heading above each panel and the one beside it."""
+        self._theme: Theme | None = None
+        self._titles: dict[tuple[str, bool], PanelTitle] = {}
+        """Headings by the name of the panel, and whether it stands beside the panel; made when they are needed."""
         self._untitled: dict[str, QWidget] = {}
         self.heights = DockHeights(window)
         self._tidying = QTimer(self)
@@ -116,9 +117,9 @@ class Docks(QObject):
 
     def use_theme(self, theme: Theme) -> None:
         """Tint the headings."""
-        for titles in self._titles.values():
-            for title in titles:
-                title.use_theme(theme)
+        self._theme = theme
+        for title in self._titles.values():
+            title.use_theme(theme)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Tidy when a tab bar may have been added: Qt emits no signal when panels become tabbed."""
@@ -134,13 +135,18 @@ class Docks(QObject):
             PanelAction(dock, panel.shortcut, partial(self._areas.enter, panel.name), self._areas.leave)
         )
         self._docks[panel.name] = dock
-        self._titles[panel.name] = PanelTitle(dock), PanelTitle(dock, upright=True)
-        self._titles[panel.name][1].hide()
         self._untitled[panel.name] = QWidget(dock)
-        dock.setTitleBarWidget(self._titles[panel.name][0])
+        dock.setTitleBarWidget(self._title(panel.name, upright=False))
         self.heights.add(dock, panel)
         for changed in (dock.topLevelChanged, dock.dockLocationChanged, dock.visibilityChanged):
             changed.connect(lambda *_: self._tidying.start())
+
+    def _title(self, name: str, upright: bool) -> PanelTitle:
+        if (name, upright) not in self._titles:
+            made = self._titles[name, upright] = PanelTitle(self._docks[name], upright)
+            if self._theme is not None:
+                made.use_theme(self._theme)
+        return self._titles[name, upright]
 
     def _has_panel(self, bar: QTabBar) -> bool:
         """Whether a panel lies directly below a tab bar."""
@@ -155,7 +161,7 @@ class Docks(QObject):
             beside: Sequence[QDockWidget] = self._window.tabifiedDockWidgets(dock)
             tabbed = not dock.isFloating() and any(not other.isHidden() for other in beside)
             upright = not dock.isFloating() and self._window.dockWidgetArea(dock) in _LOW_AREAS
-            wanted = self._untitled[name] if tabbed else self._titles[name][upright]
+            wanted = self._untitled[name] if tabbed else self._title(name, upright)
             if dock.titleBarWidget() is not wanted:
                 dock.setFeatures(_FEATURES | _UPRIGHT if upright and not tabbed else _FEATURES)
                 before = dock.titleBarWidget()

@@ -24,6 +24,7 @@ class DockHeights(QObject):
         super().__init__(window)
         self._window = window
         window.installEventFilter(self)
+        self._docks: list[QDockWidget] = []
         self._below: dict[str, tuple[QDockWidget, Panel]] = {}
         self._fitted: list[tuple[QDockWidget, Panel]] = []
         self._chosen: dict[str, int] = {}
@@ -48,6 +49,7 @@ class DockHeights(QObject):
 
     def add(self, dock: QDockWidget, panel: Panel) -> None:
         """Follow one panel."""
+        self._docks.append(dock)
         if panel.area == "bottom":
             self._below[panel.name] = dock, panel
             dock.visibilityChanged.connect(lambda _: self._raising.start())
@@ -110,7 +112,7 @@ class DockHeights(QObject):
             area = self._window.dockWidgetArea(dock)
             others = [
                 other
-                for other in self._window.findChildren(QDockWidget)
+                for other in self._docks
                 if other is not dock and not other.visibleRegion().isEmpty() and not other.isFloating()
                 if self._window.dockWidgetArea(other) == area
             ]
