@@ -22,13 +22,21 @@ from cpm_core.formats.sessions.beside_document import TruthFile
 from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, save_session
 
 
-@dataclass(frozen=True, slots=True)
-class Written(Report):
-    """A session file has been written, with this state of the document."""
+@dataclass(frozen=True, eq=False, slots=True)
+class Order:
+    """What is to be saved: the content at the time of the order, and the number of the opened image."""
 
     path: Path
     file: SessionFile
     document: Document
+    opening: int
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Written(Report):
+    """A session file has been written, with the runs of this edition."""
+
+    order: Order
     edition: int
 
 
@@ -52,16 +60,19 @@ class DocumentFile(QObject):
         self.truth: Callable[[], TruthFile | None] = lambda: None
         """Gives the ground truth to be saved; set by the window."""
         self._saving: Task | None = None
-        self._ordered: tuple[Path, SessionFile, Document] | None = None
+        self._opening = 0
+        self._ordered: Order | None = None
+        """What waits for the runs to be collected."""
         self._written: deque[Written] = deque(maxlen=1)
-        self._next: Path | None = None
+        self._waiting: dict[Path, Order] = {}
+        """What waits for the file before it, the newest for each path: one is written at a time."""
         self._announced: tuple[Path | None, bool] = (None, False)
         self.path: Path | None = None
         session.document_changed.connect(lambda _: self._announce())
         self.runs.changed.connect(self._announce)
         session.listen(Opened, self._use_opened)
         session.listen(Written, self._use_written)
-        session.tasks.changed.connect(self._save_again)
+        session.tasks.changed.connect(self._save_next)
 
     @property
     def unsaved(self) -> bool:
@@ -90,63 +101,79 @@ class DocumentFile(QObject):
 
     def save(self, path: Path) -> None:
         """Write the session file on a separate thread, and use this path from now on."""
-        if self._saving is not None and not self._saving.over:
-            self._next = path  # one write at a time
-            return
-        self._next = None
-        self._session.attempt(SAVING)
-        task = self._saving = self._session.tasks.begin(tr("Saving {name}…").format(name=path.name), cancellable=False)
-        file, document = self.file, self._session.document
-        self._ordered = path, file, document
-        self.runs.collect(lambda runs: self._write(path, task, replace(file, runs=runs.plain), document, runs.edition))
+        self._waiting.pop(path, None)
+        self._waiting[path] = self._order(path)
+        self._save_next()
 
-    def _write(self, path: Path, waiting: Task, file: SessionFile, document: Document, edition: int) -> None:
+    def _order(self, path: Path) -> Order:
+        return Order(path, self.file, self._session.document, self._opening)
+
+    def _save_next(self) -> None:
+        """Begin to carry out the order that has waited longest, unless one is being carried out."""
+        if not self._waiting or self._ordered is not None or (self._saving is not None and not self._saving.over):
+            return
+        order = self._ordered = self._waiting.pop(next(iter(self._waiting)))
+        self._session.attempt(SAVING)
+        title = tr("Saving {name}…").format(name=order.path.name)
+        task = self._saving = self._session.tasks.begin(title, cancellable=False)
+        self.runs.collect(lambda _: self._write(task))
+
+    def _write(self, waiting: Task) -> None:
         """Write the session file on a separate thread, in place of the task that waited for the runs."""
         if self._ordered is None:  # it has been written at once
             waiting.end()
             return
+        order, self._ordered = self._with_runs(self._ordered), None
+        edition = self.runs.edition
 
         def work(task: Task) -> Report:
-            save_session(file, path)
-            written = Written(path, file, document, edition)
+            save_session(order.file, order.path)
+            written = Written(order, edition)
             self._written.append(written)
             return written
 
-        self._ordered = None
         self._saving = self._session.tasks.start(
-            waiting.name, work, f"saving {path.name}", partial(CommandFailed, topic=SAVING), cancellable=False
+            waiting.name, work, f"saving {order.path.name}", partial(CommandFailed, topic=SAVING), cancellable=False
         )
         waiting.end()
 
+    def _with_runs(self, order: Order) -> Order:
+        """The order with the runs collected last, unless these belong to an image opened since."""
+        if order.opening != self._opening:
+            return order
+        return replace(order, file=replace(order.file, runs=self.runs.plain))
+
     def finish(self) -> None:
         """Carry out at once, or wait for, what `save` has been asked for: closing must not overtake it."""
-        following, ordered = self._next, self._ordered
+        ordered, waiting = self._ordered, list(self._waiting.values())
+        self._ordered, self._waiting = None, {}
         if ordered is not None:  # it has waited for the runs until now
-            path, file, document = ordered
             self.runs.collect_at_once()
-            self._write_at_once(path, replace(file, runs=self.runs.plain), document)
+            self._write_at_once(self._with_runs(ordered))
             if self._saving is not None:
                 self._saving.end()
         elif self._saving is not None and not self._saving.over:
             self._saving.wait()
         if self._written:
             self._use_written(self._written.pop())
-        if following is not None:
-            self.save_at_once(following)
+        if waiting:
+            self.runs.collect_at_once()
+        for order in waiting:
+            self._write_at_once(self._with_runs(order))
 
     def save_at_once(self, path: Path) -> bool:
         """Write the session file and wait for it; False, with an error message, when that fails."""
+        self.finish()
         self.runs.collect_at_once()
-        return self._write_at_once(path, self.file, self._session.document)
+        return self._write_at_once(self._order(path))
 
-    def _write_at_once(self, path: Path, file: SessionFile, document: Document) -> bool:
-        self._ordered = self._next = None
+    def _write_at_once(self, order: Order) -> bool:
         try:
-            save_session(file, path)
+            save_session(order.file, order.path)
         except ValueError as error:
             self._session.say(str(error), True, SAVING)
             return False
-        self._session.pass_on(Written(path, file, document, self.runs.edition))
+        self._session.pass_on(Written(order, self.runs.edition))
         return True
 
     def forget(self) -> None:
@@ -155,13 +182,8 @@ class DocumentFile(QObject):
         self.runs.forget()
         self._announce()
 
-    def _save_again(self) -> None:
-        if self._next is not None and (self._saving is None or self._saving.over):
-            path, self._next = self._next, None
-            self.save(path)
-
     def _use_opened(self, opened: Opened) -> None:
-        self._written.clear()
+        self._opening += 1
         saved = opened.saved
         self.path, self._file = (saved.path, saved.file) if saved else (None, None)
         self._known = None if saved is not None and saved.recovered else self._session.document
@@ -169,11 +191,17 @@ class DocumentFile(QObject):
             self.restored.emit(saved.file.view)
         self._announce()
 
+    def is_current(self, written: Written) -> bool:
+        """Whether what has been written belongs to the image that is open."""
+        return written.order.opening == self._opening
+
     def _use_written(self, written: Written) -> None:
         self._written.clear()
-        self.path, self._file, self._known = written.path, written.file, written.document
-        self.runs.saved(written.edition)
-        self._session.say(tr("Saved: {path}").format(path=written.path), topic=SAVING)
+        order = written.order
+        if self.is_current(written):
+            self.path, self._file, self._known = order.path, order.file, order.document
+            self.runs.saved(written.edition)
+        self._session.say(tr("Saved: {path}").format(path=order.path), topic=SAVING)
         self._announce()
 
     def _announce(self) -> None:

@@ -70,7 +70,7 @@ def test_a_preset_is_read_as_it_was_written(parameters, name, picture) -> None:
         (lambda kept: kept | {"parameters": None}, "holds no parameters"),
         (lambda kept: kept | {"parameters": {"betta": 1.0}}, "no parameter betta"),
         (lambda kept: kept | {"parameters": {"beta": 99.0}}, "beta is 99 but must be a number from 0 to 4"),
-        (lambda kept: kept | {"parameters": {"beta": "much"}}, "beta is 'much'"),
+        (lambda kept: kept | {"parameters": {"beta": "much"}}, 'beta is "much"'),
     ],
 )
 def test_a_file_that_is_no_preset_is_rejected_with_a_message(change, message) -> None:

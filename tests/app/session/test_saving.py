@@ -153,6 +153,36 @@ def test_two_savings_in_a_row_leave_the_later_state(ready, hand, saved_to) -> No
     assert len(load_session(saved_to).shapes) == 3
 
 
+def test_each_save_writes_what_was_there_when_it_was_ordered(ready, hand, tmp_path) -> None:
+    """Also when the one before is still being written, and to several files."""
+    paths = [tmp_path / name for name in ("one.cpm", "two.cpm", "three.cpm")]
+    shapes = []
+    for path in paths:
+        document_file(ready).save(path)
+        shapes.append(ready.session.document.shapes)
+        draw(ready, 10.0 + 10.0 * len(shapes))
+    hand.wait(lambda: ready.session.idle and all(path.exists() for path in paths))
+    assert [load_session(path).shapes for path in paths] == shapes
+    assert document_file(ready).path == paths[-1]
+    assert document_file(ready).unsaved
+
+
+def test_a_save_that_ends_after_another_image_is_opened_is_not_the_file_of_that_image(
+    ready, hand, tmp_path, image_file, monkeypatch
+) -> None:
+    write, opened = session_file.save_session, threading.Event()
+    monkeypatch.setattr(session_file, "save_session", lambda file, to: (opened.wait(20), write(file, to)))
+    shapes, path = ready.session.document.shapes, tmp_path / "work.cpm"
+    document_file(ready).save(path)
+    document_file(ready).save(path)
+    ready.session.open(image_file)
+    hand.wait(lambda: ready.session.document.shapes == ())
+    opened.set()
+    hand.wait(lambda: ready.session.idle and path.exists())
+    assert load_session(path).shapes == shapes
+    assert document_file(ready).path is None
+
+
 def test_a_failed_save_is_reported_and_the_work_stays_unsaved(ready, hand, tmp_path) -> None:
     document_file(ready).save(tmp_path / "no folder" / "a.cpm")
     hand.wait(lambda: "no folder" in ready.canvas_area.messages.text)

@@ -227,7 +227,7 @@ def test_a_choice_has_a_flag_that_takes_its_names(parameters_of, disk, command):
     assert parameters_of("--edges", "vessels") == Parameters(edges="vessels")
     status, _, err = command("run", disk, *START, "--edges", "veins")
     assert status == 2
-    assert 'edges is \'veins\' but must be "gradient" or "vessels".' in err
+    assert 'edges is "veins" but must be "gradient" or "vessels".' in err
 
 
 @pytest.mark.parametrize("name", PRESETS)
@@ -247,7 +247,7 @@ BAD = [
     ("run disk.png --auto middle", "--auto"),
     ("run disk.png --circle 40,50,12 --colour red", "--colour"),
     ("run disk.png --circle 40,50,12 --beta", "--beta"),
-    ("run disk.png --circle 40,50,12 --export out.svg --beta much", "beta is 'much'"),
+    ("run disk.png --circle 40,50,12 --export out.svg --beta much", 'beta is "much"'),
     ("run disk.png --circle 40,50,12 --export out.svg --beta nan", "beta is nan"),
     ("run disk.png --circle 40,50,12 --export out.svg --beta 9", "from 0 to 4"),
     ("run disk.png --circle 40,50,12 --export out.svg --w1 3", "above w1"),
@@ -269,7 +269,7 @@ BAD = [
     ("run dot.png --export out.svg --circle 40,50,12", "1 x 1 px"),
     ("run flat.png --export out.svg --circle 20,20,9", "constant"),
     ("run nan.npy --export out.svg --circle 40,50,12", "NaN"),
-    ("run disk.png --circle 40,50,12 --export out.stl", "out.stl"),
+    ("run disk.png --circle 40,50,12 --export out.xyz", "out.xyz"),
     ("run disk.png --circle 40,50,12 --export none/out.svg", "no folder"),
     ("run disk.png --circle 40,50,12 --export out.svg disk.png", "overwrite the image"),
     ("run disk.png --circle 40,50,12 --export out.svg --region 1,1,9,9", "--region"),
@@ -306,7 +306,7 @@ def test_bad_input_is_one_line_on_standard_error_and_nothing_is_written(disk, co
 def test_nothing_is_loaded_before_parameters_and_places_are_known_to_be_good(disk, command, monkeypatch):
     loaded = []
     monkeypatch.setattr(run_command, "load_image", loaded.append)
-    for arguments in (("--beta", "9"), ("--export", "a.stl"), ("--max-steps", "-1")):
+    for arguments in (("--beta", "9"), ("--export", "a.xyz"), ("--max-steps", "-1")):
         assert command("run", disk, *START, *arguments)[0] == 2
     assert loaded == []
 

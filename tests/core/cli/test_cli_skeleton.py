@@ -98,7 +98,7 @@ BAD = [
     ("skeleton bar.png --export a.svg --pruning nan", "pruning is nan"),
     ("skeleton bar.png --export a.svg --smoothing 99", "smoothing is 99"),
     ("skeleton bar.png --export a.svg --beta 1", "--beta"),
-    ("skeleton bar.png --export a.stl", "a.stl"),
+    ("skeleton bar.png --export a.xyz", "a.xyz"),
     ("skeleton bar.png --export a.svg bar.png", "overwrite the image"),
     ("skeleton bar.png --export a.svg a.png --min-length 500", "no skeleton"),
 ]

@@ -44,7 +44,7 @@ class OpenSaveFeature(Feature):
         self.document_file.restored.connect(canvas.use_view_state)
         context.session.document_changed.connect(lambda _: self._name_window())
         context.session.listen(Opened, self._take_opened)
-        context.session.listen(Written, lambda written: self._remember(written.path))
+        context.session.listen(Written, lambda written: self._remember(written.order.path))
         context.session.listen(PointsRead, self._draw_points)
         self._name_window()
 

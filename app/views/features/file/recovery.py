@@ -33,9 +33,11 @@ class RecoveryFeature(Feature):
         self._restoring: Leftover | None = None
         self._wanted: Wanted | None = None
         self._restored = False
+        self._document_file: DocumentFile | None = None
 
     def keep(self, document_file: DocumentFile) -> None:
         """Keep a journal of the open document."""
+        self._document_file = document_file
         self.journal = Journal(document_file, self._folder, self.context.preferences)
         self.journal.put.connect(self._tell)
         self.context.session.listen(Opened, self._use_opened)
@@ -102,9 +104,9 @@ class RecoveryFeature(Feature):
             if self.journal.flush() and self.journal.path.exists():
                 self._end_restoring()
 
-    def _use_written(self, _: Written) -> None:
+    def _use_written(self, written: Written) -> None:
         """A restored document that no journal could take is in a session file now."""
-        if self._restored:
+        if self._restored and self._document_file is not None and self._document_file.is_current(written):
             self._end_restoring()
 
     def _end_restoring(self) -> None:
