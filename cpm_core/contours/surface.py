@@ -7,8 +7,9 @@ from functools import cached_property
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Index
 
 
@@ -41,12 +42,13 @@ class Surface:
     left_out: int = 0
 
     def __post_init__(self) -> None:
-        vertices = np.array(self.vertices, dtype=np.float64).reshape(-1, 3)
-        faces = np.array(self.faces, dtype=np.int64).reshape(-1, 3)
+        vertices = _rows_of_three("vertices", self.vertices).copy()
+        faces = _rows_of_three("faces", self.faces).astype(np.int64)
         if not np.isfinite(vertices).all():
             raise ValueError("A surface has vertices that are NaN or infinite: leave them out.")
-        if len(faces) and not 0 <= faces.min() <= faces.max() < len(vertices):
-            raise ValueError(f"A triangle names vertex {faces.max()}, but there are {len(vertices)} vertices.")
+        wrong = faces[(faces < 0) | (faces >= len(vertices))]
+        if len(wrong):
+            raise ValueError(f"A triangle names vertex {wrong[0]}, but there are {len(vertices)} vertices, from 0.")
         for name, values in (("vertices", vertices), ("faces", faces)):
             values.flags.writeable = False
             object.__setattr__(self, name, values)
@@ -124,3 +126,13 @@ class Surface:
         ends = np.sort(self.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
         numbers: Index = ends[:, 0] * len(self.vertices) + ends[:, 1]
         return np.unique(numbers, return_counts=True)[1]
+
+
+def _rows_of_three(name: str, values: ArrayLike) -> Array:
+    """Numbers, shape (N, 3)."""
+    rows = real_numbers(values)
+    if rows.size == 0:
+        return np.empty((0, 3))
+    if rows.ndim != 2 or rows.shape[1] != 3:
+        raise ValueError(f"{name} have the shape {rows.shape} but must be (N, 3).")
+    return rows

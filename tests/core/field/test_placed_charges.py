@@ -233,7 +233,7 @@ def test_charges_act_at_the_very_next_step(engine, resting):
     [
         ((1.0, 2.0), 10.5, "the strength of a placed charge is 10.5 but must be a number from -10 to 10."),
         ((1.0, 2.0), float("nan"), "the strength of a placed charge is nan but"),
-        ((1.0, 2.0), "much", "the strength of a placed charge is 'much' but"),
+        ((1.0, 2.0), "much", 'the strength of a placed charge is "much" but'),
         ((1.0, float("inf")), 1.0, r"the position of a placed charge is \(1, inf\) but must be finite."),
         ((1.0,), 1.0, r"the position of a placed charge is \(1.0,\) but must be a row and a column."),
     ],

@@ -135,7 +135,7 @@ def test_the_command_line_takes_a_channel_and_tells_it_in_what_it_writes(path, t
     assert "Color was turned into luminance." in capsys.readouterr().err
     assert "channel" not in json.loads(target.read_text())["image"]
     assert cli.main([*asked, "violet"]) == 2
-    assert 'channel is \'violet\' but must be "luminance" or "red"' in capsys.readouterr().err
+    assert 'channel is "violet" but must be "luminance" or "red"' in capsys.readouterr().err
 
 
 def test_the_command_line_says_that_a_gray_image_has_no_channels(tmp_path, capsys):

@@ -73,7 +73,7 @@ def test_the_table_tells_object_hole_net_area_and_what_was_bridged(result):
 def test_a_table_of_other_contours_has_no_such_columns():
     square = Contour(np.array([(2.0, 2.0), (2.0, 9.0), (9.0, 9.0), (9.0, 2.0)]), True)
     plain = replace(objects_result([], Image(np.zeros((20, 20)))), contours=(square,))
-    assert b"object" not in encoded(plain, ".measures.csv")
+    assert "object" not in encoded(plain, ".measures.csv").decode().splitlines()[0].split(",")
     assert b'"hole"' not in encoded(plain, ".json")
 
 

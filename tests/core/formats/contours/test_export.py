@@ -62,7 +62,7 @@ def test_the_suffix_chooses_the_format_in_small_and_capital_letters(tmp_path, su
     assert path.read_bytes().startswith(beginnings[suffix])
 
 
-@pytest.mark.parametrize("name", ["out.stl", "out", "out.svg.gz", ".svg", ".nii.gz", ".coco.json", "outsvg"])
+@pytest.mark.parametrize("name", ["out.xyz", "out", "out.svg.gz", ".svg", ".nii.gz", ".coco.json", "outsvg"])
 def test_an_unknown_suffix_is_refused_with_the_known_ones(tmp_path, name):
     with pytest.raises(ValueError, match=re.escape(name)) as caught:
         export(CLOSED, tmp_path / name)
@@ -153,8 +153,8 @@ def test_what_is_made_without_a_file_is_the_content_of_the_file(tmp_path, suffix
 
 
 def test_text_for_the_clipboard_of_an_unknown_kind_is_refused_with_the_known_ones():
-    with pytest.raises(ValueError, match=re.escape('".stl" names no format')) as caught:
-        encoded(CLOSED, ".stl")
+    with pytest.raises(ValueError, match=re.escape('".xyz" names no format')) as caught:
+        encoded(CLOSED, ".xyz")
     assert all(suffix in str(caught.value) for suffix in WRITABLE)
 
 
