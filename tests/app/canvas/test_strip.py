@@ -100,13 +100,15 @@ def test_the_legend_names_and_counts_what_is_there_and_nothing_else(rested) -> N
 
 
 def test_the_legend_drops_its_words_where_there_is_no_room_and_can_be_folded(rested, hand, qtbot) -> None:
-    legend = rested.canvas_area.strip.legend
+    strip = rested.canvas_area.strip
+    legend = strip.legend
     legend.show_now()
-    legend.fit(10_000)
+    strip.setFixedWidth(2000)
+    qtbot.waitUntil(lambda: strip.width() == 2000)
     whole = legend.sizeHint().width()
-    legend.fit(10)
+    strip.setFixedWidth(160)
     qtbot.waitUntil(lambda: legend.sizeHint().width() < whole)
-    legend.fit(10_000)
+    strip.setFixedWidth(2000)
     qtbot.waitUntil(lambda: legend.sizeHint().width() == whole)
     hand.key(KEY.Key_L, Qt.KeyboardModifier.AltModifier)
     assert legend.folded
