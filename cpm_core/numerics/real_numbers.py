@@ -42,6 +42,17 @@ def checked_number(name: str, value: Any, fits: Callable[[float], bool], wanted:
     return number
 
 
+def three_numbers(name: str, values: ArrayLike, positive: bool = False) -> Array:
+    """Three finite numbers along the axes of a volume; ValueError otherwise, also when they have to be above 0."""
+    given: Array = np.empty(0)
+    with suppress(ValueError):
+        given = real_numbers(values)
+    if given.shape != (3,) or not np.isfinite(given).all() or (positive and not (given > 0.0).all()):
+        kind = "three numbers above 0" if positive else "three finite numbers"
+        raise ValueError(f"{name} is {shown(values)} but must be {kind}, (plane, row, col).")
+    return given
+
+
 def grid_of_numbers(values: ArrayLike, least: int = 1) -> Array:
     """Values of an image or a volume in double precision; ValueError unless they are finite, on a grid of this size."""
     image = real_numbers(values)

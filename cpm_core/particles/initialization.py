@@ -144,7 +144,7 @@ def uniform_grid(shape: tuple[int, ...], spacing: float = 8.0) -> Array:
     """
     _positive("spacing", spacing)
     sides = np.ravel(real_numbers(shape))
-    if not len(sides) or not all(side >= 1.0 and side == int(side) for side in sides if np.isfinite(side)):
+    if not len(sides) or not all(side >= 1.0 and (np.isinf(side) or side == int(side)) for side in sides):
         raise ValueError(f"shape is {shown(shape)} but must be whole numbers of pixels, 1 or more along each axis.")
     _check_count(float(np.prod(sides / spacing + 1.0)), spacing)
     axes = []

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from cpm_core.numerics.real_numbers import checked_number, three_numbers
 from cpm_core.numerics.types import Array
+from cpm_core.parameters.quotation import shown
 
 _GOLDEN = np.pi * (1.0 + 5.0**0.5)
 """Turn from one particle on a sphere to the next: no two of them line up."""
@@ -43,13 +45,9 @@ def sphere(
         When the center is not three finite numbers, radius or spacing is not positive, or the count is not a positive
         whole number.
     """
-    middle, sides = _three("center", center), _three("spacing", spacing)
-    if not (sides > 0.0).all():
-        raise ValueError(f"spacing is {spacing!r} but must be three numbers above 0.")
-    if not (np.isfinite(radius) and 0.0 < radius <= _LARGEST):
-        raise ValueError(f"radius is {radius:g} but must be above 0 and at most {_LARGEST:g}.")
-    if count != int(count) or not 1 <= count <= _MOST:
-        raise ValueError(f"count is {count:g} but must be a whole number from 1 to {_MOST}.")
+    middle, sides = three_numbers("center", center), three_numbers("spacing", spacing, positive=True)
+    checked_number("radius", radius, lambda r: 0.0 < r <= _LARGEST, f"above 0 and at most {_LARGEST:g}")
+    checked_number("count", count, lambda n: n == int(n) and 1 <= n <= _MOST, f"a whole number from 1 to {_MOST}")
     step = np.arange(int(count)) + 0.5
     down, around = np.arccos(1.0 - 2.0 * step / count), _GOLDEN * step
     out = np.stack([np.cos(down), np.sin(down) * np.sin(around), np.sin(down) * np.cos(around)], axis=1)
@@ -77,11 +75,12 @@ def box(first: tuple[float, float, float], last: tuple[float, float, float], spa
         When the corners are not three finite numbers each or have no distance along an axis, or when the spacing is
         not positive or so small that there would be too many particles.
     """
-    low, high = np.sort([_three("first", first), _three("last", last)], axis=0)
+    low, high = np.sort([three_numbers("first", first), three_numbers("last", last)], axis=0)
     if not (high > low).all():
-        raise ValueError(f"the corners of the box are {first!r} and {last!r} but must differ along every axis.")
-    if not (np.isfinite(spacing) and spacing > 0.0):
-        raise ValueError(f"spacing is {spacing:g} but must be above 0.")
+        raise ValueError(
+            f"the corners of the box are {shown(first)} and {shown(last)} but must differ along every axis."
+        )
+    checked_number("spacing", spacing, lambda side: side > 0.0, "above 0")
     counts = np.maximum(1.0, np.round((high - low) / spacing))
     if np.prod(counts + 1.0) - np.prod(np.maximum(counts - 1.0, 0.0)) > _MOST:
         raise ValueError(f"spacing is {spacing:g}, which makes more than {_MOST} particles: choose a larger one.")
@@ -91,11 +90,3 @@ def box(first: tuple[float, float, float], last: tuple[float, float, float], spa
         lines[axis] = np.array([low[axis], high[axis]])
         faces.append(np.stack([part.ravel() for part in np.meshgrid(*lines, indexing="ij")], axis=1))
     return np.unique(np.concatenate(faces), axis=0)
-
-
-def _three(name: str, values: tuple[float, ...]) -> Array:
-    """Three finite numbers; ValueError otherwise."""
-    given = np.asarray(values, dtype=float)
-    if given.shape != (3,) or not np.isfinite(given).all():
-        raise ValueError(f"{name} is {values!r} but must be three finite numbers, (plane, row, col).")
-    return given

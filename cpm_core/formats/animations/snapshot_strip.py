@@ -77,9 +77,9 @@ def strip(
     ValueError
         When there is no frame, frames differ in size or are not such arrays, or the number of captions differs.
     """
-    _check(frames, captions, columns, gap, text_size)
+    most, gap = _checked(frames, captions, columns, gap, text_size)
     height, width = frames[0].shape[:2]
-    across = min(columns or _MOST_COLUMNS, len(frames))
+    across = min(most, len(frames))
     down = -(-len(frames) // across)
     font = _font("".join(captions), text_size or max(_TEXT_SHARE * height, _LEAST_TEXT))
     above, below = font.getmetrics() if isinstance(font, PIL.ImageFont.FreeTypeFont) else (11, 3)
@@ -124,10 +124,10 @@ def write_picture(pixels: Pixels, path: str | os.PathLike[str], comment: str = "
     write_together([(file, stream.getvalue())])
 
 
-def _check(
+def _checked(
     frames: Sequence[Pixels], captions: Sequence[str], columns: int | None, gap: int, size: float | None
-) -> None:
-    """Raise ValueError unless these arguments make a strip."""
+) -> tuple[int, int]:
+    """Most frames in a row, and the gap; ValueError unless these arguments make a strip."""
     if not isinstance(frames, Sequence) or not frames:
         raise ValueError("A strip needs at least one frame: take a snapshot first.")
     for frame in map(np.asarray, frames):
@@ -149,6 +149,7 @@ def _check(
         checked_number(
             "text_size", size, lambda number: 1.0 <= number <= _LARGEST_TEXT, f"from 1 to {_LARGEST_TEXT:g} px"
         )
+    return int(columns or _MOST_COLUMNS), int(gap)
 
 
 def _font(text: str, size: float) -> Font:

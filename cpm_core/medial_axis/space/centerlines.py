@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from cpm_core.medial_axis.space.thinning import thinned
 from cpm_core.medial_axis.space.voxel_graph import Chain, chains_of
+from cpm_core.numerics.real_numbers import checked_number, real_numbers, three_numbers
 from cpm_core.numerics.types import Array, Mask
 
 _SMOOTHING = 1.5
@@ -101,12 +102,11 @@ def centerlines(
     ValueError
         When `inside` is no volume, or `spacing` is not three positive numbers.
     """
-    mask = np.asarray(inside) != 0
-    size = np.asarray(spacing, float)
+    mask = inside if isinstance(inside, np.ndarray) and inside.dtype == np.bool_ else real_numbers(inside) != 0
     if mask.ndim != 3:
         raise ValueError(f"The inside has the shape {mask.shape}, but must be a volume (plane, row, col).")
-    if size.shape != (3,) or not (np.isfinite(size).all() and (size > 0.0).all()):
-        raise ValueError(f"The spacing is {spacing}, but must be three positive numbers.")
+    size = three_numbers("spacing", spacing, positive=True)
+    checked_number("pruning", pruning, lambda length: length >= 0.0, "0 or more")
     if not mask.any():
         return Centerlines((), tuple(spacing), unit)
     low = np.argwhere(mask).min(0)

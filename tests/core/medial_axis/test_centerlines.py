@@ -78,7 +78,7 @@ def test_every_part_has_its_lines():
 
 @pytest.mark.parametrize(
     ("mask", "spacing", "said"),
-    [(np.ones((5, 5)), (1, 1, 1), "must be a volume"), (np.ones((5, 5, 5)), (1, 0, 1), "three positive numbers")],
+    [(np.ones((5, 5)), (1, 1, 1), "must be a volume"), (np.ones((5, 5, 5)), (1, 0, 1), "three numbers above 0")],
 )
 def test_what_is_no_volume_is_refused(mask, spacing, said):
     with pytest.raises(ValueError, match=said):

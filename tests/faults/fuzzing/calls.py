@@ -223,6 +223,7 @@ _SKIPPED = {
     "load_image",
     "load_truth",
     "write_animation",
+    "write_swc",
     "Contour",
 }
 """What is no function, what the library makes for others to read, and what needs files, which has a part of its own."""

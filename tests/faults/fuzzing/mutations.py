@@ -137,7 +137,8 @@ def mutated_json(plain: Any, random: Random) -> Any:
         elif isinstance(inside, dict):
             inside[random.choice(("", "shape", "data", "kind", str(key) + " ", "\0"))] = inside.pop(key)
         else:
-            inside[key:key] = [inside[key]] * random.choice((1, 2, 60))
+            several = (1, 2) if isinstance(inside[key], dict | list) else (1, 2, 60)  # nested copies would fill memory
+            inside[key:key] = [inside[key]] * random.choice(several)
     return plain
 
 

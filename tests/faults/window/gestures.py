@@ -295,6 +295,8 @@ class Hand:
 
     def _name_file(self, dialog: QFileDialog) -> Gesture:
         yield 0.0
+        if not _alive(dialog):
+            return
         if self.choice.random() < 0.25:
             self.key(KEY.Key_Escape)
             return
