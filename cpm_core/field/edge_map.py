@@ -33,6 +33,9 @@ _STRONG_PERCENTILE = 99.0
 _CLEAR = 0.25
 """Fraction of the strong edges under which the background is weak enough."""
 
+NO_SMOOTHING = 0.01
+"""Standard deviation up to which a Gaussian has no weight beside its pixel in double precision [px]."""
+
 _LEAST_LINES = 64
 """Lines of an image that are worth a thread."""
 
@@ -49,7 +52,7 @@ def gradient(values: ArrayLike, smoothing: float, precision: DTypeLike = np.floa
     `precision` is the type of the result.
     """
     image = real_numbers(values)
-    if smoothing > 0:
+    if smoothing > NO_SMOOTHING:
         for axis in range(image.ndim):
             image = _smoothed_along(image, smoothing, axis)
     out = np.empty((image.ndim, *image.shape), precision)

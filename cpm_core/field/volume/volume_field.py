@@ -11,6 +11,7 @@ import numpy as np
 import scipy
 
 from cpm_core.field.convolution import convolved_field, convolved_potential
+from cpm_core.field.edge_map import NO_SMOOTHING
 from cpm_core.field.scale_field import WEAKEST_EDGE
 from cpm_core.field.volume.ridges import Ridges, ridges_of
 from cpm_core.field.volume.surface_force import force_on_voxels
@@ -179,7 +180,7 @@ def smoothed_volume(values: Array, sigmas: list[float]) -> Single:
     """A volume after a Gaussian with a sigma for each axis [voxels], in single precision."""
     smoothed: Single = values.astype(np.float32) if not any(sigmas) else values  # type: ignore[assignment]
     for axis, sigma in enumerate(sigmas):
-        if sigma > 0.0:
+        if sigma > NO_SMOOTHING:
             smoothed = _smoothed_along(smoothed, sigma, axis)
     return smoothed
 

@@ -40,6 +40,14 @@ def test_border_adds_no_edge_to_what_reaches_it(smoothing):
     np.testing.assert_allclose(f[:, [0, -1]], 0.0, atol=1e-9)
 
 
+@pytest.mark.parametrize("axes", [2, 3])
+def test_next_to_no_smoothing_is_none(axes):
+    """Also where the square of sigma is no number any more."""
+    image = np.random.default_rng(0).random((9,) * axes)
+    for smoothing in (1e-200, 1e-4):
+        np.testing.assert_array_equal(edge_map(image, smoothing), edge_map(image, 0.0))
+
+
 def test_smoothed_step_is_as_steep_as_a_gaussian():
     """A blurred step of height h has the slope of h times a Gaussian; central differences take its mean over 2 px."""
     sigma, height = 4.0, 80.0
