@@ -51,7 +51,7 @@ def read(path: Path) -> Decoded:
     """
     with tifffile.TiffFile(path) as file:
         page = file.pages.first
-        check_size(path.name, page.imagelength, page.imagewidth)
+        check_size(path.name, int(page.imagelength), int(page.imagewidth))  # damaged ones may be tuples
         if page.imagedepth > 1:
             raise UnreadableError(f"{path.name} is a volume: save one plane of it as an image of its own.")
         spacing, unit = _spacing(file, page)

@@ -189,6 +189,32 @@ def test_a_tiff_too_large_for_memory_is_refused_before_it_is_unpacked(tmp_path):
     assert "crop it or make it smaller" in failure_report(tmp_path / "a.tif")
 
 
+def test_a_tiff_of_several_widths_is_damaged_and_takes_no_memory(tmp_path):
+    """The product of its sides repeated the list of widths a billion times."""
+    long, tags = (
+        4,
+        [
+            (256, 64, 100),
+            (257, 1, 2**30 + 11),
+            (258, 1, 8),
+            (259, 1, 1),
+            (262, 1, 1),
+            (273, 1, 8),
+            (278, 1, 11),
+            (279, 1, 9),
+        ],
+    )
+    entries = b"".join(struct.pack("<HHII", tag, long, count, value) for tag, count, value in tags)
+    path = tmp_path / "widths.tif"
+    path.write_bytes(struct.pack("<2sHIH", b"II", 42, 8, len(tags)) + entries + bytes(400))
+    tracemalloc.start()
+    with pytest.raises(ValueError, match=r"widths\.tif is damaged"):
+        load_image(path)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 10 * 2**20
+
+
 def test_a_reader_sees_the_path_and_the_marks_of_medical_formats(tmp_path, monkeypatch):
     """The signature of DICOM is at byte 128, that of NIfTI at 344; raw data only have the name of the file."""
     seen = []
