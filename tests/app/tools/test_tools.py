@@ -138,9 +138,9 @@ def test_a_drag_with_another_button_pans_by_what_the_pointer_moves(window, hand,
 
 def test_the_status_bar_shows_position_and_gray_value_under_the_pointer(window, hand) -> None:
     hand.move(32, 32)
-    assert window.pointer_readout.text() == "row 32, col 32:  200"
+    hand.wait(lambda: window.pointer_readout.text() == "row 32, col 32:  200")
     hand.move(3, 60)
-    assert window.pointer_readout.text() == "row 3, col 60:  20"
+    hand.wait(lambda: window.pointer_readout.text() == "row 3, col 60:  20")
 
 
 def test_canvas_positions_and_points_are_each_others_inverse(hand) -> None:
