@@ -52,6 +52,8 @@ def read(path: Path) -> Decoded:
     with tifffile.TiffFile(path) as file:
         page = file.pages.first
         check_size(path.name, int(page.imagelength), int(page.imagewidth))  # damaged ones may be tuples
+        if max(page.databytecounts, default=0) > file.filehandle.size:  # memory for them would be taken first
+            raise EOFError(f"{path.name} names more bytes than it has.")
         if page.imagedepth > 1:
             raise UnreadableError(f"{path.name} is a volume: save one plane of it as an image of its own.")
         spacing, unit = _spacing(file, page)

@@ -189,26 +189,19 @@ def test_a_tiff_too_large_for_memory_is_refused_before_it_is_unpacked(tmp_path):
     assert "crop it or make it smaller" in failure_report(tmp_path / "a.tif")
 
 
-def test_a_tiff_of_several_widths_is_damaged_and_takes_no_memory(tmp_path):
-    """The product of its sides repeated the list of widths a billion times."""
-    long, tags = (
-        4,
-        [
-            (256, 64, 100),
-            (257, 1, 2**30 + 11),
-            (258, 1, 8),
-            (259, 1, 1),
-            (262, 1, 1),
-            (273, 1, 8),
-            (278, 1, 11),
-            (279, 1, 9),
-        ],
-    )
-    entries = b"".join(struct.pack("<HHII", tag, long, count, value) for tag, count, value in tags)
-    path = tmp_path / "widths.tif"
+@pytest.mark.parametrize(
+    ("widths", "length", "count"),
+    [(100, 2**30 + 11, 9), (1, 11, 2**32 - 1)],
+    ids=["a list of widths", "a strip longer than the file"],
+)
+def test_a_damaged_tiff_takes_no_memory(tmp_path, widths, length, count):
+    """The product of its sides repeated the list of widths a billion times; a strip was read into all that it named."""
+    tags = [(256, widths, 64), (257, 1, length), (258, 1, 8), (259, 1, 1), (262, 1, 1), (273, 1, 8), (279, 1, count)]
+    entries = b"".join(struct.pack("<HHII", tag, 4, number, value) for tag, number, value in tags)
+    path = tmp_path / "damaged.tif"
     path.write_bytes(struct.pack("<2sHIH", b"II", 42, 8, len(tags)) + entries + bytes(400))
     tracemalloc.start()
-    with pytest.raises(ValueError, match=r"widths\.tif is damaged"):
+    with pytest.raises(ValueError, match=r"damaged\.tif is damaged"):
         load_image(path)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
