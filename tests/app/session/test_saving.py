@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import threading
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -55,17 +57,29 @@ def drop(window: MainWindow, *paths: Path) -> None:
     window.dropEvent(QDropEvent(QPoint(50, 50), Qt.DropAction.CopyAction, data, button, none))
 
 
-def click(text: str) -> None:
-    """Click a button of the question as soon as it is there."""
+@contextmanager
+def answering(text: str) -> Iterator[None]:
+    """Click a button of the question that the block asks, now or a little later; leave no click for other questions."""
+    answered = []
 
     def look() -> None:
         box = QApplication.activeModalWidget()
         if isinstance(box, QMessageBox):
+            timer.stop()
+            answered.append(text)
             next(button for button in box.buttons() if button.text().replace("&", "") == text).click()
-        else:
-            QTimer.singleShot(20, look)
 
-    QTimer.singleShot(0, look)
+    timer = QTimer(interval=20)
+    timer.timeout.connect(look)
+    timer.start()
+    try:
+        yield
+        deadline = time.monotonic() + 20.0
+        while not answered and time.monotonic() < deadline:
+            QApplication.processEvents()
+    finally:
+        timer.stop()
+    assert answered == [text]
 
 
 def test_what_is_saved_by_a_key_is_restored_with_marks_and_view(ready, hand, saved_to, tmp_path) -> None:
@@ -236,10 +250,12 @@ def test_an_image_that_has_changed_since_is_opened_with_a_warning(ready, hand, s
 
 def test_cancel_keeps_the_window_and_the_image(ready, hand, asked, tmp_path) -> None:
     np.save(tmp_path / "other.npy", np.eye(30))
-    click("Keep editing")
-    drop(ready, tmp_path / "other.npy")
-    click("Keep editing")
-    hand.key(KEY.Key_Q, CTRL)
+    with answering("Keep editing"):
+        drop(ready, tmp_path / "other.npy")
+    ready.activateWindow()
+    hand.wait(ready.isActiveWindow)
+    with answering("Keep editing"):
+        hand.key(KEY.Key_Q, CTRL)
     assert ready.isVisible()
     hand.wait(lambda: ready.session.idle)
     assert ready.session.document.image.name == "disc.npy"
@@ -247,13 +263,13 @@ def test_cancel_keeps_the_window_and_the_image(ready, hand, asked, tmp_path) -> 
 
 
 def test_discard_closes_the_window_without_saving(ready, asked) -> None:
-    click("Discard changes")
-    assert ready.close()
+    with answering("Discard changes"):
+        assert ready.close()
 
 
 def test_save_writes_the_file_before_the_window_closes(ready, asked, saved_to) -> None:
-    click("Save")
-    assert ready.close()
+    with answering("Save"):
+        assert ready.close()
     assert load_session(saved_to).shapes == ready.session.document.shapes
 
 
@@ -284,8 +300,8 @@ def test_a_save_that_fails_or_has_no_path_keeps_the_window(ready, asked, monkeyp
     answers = iter([("", ""), (str(tmp_path / "none" / "a.cpm"), "")])
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: next(answers))
     for _ in range(2):
-        click("Save")
-        assert not ready.close()
+        with answering("Save"):
+            assert not ready.close()
         assert ready.isVisible()
     assert "none" in ready.canvas_area.messages.text
     ready.feature(OpenSaveFeature).document_file.forget()
