@@ -12,6 +12,7 @@ from app.model.document.modes import MODES, needs_start
 from app.model.document.naming import describe
 from app.model.state.situation import Situation
 from app.model.state.status import RunStatus
+from app.model.state.volume_limits import has_volume
 from app.model.text.language import tr
 from cpm_core.shapes import Barrier, Charge, Everywhere, Grid, Points, Shape, Stroke, Threshold
 
@@ -122,12 +123,18 @@ def _hint(situation: Situation) -> str:
     if not needs_start(document.mode):
         return MODES[document.mode].hint
     if not document.shapes:
-        return tr("Drag on the image to draw a circle in or around an object.")
+        return _first_hint(situation)
     if not document.starts:
         return tr("Now draw where particles start: a circle, a stroke or points; or start everywhere (Ctrl+G).")
     if shape is not None:
         return _what_can_be_done_to(shape)
     return MODES[document.mode].hint or tr("Press Space to run.")
+
+
+def _first_hint(situation: Situation) -> str:
+    if has_volume(situation):
+        return tr("Drag to draw a sphere in or around an object; Page Up and Page Down go through the slices.")
+    return tr("Drag on the image to draw a circle in or around an object.")
 
 
 def _hint_on_run(status: RunStatus) -> str:

@@ -131,12 +131,13 @@ class Opened(Report):
 
     `parameters` have as many of the requested `scales` as the image has room for. `folder` are the images beside it,
     itself among them, `beside` is a session of it that has not been opened with it, and `kind` what it looks like.
-    `large` are settings for an image that is large.
+    `large` are settings for an image that is large. A volume has no `display`, which each view makes of the slice that
+    it shows. `pages` is how many pages a stack has that can be opened as one volume.
     """
 
     image: Image
     method: Method[Any]
-    display: DisplayImage
+    display: DisplayImage | None
     path: Path
     parameters: Parameters
     notes: tuple[str, ...]
@@ -147,6 +148,7 @@ class Opened(Report):
     beside: Path | None = None
     kind: Kind | None = None
     large: LargeImageSettings | None = None
+    pages: int = 0
 
 
 @dataclass(frozen=True, eq=False, slots=True)

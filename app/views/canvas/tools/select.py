@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from app.model.document.hit_testing import Hit, hit
+from app.model.document.hit_testing import Hit
 from app.model.document.naming import describe
 from app.model.text.language import tr
+from app.session.features.volumes.hits import hit_in
 from app.views.canvas.tools.tool import Cursor, ShapeTool, ToolContext
 from cpm_core.numerics.types import Position
 from cpm_core.shapes import Circle
@@ -58,4 +59,4 @@ class SelectTool(ShapeTool):
         return found is not None and found.part == "handle"
 
     def _hit(self, at: Position, reach: float) -> Hit | None:
-        return hit(self._session.document.shapes, at, reach, self._session.selected)
+        return hit_in(self._session.scene, at, reach)
