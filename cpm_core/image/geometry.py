@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cpm_core.numerics.real_numbers import real_numbers
+from cpm_core.numerics.real_numbers import checked_number, real_numbers
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import shown
 
@@ -72,10 +72,9 @@ class Geometry:
             raise ValueError(
                 f"The directions are {shown(self.directions)} and lie in one plane: give three that do not."
             )
-        if self.convention not in CONVENTIONS:
+        if not isinstance(self.convention, str) or self.convention not in CONVENTIONS:
             raise ValueError(f'The convention is {shown(self.convention)} but must be "LPS" or "RAS".')
-        if not (math.isfinite(self.depth) and self.depth > 0.0):
-            raise ValueError(f"The depth is {shown(self.depth)} but must be a number above 0.")
+        checked_number("depth", self.depth, lambda depth: depth > 0.0, "a number above 0")
         one = np.abs(lengths - 1.0) < 1e-12  # they stay as they are to the bit
         directions = directions / np.where(one, 1.0, lengths)[:, None]
         object.__setattr__(self, "origin", tuple(origin.tolist()))

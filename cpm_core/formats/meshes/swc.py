@@ -25,8 +25,8 @@ def write_swc(lines: Centerlines, path: str | os.PathLike[str], geometry: Geomet
 def encode(lines: Centerlines, geometry: Geometry | None = None) -> bytes:
     """Make an SWC file: a line of text for each point, with x, y, z and radius in the unit of the spacing, and parent.
 
-    The coordinates are those of surfaces (`world`), in a volume with this geometry. SWC holds trees alone: a loop is cut
-    at the end of one of its branches, where a point stands twice.
+    The coordinates are those of surfaces (`world`), in a volume with this geometry. SWC holds trees alone: a loop is
+    cut at the end of one of its branches, where a point stands twice.
     """
     rows: list[tuple[int, float, float, float, float, int]] = []
     number: dict[int, int] = {}
