@@ -28,6 +28,8 @@ from app.session.worker.commands.stored_runs import RestoreRuns, RunsRestored
 from app.session.worker.run import Run
 from cpm_core.parameters import Parameters
 
+_PREPARING = tr("Preparing (longer the very first time)…")
+
 
 class Session(RunControl):
     """Document, history and run, and the files that they are read from and written to."""
@@ -118,7 +120,7 @@ class Session(RunControl):
 
     def warm_up(self) -> None:
         """Compile or load the kernels ahead of the first step."""
-        self._progress.busy("preparing", tr("Preparing (longer the very first time)…"))
+        self._progress.busy("preparing", _PREPARING)
         self._opener.afterwards(lambda: self.post(WarmUp()))
 
     def _accept(self, opened: Opened) -> None:
@@ -143,6 +145,9 @@ class Session(RunControl):
         self.begin_document(_document(opened, self.document.mode))
         self.post(RunCall(None, Run.edit_by_hand, self.document.hand_edits))
         self.post(RunCall(None, Run.set_parameters, opened.parameters))
+        if opened.image.ndim == 3:
+            self._progress.busy("preparing", _PREPARING)
+            self.post(WarmUp(volumes=True))
         self._restore_runs(opened)
         if opened.notes:
             self.say(" ".join(opened.notes))

@@ -21,8 +21,8 @@ _FILM = tr("Pictures of many steps can be made of images only.")
 NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
     {
         **dict.fromkeys(
-            ("eraser", "ellipse", "polygon", "stroke", "spray", "grid", "threshold", "region", "barrier", "attract",
-             "repel"), _TOOL),
+            ("eraser", "ellipse", "polygon", "stroke", "spray", "grid_area", "threshold", "region", "barrier",
+             "attract", "repel"), _TOOL),
         **dict.fromkeys(("start_grid", "start_gradient", "start_centers"), _START),
         **dict.fromkeys(("mode_automatic", "mode_skeleton"), _MODE),
         **dict.fromkeys(
@@ -34,7 +34,7 @@ NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
         **dict.fromkeys(
             tuple(f"layer_{name}" for name in ("trails", "forces", "objects", "ghost", "truth", "skeleton", "edge_map",
                                                "potential", "field")), _LAYER),
-        **dict.fromkeys(("wipe", "wipe_with", "keep_result", "mosaic"), _COMPARE),
+        **dict.fromkeys(("wipe", "keep_result", "mosaic"), _COMPARE),
         **dict.fromkeys(("export_animation", "export_strip"), _FILM),
     }
 )  # fmt: skip

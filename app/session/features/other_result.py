@@ -68,7 +68,7 @@ class OtherResult(QObject):
     @property
     def choices(self) -> tuple[Other, ...]:
         """All that can be compared, the most telling first."""
-        if self._session.document.image is None:
+        if self._session.document.image is None or self._session.scene.slices is not None:
             return ()
         here = self._navigation.place[0]
         branches = [branch for branch in self._navigation.outline.branches if branch.identity != here]

@@ -129,7 +129,7 @@ class Canvas(ImageView):
         tool.set_in_use(True)
         if self._pointer is not None:
             tool.hover(self.placed(self._pointer))
-        self.viewport().setCursor(tool.cursor((-1e9, -1e9), 0.0))
+        self.viewport().setCursor(tool.cursor(self.placed((-1e9, -1e9)), 0.0))
 
     # Common to pointer and keys
 

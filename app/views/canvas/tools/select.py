@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import operator
+
 from app.model.document.hit_testing import Hit
 from app.model.document.naming import describe
 from app.model.text.language import tr
@@ -39,7 +41,7 @@ class SelectTool(ShapeTool):
         if self._part == "handle":
             self._put(tr("reshape {shape}").format(shape=describe(shape)), shape.with_handle_at(self._anchor, at))
         else:
-            by = (at[0] - self._anchor[0], at[1] - self._anchor[1])
+            by = tuple(map(operator.sub, at, self._anchor))
             self._put(tr("move {shape}").format(shape=describe(shape)), shape.moved(by))
 
     def cursor(self, at: Position, reach: float) -> Cursor:
