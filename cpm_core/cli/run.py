@@ -19,12 +19,14 @@ from cpm_core.cli.arguments import (
     add_image,
     add_json,
     add_parameters,
+    add_part,
     add_session,
     as_number,
     as_steps,
     check_exports,
     notes_on,
     parameters_of,
+    part_of,
     with_room,
 )
 from cpm_core.cli.batch.jobs import facts_of as outcome_of
@@ -60,6 +62,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     parser.description = "Let particles flow from a start to the contours of an image."
     add_image(parser, optional=True)
     add_session(parser)
+    add_part(parser.add_argument_group("part of a file"))
     start = parser.add_argument_group("start (one at least, of a session or here; several add up)")
     place = parser.add_argument_group("place (each may be repeated)")
     line = "ROW,COL,ROW,COL,..."
@@ -96,6 +99,7 @@ def _run(arguments: argparse.Namespace) -> None:
     session = load_session(Path(arguments.session)) if arguments.session else SessionFile()
     if arguments.image is None and session.image is None:
         raise ValueError("No IMAGE is given: name one, or with --session FILE a session that has one.")
+    part = part_of(arguments)
     parameters = parameters_of(arguments, PRESETS[arguments.preset] if arguments.preset else session.parameters)
     max_steps = as_steps(arguments.max_steps)
     check_objects(arguments)
@@ -103,7 +107,7 @@ def _run(arguments: argparse.Namespace) -> None:
     regions = _regions(arguments, session)
     path, notes = _image(arguments, session)
     check_exports(arguments.export, str(path), arguments.session)
-    image = load_image(path)
+    image = load_image(path, **part)
     small: tuple[str, ...] = ()
     if arguments.scales is None:
         parameters, small = with_room(parameters, image)
