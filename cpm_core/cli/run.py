@@ -94,8 +94,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
 def _run(arguments: argparse.Namespace) -> None:
     """Find the contours of an image; every check that needs no image comes first."""
     if arguments.sphere:
-        run_volume(arguments)
-        return
+        return run_volume(arguments)
     session = load_session(Path(arguments.session)) if arguments.session else SessionFile()
     if arguments.image is None and session.image is None:
         raise ValueError("No IMAGE is given: name one, or with --session FILE a session that has one.")

@@ -80,7 +80,7 @@ def load_image(
     path : path-like
         A file of one of the kinds in `READABLE`, or a folder with the slices of a DICOM series.
     go_on : callable, optional
-        Called between the parts of a long file while its hash is made; it may raise to stop.
+        Called between the parts of a long file while it is hashed; it may raise to stop.
     page : int, optional
         Which plane, page or frame, from 1; by default the first page or frame, and the middle plane of a volume.
     channel, time : int, optional
@@ -98,9 +98,8 @@ def load_image(
     Returns
     -------
     Image
-        Its gray levels in the range of the file (16 bits stay 16 bits), color turned into luminance, the size of a
-        pixel and its place in space where the file gives them, the hash of the file, and in ``notes`` what was changed
-        and what else the file holds.
+        Its gray levels in the range of the file, the size of a pixel and its place in space where the file gives them,
+        the hash of the file, and in ``notes`` what was changed and what else the file holds.
 
     Raises
     ------
@@ -108,8 +107,7 @@ def load_image(
         When there is no such file, or it cannot be used or read again for its hash; one sentence with its name and
         what to do.
     """
-    choice = Choice(page, channel, time, series)
-    file = Path(path)
+    file, choice = Path(path), Choice(page, channel, time, series)
     decoded = _in(_color(color), _read(file, lambda reader: reader.read(file, choice)))
     return _image(decoded, file, go_on, spacing, unit)
 
