@@ -6,7 +6,7 @@ import argparse
 import json
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -94,7 +94,8 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
 def _run(arguments: argparse.Namespace) -> None:
     """Find the contours of an image; every check that needs no image comes first."""
     if arguments.sphere:
-        return run_volume(arguments)
+        run_volume(arguments)
+        return
     session = load_session(Path(arguments.session)) if arguments.session else SessionFile()
     if arguments.image is None and session.image is None:
         raise ValueError("No IMAGE is given: name one, or with --session FILE a session that has one.")
@@ -110,9 +111,7 @@ def _run(arguments: argparse.Namespace) -> None:
     small: tuple[str, ...] = ()
     if arguments.scales is None:
         parameters, small = with_room(parameters, image)
-    of_image = (f"{image.source}: {note}" for note in (*notes_on(image, parameters), *small))
-    for note in (*session.notes, *notes, *of_image):
-        print(f"cpm: {note}", file=sys.stderr)
+    _tell_notes((*session.notes, *notes), image.source, (*notes_on(image, parameters), *small))
     started = time.perf_counter()
     progress = Progress() if sys.stderr.isatty() else None
     try:
@@ -155,6 +154,11 @@ def _edited(
         return result
     edges = edge_map(image.gray(parameters.channel), parameters.smoothing) if arguments.close == "edges" else None
     return close_contours(result, edges)
+
+
+def _tell_notes(notes: Sequence[str], source: str, of_image: Sequence[str]) -> None:
+    for note in (*notes, *(f"{source}: {note}" for note in of_image)):
+        print(f"cpm: {note}", file=sys.stderr)
 
 
 def _tell_omission(sentence: str) -> None:
