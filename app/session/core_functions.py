@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from cpm_core.formats import export, load_image
-from cpm_core.formats.images.volume import load_volume
+from cpm_core.formats import export, load_image, load_volume
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
 from cpm_core.objects.warm_up import warm_up, warm_up_volumes

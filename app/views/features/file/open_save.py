@@ -65,10 +65,10 @@ class OpenSaveFeature(Feature):
                        tip=tr("Quit the program."), gap=True),
         )  # fmt: skip
 
-    def take(self, paths: Sequence[Path], resumes: bool = False, as_volume: bool = False) -> None:
+    def take(self, paths: Sequence[Path], resumes: bool = False, as_volume: bool | None = None) -> None:
         """Open files by their kind: images and sessions, points (which are drawn), presets (which are imported).
 
-        An image that `resumes` is opened with the session beside it, a stack of pages `as_volume` or its first page.
+        An image that `resumes` is opened with the session beside it, a stack `as_volume` or a plane of it.
         """
         self.context.canvas_area.messages.keep_only(*OF_THE_PROGRAM)
         documents = [path for path in paths if path.suffix.lower() not in (POINTS, PRESET)]
