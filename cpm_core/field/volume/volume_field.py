@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import Literal, NamedTuple
 
 import numpy as np
-import scipy
 
 from cpm_core.field.convolution import convolved_field, convolved_potential
 from cpm_core.field.edge_map import NO_SMOOTHING
@@ -17,6 +16,7 @@ from cpm_core.field.volume.ridges import Ridges, ridges_of
 from cpm_core.field.volume.surface_force import force_on_voxels
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
+from cpm_core.numerics.reproducible.gaussian import gaussian_filter1d
 from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.numerics.vectors import Vector
 
@@ -192,7 +192,7 @@ def _smoothed_along(volume: Single, sigma: float, axis: int) -> Single:
 
     def work(first: int, end: int) -> None:
         part = (slice(None),) * other + (slice(first, end),)
-        scipy.ndimage.gaussian_filter1d(volume[part], sigma, axis, output=out[part], mode="nearest")
+        gaussian_filter1d(volume[part], sigma, axis, output=out[part])
 
     share(work, volume.shape[other], _LEAST_LINES)
     return out
