@@ -11,13 +11,10 @@ from collections.abc import Callable
 from typing import Any, cast
 
 from llvmlite import ir
-from numba.core import cgutils as untyped
-from numba.core import types
+from numba.core import cgutils, types
 from numba.extending import intrinsic
 
 from cpm_core.numerics.types import Single
-
-cgutils: Any = untyped
 
 LANES = 16
 """Lanes of a sum; lists are filled up to a multiple of it."""
