@@ -77,7 +77,8 @@ def fronts(particles: Particles, cells: Cells, turn: Index, field: VolumeField, 
     sheets = (particles.position, contact.normal, contact.seated, contact.strength)
     find = partial(_fronts, looking, cells, *sheets, field.smoothed, field.edge_map, field.pitch, field.floor)
     share(lambda first, last: find(d_min, found, count, first, last), len(looking), _WORTH_A_THREAD)
-    places = found[np.arange(_MOST) < count[:, None]]
+    places, parents = found[np.arange(_MOST) < count[:, None]], np.repeat(looking, count)
+    places = places[~field.crossed(particles.position[parents], places[:, :3])]
     some = places[apart(places, ROOM * d_min, cells)]
     return Fronts(some[:, :3].copy(), some[:, 3:6].copy(), some[:, 6].copy())
 

@@ -15,6 +15,7 @@ from cpm_core.dynamics.insertion.space import apart
 from cpm_core.field.volume.ridges import Ridges
 from cpm_core.field.volume.surface_force import faces_alike, on_ridges
 from cpm_core.field.volume.volume_field import VolumeField
+from cpm_core.image.volume_barriers import Walls
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Index
@@ -53,10 +54,10 @@ def launched(state: State, field: VolumeField, d_min: float) -> State | None:
     if state.reseedings >= LAUNCHES or state.erased:
         return None
     ridges = field.ridges
-    cover = _cover(state, field, ridges, d_min)
-    reached = np.zeros(int(ridges.component.max(initial=-1)) + 1, np.bool_)
-    reached[ridges.component[cover == _ON]] = True
-    bare = np.flatnonzero((cover == _BARE) & reached[ridges.component])
+    cover, component = _cover(state, field, ridges, d_min), _divided(ridges, field.walls)
+    reached = np.zeros(int(component.max(initial=-1)) + 1, np.bool_)
+    reached[component[cover == _ON]] = True
+    bare = np.flatnonzero((cover == _BARE) & (component >= 0) & reached[component])
     return _with_launched(state, field, bare, d_min)
 
 
@@ -70,6 +71,8 @@ def _with_launched(state: State, field: VolumeField, bare: Index, d_min: float) 
     chosen = order[apart(places, _APART * d_min, build_cells(np.empty((0, 3)), field.extent, _APART * d_min))]
     position = np.empty((len(chosen), 3))
     on_ridges(field.smoothed, field.edge_map, field.pitch, ridges.place[chosen], _ROUNDS, position)
+    free = ~field.crossed(ridges.place[chosen], position)
+    chosen, position = chosen[free], position[free]
     step = state.step_of_scale
     contact = SurfaceContact.of_seated(ridges.normal[chosen], ridges.strength[chosen], step)
     worthwhile = len(chosen) > WORTHWHILE * state.count
@@ -83,6 +86,15 @@ def _with_launched(state: State, field: VolumeField, bare: Index, d_min: float) 
         idle=0,
         quiet=0,
     )
+
+
+def _divided(ridges: Ridges, walls: Walls | None) -> Index:
+    """Number of the connected part of the edge map that each ridge belongs to, one for each room; -1 in a wall."""
+    if walls is None:
+        return ridges.component
+    rooms = walls.rooms(ridges.place)
+    parts, number = np.unique(np.stack([ridges.component, rooms]), axis=1, return_inverse=True)
+    return np.asarray(np.where(parts[1, number] < 0, -1, number))
 
 
 def _cover(state: State, field: VolumeField, ridges: Ridges, d_min: float) -> Index:
@@ -121,6 +133,8 @@ def settled(state: State, field: VolumeField) -> State:
     found = state.particles.where(contact.seated & (contact.strength >= field.floor))
     position = np.empty_like(found.position)
     on_ridges(field.smoothed, field.edge_map, field.pitch, found.position, _ROUNDS, position)
+    crossing = field.crossed(found.position, position)
+    position[crossing] = found.position[crossing]
     kept = np.linalg.norm(position - found.position, axis=1) < _ASTRAY
     found = replace(found, position=position).where(kept)
     return replace(state, particles=found, deleted=state.deleted + len(state.particles) - len(found))

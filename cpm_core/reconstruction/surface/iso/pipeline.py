@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cpm_core.contours.surface import Surface
-from cpm_core.numerics.types import Array, Single
+from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.reconstruction.surface.components import Leaving, support, well_supported
 from cpm_core.reconstruction.surface.iso.joints import join
 from cpm_core.reconstruction.surface.iso.local_threshold import Box, height
@@ -34,6 +34,7 @@ def find_surface(
     *,
     smoothing: float = 1.0,
     open_border: bool = False,
+    shut: Mask | None = None,
     leaving: Leaving = Leaving(),  # noqa: B008 - a frozen value
 ) -> Surface:
     """Surface through particles that rest on the edges of a volume.
@@ -52,6 +53,8 @@ def find_surface(
         Width of the Gaussian that has smoothed the volume, in smallest sides of a voxel.
     open_border : bool
         Whether the surface ends at the border of the volume; else objects that the border cuts get a flat end there.
+    shut : ndarray of bool, shape (P, R, C), optional
+        Voxels that the surface leaves out: objects get a flat end there.
     leaving : Leaving
         Which components are left out.
 
@@ -69,8 +72,11 @@ def find_surface(
     width, band = max(_WIDTH * apart, _LEAST_WIDTH), max(_BAND * apart, _LEAST_BAND)
     box = _box(points, volume.shape, band / size)
     found = height(volume, box, levels, size, width, band)
-    sign = _settle(found)
+    left_out = _part_of(shut, box)
+    sign = _settle(found, left_out)
     join(found, box.begin, Surroundings(volume, sign, points, sign * normals, levels.slopes, size))
+    if left_out is not None:
+        found[left_out] = -1.0  # no joint leads through a wall
     vertices, faces = zero_surface(found, _inner(box, volume.shape) if open_border else None)
     vertices += box.begin
     supported = support(vertices * size, points * size, apart)
@@ -93,13 +99,26 @@ def _inner(box: Box, shape: tuple[int, ...]) -> tuple[tuple[int, int], ...]:
     )
 
 
-def _settle(found: Single) -> float:
+def _part_of(shut: Mask | None, box: Box) -> Mask | None:
+    """The part of a mask that lies in a box, which may reach beyond the volume."""
+    if shut is None:
+        return None
+    axes = (
+        np.clip(np.arange(begin, begin + count), 0, n - 1)
+        for begin, count, n in zip(box.begin.tolist(), box.shape, shut.shape, strict=True)
+    )
+    return np.asarray(shut[np.ix_(*axes)])
+
+
+def _settle(found: Single, shut: Mask | None = None) -> float:
     """Decide on every voxel of a height, the outermost being outside; return -1 if bright and dark were exchanged.
 
     An object may be darker than what is around it: the inside is not on the side that most of the border lies on.
     """
     outermost = np.ones(found.shape, bool)
     outermost[1:-1, 1:-1, 1:-1] = False
+    if shut is not None:
+        outermost |= shut
     found[outermost] = np.inf
     fill_regions(found)
     inner = found[1:-1, 1:-1, 1:-1]
