@@ -52,14 +52,14 @@ class ImageFields:
         parameters = parameters or Parameters()
         self.image = as_image(values)
         array = self.image.values
+        if regions is not None:
+            regions.check(array.shape)
         if array.min() == array.max():
             raise ValueError(
                 f"{self.image.source} is constant ({array.flat[0]:g} everywhere) and has no edges: "
                 "open an image with objects."
             )
         self.regions = regions
-        if regions is not None:
-            regions.check(array.shape)
         check_room(array.shape, _LEAST_MEMORY[array.ndim], self.image.source)
         self._scale_space = _scale_space_of(self.image, parameters.scales, regions)
         self._scale_space.prepare(parameters)
@@ -138,9 +138,7 @@ def _scale_space_of(image: Image, scales: int, regions: AnyRegions | None) -> An
     """The `ScaleSpace` of an image, or the `VolumeSpace` of a volume, which has the same methods."""
     if image.ndim == 3:
         return VolumeSpace(image, scales, regions if isinstance(regions, VolumeRegions) else None)
-    return ScaleSpace(
-        image.values, scales, regions if isinstance(regions, Regions) else None, image.colors
-    )
+    return ScaleSpace(image.values, scales, regions if isinstance(regions, Regions) else None, image.colors)
 
 
 def _charges_of(image: Image) -> Any:

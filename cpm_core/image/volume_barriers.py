@@ -79,7 +79,7 @@ class Walls:
         rooms = np.unique(self.rooms(positions))
         thick = 0.5 * np.abs(self.planes[:, :3]) @ np.abs(self.size * pitch)
         for plane in range(shape[0]):
-            grid = np.indices((1, *shape[1:])).reshape(3, -1).T + (plane, 0, 0)
+            grid = np.indices((1, *shape[1:])).reshape(3, -1).T + np.array([plane, 0, 0])
             places = grid * np.array(pitch)
             near = np.abs(signed_distances(self.planes, self.voxels(places))) <= thick
             found[plane] = (near.any(axis=1) | ~np.isin(self.rooms(places), rooms)).reshape(shape[1:])

@@ -26,8 +26,9 @@ PAIR = 0.5
 
 @dataclass(frozen=True, slots=True)
 class Energies:
-    """Energies of all particles together, of unit mass each [px^2 of the image / unit of time^2]; in a volume
-    a px is the smallest side of a voxel.
+    """Energies of all particles together, of unit mass each [px^2 of the image / unit of time^2].
+
+    In a volume a px is the smallest side of a voxel.
 
     Attributes
     ----------

@@ -84,9 +84,10 @@ def parts_of_force(
     """
     contact = state.particles.contact
     assert contact is not None
-    places = (state.particles.position, contact.normal, contact.seated)
+    fields, grid, charges, weights = _felt(state, field, law)
+    position = state.particles.position
     parts = np.empty((4, len(which), 3))
-    _parts(which, cells, idle, *places, *_felt(state, field, law), parts)
+    _parts(which, cells, idle, position, contact.normal, contact.seated, fields, grid, charges, weights, parts)
     return parts[0], parts[1], parts[2], parts[3]
 
 
@@ -184,8 +185,10 @@ def _forces_on(
     charges: Array,
     law: _Law,
 ) -> tuple[Vector, Vector, Vector, bool, Vector, float, bool]:
-    """Weighted Coulomb and Lorentz force on a particle, that of placed charges, and whether friction holds it; then the
-    normal of the edge, its strength, and whether the particle is on it."""
+    """Coulomb force, Lorentz force and that of placed charges on a particle, and whether friction holds it.
+
+    Then the normal of the edge there, its strength, and whether the particle is on it.
+    """
     w1, w2, d_min = law[0], law[1], law[4]
     coulomb = (0.0, 0.0, 0.0)
     left = repulsion_left(idle)

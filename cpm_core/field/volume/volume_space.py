@@ -51,18 +51,21 @@ class VolumeSpace:
 
     def _walls(self, scale: int) -> Walls | None:
         """What no particle crosses at a scale."""
-        return self._regions and self._regions.walls(self._shape).at_scale(scale, self._pitch)
+        return None if self._regions is None else self._regions.walls(self._shape).at_scale(scale, self._pitch)
 
     def _voxels(self, scale: int) -> Mask | None:
         """Which voxels of a scale are of interest: those whose centers are."""
-        voxels = self._regions and self._regions.voxels(self._shape)
+        voxels = None if self._regions is None else self._regions.voxels(self._shape)
         if voxels is None or scale == 0:
             return voxels
         size = shape_of_scale(self._shape, scale)
-        ends = to_image(np.array([[0.0] * 3, np.array(size) - 1.0]), scale, self._shape)
-        axes = (np.rint(np.linspace(*line, n)) for line, n in zip(ends.T, size, strict=True))
-        inside = (np.clip(axis, 0, n - 1).astype(int) for axis, n in zip(axes, self._shape, strict=True))
-        return np.asarray(voxels[np.ix_(*inside)])
+        axes = []
+        for axis, (count, full) in enumerate(zip(size, self._shape, strict=True)):
+            centers = np.zeros((count, 3))
+            centers[:, axis] = np.arange(count)
+            centers = to_image(centers, scale, self._shape)[:, axis]
+            axes.append(np.clip(np.rint(centers), 0, full - 1).astype(int))
+        return np.asarray(voxels[np.ix_(*axes)])
 
     def at(self, scale: int, parameters: Parameters) -> VolumeField:
         """Fields of a scale; ValueError for parameters that have no meaning in a volume."""

@@ -54,9 +54,9 @@ def launched(state: State, field: VolumeField, d_min: float) -> State | None:
     if state.reseedings >= LAUNCHES or state.erased:
         return None
     ridges = field.ridges
-    cover, component = _cover(state, field, ridges, d_min), _divided(ridges, field.walls)
+    cover, component = _cover(state, field, ridges, d_min), _divided(ridges, state, field.walls)
     reached = np.zeros(int(component.max(initial=-1)) + 1, np.bool_)
-    reached[component[cover == _ON]] = True
+    reached[component[(cover == _ON) & (component >= 0)]] = True
     bare = np.flatnonzero((cover == _BARE) & (component >= 0) & reached[component])
     return _with_launched(state, field, bare, d_min)
 
@@ -88,13 +88,16 @@ def _with_launched(state: State, field: VolumeField, bare: Index, d_min: float) 
     )
 
 
-def _divided(ridges: Ridges, walls: Walls | None) -> Index:
-    """Number of the connected part of the edge map that each ridge belongs to, one for each room; -1 in a wall."""
+def _divided(ridges: Ridges, state: State, walls: Walls | None) -> Index:
+    """Number of the connected part of the edge map that each ridge belongs to, one for each room.
+
+    It is -1 in walls and in rooms without particles.
+    """
     if walls is None:
         return ridges.component
-    rooms = walls.rooms(ridges.place)
-    parts, number = np.unique(np.stack([ridges.component, rooms]), axis=1, return_inverse=True)
-    return np.asarray(np.where(parts[1, number] < 0, -1, number))
+    rooms, taken = walls.rooms(ridges.place), walls.rooms(state.particles.position)
+    _, number = np.unique(np.stack([ridges.component, rooms]), axis=1, return_inverse=True)
+    return np.asarray(np.where((rooms >= 0) & np.isin(rooms, taken), number.ravel(), -1))
 
 
 def _cover(state: State, field: VolumeField, ridges: Ridges, d_min: float) -> Index:

@@ -18,7 +18,7 @@ from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import to_image
-from cpm_core.image.regions import Regions
+from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.types import Array, Index
 from cpm_core.parameters import Parameters
 from cpm_core.particles.coverage import no_coverage
@@ -34,13 +34,13 @@ Populate = Callable[[State, Moved, bool, ScaleField, Parameters], State]
 """Insertion and deletion of a step."""
 
 
-def first(points: Array, image: Image, scales: int, regions: Regions | None) -> State:
+def first(points: Array, image: Image, scales: int, regions: AnyRegions | None) -> State:
     """A state without particles, from which the first scale begins."""
     none = Particles.at_rest(points[:0])
     return State(none, points, image.shape, scales, no_coverage(()), regions=regions)
 
 
-def applied(state: State, regions: Regions | None, parameters: Parameters, charges: Sequence[PlacedCharge]) -> State:
+def applied(state: State, regions: AnyRegions | None, parameters: Parameters, charges: Sequence[PlacedCharge]) -> State:
     """The state with which a step begins; see `interventions.applied`."""
     return interventions.applied(state, regions, parameters, charges)
 
@@ -48,7 +48,7 @@ def applied(state: State, regions: Regions | None, parameters: Parameters, charg
 def stepped(
     state: State,
     field: ScaleField,
-    regions: Regions | None,
+    regions: AnyRegions | None,
     parameters: Parameters,
     populate: Populate = populated,
 ) -> State:

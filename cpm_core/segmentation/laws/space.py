@@ -88,10 +88,12 @@ def result(
     assert state.space is not None
     assert particles.contact is not None
     points = particles.position[particles.contact.seated] / state.space.pitch
-    walls = field.walls
-    shut = walls and walls.shut(field.shape, field.pitch, points * field.pitch)
+    shut = None
+    if field.walls is not None:
+        shut = field.walls.shut(field.shape, field.pitch, particles.position[particles.contact.seated])
     spacing = tuple(side * 2.0**scale for side in image.spacing)
-    surface = find_surface(field.smoothed, field.edge_map, points, spacing, image.unit, smoothing=field.smoothing, shut=shut)
+    fields = field.smoothed, field.edge_map
+    surface = find_surface(*fields, points, spacing, image.unit, smoothing=field.smoothing, shut=shut)
     if scale:
         surface = replace(surface, vertices=to_image(surface.vertices, scale, image.shape), spacing=image.spacing)
     return result_of(state, image, parameters, contours=(), surface=surface)
