@@ -75,20 +75,33 @@ class Walls:
 
     def shut(self, shape: tuple[int, ...], pitch: Vector, positions: Array) -> Mask:
         """Which voxels of the scale, of this shape, are in a wall or in a room without any of the positions."""
-        found = np.empty(shape, np.bool_)
+        found = self.filled(shape, pitch)
         rooms = np.unique(self.rooms(positions))
+        for plane, part in enumerate(found):
+            part[~np.isin(self.rooms(_centers(plane, shape, pitch)), rooms).reshape(part.shape)] = True
+        return found
+
+    def filled(self, shape: tuple[int, ...], pitch: Vector) -> Mask:
+        """Which voxels of the scale, of this shape, are in a wall: their centers, or in planes any part of them."""
+        found = np.empty(shape, np.bool_)
         thick = 0.5 * np.abs(self.planes[:, :3]) @ np.abs(self.size * pitch)
-        for plane in range(shape[0]):
-            grid = np.indices((1, *shape[1:])).reshape(3, -1).T + np.array([plane, 0, 0])
-            places = grid * np.array(pitch)
-            near = np.abs(signed_distances(self.planes, self.voxels(places))) <= thick
-            found[plane] = (near.any(axis=1) | ~np.isin(self.rooms(places), rooms)).reshape(shape[1:])
+        last = np.array(self.closed.shape) - 1
+        for plane, part in enumerate(found):
+            places = self.voxels(_centers(plane, shape, pitch))
+            closed = self.closed[tuple(np.clip(np.rint(places).astype(np.int64), 0, last).T)]
+            touched = (np.abs(signed_distances(self.planes, places)) <= thick).any(axis=1)
+            part[:] = (closed | touched).reshape(part.shape)
         return found
 
     @cached_property
     def _open(self) -> Runs:
         """The parts of what is not closed; voxels with a common face are connected."""
         return runs_of(~self.closed, corners=False)
+
+
+def _centers(plane: int, shape: tuple[int, ...], pitch: Vector) -> Array:
+    """Centers of the voxels in one plane of a volume of this shape, shape (N, 3)."""
+    return np.asarray((np.indices((1, *shape[1:])).reshape(3, -1).T + np.array([plane, 0, 0])) * np.array(pitch))
 
 
 def signed_distances(planes: Array, places: Array) -> Array:

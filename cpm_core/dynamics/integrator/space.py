@@ -195,8 +195,9 @@ def _forces_on(
     if left > 0.0:
         coulomb = scaled(_repulsion(cells, place, i, normals, was_seated, d_min), w1 * left)
     pull, normal, here, slope, near = felt_at(*fields, grid[0], grid[1], grid[2], place)
-    placed = scaled(placed_at(charges, grid[3], place), w2)
-    on_edge, held = is_seated(slope, near, here, grid[2]), False
+    drawn = placed_at(charges, grid[3], place)
+    placed = scaled(drawn, w2)
+    on_edge, held = is_seated(slope + dot(drawn, normal), near, here, grid[2]), False
     if on_edge:
         coulomb = moved(coulomb, -dot(coulomb, normal), normal)
         along = moved(coulomb, 1.0, moved(placed, -dot(placed, normal), normal))

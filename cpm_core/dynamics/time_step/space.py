@@ -66,7 +66,7 @@ def stepped(state: State, field: VolumeField, parameters: Parameters) -> State:
     particles, stay, cells = _thinned(after, stays, awake, cells, extent, d_min)
     awake, arrived = awake[stay], arrived[stay]
     deleted = len(before) - len(particles)
-    births = fronts(particles, cells, cells.order[awake[cells.order]], field, d_min)
+    births = fronts(particles, cells, cells.order[awake[cells.order]], field, d_min, state)
     particles, covered, new = _joined(state, particles, births, cells, arrived, d_min)
     few = new <= max(1.0, _FEW_NEW * len(particles))
     idle_steps = state.idle + 1 if few else 0

@@ -16,6 +16,9 @@ from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.numerics.vectors import Vector, difference, dot, length, moved, row_of, scaled
 
+HELD = 0.8
+"""Force of charges across an edge that it holds particles against, in units of the Lorentz force away from edges."""
+
 _LEAST_PLANES = 2
 """Planes that are worth a thread."""
 
@@ -59,6 +62,21 @@ def near_charges(charges: Array, radius: float, places: Array) -> Mask:
         away = places - charge[:3]
         near |= np.einsum("ni,ni->n", away, away) < (RADII * radius) ** 2
     return near
+
+
+def torn_off(charges: Array, radius: float, places: Array, normals: Array) -> Mask:
+    """At which places on edges with these normals, shapes (N, 3), charges draw particles off the edge."""
+    if not len(charges):
+        return np.zeros(len(places), np.bool_)
+    across = np.empty(len(places))
+    _across(charges, radius, places, normals, across)
+    return np.asarray(np.abs(across) > HELD)
+
+
+@compiled
+def _across(charges: Array, radius: float, places: Array, normals: Array, across: Array) -> None:
+    for i in range(len(places)):
+        across[i] = dot(placed_at(charges, radius, row_of(places, i)), row_of(normals, i))
 
 
 @compiled

@@ -29,7 +29,7 @@ class VolumeSpace:
     """Fields of a volume at its scales, for any parameters; threads may share it."""
 
     def __init__(self, image: Image, scales: int, regions: VolumeRegions | None = None) -> None:
-        self._pitch, self._shape = pitch_of(image), image.shape
+        self._pitch, self._shape = pitch_of(image.spacing), image.shape
         self._sources = SourceImages(image.values, scales)
         self._regions = regions
         self._kept: OrderedDict[_Key, VolumeField] = OrderedDict()
@@ -90,10 +90,10 @@ def _interest(regions: VolumeRegions | None) -> tuple[object, ...]:
     return regions.interest if regions is not None else ()
 
 
-def pitch_of(image: Image) -> Vector:
+def pitch_of(spacing: tuple[float, ...]) -> Vector:
     """Sides of the voxels of a volume, in units of the smallest one."""
-    least = min(image.spacing)
-    plane, row, col = (side / least for side in image.spacing)
+    least = min(spacing)
+    plane, row, col = (side / least for side in spacing)
     return plane, row, col
 
 

@@ -37,7 +37,7 @@ _STEPS_A_UNIT, _LEAST_STEPS = 2.0, 400
 def first(points: Array, image: Image, scales: int, regions: AnyRegions | None) -> State:
     """A state without particles, from which the first scale begins."""
     none = Particles.at_rest(points[:0])
-    space = SpaceState(pitch_of(image), no_surface())
+    space = SpaceState(pitch_of(image.spacing), no_surface())
     return State(none, points, image.shape, scales, no_coverage(()), regions=regions, space=space)
 
 

@@ -8,7 +8,7 @@ from cpm_core.contours.surface import Surface
 from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.reconstruction.surface.components import Leaving, support, well_supported
 from cpm_core.reconstruction.surface.iso.joints import join
-from cpm_core.reconstruction.surface.iso.local_threshold import Box, height
+from cpm_core.reconstruction.surface.iso.local_threshold import Box, Levels, height
 from cpm_core.reconstruction.surface.iso.marching import zero_surface
 from cpm_core.reconstruction.surface.iso.necks import Surroundings
 from cpm_core.reconstruction.surface.iso.sharpened import levels_at, on_ridge
@@ -45,10 +45,8 @@ def find_surface(
         Smoothed volume, and the length of its gradient.
     points : ndarray, shape (N, 3)
         Particles on edges [voxels].
-    spacing : tuple of float
-        Size of a voxel along each axis, in `unit`.
-    unit : str, optional
-        Unit of length.
+    spacing, unit : tuple of float, and str, optional
+        Size of a voxel along each axis, and the unit of length.
     smoothing : float
         Width of the Gaussian that has smoothed the volume, in smallest sides of a voxel.
     open_border : bool
@@ -67,16 +65,12 @@ def find_surface(
     if len(points) < _FEWEST:
         return Surface(np.empty((0, 3)), np.empty((0, 3), np.int64), spacing, unit)
     points = on_ridge(volume, edge_map, points, size)
-    levels, normals = levels_at(volume, edge_map, points, size, smoothing)
+    sheet = levels_at(volume, edge_map, points, size, smoothing)
     apart = typical_distance(points * size)
     width, band = max(_WIDTH * apart, _LEAST_WIDTH), max(_BAND * apart, _LEAST_BAND)
     box = _box(points, volume.shape, band / size)
-    found = height(volume, box, levels, size, width, band)
-    left_out = _part_of(shut, box)
-    sign = _settle(found, left_out)
-    join(found, box.begin, Surroundings(volume, sign, points, sign * normals, levels.slopes, size))
-    if left_out is not None:
-        found[left_out] = -1.0  # no joint leads through a wall
+    found = height(volume, box, sheet[0], size, width, band)
+    _decide(found, volume, box, points, sheet, size, shut)
     vertices, faces = zero_surface(found, _inner(box, volume.shape) if open_border else None)
     vertices += box.begin
     supported = support(vertices * size, points * size, apart)
@@ -99,10 +93,27 @@ def _inner(box: Box, shape: tuple[int, ...]) -> tuple[tuple[int, int], ...]:
     )
 
 
-def _part_of(shut: Mask | None, box: Box) -> Mask | None:
-    """The part of a mask that lies in a box, which may reach beyond the volume."""
+def _decide(
+    found: Single,
+    volume: Single,
+    box: Box,
+    points: Array,
+    sheet: tuple[Levels, Array],
+    size: Array,
+    shut: Mask | None,
+) -> None:
+    """Decide on every voxel of a height, and join what hangs together by a neck, but not through what is shut."""
+    levels, normals = sheet
+    left_out = _part_of(shut, box)
+    sign = _settle(found, left_out)
+    join(found, box.begin, Surroundings(volume, sign, points, sign * normals, levels.slopes, size))
+    found[left_out] = -1.0
+
+
+def _part_of(shut: Mask | None, box: Box) -> Mask:
+    """The part of a mask that lies in a box, which may reach beyond the volume; False where there is none."""
     if shut is None:
-        return None
+        return np.zeros((), np.bool_)
     axes = (
         np.clip(np.arange(begin, begin + count), 0, n - 1)
         for begin, count, n in zip(box.begin.tolist(), box.shape, shut.shape, strict=True)
@@ -110,15 +121,14 @@ def _part_of(shut: Mask | None, box: Box) -> Mask | None:
     return np.asarray(shut[np.ix_(*axes)])
 
 
-def _settle(found: Single, shut: Mask | None = None) -> float:
+def _settle(found: Single, shut: Mask) -> float:
     """Decide on every voxel of a height, the outermost being outside; return -1 if bright and dark were exchanged.
 
     An object may be darker than what is around it: the inside is not on the side that most of the border lies on.
     """
     outermost = np.ones(found.shape, bool)
     outermost[1:-1, 1:-1, 1:-1] = False
-    if shut is not None:
-        outermost |= shut
+    outermost |= shut
     found[outermost] = np.inf
     fill_regions(found)
     inner = found[1:-1, 1:-1, 1:-1]

@@ -78,7 +78,7 @@ def test_no_particle_leaves_a_region_or_crosses_a_barrier(name):
             assert not closed[tuple(np.moveaxis(voxels, -1, 0))].any()
             sides = ways @ planes[:, :3].T - planes[:, 3] > 0.0
             assert (sides == sides[0]).all()
-        assert states[-1].count > 20
+        assert max(state.count for state in states) > 40
 
 
 def test_limits_hold_at_every_scale():
