@@ -5,14 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from cpm_core.contours.surface import Surface
-from cpm_core.numerics.types import Array, Single
+from cpm_core.numerics.types import Array, Index, Single
 from cpm_core.reconstruction.surface.components import Leaving, support, well_supported
 from cpm_core.reconstruction.surface.iso.joints import join
-from cpm_core.reconstruction.surface.iso.local_threshold import Box, height
+from cpm_core.reconstruction.surface.iso.local_threshold import Box, Levels, height
 from cpm_core.reconstruction.surface.iso.marching import zero_surface
 from cpm_core.reconstruction.surface.iso.necks import Surroundings
-from cpm_core.reconstruction.surface.iso.sharpened import levels_at, on_ridge
+from cpm_core.reconstruction.surface.iso.sharpened import levels_at, on_ridge, step_width
 from cpm_core.reconstruction.surface.iso.sides import fill_regions
+from cpm_core.reconstruction.surface.iso.threads import spin
 from cpm_core.reconstruction.surface.sampling import typical_distance
 
 _WIDTH, _LEAST_WIDTH = 0.75, 1.5
@@ -64,17 +65,26 @@ def find_surface(
     if len(points) < _FEWEST:
         return Surface(np.empty((0, 3)), np.empty((0, 3), np.int64), spacing, unit)
     points = on_ridge(volume, edge_map, points, size)
-    levels, normals = levels_at(volume, edge_map, points, size, smoothing)
+    levels, normals = levels_at(volume, edge_map, points, size, step_width(smoothing))
     apart = typical_distance(points * size)
     width, band = max(_WIDTH * apart, _LEAST_WIDTH), max(_BAND * apart, _LEAST_BAND)
     box = _box(points, volume.shape, band / size)
     found = height(volume, box, levels, size, width, band)
-    sign = _settle(found)
-    join(found, box.begin, Surroundings(volume, sign, points, sign * normals, levels.slopes, size))
+    _join_parts(found, box.begin, volume, levels, normals, size, step_width(smoothing))
     vertices, faces = zero_surface(found, _inner(box, volume.shape) if open_border else None)
     vertices += box.begin
     supported = support(vertices * size, points * size, apart)
     return well_supported(vertices, faces, points, supported, spacing, unit, leaving)
+
+
+def _join_parts(
+    found: Single, begin: Index, volume: Single, levels: Levels, normals: Array, size: Array, width: float
+) -> None:
+    """Decide on every voxel of a height, and join parts of the inside that hang together."""
+    sign = _settle(found)
+    surroundings = Surroundings(volume, sign, levels.points, sign * normals, levels.slopes, size)
+    join(found, begin, surroundings)
+    spin(found, begin, surroundings, width)
 
 
 def _box(points: Array, shape: tuple[int, ...], band: Array) -> Box:
