@@ -221,7 +221,7 @@ def apart(places: Array, room: float, cells: Cells) -> Mask:
     """
     kept = np.ones(len(places), np.bool_)
     if len(places):
-        head = np.full(cells.planes * cells.rows * cells.cols, -1, np.int32)
+        head = np.full(1 << (2 * len(places)).bit_length(), -1, np.int32)
         _keep_apart(places, room, cells.size, (cells.planes, cells.rows, cells.cols), head, kept)
     return kept
 
@@ -230,15 +230,19 @@ def apart(places: Array, room: float, cells: Cells) -> Mask:
 def _keep_apart(
     places: Array, room: float, size: float, counts: tuple[int, int, int], head: NDArray[np.int32], kept: Mask
 ) -> None:
-    """Drop the places that have an earlier one near them; `head` begins a chain of those kept for each cell."""
+    """Drop the places that have an earlier one near them.
+
+    `head`, as long as a power of two, begins chains of those kept; the cells share them.
+    """
     planes, rows, cols = counts
+    last = len(head) - 1
     chain = np.empty(len(places), np.int32)
     for q in range(len(places)):
         z, y, x = places[q, 0], places[q, 1], places[q, 2]
         for plane in range(cell_of(z - room, size, planes), cell_of(z + room, size, planes) + 1):
             for row in range(cell_of(y - room, size, rows), cell_of(y + room, size, rows) + 1):
                 for col in range(cell_of(x - room, size, cols), cell_of(x + room, size, cols) + 1):
-                    k = head[(plane * rows + row) * cols + col]
+                    k = head[((plane * rows + row) * cols + col) & last]
                     while k >= 0 and kept[q]:
                         away = np.sqrt((places[k, 0] - z) ** 2 + (places[k, 1] - y) ** 2 + (places[k, 2] - x) ** 2)
                         if away < room and faces_alike(
@@ -248,4 +252,4 @@ def _keep_apart(
                         k = chain[k]
         if kept[q]:
             own = (cell_of(z, size, planes) * rows + cell_of(y, size, rows)) * cols + cell_of(x, size, cols)
-            chain[q], head[own] = head[own], q
+            chain[q], head[own & last] = head[own & last], q
