@@ -145,7 +145,7 @@ def test_a_stack_opens_at_its_first_page_and_as_one_volume_on_request(window, ha
 def test_voxels_that_are_no_cubes_are_shown_as_they_are_in_space(window, hand, tmp_path) -> None:
     nibabel = pytest.importorskip("nibabel")
     path = tmp_path / "flat.nii"
-    image = nibabel.Nifti1Image(ball().astype(np.uint8), np.diag([2.0, 1.0, 1.0, 1.0]))
+    image = nibabel.Nifti1Image(ball().astype(np.uint8), np.diag([1.0, 1.0, 2.0, 1.0]))
     nibabel.save(image, path)
     open_file(window, hand, path)
     canvas = window.canvas_area.canvas
