@@ -58,9 +58,9 @@ class ShownSlices:
         axis, voxel = kept.get("axis"), kept.get("voxel")
         if axis in (0, 1, 2) and not isinstance(axis, bool):
             self.turn(int(axis))
-        if isinstance(voxel, list) and len(voxel) == len(self.now.voxel):
-            if all(isinstance(at, int) and abs(at) <= _FAR for at in voxel):
-                self.through(tuple(voxel))
+        known = voxel if isinstance(voxel, list) and len(voxel) == len(self.now.voxel) else []
+        if known and all(isinstance(at, int) and abs(at) <= _FAR for at in known):
+            self.through(tuple(known))
 
     def _use(self, slices: Slices) -> None:
         if slices != self.now:
