@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, TypeVar
 
 import numpy as np
 import scipy
@@ -19,6 +19,8 @@ from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.numerics.vectors import Vector
+
+_Grid = TypeVar("_Grid", Single, Array)
 
 Accuracy = Literal["half", "exact"]
 """How the far field is computed: from blocks of two units, or from every voxel."""
@@ -221,7 +223,7 @@ def _edge_strength(smoothed: Single, pitch: Vector, first: int, last: int, out: 
                 out[i, j, k] = np.sqrt(z * z + y * y + x * x)
 
 
-def block_means(volume: Single, block: list[int]) -> Single:
+def block_means(volume: _Grid, block: list[int]) -> _Grid:
     """Means of the blocks of a volume, of so many voxels along each axis; the last blocks may be smaller."""
     for axis, n in enumerate(block):
         if n > 1:
