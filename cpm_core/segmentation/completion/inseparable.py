@@ -60,8 +60,8 @@ def _enclosed(field: VolumeField, ridges: Ridges, covered: Mask, fitting: Mask) 
     """Which fitting boundaries bound an enclosed region of which another boundary has been found."""
     regions = runs_of(field.edge_map < field.floor, corners=False)
     open_ = regions.at_border
-    if field.closed is not None:
-        crossed = regions.part_at(np.argwhere(field.closed))
+    if field.walls is not None:
+        crossed = regions.part_at(np.argwhere(field.walls.filled(field.shape, field.pitch)))
         open_[crossed[crossed >= 0]] = True
     chosen = fitting.copy()
     chosen[ridges.component[covered]] = True

@@ -145,11 +145,6 @@ def test_parameters_for_images_only_are_refused_in_a_volume(name):
         cpm.Engine(ball(), replace(VOLUME, **{name: value}))
 
 
-def test_charges_are_refused_in_a_volume():
-    with pytest.raises(ValueError, match="charges cannot be placed in a volume"):
-        engine().step(states()[0], VOLUME, [cpm.PlacedCharge((3.0, 3.0), 1.0)])
-
-
 def test_noise_decides_on_the_smoothing_and_the_floor():
     clean = build_volume_field(ball(), (1.0, 1.0, 1.0), "auto", 0.1)
     noise = np.random.default_rng(0).normal(0.0, 40.0, ball().shape)
