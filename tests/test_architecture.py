@@ -21,7 +21,6 @@ LATE_LIBRARIES = {
     "cpm_core.cli.figures.plotting": {"matplotlib"},
     "cpm_core.formats.animations.mp4": {"imageio_ffmpeg"},
     "cpm_core.cli.batch.workers": {"distributed"},
-    "cpm_core.formats.images.volume": {"nibabel"},
 }
 """What these modules import as well, and only where it is needed: inside functions, and for types."""
 

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.surface import Surface
+from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
-from cpm_core.image.regions import Regions
+from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.provenance import Provenance
@@ -48,7 +49,7 @@ class Result:
         Gaps that were bridged in the contours.
     image : Image or None
         The image in which the contours were found; None for contours that were not found in one.
-    regions : Regions or None
+    regions : Regions or VolumeRegions or None
         Regions of interest and barriers of the run.
     channel : str
         Channel of a color image in which the contours were found, one of `Parameters.channel`.
@@ -68,9 +69,14 @@ class Result:
     source: str
     bridges: tuple[Bridge, ...] = ()
     image: Image | None = field(default=None, repr=False)
-    regions: Regions | None = None
+    regions: AnyRegions | None = None
     channel: str = "luminance"
     provenance: Provenance = field(default_factory=Provenance, repr=False)
+
+    @property
+    def geometry(self) -> Geometry | None:
+        """Where its image lies in space; None where that is not known."""
+        return None if self.image is None else self.image.geometry
 
 
 def remaining(result: Result, stays: Sequence[bool]) -> Result:
