@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 from cpm_core.numerics.real_numbers import checked_number, real_numbers
 from cpm_core.numerics.types import Array, Index
 
-
 _WHOLE = "a whole number of at least 4"
 
 

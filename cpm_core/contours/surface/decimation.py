@@ -93,7 +93,7 @@ def _contract(
                 waiting.append((_cost(places, quadrics, fixed, u, v, place), u, v, 0))
     heapq.heapify(waiting)
     left = len(faces)
-    while left > count and len(waiting):
+    while left > count and waiting:
         _, u, v, then = heapq.heappop(waiting)
         if u == v or version[u] < 0 or version[v] < 0 or version[u] + version[v] != then or (fixed[u] and fixed[v]):
             continue
@@ -145,7 +145,7 @@ def _normal(a: Array, b: Array, c: Array, normal: Array) -> float:
     for k in range(3):
         i, j = (k + 1) % 3, (k + 2) % 3
         normal[k] = (b[i] - a[i]) * (c[j] - a[j]) - (b[j] - a[j]) * (c[i] - a[i])
-    return np.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
+    return float(np.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2))
 
 
 @compiled
@@ -162,14 +162,14 @@ def _cost(places: Array, quadrics: Array, fixed: Mask, u: int, v: int, place: Ar
             place[k] = places[u, k] if fixed[u] else places[v, k]
     else:
         _solve(q, _TOWARD_MIDDLE * size + 1e-300, place)
-    return _off(q, place) + _PER_LENGTH * size * length
+    return float(_off(q, place) + _PER_LENGTH * size * length)
 
 
 @compiled
 def _is_far(quadrics: Array, u: int, v: int, place: Array, farthest: float) -> bool:
     """Whether a place is too far from the planes of both ends of an edge."""
     q = quadrics[u] + quadrics[v]
-    return _off(q, place) > farthest * farthest * (q[0] + q[4] + q[7])
+    return bool(_off(q, place) > farthest * farthest * (q[0] + q[4] + q[7]))
 
 
 @compiled
@@ -178,7 +178,7 @@ def _off(q: Array, place: Array) -> float:
     x, y, z = place[0], place[1], place[2]
     off = q[0] * x * x + q[4] * y * y + q[7] * z * z + q[9]
     off += 2.0 * (q[1] * x * y + q[2] * x * z + q[5] * y * z + q[3] * x + q[6] * y + q[8] * z)
-    return max(off, 0.0)
+    return float(max(off, 0.0))
 
 
 @compiled
@@ -240,9 +240,7 @@ def _count(following: Index, first: Index, v: int) -> int:
 
 
 @compiled
-def _stays(
-    places: Array, faces: Index, following: Index, first: Index, u: int, v: int, place: Array
-) -> bool:
+def _stays(places: Array, faces: Index, following: Index, first: Index, u: int, v: int, place: Array) -> bool:
     """Whether no triangle at u, but those of the edge to v, turns over or becomes a needle when u moves to a place."""
     before, after = np.empty(3), np.empty(3)
     corner = first[u]
@@ -250,7 +248,7 @@ def _stays(
         f, k = corner // 3, corner % 3
         b, c = faces[f, (k + 1) % 3], faces[f, (k + 2) % 3]
         corner = following[corner]
-        if b == v or c == v:
+        if v in (b, c):
             continue
         old = _normal(places[u], places[b], places[c], before)
         new = _normal(place, places[b], places[c], after)
@@ -272,7 +270,7 @@ def _sides(a: Array, b: Array, c: Array) -> float:
     total = 1e-300
     for k in range(3):
         total += (a[k] - b[k]) ** 2 + (b[k] - c[k]) ** 2 + (c[k] - a[k]) ** 2
-    return total / np.sqrt(12.0)
+    return float(total / np.sqrt(12.0))
 
 
 @compiled

@@ -8,7 +8,7 @@ from cpm_core.contours.surface import Surface
 from cpm_core.reconstruction.surface.iso.marching import zero_surface
 from tests.core.reconstruction.surface.solids import MIDDLE, ball, brick, grid, ring, union
 
-LINKED = union(ring(9, 3.5, 0, MIDDLE - [0, 5, 0]), ring(9, 3.5, 2, MIDDLE + [0, 5, 0]))
+LINKED = union(ring(9, 3.5, 0, MIDDLE - np.array([0, 5, 0])), ring(9, 3.5, 2, MIDDLE + np.array([0, 5, 0])))
 
 
 def sampled(solid, spacing=(1.0, 1.0, 1.0)):
@@ -20,7 +20,9 @@ def topology(surface):
 
 
 @pytest.mark.parametrize("spacing", [(1.0, 1.0, 1.0), (2.0, 1.0, 1.0)])
-@pytest.mark.parametrize("solid", [ball(14), ring(11, 5), LINKED, brick(8, 10, 12)], ids=["ball", "ring", "linked", "brick"])
+@pytest.mark.parametrize(
+    "solid", [ball(14), ring(11, 5), LINKED, brick(8, 10, 12)], ids=["ball", "ring", "linked", "brick"]
+)
 def test_fewer_triangles_keep_the_topology_and_the_place(solid, spacing):
     whole = sampled(solid, spacing)
     wanted = len(whole.faces) // 4
