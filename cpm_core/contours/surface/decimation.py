@@ -28,7 +28,10 @@ _MOST_AROUND = 20
 _TOWARD_MIDDLE = 1e-3
 """Weight of the middle of an edge where the planes leave the place of the new vertex open, as in a flat region."""
 
-_PER_LENGTH = 1e-6
+_LATER = 2.0
+"""Factor on the cost of an edge that may not be contracted yet."""
+
+_PER_LENGTH = 1e-4
 """Weight of the length of an edge in its cost, which decides in flat regions."""
 
 
@@ -92,9 +95,9 @@ def _contract(
             if u < v:  # the other triangle has the edge the other way round
                 waiting.append((_cost(places, quadrics, fixed, u, v, place), u, v, 0))
     heapq.heapify(waiting)
-    left = len(faces)
-    while left > count and waiting:
-        _, u, v, then = heapq.heappop(waiting)
+    left, refused = len(faces), 0
+    while left > count and refused < len(waiting):
+        cost, u, v, then = heapq.heappop(waiting)
         if u == v or version[u] < 0 or version[v] < 0 or version[u] + version[v] != then or (fixed[u] and fixed[v]):
             continue
         if fixed[v]:
@@ -103,7 +106,10 @@ def _contract(
         if _is_far(quadrics, u, v, place, farthest):
             continue
         if not _allowed(places, faces, following, first, mark, u, v, place):
+            heapq.heappush(waiting, (_LATER * cost, u, v, then))  # its surroundings may change
+            refused += 1
             continue
+        refused = 0
         left -= _merge(faces, following, first, u, v)
         for k in range(3):
             places[u, k] = place[k]
