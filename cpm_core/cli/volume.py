@@ -10,11 +10,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from cpm_core.cli.arguments import as_number, as_steps, check_exports, parameters_of
-from cpm_core.cli.terminal import Progress, counted, written
+from cpm_core.cli.arguments import as_number, as_steps, check_exports, parameters_of, part_of
+from cpm_core.cli.terminal import Progress, counted, say, written
 from cpm_core.contours.result import Result
-from cpm_core.formats import export
-from cpm_core.formats.images.volume import load_volume
+from cpm_core.formats import FOR_VOLUMES, export, load_volume, suffix_of
 from cpm_core.formats.printable import printable
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array
@@ -24,9 +23,6 @@ from cpm_core.segmentation.segment import segment
 
 _OF_IMAGES = ("circle", "stroke", "points", "region", "barrier", "auto", "object", "session", "close")
 """Options that have a meaning for images only; ``--not`` follows ``--object``."""
-
-_SURFACES = (".ply", ".stl", ".obj", ".vtk", ".vtp")
-"""Suffixes of files that hold surfaces."""
 
 _FEWEST_FACES = 4
 """Least number of triangles of a closed surface."""
@@ -42,13 +38,20 @@ def run_volume(arguments: argparse.Namespace) -> None:
     if arguments.image is None:
         raise ValueError("No VOLUME is given: name one.")
     spheres = [_numbers(text) for text in arguments.sphere]
+    part = part_of(arguments)
+    if "page" in part:
+        raise ValueError(f"--page is {part['page']}, but a volume takes all pages of {arguments.image}: leave it out.")
+    if arguments.channel is not None:  # colors of a volume are turned into gray levels as it is read
+        part["color"], arguments.channel = arguments.channel, None
     parameters = parameters_of(arguments, PRESETS[arguments.preset or "volume"])
     max_steps, faces = as_steps(arguments.max_steps), _as_faces(arguments.faces)
     check_exports(arguments.export, arguments.image, None)
     for path in arguments.export:
-        if not path.lower().endswith(_SURFACES):
+        if suffix_of(path) not in FOR_VOLUMES:
             raise ValueError(f"{path} is for contours, but a volume has a surface: end its name in .ply or .stl.")
-    volume = load_volume(arguments.image)
+    volume = load_volume(arguments.image, **part)
+    for note in volume.notes:
+        say(f"cpm: {volume.source}: {note}")
     started = time.perf_counter()
     progress = Progress() if sys.stderr.isatty() else None
     try:
