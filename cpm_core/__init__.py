@@ -81,6 +81,7 @@ from cpm_core.formats.provenance import VERSION
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
+from cpm_core.image.volume_regions import VolumeRegions
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeleton_method import skeleton
 from cpm_core.medial_axis.space.centerlines import Centerlines, centerlines
@@ -122,6 +123,7 @@ __all__ = [
     "State",
     "Surface",
     "Truth",
+    "VolumeRegions",
     "box",
     "centerlines",
     "circle",

@@ -10,7 +10,7 @@ from cpm_core.field.edge_map import edge_map
 from cpm_core.field.electric_field import electric_field
 from cpm_core.field.interpolation import interpolate
 from cpm_core.field.scale_field import WEAKEST_EDGE, unit_vectors
-from cpm_core.image.regions import Regions
+from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.polyline import lengths_along, places_at
 from cpm_core.numerics.real_numbers import checked_number, real_numbers
 from cpm_core.numerics.types import Array, Mask
@@ -229,7 +229,7 @@ def divergence_centers(values: ArrayLike, smoothing: float = 2.0, spacing: float
     return np.concatenate([centers, _inflow(direction)]) if cut else centers
 
 
-def starting_points(seeds: ArrayLike, shape: tuple[int, ...], regions: Regions | None) -> Array:
+def starting_points(seeds: ArrayLike, shape: tuple[int, ...], regions: AnyRegions | None) -> Array:
     """Check seeds, shape (N, D) [px of the image], and leave out those in places where no particle may be."""
     points = real_numbers(seeds)
     if points.size == 0:
@@ -279,7 +279,7 @@ def inside_image(positions: Array, shape: tuple[int, ...]) -> Mask:
     return inside
 
 
-def allowed_by(positions: Array, regions: Regions | None) -> Mask:
+def allowed_by(positions: Array, regions: AnyRegions | None) -> Mask:
     """Which positions [px of the image] lie in the regions of interest and on no barrier."""
     return np.ones(len(positions), np.bool_) if regions is None else regions.allows(positions)
 
