@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from cpm_core.cli.arguments import as_number, as_steps, check_exports, parameters_of, part_of
+from cpm_core.cli.place import facts_on, lines_on
 from cpm_core.cli.terminal import Progress, counted, say, written
 from cpm_core.contours.result import Result
 from cpm_core.formats import FOR_VOLUMES, export, load_volume, suffix_of
@@ -115,11 +116,14 @@ def _report(result: Result, seconds: float, arguments: argparse.Namespace) -> No
             "converged": result.converged,
             "stop_reason": result.stop_reason,
             "seconds": round(seconds, 3),
+            **({} if result.image is None else facts_on(result.image)),
         }
         print(json.dumps(facts))
         return
     print(f"{result.source}: a surface of {counted(faces, 'triangle')}, with {vertices} corners")
     print(f"{counted(len(result.particles), 'particle')}, {counted(result.steps, 'step')} in {seconds:.2f} s")
     print(f"Stopped: {result.stop_reason}")
+    for line in [] if result.image is None else lines_on(result.image):
+        print(line)
     for path in arguments.export:
         print(printable(f"Wrote {path}"))
