@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from cpm_core.formats.images.decoded import UnreadableError
 from cpm_core.formats.images.stacks.stack import check_content, check_memory
+from cpm_core.parameters.quotation import shown
 
 Packing = Literal["raw", "deflate", "bzip2"]
 
@@ -88,6 +89,6 @@ def beside(header: Path, named: str) -> Path:
     data = header.parent / place
     if place.is_absolute() or ".." in place.parts or not data.is_file():
         raise UnreadableError(
-            f"{header.name} keeps its values in {place.name}, which is not beside it: put both in one folder."
+            f"{header.name} keeps its values in {shown(place.name)}, which is not beside it: put both in one folder."
         )
     return data

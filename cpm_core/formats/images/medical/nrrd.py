@@ -17,6 +17,7 @@ from cpm_core.formats.images.medical.package import package
 from cpm_core.formats.images.stacks.stack import Stack, as_planes, plane_of
 from cpm_core.formats.printable import printable
 from cpm_core.image.geometry import Convention, Geometry, from_affine
+from cpm_core.parameters.quotation import shown
 
 READS = {".nrrd": "NRRD volume", ".nhdr": "NRRD volume of two files"}
 
@@ -125,14 +126,16 @@ class _Stored(NamedTuple):
             file, offset = beside(file, str(named)), 0
         skipped = int(header.get("byte skip", header.get("byteskip", 0)))
         if int(header.get("line skip", header.get("lineskip", 0))) or (skipped and encoding not in ("raw",)):
-            raise UnreadableError(f"{self.path.name} skips a part of {file.name}, which is not read: save it again.")
+            raise UnreadableError(
+                f"{self.path.name} skips a part of {shown(file.name)}, which is not read: save it again."
+            )
         if encoding in _TEXT:
             with file.open("rb") as stream:
                 stream.seek(offset)
                 text = np.array(stream.read().split(), dtype=self.kind)
             return text.reshape(self.shape)
         if encoding not in _PACKINGS:
-            raise UnreadableError(f"{self.path.name} is packed as {encoding}, which is not read: save it as gzip.")
+            raise UnreadableError(f"{self.path.name} is packed as {shown(encoding)}: save it packed with gzip.")
         return values_of(file, skipped if skipped < 0 else offset + skipped, self.shape, self.kind, _PACKINGS[encoding])
 
 
@@ -157,7 +160,7 @@ def _roles(header: Any, sizes: list[int], name: str) -> dict[str, int]:
         if role in roles:
             role = next((other for other in ("channel", "time") if other not in roles), role)
         if role in roles:
-            raise UnreadableError(f"{name} has the axes {tuple(sizes)}: save one volume of it.")
+            raise UnreadableError(f"{name} has the axes {shown(tuple(sizes))}: save one volume of it.")
         roles[role] = axis
     if "row" not in roles or sum(in_space) > 3 or len(in_space) != len(sizes):
         raise UnreadableError(f"{name} has {sum(in_space)} axes in space, but a volume has two or three.")
