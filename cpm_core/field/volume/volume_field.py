@@ -9,7 +9,6 @@ from functools import cached_property
 from typing import Literal, NamedTuple
 
 import numpy as np
-import scipy
 
 from cpm_core.field.convolution import convolved_field, convolved_potential
 from cpm_core.field.edge_map import NO_SMOOTHING
@@ -19,6 +18,7 @@ from cpm_core.field.volume.surface_force import force_on_voxels
 from cpm_core.image.volume_barriers import Walls
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
+from cpm_core.numerics.reproducible.gaussian import gaussian_filter1d
 from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.numerics.vectors import Vector
 
@@ -210,7 +210,7 @@ def _smoothed_along(volume: Single, sigma: float, axis: int) -> Single:
 
     def work(first: int, end: int) -> None:
         part = (slice(None),) * other + (slice(first, end),)
-        scipy.ndimage.gaussian_filter1d(volume[part], sigma, axis, output=out[part], mode="nearest")
+        gaussian_filter1d(volume[part], sigma, axis, output=out[part])
 
     share(work, volume.shape[other], _LEAST_LINES)
     return out
