@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cpm_core.formats.images.choice import FIRST, Choice
 from cpm_core.formats.images.decoded import Decoded, UnreadableError, from_samples
@@ -70,12 +71,8 @@ def stack(path: Path, _choice: Choice = FIRST) -> Stack:
     scaled = 8.0 if stored.fields is None else 0.0
 
     def take(time: int, channel: int, first: int, end: int) -> Decoded:
-        with _opened(path) as volume:
-            at = (slice(None), slice(None), slice(first, end), time, channel)
-            part = np.asanyarray(volume.dataobj[at[: len(sizes)]])
-        if packed:
-            _check_sum(path)
-        part = part.reshape(columns, rows, end - first).T
+        at = (slice(None), slice(None), slice(first, end), time, channel)
+        part = _part(path, at[: len(sizes)], packed).reshape(columns, rows, end - first).T
         if part.dtype.fields is None:
             return Decoded(part)
         samples = np.stack([part[band] for band in part.dtype.names], axis=-1).reshape(-1, columns, len(part.dtype))
@@ -115,11 +112,15 @@ def _is_packed(path: Path) -> bool:
         return stream.read(2) == _GZIP
 
 
-def _check_sum(path: Path) -> None:
-    """Unpack a file to its end, where its sum stands; BadGzipFile or EOFError when the sum is another or missing."""
-    with gzip.open(path) as stream:
-        while stream.read(_AT_ONCE):
-            pass
+def _part(path: Path, at: tuple[slice | int, ...], packed: bool) -> NDArray[Any]:
+    """A part of the values; BadGzipFile or EOFError when the sum at the end of a packed file is wrong or missing."""
+    with _opened(path) as volume:
+        part = np.asanyarray(volume.dataobj[at])
+    if packed:
+        with gzip.open(path) as stream:
+            while stream.read(_AT_ONCE):
+                pass
+    return part
 
 
 @contextmanager
