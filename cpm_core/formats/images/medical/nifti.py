@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.formats.images.choice import FIRST, Choice
 from cpm_core.formats.images.decoded import Decoded, UnreadableError, from_samples
@@ -112,7 +111,7 @@ def _is_packed(path: Path) -> bool:
         return stream.read(2) == _GZIP
 
 
-def _part(path: Path, at: tuple[slice | int, ...], packed: bool) -> NDArray[Any]:
+def _part(path: Path, at: tuple[slice | int, ...], packed: bool) -> Any:
     """A part of the values; BadGzipFile or EOFError when the sum at the end of a packed file is wrong or missing."""
     with _opened(path) as volume:
         part = np.asanyarray(volume.dataobj[at])
