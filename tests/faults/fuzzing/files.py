@@ -10,10 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core import Truth, load_contours, load_image, load_truth
+from cpm_core import Truth, load_contours, load_image, load_truth, load_volume
 from cpm_core.formats import load_points
 from cpm_core.formats.images.decoded import MAXIMUM_PIXELS
-from cpm_core.formats.readers import load_volume
 
 from ..report import Budget, Report
 from .inputs.mutations import mutated
