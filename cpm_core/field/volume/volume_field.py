@@ -6,7 +6,7 @@ import math
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -21,6 +21,8 @@ from cpm_core.numerics.parallel import share
 from cpm_core.numerics.reproducible.gaussian import gaussian_filter1d
 from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.numerics.vectors import Vector
+
+_Grid = TypeVar("_Grid", Single, Array)
 
 Accuracy = Literal["half", "exact"]
 """How the far field is computed: from blocks of two units, or from every voxel."""
@@ -239,7 +241,7 @@ def _edge_strength(smoothed: Single, pitch: Vector, first: int, last: int, out: 
                 out[i, j, k] = np.sqrt(z * z + y * y + x * x)
 
 
-def block_means(volume: Single, block: list[int]) -> Single:
+def block_means(volume: _Grid, block: list[int]) -> _Grid:
     """Means of the blocks of a volume, of so many voxels along each axis; the last blocks may be smaller."""
     for axis, n in enumerate(block):
         if n > 1:
