@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRectF, Qt
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QVBoxLayout, QWidget
+from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
 
 from app.model.document import edits
 from app.model.document.naming import describe
@@ -58,7 +58,11 @@ class CanvasArea(QWidget):
         self.offers = QVBoxLayout()
         """Lines above the canvas, which features add."""
         layout.addLayout(self.offers)
-        layout.addWidget(self.canvas, 1)
+        self.views = QGridLayout()
+        """The canvas, and views beside it, which features add."""
+        self.views.setSpacing(2)
+        self.views.addWidget(self.canvas, 0, 0, 2, 1)
+        layout.addLayout(self.views, 1)
         self.controls = QVBoxLayout()
         """Lines below the canvas, which features add."""
         layout.addLayout(self.controls)
