@@ -78,6 +78,7 @@ from cpm_core.formats.animations.snapshot_strip import strip
 from cpm_core.formats.ground_truth_file import load_truth
 from cpm_core.formats.meshes.swc import write_swc
 from cpm_core.formats.provenance import VERSION
+from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -107,6 +108,7 @@ __all__ = [
     "Energies",
     "Engine",
     "Forces",
+    "Geometry",
     "Image",
     "Method",
     "Parameters",

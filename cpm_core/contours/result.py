@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.surface import Surface
+from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
 from cpm_core.numerics import polyline
@@ -71,6 +72,11 @@ class Result:
     regions: Regions | None = None
     channel: str = "luminance"
     provenance: Provenance = field(default_factory=Provenance, repr=False)
+
+    @property
+    def geometry(self) -> Geometry | None:
+        """Where its image lies in space; None where that is not known."""
+        return None if self.image is None else self.image.geometry
 
 
 def remaining(result: Result, stays: Sequence[bool]) -> Result:

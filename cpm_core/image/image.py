@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cpm_core.image.colors import Colors, channel_of
+from cpm_core.image.geometry import Geometry
 from cpm_core.image.gray_levels import usable
 from cpm_core.numerics.memory import check_room
 from cpm_core.numerics.real_numbers import real_numbers
@@ -46,6 +47,8 @@ class Image:
         Colors of the pixels, for display; None for a gray image.
     file_sha256 : str, optional
         Hash of the bytes of its file; empty for an image that is not from a file.
+    geometry : Geometry, optional
+        Where it lies in space; None where that is not known. What is written lies there as well.
 
     Raises
     ------
@@ -61,6 +64,7 @@ class Image:
     notes: tuple[str, ...] = ()
     colors: Colors | None = None
     file_sha256: str = ""
+    geometry: Geometry | None = None
 
     def __post_init__(self) -> None:
         given = np.asarray(self.values)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.graph.graph import Graph
+from cpm_core.image.geometry import Geometry
 from cpm_core.medial_axis.blur_correction import half_width
 from cpm_core.medial_axis.boundary import Boundary
 from cpm_core.medial_axis.disks import along, covered
@@ -56,6 +57,8 @@ class Skeleton:
         Channel of a color image in which it was found, one of `Parameters.channel`.
     provenance : Provenance
         How it was found.
+    geometry : Geometry or None
+        Where the image lies in space.
     """
 
     contours: tuple[Contour, ...]
@@ -68,6 +71,7 @@ class Skeleton:
     width: float = 0.0
     channel: str = "luminance"
     provenance: Provenance = field(default_factory=Provenance, repr=False)
+    geometry: Geometry | None = None
 
     @property
     def thickness(self) -> float:

@@ -45,6 +45,18 @@ class Runs:
         """Number of voxels of each part."""
         return np.bincount(self.part, self.last - self.first, minlength=self.count).astype(np.int64)
 
+    @property
+    def at_border(self) -> Mask:
+        """Which parts touch the border of the mask."""
+        planes, rows, cols = self.shape
+        line = np.repeat(np.arange(planes * rows), np.diff(self.begin))
+        plane, row = line // rows, line % rows
+        outermost = (plane == 0) | (plane == planes - 1) | (row == 0) | (row == rows - 1)
+        outermost |= (self.first == 0) | (self.last == cols)
+        found = np.zeros(self.count, np.bool_)
+        found[self.part[outermost]] = True
+        return found
+
     def part_at(self, voxels: Index) -> Index:
         """Part that voxels, shape (N, 3), belong to; -1 where the mask is False."""
         found = np.empty(len(voxels), np.int64)

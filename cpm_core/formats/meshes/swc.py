@@ -7,25 +7,26 @@ from collections import deque
 from pathlib import Path
 
 from cpm_core.formats.atomic import check_place, write_together
-from cpm_core.formats.meshes.world import SPACE
+from cpm_core.formats.meshes.world import SPACE, positions
 from cpm_core.formats.provenance import PROGRAM
+from cpm_core.image.geometry import Geometry
 from cpm_core.medial_axis.space.centerlines import Centerlines
 
 _UNDEFINED = 0
 """Type of a point of no known structure."""
 
 
-def write_swc(lines: Centerlines, path: str | os.PathLike[str]) -> None:
+def write_swc(lines: Centerlines, path: str | os.PathLike[str], geometry: Geometry | None = None) -> None:
     """Write center lines as an SWC file; see `encode`. ValueError when it cannot be written there."""
     check_place(Path(path))
-    write_together([(Path(path), encode(lines))])
+    write_together([(Path(path), encode(lines, geometry))])
 
 
-def encode(lines: Centerlines) -> bytes:
+def encode(lines: Centerlines, geometry: Geometry | None = None) -> bytes:
     """Make an SWC file: a line of text for each point, with x, y, z and radius in the unit of the spacing, and parent.
 
-    The coordinates are those of surfaces (`world`). SWC holds trees alone: a loop is cut at the end of one of its
-    branches, where a point stands twice.
+    The coordinates are those of surfaces (`world`), in a volume with this geometry. SWC holds trees alone: a loop is
+    cut at the end of one of its branches, where a point stands twice.
     """
     rows: list[tuple[int, float, float, float, float, int]] = []
     number: dict[int, int] = {}
@@ -36,8 +37,7 @@ def encode(lines: Centerlines) -> bytes:
     done: set[int] = set()
 
     def add(branch: int, point: int, parent: int) -> int:
-        place = lines.branches[branch].points[point] * lines.spacing
-        x, y, z = place[::-1].tolist()
+        x, y, z = positions(lines.branches[branch].points[point], lines.spacing, geometry).tolist()
         rows.append((len(rows) + 1, x, y, z, float(lines.branches[branch].radii[point]), parent))
         return len(rows)
 

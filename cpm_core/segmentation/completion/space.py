@@ -1,7 +1,8 @@
 """Completion of a scale of a volume: surfaces that fronts did not reach, and the particles that remain.
 
 Fronts stop at some narrow joints between vessels, although the edge goes on. When a run is quiet, particles are
-launched on the stretches that no particle covers, of all parts of the edge map that particles have reached.
+launched on the stretches that no particle covers, of all parts of the edge map that particles have reached, and of
+those that cannot be moved apart from them (`inseparable`).
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from cpm_core.numerics.vectors import difference, length, row_of
 from cpm_core.particles.cell_list.space import Cells, build_cells, cells_around, row_of_cells
 from cpm_core.particles.state import State
 from cpm_core.particles.surface_contact import SurfaceContact
+from cpm_core.segmentation.completion.inseparable import inseparable
 
 LAUNCHES = 16
 """Number of launches at a scale."""
@@ -56,12 +58,16 @@ def launched(state: State, field: VolumeField, d_min: float) -> State | None:
     cover = _cover(state, field, ridges, d_min)
     reached = np.zeros(int(ridges.component.max(initial=-1)) + 1, np.bool_)
     reached[ridges.component[cover == _ON]] = True
-    bare = np.flatnonzero((cover == _BARE) & reached[ridges.component])
-    return _with_launched(state, field, bare, d_min)
+    more = inseparable(field, ridges, reached, cover != _BARE)
+    bare = np.flatnonzero((cover == _BARE) & (reached | more)[ridges.component])
+    return _with_launched(state, field, bare, d_min, bool(more.any()))
 
 
-def _with_launched(state: State, field: VolumeField, bare: Index, d_min: float) -> State | None:
-    """The state with particles on some ridges, the strongest first, and not too near to each other."""
+def _with_launched(state: State, field: VolumeField, bare: Index, d_min: float, leads_on: bool) -> State | None:
+    """The state with particles on some ridges, the strongest first, and not too near to each other.
+
+    Another launch follows one that is worthwhile, and one that `leads_on` to new boundaries.
+    """
     if not len(bare):
         return None
     ridges = field.ridges
@@ -72,7 +78,7 @@ def _with_launched(state: State, field: VolumeField, bare: Index, d_min: float) 
     on_ridges(field.smoothed, field.edge_map, field.pitch, ridges.place[chosen], _ROUNDS, position)
     step = state.step_of_scale
     contact = SurfaceContact.of_seated(ridges.normal[chosen], ridges.strength[chosen], step)
-    worthwhile = len(chosen) > WORTHWHILE * state.count
+    worthwhile = leads_on or len(chosen) > WORTHWHILE * state.count
     return replace(
         state,
         particles=state.particles.with_more(position, state.next_identity, contact),

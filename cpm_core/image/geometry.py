@@ -1,0 +1,139 @@
+"""Geometry: where the pixels or voxels of an image lie in space, as medical files tell."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cpm_core.numerics.real_numbers import checked_number, real_numbers
+from cpm_core.numerics.types import Array
+from cpm_core.parameters.quotation import shown
+
+Convention = Literal["LPS", "RAS"]
+"""Where x, y and z point: to the Left, Posterior (back) and Superior (head) of a patient, or Right, Anterior and
+Superior."""
+
+CONVENTIONS: tuple[Convention, ...] = ("LPS", "RAS")
+
+Triple = tuple[float, float, float]
+
+_FLIP = np.array([-1.0, -1.0, 1.0])
+"""Turns coordinates of one convention into those of the other."""
+
+_FLAT = 1e-6
+"""Directions that span less than this, of 1, lie in one plane."""
+
+_ENDS = (("L", "R"), ("P", "A"), ("S", "I"))
+"""Where each coordinate of LPS grows, and where it falls."""
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """Position and orientation of an image; the size of a voxel is the image's own, `Image.spacing`.
+
+    Without arguments it is that of a picture: the first pixel at zero, columns to the left, rows to the back and planes
+    to the head.
+
+    Attributes
+    ----------
+    origin : tuple of float
+        Position (x, y, z) of the center of the first voxel, in the unit of the image's spacing.
+    directions : tuple of tuple of float
+        Unit vectors (x, y, z) along the axes (plane, row, col); that of the row axis leads from a row to the next.
+        They are brought to length 1.
+    convention : {"LPS", "RAS"}
+        Where x, y and z point, as in the file that it comes from.
+    depth : float
+        Distance of neighboring planes in the unit of the image's spacing, for an image that is one plane of a volume.
+
+    Raises
+    ------
+    ValueError
+        When these are no finite numbers, or the directions lie in one plane.
+    """
+
+    origin: Triple = (0.0, 0.0, 0.0)
+    directions: tuple[Triple, Triple, Triple] = ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0))
+    convention: Convention = "LPS"
+    depth: float = 1.0
+
+    def __post_init__(self) -> None:
+        origin, directions = real_numbers(self.origin), real_numbers(self.directions)
+        if origin.shape != (3,) or not np.isfinite(origin).all():
+            raise ValueError(f"The origin is {shown(self.origin)} but must be three finite numbers, (x, y, z).")
+        if directions.shape != (3, 3) or not np.isfinite(directions).all():
+            raise ValueError(f"The directions are {shown(self.directions)} but must be three vectors (x, y, z).")
+        lengths = np.linalg.norm(directions, axis=1)
+        if not lengths.all() or abs(np.linalg.det(directions / lengths[:, None])) < _FLAT:
+            raise ValueError(
+                f"The directions are {shown(self.directions)} and lie in one plane: give three that do not."
+            )
+        if not isinstance(self.convention, str) or self.convention not in CONVENTIONS:
+            raise ValueError(f'The convention is {shown(self.convention)} but must be "LPS" or "RAS".')
+        checked_number("depth", self.depth, lambda depth: depth > 0.0, "a number above 0")
+        one = np.abs(lengths - 1.0) < 1e-12  # they stay as they are to the bit
+        directions = directions / np.where(one, 1.0, lengths)[:, None]
+        object.__setattr__(self, "origin", tuple(origin.tolist()))
+        object.__setattr__(self, "directions", tuple(map(tuple, directions.tolist())))
+
+    def affine(self, spacing: tuple[float, ...], convention: Convention | None = None) -> Array:
+        """Matrix from voxels (plane, row, col, 1) to positions (x, y, z, 1), shape (4, 4).
+
+        Parameters
+        ----------
+        spacing : tuple of float
+            Size of a voxel along (plane, row, col), or of a pixel along (row, col).
+        convention : {"LPS", "RAS"}, optional
+            Where x, y and z point; by default as in the file.
+        """
+        sides = np.array((self.depth, *spacing)[-3:])
+        matrix = np.eye(4)
+        matrix[:3, :3] = np.array(self.directions).T * sides
+        matrix[:3, 3] = self.origin
+        if convention not in (None, self.convention):
+            matrix[:3] *= _FLIP[:, None]
+        return matrix
+
+    def moved(self, voxels: ArrayLike, spacing: tuple[float, ...]) -> Geometry:
+        """The geometry of the part of an image that begins at a voxel (plane, row, col)."""
+        matrix = self.affine(spacing)
+        x, y, z, _ = (matrix @ np.r_[real_numbers(voxels), 1.0]).tolist()
+        return replace(self, origin=(x, y, z))
+
+    def scaled(self, factor: float) -> Geometry:
+        """The same in another unit of length, of which `factor` are one of the former."""
+        x, y, z = self.origin
+        return replace(self, origin=(factor * x, factor * y, factor * z), depth=factor * self.depth)
+
+    @property
+    def letters(self) -> tuple[str, str, str]:
+        """Direction of a patient that each axis (plane, row, col) leads to about: L, R, P, A, S (head) or I (feet)."""
+        flip = _FLIP if self.convention == "RAS" else np.ones(3)
+        found = []
+        for direction in np.array(self.directions) * flip:
+            axis = int(np.abs(direction).argmax())
+            found.append(_ENDS[axis][int(direction[axis] < 0.0)])
+        return found[0], found[1], found[2]
+
+    @property
+    def oblique(self) -> float:
+        """Largest angle between an axis and the direction in `letters` that is nearest to it [degrees]."""
+        return math.degrees(math.acos(min(float(np.abs(self.directions).max(axis=1).min()), 1.0)))
+
+    @property
+    def slant(self) -> float:
+        """How far the angle between two axes is from a right one at most [degrees]."""
+        along = np.array(self.directions)
+        return math.degrees(math.asin(min(float(np.abs(along @ along.T)[np.triu_indices(3, 1)].max()), 1.0)))
+
+
+def from_affine(affine: Any, convention: Convention) -> tuple[Geometry, Triple]:
+    """Geometry and spacing (plane, row, col) from a matrix of a file, from (col, row, plane, 1) to (x, y, z, 1)."""
+    matrix = real_numbers(affine)
+    along = matrix[:3, 2::-1].T
+    plane, row, col = np.linalg.norm(along, axis=1).tolist()
+    return Geometry(tuple(matrix[:3, 3].tolist()), along, convention), (plane, row, col)  # type: ignore[arg-type]
