@@ -15,13 +15,13 @@ from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QFileDialog
 
 from app.session.tasks.tasks import Task
+from app.views.export.film.animation_dialog import AnimationDialog, AnimationPlan
+from app.views.export.film.frame_renderer import FrameRenderer
+from app.views.export.film.step_choice import evenly, every, written
+from app.views.export.film.strip_dialog import StripDialog
 from app.views.features.run.tasks import TasksFeature
 from app.views.features.run.timeline import TimelineFeature
 from app.views.features.view.animation import AnimationFeature
-from app.views.film.animation_dialog import AnimationDialog, AnimationPlan
-from app.views.film.frame_renderer import FrameRenderer
-from app.views.film.step_choice import evenly, every, written
-from app.views.film.strip_dialog import StripDialog
 from app.views.theme import theme
 from tests.app.conftest import disc
 

@@ -16,10 +16,10 @@ from app.model.text.language import tr
 from app.session.exchange.messages import Exported, Report
 from app.session.signals import FILMING
 from app.session.tasks.tasks import Task
-from app.views.film.animation_dialog import AnimationDialog, AnimationPlan
-from app.views.film.filming import Filming
-from app.views.film.frame_renderer import FrameRenderer, frame_size, seen_part
-from app.views.film.strip_dialog import StripDialog, StripPlan
+from app.views.export.film.animation_dialog import AnimationDialog, AnimationPlan
+from app.views.export.film.filming import Filming
+from app.views.export.film.frame_renderer import FrameRenderer, frame_size, seen_part
+from app.views.export.film.strip_dialog import StripDialog, StripPlan
 from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature, FeatureContext
 from app.views.window.file_dialogs import Files

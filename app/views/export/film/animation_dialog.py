@@ -21,8 +21,8 @@ from PySide6.QtWidgets import (
 
 from app.model.text.language import tr
 from app.session.storage.preferences import Preferences
-from app.views.film.frame_renderer import NARROWEST, WIDEST, frame_size
-from app.views.film.step_choice import every
+from app.views.export.film.frame_renderer import NARROWEST, WIDEST, frame_size
+from app.views.export.film.step_choice import every
 from cpm_core.formats.animations import mp4
 
 _FORMATS = (

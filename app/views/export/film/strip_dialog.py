@@ -20,8 +20,8 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.text.language import tr
-from app.views.film.frame_renderer import to_picture
-from app.views.film.step_choice import evenly, written
+from app.views.export.film.frame_renderer import to_picture
+from app.views.export.film.step_choice import evenly, written
 from cpm_core.numerics.types import Pixels
 
 _AFTER = 300
