@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass
 from functools import partial
-from math import pi, radians
 
 import numpy as np
 from PySide6.QtCore import QPointF, QSize, Qt, QTimer, Signal
@@ -19,6 +18,7 @@ from app.model.text.language import tr
 from app.session.features.latest import Latest
 from app.session.signals import SessionSignals
 from app.views.theme import theme
+from app.views.volume.space_gestures import WHOLE, Gesture, by_key, gesture, turn
 from app.views.volume.space_marks import SpaceMarks
 
 _STILL = 150
@@ -29,11 +29,8 @@ _SMOOTH = 0.02
 
 _COARSEST = 4
 
-_TURN, _ZOOM, _WHEEL = radians(5.0), 1.2, 1.0015
-"""What a press of a key turns and enlarges, and what an eighth of a degree of the wheel enlarges."""
-
-_ROLL = 200.0
-"""Way of the pointer that rolls by a radian [px of the screen]."""
+_WHEEL = 1.0015
+"""What an eighth of a degree of the wheel enlarges."""
 
 _CLICK = 4.0
 """Distance within which a press and a release are a click [px of the screen]."""
@@ -76,7 +73,7 @@ class SpaceView(QWidget):
         self._seconds = 0.0
         self._pressed: QPointF | None = None
         self._last = QPointF()
-        self._follow = self._turn
+        self._gesture: Gesture = turn
         self._painter = Latest(session, "cpm-space", "drawing the view in space")
         self._painter.done.connect(self._take)
         self._still = QTimer(self, interval=_STILL, singleShot=True)
@@ -146,18 +143,15 @@ class SpaceView(QWidget):
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Begin to turn, move or roll, until the button is released."""
-        keys = event.modifiers()
-        if event.button() != Qt.MouseButton.LeftButton or keys & Qt.KeyboardModifier.ShiftModifier:
-            self._follow = self._move
-        else:
-            self._follow = self._roll if keys & Qt.KeyboardModifier.ControlModifier else self._turn
+        self._gesture = gesture(event.button(), event.modifiers())
         self._pressed = self._last = event.position()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Turn, move or roll."""
         if self._pressed is not None and self.camera is not None:
             way, self._last = event.position() - self._last, event.position()
-            self.use(self._follow(self.camera, way))
+            ratio = self.devicePixelRatioF()
+            self.use(self._gesture(self.camera, way.x() * ratio, way.y() * ratio, min(self._room())))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """Pick what was clicked."""
@@ -183,44 +177,15 @@ class SpaceView(QWidget):
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Turn, enlarge, or look along an axis."""
-        camera = None if self.camera is None else self._by_key(self.camera, event.key())
-        if camera is None:
-            super().keyPressEvent(event)
-        else:
+        camera = None if self.camera is None else by_key(self.camera, event.key())
+        if camera is not None:
             self.use(camera)
+        elif event.key() in WHOLE:
+            self.show_all()
+        else:
+            super().keyPressEvent(event)
 
     # Internal
-
-    def _turn(self, camera: Camera, way: QPointF) -> Camera:
-        """A drag across the view turns by half a turn."""
-        turn = pi / max(min(self.width(), self.height()), 1)
-        return camera.turned(way.x() * turn, way.y() * turn)
-
-    def _move(self, camera: Camera, way: QPointF) -> Camera:
-        ratio = self.devicePixelRatioF()
-        return camera.moved(way.x() * ratio, way.y() * ratio)
-
-    def _roll(self, camera: Camera, way: QPointF) -> Camera:
-        return camera.rolled(way.x() / _ROLL)
-
-    def _by_key(self, camera: Camera, key: int) -> Camera | None:
-        turns = {
-            Qt.Key.Key_Left: (-_TURN, 0.0),
-            Qt.Key.Key_Right: (_TURN, 0.0),
-            Qt.Key.Key_Up: (0.0, -_TURN),
-            Qt.Key.Key_Down: (0.0, _TURN),
-        }
-        if key in turns:
-            return camera.turned(*turns[Qt.Key(key)])
-        if key in (Qt.Key.Key_Plus, Qt.Key.Key_Equal):
-            return camera.zoomed(_ZOOM)
-        if key == Qt.Key.Key_Minus:
-            return camera.zoomed(1.0 / _ZOOM)
-        if key in (Qt.Key.Key_1, Qt.Key.Key_2, Qt.Key.Key_3):
-            return camera.along(key - Qt.Key.Key_1)
-        if key in (Qt.Key.Key_0, Qt.Key.Key_Home) and self._view is not None:
-            return Camera.on(self._view.lengths, self._room())
-        return None
 
     def _room(self) -> tuple[int, int]:
         """Rows and columns of the picture in full."""

@@ -54,12 +54,17 @@ def panel(qtbot: QtBot, workspace: Workspace) -> Iterator[SpacePanel]:
     made.show()
     qtbot.waitExposed(made)
     made.show_contents(contents(mesh=Mesh(CUBE)))
-    qtbot.waitUntil(lambda: made.view.idle)
+    settle(qtbot, made)
     yield made
     made.view.close_thread()
     made.close()
     made.deleteLater()
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
+
+
+def settle(qtbot: QtBot, panel: SpacePanel) -> None:
+    """Wait for the whole picture; the first one compiles the loops."""
+    qtbot.waitUntil(lambda: panel.view.idle, timeout=60_000)
 
 
 def center(panel: SpacePanel) -> QPoint:
@@ -81,7 +86,7 @@ def drag(qtbot: QtBot, panel: SpacePanel, way: QPoint, keys: Qt.KeyboardModifier
     for part in (0.5, 1.0):
         qtbot.mouseMove(view, begin + part * way)
     qtbot.mouseRelease(view, LEFT, keys, begin + way)
-    qtbot.waitUntil(lambda: view.idle)
+    settle(qtbot, panel)
 
 
 def test_dragging_turns_moves_and_rolls(qtbot, panel) -> None:
@@ -137,7 +142,7 @@ def test_keys_turn_enlarge_and_look_along_each_axis(qtbot, panel) -> None:
 def test_a_click_picks_the_place_that_is_seen(qtbot, panel) -> None:
     panel.view.setFocus()
     qtbot.keyClick(panel.view, Qt.Key.Key_1)
-    qtbot.waitUntil(lambda: panel.view.idle)
+    settle(qtbot, panel)
     with qtbot.waitSignal(panel.view.picked) as seen:
         qtbot.mouseClick(panel.view, LEFT, NONE, center(panel))
     assert seen.args[0] == pytest.approx((5.0, 20.0, 20.0), abs=0.6)
@@ -156,13 +161,13 @@ def test_controls_show_and_hide_each_part(qtbot, panel) -> None:
         assert getattr(panel.bar.shown, name) != getattr(before, name)
     for name, check in parts.items():
         check.setChecked(name == "particles")
-    qtbot.waitUntil(lambda: panel.view.idle)
+    settle(qtbot, panel)
     assert greens(panel)
     parts["particles"].setChecked(False)
-    qtbot.waitUntil(lambda: panel.view.idle)
+    settle(qtbot, panel)
     assert not greens(panel)
     parts["projection"].setChecked(True)
-    qtbot.waitUntil(lambda: panel.view.idle)
+    settle(qtbot, panel)
     assert "#ffffff" in colors(panel)
 
 
@@ -175,7 +180,7 @@ def test_a_cut_opens_the_surface_and_only_then_has_a_place(qtbot, panel) -> None
     panel.view.setFocus()
     panel.bar.checks["slices"].setChecked(False)
     qtbot.keyClick(panel.view, Qt.Key.Key_1)
-    qtbot.waitUntil(lambda: panel.view.idle)
+    settle(qtbot, panel)
     with qtbot.waitSignal(panel.view.picked) as seen:
         qtbot.mouseClick(panel.view, LEFT, NONE, center(panel))
     assert seen.args[0] == pytest.approx((15.0, 20.0, 20.0), abs=0.6)
@@ -203,12 +208,12 @@ def test_another_state_of_the_run_keeps_the_camera_and_another_volume_does_not(q
     panel.show_contents(smaller)
     assert panel.view.camera is not turned
     panel.show_contents(None)
-    qtbot.waitUntil(lambda: panel.view.idle)
+    settle(qtbot, panel)
     assert colors(panel) == {theme.CANVAS}
 
 
 def test_a_resized_view_shows_as_much_of_the_volume(qtbot, panel) -> None:
     before = panel.view.camera.scale / min(panel.view.width(), panel.view.height())
     panel.resize(900, 700)
-    qtbot.waitUntil(lambda: panel.view.idle)
+    settle(qtbot, panel)
     assert panel.view.camera.scale / min(panel.view.width(), panel.view.height()) == pytest.approx(before, rel=1e-3)
