@@ -43,6 +43,7 @@ class _Frame:
     picture: Picture
     camera: Camera
     coarseness: int
+    number: int
     seconds: float
 
 
@@ -71,6 +72,7 @@ class SpaceView(QWidget):
         self._image = QImage()
         self._look = Look(background=_rgb(theme.CANVAS))
         self._seconds = 0.0
+        self._asked = 0
         self._pressed: QPointF | None = None
         self._last = QPointF()
         self._gesture: Gesture = turn
@@ -98,7 +100,8 @@ class SpaceView(QWidget):
     @property
     def idle(self) -> bool:
         """Whether the picture shows all that was asked for, in full."""
-        return self._painter.idle and not self._still.isActive()
+        shown = 0 if self._frame is None else self._frame.number
+        return not self._still.isActive() and (self._view is None or shown == self._asked)
 
     def show_all(self) -> None:
         """See the whole volume from where it is seen first."""
@@ -125,11 +128,11 @@ class SpaceView(QWidget):
         """Show the picture that was drawn last."""
         painter = QPainter(self)
         painter.fillRect(self.rect(), theme.CANVAS)
-        if self._frame is not None and self._view is not None and self.camera is not None:
+        if self._frame is not None and self._view is not None:
             painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform, self._frame.coarseness > 1)
             painter.drawImage(self.rect(), self._image)
-            ratio = self.devicePixelRatioF()
-            self.marks.draw(painter, self._view, self.camera.enlarged(1.0 / ratio), self.size())
+            camera = self._frame.camera.enlarged(self.width() / self._frame.picture.size[1])
+            self.marks.draw(painter, self._view, camera, self.size())
         painter.end()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
@@ -205,7 +208,8 @@ class SpaceView(QWidget):
             self._still.stop()
         size = self._room()
         coarse = max(1, size[0] // coarseness), max(1, size[1] // coarseness)
-        self._painter.ask(partial(_draw, self._view, self.camera, coarse, coarseness, self._look))
+        self._asked += 1
+        self._painter.ask(partial(_draw, self._view, self.camera, coarse, coarseness, self._look, self._asked))
 
     def _take(self, frame: _Frame) -> None:
         """Show a picture that has been drawn."""
@@ -242,12 +246,12 @@ class SpaceView(QWidget):
         return plane, down, right
 
 
-def _draw(view: ViewInSpace, camera: Camera, size: tuple[int, int], coarseness: int, look: Look) -> _Frame:
+def _draw(view: ViewInSpace, camera: Camera, size: tuple[int, int], coarseness: int, look: Look, number: int) -> _Frame:
     """Draw on the thread."""
     begin = time.perf_counter()
     seen = camera.enlarged(1.0 / coarseness)
     finer = Look(look.background, look.edges, look.outside, look.inside, max(look.radius / coarseness, 0.6))
-    return _Frame(view.drawn(seen, size, finer), seen, coarseness, time.perf_counter() - begin)
+    return _Frame(view.drawn(seen, size, finer), seen, coarseness, number, time.perf_counter() - begin)
 
 
 def _rgb(color: str) -> tuple[int, int, int]:
