@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from cpm_core.image.pyramid import to_scale
 from cpm_core.numerics.jit import compiled, inlined
 from cpm_core.numerics.real_numbers import real_numbers
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Position
 from cpm_core.parameters.quotation import shown
 
 Box = tuple[int, int, int, int]
@@ -69,7 +69,7 @@ class PlacedCharge:
         For a strength out of range or a position that is not finite.
     """
 
-    position: tuple[float, float]
+    position: Position
     strength: float
 
     def __post_init__(self) -> None:

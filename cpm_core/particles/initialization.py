@@ -13,7 +13,7 @@ from cpm_core.field.scale_field import WEAKEST_EDGE, unit_vectors
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.polyline import lengths_along, places_at
 from cpm_core.numerics.real_numbers import checked_number, real_numbers
-from cpm_core.numerics.types import Array, Mask
+from cpm_core.numerics.types import Array, Mask, Position
 from cpm_core.parameters.quotation import shown
 
 _LEAST_ON_CIRCLE = 5
@@ -43,7 +43,7 @@ _RIPPLE = 1.0
 """Gaussian that removes the ripple of the pixels from the divergence [px]."""
 
 
-def circle(center: tuple[float, float], radius: float, spacing: float = 2.0) -> Array:
+def circle(center: Position, radius: float, spacing: float = 2.0) -> Array:
     """Particles on a circle.
 
     Parameters

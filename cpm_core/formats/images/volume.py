@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -10,6 +11,7 @@ import numpy as np
 import tifffile
 from numpy.typing import NDArray
 
+from cpm_core.formats.fingerprint import fingerprint
 from cpm_core.formats.images.decoded import UnreadableError
 from cpm_core.formats.printable import printable
 from cpm_core.image.image import Image
@@ -33,7 +35,7 @@ class _Stored(NamedTuple):
     unit: str | None = None
 
 
-def load_volume(path: str | os.PathLike[str]) -> Image:
+def load_volume(path: str | os.PathLike[str], go_on: Callable[[], object] | None = None) -> Image:
     """Read a volume.
 
     Parameters
@@ -41,6 +43,8 @@ def load_volume(path: str | os.PathLike[str]) -> Image:
     path : path-like
         A file of one of the kinds in `READS`. The axes of a NIfTI volume are taken in the order in which they are
         stored.
+    go_on : callable, optional
+        Called while the hash of a long file is made; it may raise to stop.
 
     Returns
     -------
@@ -74,7 +78,7 @@ def load_volume(path: str | os.PathLike[str]) -> Image:
             f"{name} has the shape {stored.values.shape}, but a volume has three, "
             "(planes, rows, columns): use an image with --circle instead, or save one volume of it."
         )
-    return Image(stored.values, stored.spacing, stored.unit, name)
+    return Image(stored.values, stored.spacing, stored.unit, name, file_sha256=fingerprint(file, go_on))
 
 
 def _array(file: Path) -> _Stored:

@@ -65,10 +65,10 @@ class OpenSaveFeature(Feature):
                        tip=tr("Quit the program."), gap=True),
         )  # fmt: skip
 
-    def take(self, paths: Sequence[Path], resumes: bool = False) -> None:
+    def take(self, paths: Sequence[Path], resumes: bool = False, as_volume: bool = False) -> None:
         """Open files by their kind: images and sessions, points (which are drawn), presets (which are imported).
 
-        An image that `resumes` is opened with the session beside it.
+        An image that `resumes` is opened with the session beside it, a stack of pages `as_volume` or its first page.
         """
         self.context.canvas_area.messages.keep_only(*OF_THE_PROGRAM)
         documents = [path for path in paths if path.suffix.lower() not in (POINTS, PRESET)]
@@ -78,7 +78,7 @@ class OpenSaveFeature(Feature):
             elif path.suffix.lower() == POINTS:
                 self._draw(path)
         if documents and self._may_open():
-            self.context.session.open(documents[0], resumes=resumes)
+            self.context.session.open(documents[0], resumes=resumes, as_volume=as_volume)
             if len(documents) > 1:
                 message = tr("Only one image can be open at a time: of {count} files, {name} is opened.")
                 self.context.session.say(message.format(count=len(documents), name=documents[0].name), topic=OPENING)
