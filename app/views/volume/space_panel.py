@@ -33,7 +33,7 @@ class SpacePanel(QWidget):
     def show_contents(self, contents: Contents | None) -> None:
         """Show another volume, or what a run has found in it since."""
         self._contents = contents
-        self.view.marks.unit = None if contents is None else contents.unit
+        self.view.marks.unit = None if contents is None else contents.image.unit
         self._show()
 
     def _show(self) -> None:

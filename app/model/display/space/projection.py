@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from app.model.display.display_image import IntensityWindow, apply_window
 from app.model.display.space.camera import Camera
 from app.model.display.space.picture import ROWS, Colors, Picture
 from cpm_core.numerics.jit import compiled
@@ -19,20 +21,32 @@ _BLOCK = 8
 """Side of the blocks whose maxima are kept [voxels]: one that cannot raise the maximum is passed at once."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Shaded:
-    """A volume with one byte a voxel, and the maxima of its blocks."""
+    """A volume with one byte a voxel, made of its gray values when it is drawn first, since that takes a while."""
 
-    voxels: Bytes
-    maxima: Bytes
+    values: Array
+    window: IntensityWindow
 
-    @staticmethod
-    def of(voxels: Bytes) -> Shaded:
-        """Find the maxima of the blocks."""
-        found = voxels
+    @cached_property
+    def voxels(self) -> Bytes:
+        """Shades of the window, in the shape of the volume."""
+        shades = np.empty(self.values.shape, np.uint8)
+
+        def some(begin: int, end: int) -> None:
+            for plane in range(begin, end):
+                shades[plane] = apply_window(self.values[plane], self.window)
+
+        share(some, len(shades), 1)
+        return shades
+
+    @cached_property
+    def maxima(self) -> Bytes:
+        """The brightest voxel of each block."""
+        found = self.voxels
         for axis in range(3):
             found = np.maximum.reduceat(found, np.arange(0, found.shape[axis], _BLOCK), axis=axis)
-        return Shaded(np.ascontiguousarray(voxels), np.ascontiguousarray(found))
+        return np.ascontiguousarray(found)
 
 
 def draw_projection(

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from app.model.display.display_image import apply_window
 from app.model.display.space.picture import Colors
 from app.model.display.space.projection import Shaded
-from app.model.display.space.slices import Slice
+from app.model.display.space.slices import ShownSlice
 from app.model.display.space.triangles import Cut, Mesh
 from app.model.display.space.view_in_space import Particles, ViewInSpace
+from app.model.volume.slices import Slices
+from cpm_core.image.image import Image
+
+GRAY: Colors = np.repeat(np.arange(256, dtype=np.uint8)[:, np.newaxis], 3, axis=1)
+"""Shades as they are."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,40 +39,33 @@ class Contents:
 
     Attributes
     ----------
+    image : Image
+        The volume.
     shaded : Shaded
-        The volume with one byte a voxel.
-    spacing : tuple of float
-        Size of a voxel along each axis, in `unit`.
-    unit : str or None
-        Unit of length, None when it is not known.
-    table : ndarray of uint8, shape (256, 3)
-        Color of each byte.
+        Its shades.
+    slices : Slices
+        The slices that are shown beside the view.
     particles, mesh
         What a run has found, None before it has.
-    crosshair : tuple of int
-        Voxel in which the three slices meet.
+    table : ndarray of uint8, shape (256, 3)
+        Color of each shade.
     """
 
+    image: Image
     shaded: Shaded
-    spacing: tuple[float, ...]
-    unit: str | None
-    table: Colors
+    slices: Slices
     particles: Particles | None = None
     mesh: Mesh | None = None
-    crosshair: tuple[int, int, int] = (0, 0, 0)
+    table: Colors = field(default_factory=lambda: GRAY)
 
     def view(self, shown: ShownParts) -> ViewInSpace:
         """The view of the parts that are shown."""
-        voxels = self.shaded.voxels
-        slices = tuple(
-            Slice(axis, index, self.table[np.take(voxels, index, axis)]) for axis, index in enumerate(self.crosshair)
-        )
         return ViewInSpace(
-            voxels.shape,
-            self.spacing,
+            self.image.shape,
+            self.image.spacing,
             self.particles if shown.particles else None,
             self.mesh if shown.surface else None,
-            slices if shown.slices else (),
+            tuple(self._slice(axis) for axis in range(3)) if shown.slices else (),
             self.shaded if shown.projection else None,
             self.table,
             shown.opacity,
@@ -74,11 +73,15 @@ class Contents:
             shown.box,
         )
 
+    def _slice(self, axis: int) -> ShownSlice:
+        place = self.slices.across(axis)
+        return ShownSlice(place, self.table[apply_window(place.of(self.shaded.values), self.shaded.window)])
+
     def _cut(self, shown: ShownParts) -> Cut | None:
         """The side of the first voxels is taken away, which is the one that is seen first."""
         axis = shown.cut_axis
         if axis is None:
             return None
         normal = tuple(-1.0 if one == axis else 0.0 for one in range(3))
-        length = (self.shaded.voxels.shape[axis] - 1) * self.spacing[axis]
+        length = (self.image.shape[axis] - 1) * self.image.spacing[axis]
         return Cut((normal[0], normal[1], normal[2]), -shown.cut_at * length)

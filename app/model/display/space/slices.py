@@ -9,34 +9,34 @@ from numpy.typing import NDArray
 
 from app.model.display.space.camera import Camera
 from app.model.display.space.picture import ROWS, Colors, Picture
+from app.model.volume.slices import Slice
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Slice:
-    """A slice of a volume: the voxels whose index along `axis` is `index`, in colors (H, W, 3)."""
+class ShownSlice:
+    """A slice of a volume in colors (H, W, 3)."""
 
-    axis: int
-    index: int
+    place: Slice
     colors: Colors
 
 
-def draw_slice(picture: Picture, slice_: Slice, camera: Camera, spacing: tuple[float, ...]) -> None:
+def draw_slice(picture: Picture, shown: ShownSlice, camera: Camera, spacing: tuple[float, ...]) -> None:
     """Draw a slice of a volume whose voxels have this size; nothing where it is seen from the side."""
-    away = float(camera.axes[2, slice_.axis])
-    if abs(away) < 1e-6:
+    across = shown.place.axis
+    if abs(camera.axes[2, across]) < 1e-6:
         return
-    down, right = (axis for axis in range(3) if axis != slice_.axis)
+    down, right = (axis for axis in range(3) if axis != across)
     corner = camera.corner(picture.size)
     steps = camera.axes / camera.scale
-    origin = np.array([slice_.index * spacing[slice_.axis] - corner[slice_.axis], corner[down], corner[right]])
-    sides = np.array([[steps[k, axis] for axis in (slice_.axis, down, right)] for k in range(3)])
+    origin = np.array([shown.place.index * spacing[across] - corner[across], corner[down], corner[right]])
+    sides = np.array([[steps[k, axis] for axis in (across, down, right)] for k in range(3)])
     sizes = np.array([spacing[down], spacing[right]])
 
     def some(begin: int, end: int) -> None:
-        _draw(slice_.colors, origin, sides, sizes, picture.colors, picture.depths, begin, end)
+        _draw(shown.colors, origin, sides, sizes, picture.colors, picture.depths, begin, end)
 
     share(some, picture.size[0], ROWS)
 

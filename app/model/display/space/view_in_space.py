@@ -12,7 +12,7 @@ from app.model.display.space.discs import draw_balls
 from app.model.display.space.lines import draw_lines
 from app.model.display.space.picture import Colors, Picture
 from app.model.display.space.projection import Shaded, draw_projection
-from app.model.display.space.slices import Slice, draw_slice
+from app.model.display.space.slices import ShownSlice, draw_slice
 from app.model.display.space.triangles import Cut, Mesh, draw_mesh
 from cpm_core.numerics.types import Array
 
@@ -67,7 +67,7 @@ class ViewInSpace:
     spacing: tuple[float, ...]
     particles: Particles | None = None
     mesh: Mesh | None = None
-    slices: tuple[Slice, ...] = ()
+    slices: tuple[ShownSlice, ...] = ()
     projection: Shaded | None = None
     table: Colors | None = None
     opacity: float = 1.0
@@ -84,8 +84,8 @@ class ViewInSpace:
         picture = Picture.blank(size, look.background)
         if self.projection is not None and self.table is not None:
             draw_projection(picture, self.projection, camera, self.spacing, self.table)
-        for slice_ in self.slices:
-            draw_slice(picture, slice_, camera, self.spacing)
+        for shown in self.slices:
+            draw_slice(picture, shown, camera, self.spacing)
         if self.box:
             self._draw_box(picture, camera, look)
         if self.particles is not None:

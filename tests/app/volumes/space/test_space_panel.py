@@ -10,15 +10,18 @@ from PySide6.QtCore import QCoreApplication, QEvent, QPoint, Qt
 from PySide6.QtGui import QColor, QWheelEvent
 from pytestqt.qtbot import QtBot
 
+from app.model.display.display_image import IntensityWindow
 from app.model.display.space.projection import Shaded
 from app.model.display.space.shown_parts import Contents
 from app.model.display.space.triangles import Mesh
 from app.model.display.space.view_in_space import Particles
+from app.model.volume.slices import Slices
 from app.session.workspace import Workspace
 from app.views.theme import theme
 from app.views.volume import space_view
 from app.views.volume.space_panel import SpacePanel
 from cpm_core.contours.surface import Surface
+from cpm_core.image.image import Image
 
 LEFT = Qt.MouseButton.LeftButton
 NONE, SHIFT, CTRL = (
@@ -26,7 +29,6 @@ NONE, SHIFT, CTRL = (
     Qt.KeyboardModifier.ShiftModifier,
     Qt.KeyboardModifier.ControlModifier,
 )
-GRAY = np.repeat(np.arange(256, dtype=np.uint8)[:, None], 3, axis=1)
 SPACING = (2.0, 1.0, 1.0)
 
 CUBE = Surface(
@@ -44,7 +46,12 @@ CUBE = Surface(
 def contents(**more: object) -> Contents:
     voxels = np.zeros((21, 41, 41), np.uint8)
     voxels[8:13, 15:26, 15:26] = 255
-    return Contents(Shaded.of(voxels), SPACING, "µm", GRAY, crosshair=(10, 20, 20), **more)
+    return of(voxels, SPACING, "µm", **more)
+
+
+def of(voxels: np.ndarray, spacing: tuple[float, ...], unit: str | None, **more: object) -> Contents:
+    image = Image(voxels.astype(float), spacing, unit)
+    return Contents(image, Shaded(image.values, IntensityWindow(0.0, 255.0)), Slices.of(image.shape), **more)
 
 
 @pytest.fixture
@@ -204,7 +211,7 @@ def test_another_state_of_the_run_keeps_the_camera_and_another_volume_does_not(q
     turned = panel.view.camera
     panel.show_contents(contents())
     assert panel.view.camera is turned
-    smaller = Contents(Shaded.of(np.zeros((4, 5, 6), np.uint8)), (1.0, 1.0, 1.0), None, GRAY)
+    smaller = of(np.indices((9, 10, 11)).sum(0), (1.0, 1.0, 1.0), None)
     panel.show_contents(smaller)
     assert panel.view.camera is not turned
     panel.show_contents(None)
