@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QCheckBox, QComboBox, QHBoxLayout, QLabel, QWidget
+from PySide6.QtWidgets import QCheckBox, QComboBox, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from app.model.display.space.shown_parts import ShownParts
 from app.model.text.language import tr
@@ -36,28 +36,33 @@ class SpaceBar(QWidget):
         self.opacity = MarkedSlider(0.0, 1.0, 0.05, 1.0)
         self.cut = QComboBox()
         self.cut_at = MarkedSlider(0.0, 1.0, 0.01, 0.5)
-        layout = QHBoxLayout(self)
-        layout.setContentsMargins(6, 2, 6, 2)
+        parts, looks = QHBoxLayout(), QHBoxLayout()
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(8, 3, 8, 3)
+        layout.setSpacing(2)
+        layout.addLayout(parts)
+        layout.addLayout(looks)
         for name, check in self.checks.items():
             check.setToolTip(PARTS[name][1])
             check.setChecked(getattr(shown, name))
             check.toggled.connect(self._choose)
-            layout.addWidget(check)
+            parts.addWidget(check)
+        parts.addStretch(1)
         label = QLabel(tr("Opacity"))
         label.setBuddy(self.opacity)
-        layout.addWidget(label)
+        looks.addWidget(label)
         self.opacity.setAccessibleName(tr("Opacity of the surface"))
         self.opacity.setToolTip(tr("A surface that is not opaque lets particles and slices behind it be seen."))
         self.opacity.show_value(shown.opacity)
-        layout.addWidget(self.opacity, 1)
+        looks.addWidget(self.opacity, 1)
         for title, axis in _CUTS:
             self.cut.addItem(title, axis)
         self.cut.setAccessibleName(tr("Axis of the cut"))
         self.cut.setToolTip(tr("Take the front part of surface and particles away, to look inside."))
-        layout.addWidget(self.cut)
+        looks.addWidget(self.cut)
         self.cut_at.setAccessibleName(tr("Place of the cut"))
         self.cut_at.show_value(shown.cut_at)
-        layout.addWidget(self.cut_at, 1)
+        looks.addWidget(self.cut_at, 1)
         self.opacity.moved_to.connect(self._choose)
         self.opacity.restored.connect(lambda: self.opacity.move_to(1.0))
         self.cut.currentIndexChanged.connect(self._choose)

@@ -70,7 +70,7 @@ class SpaceView(QWidget):
         self._view: ViewInSpace | None = None
         self._frame: _Frame | None = None
         self._image = QImage()
-        self._look = Look(background=_rgb(theme.CANVAS))
+        self.look = Look(background=_rgb(theme.CANVAS))
         self._seconds = 0.0
         self._asked = 0
         self._pressed: QPointF | None = None
@@ -103,10 +103,16 @@ class SpaceView(QWidget):
         shown = 0 if self._frame is None else self._frame.number
         return not self._still.isActive() and (self._view is None or shown == self._asked)
 
+    @property
+    def room(self) -> tuple[int, int]:
+        """Rows and columns of the picture in full."""
+        ratio = self.devicePixelRatioF()
+        return max(1, round(self.height() * ratio)), max(1, round(self.width() * ratio))
+
     def show_all(self) -> None:
         """See the whole volume from where it is seen first."""
         if self._view is not None:
-            self.use(Camera.on(self._view.lengths, self._room()))
+            self.use(Camera.on(self._view.lengths, self.room))
 
     def use(self, camera: Camera) -> None:
         """See the volume from elsewhere."""
@@ -154,7 +160,7 @@ class SpaceView(QWidget):
         if self._pressed is not None and self.camera is not None:
             way, self._last = event.position() - self._last, event.position()
             ratio = self.devicePixelRatioF()
-            self.use(self._gesture(self.camera, way.x() * ratio, way.y() * ratio, min(self._room())))
+            self.use(self._gesture(self.camera, way.x() * ratio, way.y() * ratio, min(self.room)))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """Pick what was clicked."""
@@ -190,11 +196,6 @@ class SpaceView(QWidget):
 
     # Internal
 
-    def _room(self) -> tuple[int, int]:
-        """Rows and columns of the picture in full."""
-        ratio = self.devicePixelRatioF()
-        return max(1, round(self.height() * ratio)), max(1, round(self.width() * ratio))
-
     def _changed(self) -> None:
         self._ask(min(_COARSEST, max(1, round((self._seconds / _SMOOTH) ** 0.5))))
 
@@ -206,10 +207,10 @@ class SpaceView(QWidget):
             self._still.start()
         else:
             self._still.stop()
-        size = self._room()
+        size = self.room
         coarse = max(1, size[0] // coarseness), max(1, size[1] // coarseness)
         self._asked += 1
-        self._painter.ask(partial(_draw, self._view, self.camera, coarse, coarseness, self._look, self._asked))
+        self._painter.ask(partial(_draw, self._view, self.camera, coarse, coarseness, self.look, self._asked))
 
     def _take(self, frame: _Frame) -> None:
         """Show a picture that has been drawn."""

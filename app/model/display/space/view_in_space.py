@@ -35,10 +35,11 @@ class Look:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Particles:
-    """Positions (N, 3) [voxels] and colors (N, 3)."""
+    """Positions (N, 3) [voxels] and colors (N, 3); `size` is a factor for their radius."""
 
     positions: Array
     colors: Colors
+    size: float = 1.0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -99,7 +100,7 @@ class ViewInSpace:
         if self.cut is not None:
             kept = self.cut.beyond(places) <= 0.0
             places, colors = places[kept], colors[kept]
-        draw_balls(picture, camera.seen(places, picture.size), colors, look.radius)
+        draw_balls(picture, camera.seen(places, picture.size), colors, particles.size * look.radius)
 
     def _draw_surface(self, picture: Picture, mesh: Mesh, camera: Camera, look: Look) -> None:
         if self.opacity >= 1.0:
