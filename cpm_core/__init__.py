@@ -72,7 +72,7 @@ from cpm_core.dynamics.forces import Forces
 from cpm_core.field.edge_map import edge_map
 from cpm_core.field.electric_field import electric_field
 from cpm_core.field.placed_charges import PlacedCharge
-from cpm_core.formats import encoded, export, load_contours, load_image
+from cpm_core.formats import encoded, export, load_contours, load_image, load_volume
 from cpm_core.formats.animations.animation import write_animation
 from cpm_core.formats.animations.snapshot_strip import strip
 from cpm_core.formats.ground_truth_file import load_truth
@@ -81,6 +81,7 @@ from cpm_core.formats.provenance import VERSION
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
+from cpm_core.image.volume_regions import VolumeRegions
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeleton_method import skeleton
 from cpm_core.medial_axis.space.centerlines import Centerlines, centerlines
@@ -122,6 +123,7 @@ __all__ = [
     "State",
     "Surface",
     "Truth",
+    "VolumeRegions",
     "box",
     "centerlines",
     "circle",
@@ -137,6 +139,7 @@ __all__ = [
     "load_contours",
     "load_image",
     "load_truth",
+    "load_volume",
     "measure",
     "objects_result",
     "partition",

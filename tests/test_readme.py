@@ -57,10 +57,15 @@ def test_presets_and_formats_are_named():
         "GIF": ".gif",
         "WebP": ".webp",
         "JPEG 2000": ".jp2",
-        "NumPy arrays": ".npy",
+        "NumPy arrays": ".npy .npz",
+        "NIfTI": ".nii .nii.gz .hdr",
+        "DICOM": ".dcm .dicom .ima",
+        "NRRD": ".nrrd .nhdr",
+        "MetaImage": ".mha .mhd",
     }
     assert {suffix for suffixes in names.values() for suffix in suffixes.split()} == set(READABLE)
     assert all(name in " ".join(TEXT.split()) for name in names)
+    assert all(f"`{suffix}`" in TEXT for suffix in READABLE)
 
 
 @pytest.mark.parametrize("line", RUNS)

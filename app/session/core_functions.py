@@ -7,10 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from cpm_core.formats import export, load_image
-from cpm_core.formats.images.volume import load_volume
+from cpm_core.formats import export, load_image, load_volume
 from cpm_core.image.image import Image
-from cpm_core.image.regions import Regions
+from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.objects.warm_up import warm_up, warm_up_volumes
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.method import METHODS, Method
@@ -29,7 +28,7 @@ class Core:
 
     load_image: Callable[[Path, Callable[[], object]], Image] = load_image
     load_volume: Callable[[Path, Callable[[], object]], Image] = load_volume
-    methods: Mapping[str, Callable[[Image, Parameters, Regions | None], Method[Any]]] = field(
+    methods: Mapping[str, Callable[[Image, Parameters, AnyRegions | None], Method[Any]]] = field(
         default_factory=lambda: METHODS
     )
     export: Callable[..., None] = export

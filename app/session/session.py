@@ -74,12 +74,12 @@ class Session(RunControl):
         return replace(parameters, scales=self._asked_scales) if clamped else parameters
 
     def open(
-        self, path: str | Path, otherwise: Path | None = None, resumes: bool = False, as_volume: bool = False
+        self, path: str | Path, otherwise: Path | None = None, resumes: bool = False, as_volume: bool | None = None
     ) -> None:
         """Open an image or a session file, and `otherwise` when that file cannot be used.
 
         What is open stays until the new image is known to be usable. An image that `resumes` is opened with the session
-        beside it. A stack of pages is opened `as_volume`, or its first page as an image.
+        beside it. A stack is opened `as_volume`, or one plane of it; None leaves that to its kind.
         """
         path = Path(path)
         sample = sample_at(path)

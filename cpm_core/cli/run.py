@@ -6,7 +6,7 @@ import argparse
 import json
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,12 +19,14 @@ from cpm_core.cli.arguments import (
     add_image,
     add_json,
     add_parameters,
+    add_part,
     add_session,
     as_number,
     as_steps,
     check_exports,
     notes_on,
     parameters_of,
+    part_of,
     with_room,
 )
 from cpm_core.cli.batch.jobs import facts_of as outcome_of
@@ -60,6 +62,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     parser.description = "Let particles flow from a start to the contours of an image."
     add_image(parser, optional=True)
     add_session(parser)
+    add_part(parser.add_argument_group("part of a file"))
     start = parser.add_argument_group("start (one at least, of a session or here; several add up)")
     place = parser.add_argument_group("place (each may be repeated)")
     line = "ROW,COL,ROW,COL,..."
@@ -83,6 +86,9 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     add_parameters(parameters)
     outcome = parser.add_argument_group("outcome")
     outcome.add_argument("--max-steps", metavar="N", type=as_number, help="stop after so many steps at most")
+    outcome.add_argument(
+        "--faces", metavar="N", type=as_number, help="triangles that are left of the surface in a volume"
+    )
     add_export(outcome, "contours")
     add_close(outcome)
     add_json(outcome)
@@ -90,12 +96,13 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
 
 def _run(arguments: argparse.Namespace) -> None:
     """Find the contours of an image; every check that needs no image comes first."""
-    if arguments.sphere:
+    if arguments.sphere or arguments.faces is not None:
         run_volume(arguments)
         return
     session = load_session(Path(arguments.session)) if arguments.session else SessionFile()
     if arguments.image is None and session.image is None:
         raise ValueError("No IMAGE is given: name one, or with --session FILE a session that has one.")
+    part = part_of(arguments)
     parameters = parameters_of(arguments, PRESETS[arguments.preset] if arguments.preset else session.parameters)
     max_steps = as_steps(arguments.max_steps)
     check_objects(arguments)
@@ -103,13 +110,11 @@ def _run(arguments: argparse.Namespace) -> None:
     regions = _regions(arguments, session)
     path, notes = _image(arguments, session)
     check_exports(arguments.export, str(path), arguments.session)
-    image = load_image(path)
+    image = load_image(path, **part)
     small: tuple[str, ...] = ()
     if arguments.scales is None:
         parameters, small = with_room(parameters, image)
-    of_image = (f"{image.source}: {note}" for note in (*notes_on(image, parameters), *small))
-    for note in (*session.notes, *notes, *of_image):
-        print(f"cpm: {note}", file=sys.stderr)
+    _tell_notes((*session.notes, *notes), image.source, (*notes_on(image, parameters), *small))
     started = time.perf_counter()
     progress = Progress() if sys.stderr.isatty() else None
     try:
@@ -152,6 +157,11 @@ def _edited(
         return result
     edges = edge_map(image.gray(parameters.channel), parameters.smoothing) if arguments.close == "edges" else None
     return close_contours(result, edges)
+
+
+def _tell_notes(notes: Sequence[str], source: str, of_image: Sequence[str]) -> None:
+    for note in (*notes, *(f"{source}: {note}" for note in of_image)):
+        print(f"cpm: {note}", file=sys.stderr)
 
 
 def _tell_omission(sentence: str) -> None:

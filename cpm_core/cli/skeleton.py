@@ -13,9 +13,11 @@ from cpm_core.cli.arguments import (
     add_image,
     add_json,
     add_parameters,
+    add_part,
     check_exports,
     notes_on,
     parameters_of,
+    part_of,
 )
 from cpm_core.cli.terminal import counted, written
 from cpm_core.formats import export, load_image
@@ -59,6 +61,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     parser.add_argument(
         "--within", metavar="MASK", help="the skeleton of the objects of this mask, an image of the same size"
     )
+    add_part(parser.add_argument_group("part of a file"))
     parser.add_argument("--outside", action="store_true", help="the skeleton of the background, too")
     add_parameters(parser.add_argument_group("parameters"), _PARAMETERS)
     outcome = parser.add_argument_group("outcome")
@@ -68,9 +71,10 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
 
 def _skeleton(arguments: argparse.Namespace) -> None:
     """Find the skeletons of an image, after all checks that need no image."""
+    part = part_of(arguments)
     parameters = parameters_of(arguments, PRESETS[_PRESET])
     check_exports(arguments.export, arguments.image)
-    image = load_image(arguments.image)
+    image = load_image(arguments.image, **part)
     for note in notes_on(image, parameters):
         print(f"cpm: {image.source}: {note}", file=sys.stderr)
     mask = None if arguments.within is None else load_image(arguments.within).values > 0.0

@@ -13,7 +13,7 @@ from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.surface import Surface
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
-from cpm_core.image.regions import Regions
+from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.provenance import Provenance
@@ -49,7 +49,7 @@ class Result:
         Gaps that were bridged in the contours.
     image : Image or None
         The image in which the contours were found; None for contours that were not found in one.
-    regions : Regions or None
+    regions : Regions or VolumeRegions or None
         Regions of interest and barriers of the run.
     channel : str
         Channel of a color image in which the contours were found, one of `Parameters.channel`.
@@ -69,7 +69,7 @@ class Result:
     source: str
     bridges: tuple[Bridge, ...] = ()
     image: Image | None = field(default=None, repr=False)
-    regions: Regions | None = None
+    regions: AnyRegions | None = None
     channel: str = "luminance"
     provenance: Provenance = field(default_factory=Provenance, repr=False)
 

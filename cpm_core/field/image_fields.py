@@ -8,13 +8,15 @@ from typing import Any, Self
 
 from numpy.typing import ArrayLike
 
-from cpm_core.field.placed_charge_cache import PlacedChargeCache, charged_force, charged_potential
-from cpm_core.field.placed_charges import PlacedCharge, at_scale, in_order
+from cpm_core.field.placed_charge_cache import PlacedChargeCache
+from cpm_core.field.placed_charges import PlacedCharge, placed_in
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.field.scale_space import ScaleSpace
+from cpm_core.field.volume.placed_charges import VolumeCharges
 from cpm_core.field.volume.volume_space import VolumeSpace
 from cpm_core.image.image import Image, as_image
 from cpm_core.image.regions import Regions
+from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
 from cpm_core.numerics.memory import check_room
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
@@ -33,7 +35,7 @@ class ImageFields:
         Image or volume.
     parameters : Parameters, optional
         For the number of scales, and the fields to prepare at once.
-    regions : Regions, optional
+    regions : Regions or VolumeRegions, optional
         Regions of interest, which particles do not leave, and barriers, which they do not cross; the whole image by
         default.
 
@@ -45,28 +47,28 @@ class ImageFields:
     """
 
     def __init__(
-        self, values: ArrayLike | Image, parameters: Parameters | None = None, regions: Regions | None = None
+        self, values: ArrayLike | Image, parameters: Parameters | None = None, regions: AnyRegions | None = None
     ) -> None:
         parameters = parameters or Parameters()
         self.image = as_image(values)
         array = self.image.values
+        if regions is not None:
+            regions.check(array.shape)
         if array.min() == array.max():
             raise ValueError(
                 f"{self.image.source} is constant ({array.flat[0]:g} everywhere) and has no edges: "
                 "open an image with objects."
             )
         self.regions = regions
-        if regions is not None:
-            regions.check(array.shape)
         check_room(array.shape, _LEAST_MEMORY[array.ndim], self.image.source)
         self._scale_space = _scale_space_of(self.image, parameters.scales, regions)
         self._scale_space.prepare(parameters)
-        self._charged = PlacedChargeCache(array.shape)
+        self._charged = _charges_of(self.image)
         self._latest = parameters
         if regions is not None:
             self._check_edges()
 
-    def with_regions(self, regions: Regions | None) -> Self:
+    def with_regions(self, regions: AnyRegions | None) -> Self:
         """The same with other regions of interest and barriers, and as many scales.
 
         With other barriers only, no field is built again; with other regions of interest the image gradient is taken
@@ -83,7 +85,7 @@ class ImageFields:
         other = copy(self)
         other.regions = regions
         other._scale_space = self._scale_space.with_regions(regions)
-        other._charged = PlacedChargeCache(self.image.values.shape)
+        other._charged = _charges_of(self.image)
         if others:
             other._check_edges()
         return other
@@ -112,9 +114,10 @@ class ImageFields:
 
         Without charges the vectors have at most unit length. The charges are in px of the image, at every scale.
         """
-        return charged_force(
-            self.scale_field(parameters, scale), at_scale(in_order(charges), scale, self.image.shape), scale
+        force: Array = self._charged.force(
+            self.scale_field(parameters, scale), scale, placed_in(charges, self.image.ndim)
         )
+        return force
 
     def potential(self, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> Array:
         """Potential on the pixels of the image, shape (H, W) [gray levels], lowest where it attracts particles most.
@@ -122,15 +125,22 @@ class ImageFields:
         The sum of the potential of the fixed charges, eq. (7), which is computed on first use and kept with the field,
         and of the potential of placed charges, whose unit of force counts as the mean slope of the former.
         """
-        return charged_potential(self.scale_field(parameters), at_scale(in_order(charges), 0, self.image.shape))
+        placed = placed_in(charges, self.image.ndim)
+        potential: Array = self._charged.potential(self.scale_field(parameters), placed)
+        return potential
 
     def _check_edges(self) -> None:
         if not self.scale_field(self._latest).edge_map.any():
             raise ValueError("there are no edges in the regions of interest: draw them around the objects.")
 
 
-def _scale_space_of(image: Image, scales: int, regions: Regions | None) -> Any:
+def _scale_space_of(image: Image, scales: int, regions: AnyRegions | None) -> Any:
     """The `ScaleSpace` of an image, or the `VolumeSpace` of a volume, which has the same methods."""
     if image.ndim == 3:
-        return VolumeSpace(image, scales, regions)
-    return ScaleSpace(image.values, scales, regions, image.colors)
+        return VolumeSpace(image, scales, regions if isinstance(regions, VolumeRegions) else None)
+    return ScaleSpace(image.values, scales, regions if isinstance(regions, Regions) else None, image.colors)
+
+
+def _charges_of(image: Image) -> Any:
+    """The `PlacedChargeCache` of an image, or the `VolumeCharges` of a volume."""
+    return VolumeCharges(image.shape) if image.ndim == 3 else PlacedChargeCache(image.shape)

@@ -55,23 +55,22 @@ class PlacedChargeCache:
         self._local.kept = kept
         return kept.charged
 
+    def force(self, scale_field: ScaleField, scale: int, charges: Charges) -> Array:
+        """Lorentz force on the pixels of a scale, shape (2, H, W), with that of charges."""
+        force, placed = scale_field.lorentz.astype(float), at_scale(charges, scale, self._shape)
+        if len(placed):
+            box = box_of(placed, radius_at(scale), scale_field.shape)
+            more = placed_force(placed, radius_at(scale), box)
+            force[:, slice(*box[:2]), slice(*box[2:])] += np.moveaxis(more, -1, 0)
+        return force
 
-def charged_force(scale_field: ScaleField, charges: Array, scale: int) -> Array:
-    """Lorentz force on the pixels of a scale, shape (2, H, W), with that of charges, shape (K, 3)."""
-    force = scale_field.lorentz.astype(float)
-    if len(charges):
-        box = box_of(charges, radius_at(scale), scale_field.shape)
-        force[:, slice(*box[:2]), slice(*box[2:])] += np.moveaxis(placed_force(charges, radius_at(scale), box), -1, 0)
-    return force
-
-
-def charged_potential(scale_field: ScaleField, charges: Array) -> Array:
-    """Potential on the pixels of the image, shape (H, W), with that of charges, shape (K, 3); see `ImageFields`."""
-    potential = scale_field.potential.copy()
-    for number in range(len(charges)):
-        charge = charges[number : number + 1]
-        top, bottom, left, right = box_of(charge, radius_at(0), scale_field.shape)
-        places = np.mgrid[top:bottom, left:right].reshape(2, -1).T
-        placed = placed_potential(charge, radius_at(0), places).reshape(bottom - top, right - left)
-        potential[top:bottom, left:right] += scale_field.slope * placed
-    return potential
+    def potential(self, scale_field: ScaleField, charges: Charges) -> Array:
+        """Potential on the pixels of the image, shape (H, W), with that of charges; see `ImageFields`."""
+        potential, placed = scale_field.potential.copy(), at_scale(charges, 0, self._shape)
+        for number in range(len(placed)):
+            charge = placed[number : number + 1]
+            top, bottom, left, right = box_of(charge, radius_at(0), scale_field.shape)
+            places = np.mgrid[top:bottom, left:right].reshape(2, -1).T
+            well = placed_potential(charge, radius_at(0), places).reshape(bottom - top, right - left)
+            potential[top:bottom, left:right] += scale_field.slope * well
+        return potential

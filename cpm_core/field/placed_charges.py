@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from cpm_core.image.pyramid import to_scale
 from cpm_core.numerics.jit import compiled, inlined
 from cpm_core.numerics.real_numbers import real_numbers
-from cpm_core.numerics.types import Array, Position
+from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import shown
 
 Box = tuple[int, int, int, int]
@@ -34,10 +34,10 @@ Box = tuple[int, int, int, int]
 RADIUS = 16.0
 """Distance at which a charge of one pulls as strongly as the field of the edges [px of the image]."""
 
-_RADII = 4.0
+RADII = 4.0
 """Radii beyond which a charge has no effect."""
 
-REACH = _RADII * RADIUS
+REACH = RADII * RADIUS
 """Distance beyond which a charge has no effect [px of the image]."""
 
 MOST = 4.0
@@ -46,8 +46,8 @@ MOST = 4.0
 STRONGEST = 10.0
 """Largest strength of a charge, attracting or repelling."""
 
-_REST = 1.0 - _RADII**-3
-_NORM = 1.0 / (9.0 * _REST**2 / _RADII**3 * 2.0**-0.25 + _REST**3 * 2.0**-1.25)
+_REST = 1.0 - RADII**-3
+_NORM = 1.0 / (9.0 * _REST**2 / RADII**3 * 2.0**-0.25 + _REST**3 * 2.0**-1.25)
 """Factor that makes the force of a charge of one equal to one at its radius."""
 
 
@@ -58,7 +58,7 @@ class PlacedCharge:
     Parameters
     ----------
     position : tuple of float
-        Row and column [px of the image]; may lie outside it.
+        Row and column, or plane, row and column in a volume [px of the image]; may lie outside it.
     strength : float
         From -10 to 10: above 0 it attracts the particles, below 0 it repels them. A charge of one pulls at the distance
         `RADIUS` as strongly as the edges do.
@@ -69,18 +69,22 @@ class PlacedCharge:
         For a strength out of range or a position that is not finite.
     """
 
-    position: Position
+    position: tuple[float, ...]
     strength: float
 
     def __post_init__(self) -> None:
         try:
-            row, col = real_numbers(self.position).tolist()
+            place = real_numbers(self.position)
         except (TypeError, ValueError):
+            place = np.zeros(())
+        if place.shape not in ((2,), (3,)):
             raise ValueError(
-                f"the position of a placed charge is {shown(self.position)} but must be a row and a column."
-            ) from None
-        if not (np.isfinite(row) and np.isfinite(col)):
-            raise ValueError(f"the position of a placed charge is ({row:g}, {col:g}) but must be finite.")
+                f"the position of a placed charge is {shown(self.position)} but must be a row and a column, "
+                "or a plane, a row and a column in a volume."
+            )
+        if not np.isfinite(place).all():
+            numbers = ", ".join(f"{number:g}" for number in place)
+            raise ValueError(f"the position of a placed charge is ({numbers}) but must be finite.")
         strength = self.strength
         number = isinstance(strength, (int, float, np.number)) and not isinstance(strength, bool)
         if not number or not abs(strength) <= STRONGEST:
@@ -88,7 +92,7 @@ class PlacedCharge:
                 f"the strength of a placed charge is {shown(strength)} but must be a number from {-STRONGEST:g} to "
                 f"{STRONGEST:g}."
             )
-        object.__setattr__(self, "position", (row, col))
+        object.__setattr__(self, "position", tuple(place.tolist()))
         object.__setattr__(self, "strength", float(strength))
 
 
@@ -100,6 +104,15 @@ def in_order(charges: Sequence[PlacedCharge]) -> Charges:
     return tuple(sorted(charges, key=lambda charge: (charge.position, charge.strength)))
 
 
+def placed_in(charges: Sequence[PlacedCharge], axes: int) -> Charges:
+    """The same charges in order; ValueError for a position of another number of axes than that of the image."""
+    for charge in charges:
+        if len(charge.position) != axes:
+            wanted, of = ("(plane, row, col)", "a volume") if axes == 3 else ("(row, col)", "an image")
+            raise ValueError(f"the position of a placed charge is {charge.position} but must be {wanted} in {of}.")
+    return in_order(charges)
+
+
 def changed(before: Charges, after: Charges) -> Charges:
     """Charges that are in one of two sets only."""
     one, other = Counter(before), Counter(after)
@@ -107,9 +120,9 @@ def changed(before: Charges, after: Charges) -> Charges:
 
 
 def at_scale(charges: Sequence[PlacedCharge], scale: int, shape: tuple[int, ...]) -> Array:
-    """Row, column [px of a scale of an image of shape `shape`] and strength of each charge; shape (K, 3)."""
+    """Position [px of a scale of an image of shape `shape`] and strength of each charge; shape (K, D + 1)."""
     if not charges:
-        return np.zeros((0, 3))
+        return np.zeros((0, len(shape) + 1))
     places = to_scale(np.array([charge.position for charge in charges]), scale, shape)
     return np.column_stack([places, [charge.strength for charge in charges]])
 
@@ -125,7 +138,7 @@ def within_reach(
     """Which of positions, shape (N, 2) [px of a scale], lie within the reach of at least one charge."""
     near = np.zeros(len(positions), np.bool_)
     if charges:
-        _reach(at_scale(charges, scale, shape), _RADII * radius_at(scale), positions, near)
+        _reach(at_scale(charges, scale, shape), RADII * radius_at(scale), positions, near)
     return near
 
 
@@ -133,8 +146,8 @@ def box_of(charges: Array, radius: float, shape: tuple[int, ...]) -> Box:
     """The pixels of an image of this shape within the reach of charges, shape (K, 3); an empty box without charges."""
     if not len(charges):
         return 0, 0, 0, 0
-    low = np.floor(charges[:, :2].min(axis=0) - _RADII * radius)
-    high = np.ceil(charges[:, :2].max(axis=0) + _RADII * radius) + 1
+    low = np.floor(charges[:, :2].min(axis=0) - RADII * radius)
+    high = np.ceil(charges[:, :2].max(axis=0) + RADII * radius) + 1
     top, left = np.clip(low, 0, shape).astype(int).tolist()
     bottom, right = np.clip(high, 0, shape).astype(int).tolist()
     return top, bottom, left, right
@@ -178,19 +191,26 @@ def _add_potentials(charges: Array, radius: float, points: Array, potential: Arr
     for k in range(len(charges)):
         for i in range(len(points)):
             squared = ((points[i, 0] - charges[k, 0]) ** 2 + (points[i, 1] - charges[k, 1]) ** 2) / radius**2
-            if squared < _RADII**2:
-                left = 1.0 - squared * np.sqrt(squared) / _RADII**3
-                potential[i] -= _NORM * charges[k, 2] * radius * left**3 / np.sqrt(np.sqrt(1.0 + squared**2))
+            if squared < RADII**2:
+                potential[i] -= charges[k, 2] * radius * depth(squared)
 
 
 @inlined
-def _pull(squared: float) -> float:
+def depth(squared: float) -> float:
+    """Potential of a charge of one at a squared distance below the reach, but for its sign, in units of the radius."""
+    left = 1.0 - squared * np.sqrt(squared) / RADII**3
+    well: float = _NORM * left**3 / np.sqrt(np.sqrt(1.0 + squared**2))
+    return well
+
+
+@inlined
+def pull(squared: float) -> float:
     """Force of a charge of one at a squared distance, in units of the radius."""
     away = np.sqrt(squared)
-    left = max(1.0 - squared * away / _RADII**3, 0.0)
+    left = max(1.0 - squared * away / RADII**3, 0.0)
     soft = 1.0 + squared**2
-    pull: float = _NORM * left**2 / np.sqrt(np.sqrt(soft)) * (9.0 / _RADII**3 * away + left * squared / soft)
-    return pull
+    strength: float = _NORM * left**2 / np.sqrt(np.sqrt(soft)) * (9.0 / RADII**3 * away + left * squared / soft)
+    return strength
 
 
 @compiled
@@ -199,13 +219,13 @@ def _add_forces(charges: Array, radius: float, top: int, left: int, force: Array
     height, width = force.shape[0], force.shape[1]
     for k in range(len(charges)):
         y, x, strength = charges[k, 0] - top, charges[k, 1] - left, charges[k, 2]
-        reach = _RADII * radius
+        reach = RADII * radius
         for row in range(max(int(y - reach), 0), min(int(y + reach) + 1, height - 1) + 1):
             for col in range(max(int(x - reach), 0), min(int(x + reach) + 1, width - 1) + 1):
                 d_y, d_x = (y - row) / radius, (x - col) / radius
-                pull = strength * _pull(d_y**2 + d_x**2)
-                force[row, col, 0] += pull * d_y
-                force[row, col, 1] += pull * d_x
+                factor = strength * pull(d_y**2 + d_x**2)
+                force[row, col, 0] += factor * d_y
+                force[row, col, 1] += factor * d_x
     for row in range(height):
         for col in range(width):
             squared = force[row, col, 0] ** 2 + force[row, col, 1] ** 2

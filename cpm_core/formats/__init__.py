@@ -2,7 +2,7 @@
 
 from cpm_core.formats.contours.contour_files import CONTOURS_READABLE, load_contours
 from cpm_core.formats.contours.points_csv import load_points
-from cpm_core.formats.readers import READABLE, load_image
+from cpm_core.formats.readers import READABLE, holds_volume, load_image, load_volume
 from cpm_core.formats.writers import (
     FOR_SKELETONS,
     FOR_VOLUMES,
@@ -26,10 +26,12 @@ __all__ = [
     "check_export",
     "encoded",
     "export",
+    "holds_volume",
     "left_out",
     "load_contours",
     "load_image",
     "load_points",
+    "load_volume",
     "omission",
     "suffix_of",
 ]

@@ -15,6 +15,7 @@ from typing import Any
 from cpm_core.contours.result import Result
 from cpm_core.formats.printable import printable
 from cpm_core.image.regions import Regions
+from cpm_core.image.volume_regions import Voxels
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.shapes import SHAPES, Shape
@@ -120,8 +121,13 @@ def _limits(result: Result | Skeleton) -> list[dict[str, Any]]:
     """Regions of interest and barriers of a run as shapes."""
     regions = result.regions if isinstance(result, Result) else None
     known = regions or Regions()
-    lines = [("region", line) for line in known.interest] + [("barrier", line) for line in known.barriers]
-    return [{"shape": shape, "points": line} for shape, line in lines]
+    limits = [*(("region", limit) for limit in known.interest), *(("barrier", limit) for limit in known.barriers)]
+    return [
+        {"shape": shape, "voxels": int(limit.mask.sum())}
+        if isinstance(limit, Voxels)
+        else {"shape": shape, "points": limit}
+        for shape, limit in limits
+    ]
 
 
 def _shortened(shape: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Readers of images: the content of a file selects its reader, not its suffix.
+"""Readers of images and volumes: the content of a file selects its reader, not its suffix.
 
 A new reader is a module with the interface `Reader`, and an entry in `_READERS`.
 """
@@ -10,14 +10,26 @@ import os
 import stat
 import warnings
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
 
 from cpm_core.formats.fingerprint import fingerprint
-from cpm_core.formats.images import foreign, numpy_array, raster, tiff
-from cpm_core.formats.images.decoded import Decoded, UnreadableError
+from cpm_core.formats.images import foreign, numpy_array, resolution
+from cpm_core.formats.images.choice import Choice
+from cpm_core.formats.images.decoded import LUMINANCE_NOTE, Decoded, UnreadableError
+from cpm_core.formats.images.medical import metaimage, nifti, nrrd
+from cpm_core.formats.images.medical.dicom import reader as dicom
+from cpm_core.formats.images.stacks import frames, tiff_stack
+from cpm_core.formats.images.stacks.stack import Stack, volume_of
 from cpm_core.formats.printable import printable
-from cpm_core.image.image import Image
+from cpm_core.image.colors import CONTRAST, channel_of, most_contrast
+from cpm_core.image.image import MINIMUM_SIDE, Image
+from cpm_core.numerics.real_numbers import real_numbers
+from cpm_core.parameters.quotation import shown
 
 
 class Reader(Protocol):
@@ -29,13 +41,19 @@ class Reader(Protocol):
     def reads(self, head: bytes, path: Path, /) -> bool:
         """Whether the file is of this format, by its first 512 bytes (all of a shorter file) and its path."""
 
-    def read(self, path: Path) -> Decoded:
-        """Read a file; damaged ones may raise anything."""
+    def read(self, path: Path, choice: Choice, /) -> Decoded:
+        """Read an image, of a file of several planes one of them; damaged files may raise anything."""
+
+    def stack(self, path: Path, choice: Choice, /) -> Stack:
+        """Open a file of several planes, of a picture that stands still its only one."""
 
 
-_READERS: tuple[Reader, ...] = (tiff, numpy_array, foreign, raster)  # the last one takes what no other reads
+# dicom comes first, because a DICOM file may begin as a TIFF does; the last one takes what no other reads
+_READERS: tuple[Reader, ...] = (dicom, tiff_stack, numpy_array, nifti, nrrd, metaimage, foreign, frames)
 _HEAD = 512
 """Bytes that identify a format: the signatures of medical formats are at 128 (DICOM) and 344 (NIfTI)."""
+
+_COLORS = ("luminance", "red", "green", "blue", CONTRAST)
 
 _LOG = logging.getLogger(__name__)
 
@@ -43,21 +61,45 @@ READABLE: dict[str, str] = {suffix: text for reader in _READERS for suffix, text
 """Suffixes of the images that can be read -> what they are. The content of a file decides, not its suffix."""
 
 
-def load_image(path: str | os.PathLike[str], go_on: Callable[[], object] | None = None) -> Image:
-    """Read an image file.
+def load_image(
+    path: str | os.PathLike[str],
+    go_on: Callable[[], object] | None = None,
+    *,
+    page: int | None = None,
+    channel: int | None = None,
+    time: int | None = None,
+    series: int | str | None = None,
+    color: str = "luminance",
+    spacing: ArrayLike | None = None,
+    unit: str | None = None,
+) -> Image:
+    """Read an image file, of a file of several planes one of them.
 
     Parameters
     ----------
     path : path-like
-        A file of one of the kinds in `READABLE`.
+        A file of one of the kinds in `READABLE`, or a folder with the slices of a DICOM series.
     go_on : callable, optional
-        Called between the parts of a long file while its hash is made; it may raise to stop.
+        Called between the parts of a long file while it is hashed; it may raise to stop.
+    page : int, optional
+        Which plane, page or frame, from 1; by default the first page or frame, and the middle plane of a volume.
+    channel, time : int, optional
+        Which channel and which point in time, from 1; by default the first.
+    series : int or str, optional
+        Which series of a TIFF or of a folder, which array of an archive, by number from 1 or by name.
+    color : {"luminance", "red", "green", "blue", "contrast"}, optional
+        What gray levels are made of color: how bright it is to the eye, one of its channels, or the channel whose gray
+        levels vary the most.
+    spacing : float or sequence of float, optional
+        Size of a pixel, or along (row, col), in place of what the file tells.
+    unit : str, optional
+        Unit of `spacing`: nm, µm, mm, cm or m.
 
     Returns
     -------
     Image
-        Its gray levels in the range of the file (16 bits stay 16 bits), color turned into luminance, the size of a
-        pixel where the file gives it, the hash of the file, and in ``notes`` what was changed.
+        Its gray levels in the range of the file, the size of a pixel and its place in space where the file gives them,
+        the hash of the file, and in ``notes`` what was changed and what else the file holds.
 
     Raises
     ------
@@ -65,27 +107,118 @@ def load_image(path: str | os.PathLike[str], go_on: Callable[[], object] | None 
         When there is no such file, or it cannot be used or read again for its hash; one sentence with its name and
         what to do.
     """
+    file, choice = Path(path), Choice(page, channel, time, series)
+    decoded = _in(_color(color), _read(file, lambda reader: reader.read(file, choice)))
+    return _image(decoded, file, go_on, spacing, unit)
+
+
+def load_volume(
+    path: str | os.PathLike[str],
+    go_on: Callable[[], object] | None = None,
+    *,
+    channel: int | None = None,
+    time: int | None = None,
+    series: int | str | None = None,
+    color: str = "luminance",
+    spacing: ArrayLike | None = None,
+    unit: str | None = None,
+) -> Image:
+    """Read a volume.
+
+    Parameters
+    ----------
+    path : path-like
+        A stack or volume of one of the kinds in `READABLE`, or a folder with the slices of a DICOM series.
+    go_on, channel, time, series, color, unit
+        As for `load_image`.
+    spacing : float or sequence of float, optional
+        Size of a voxel, or along (plane, row, col), in place of what the file tells.
+
+    Returns
+    -------
+    Image
+        With three axes (plane, row, col): in medical files rows run along the second axis of the file, and planes along
+        the third. In ``notes`` it says what else the file holds.
+
+    Raises
+    ------
+    ValueError
+        When there is no such file, or it cannot be used; one sentence with its name and what to do.
+    """
+    choice = Choice(None, channel, time, series)
     file = Path(path)
+    decoded = _in(_color(color), _read(file, lambda reader: volume_of(reader.stack(file, choice), choice)))
+    return _image(decoded, file, go_on, spacing, unit)
+
+
+def holds_volume(path: str | os.PathLike[str], series: int | str | None = None) -> bool:
+    """Whether a file holds enough planes for a volume; ValueError as for `load_volume`."""
+    file = Path(path)
+    opened: Stack = _read(file, lambda reader: reader.stack(file, Choice(series=series)))
+    return opened.shape[0] >= MINIMUM_SIDE
+
+
+def _read(file: Path, do: Callable[[Reader], Any]) -> Any:
+    """What the reader of a file makes of it; ValueError, one sentence, when it fails."""
     head = _head(file)
     reader = next(reader for reader in _READERS if reader.reads(head, file))
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # oddities of a readable file do not concern the user
-            decoded: Decoded = reader.read(file)
+            return do(reader)
     except UnreadableError:
         raise
     except MemoryError:
         raise ValueError(f"{file.name} does not fit into memory: crop it or make it smaller first.") from None
     except Exception as error:  # decoders raise exceptions of any kind on damaged files
         _LOG.info("%s: %s: %s", file, type(error).__name__, error)
-        if foreign.reads(head, file):  # a DICOM file may begin as a TIFF does, and need not be one as well
-            foreign.read(file)
         raise ValueError(
             f"{file.name} is damaged, cut short or of an unknown kind: get a sound copy of it, "
             "or save it again as PNG or TIFF."
         ) from error
-    name, sha256 = printable(file.name), fingerprint(file, go_on)
-    return Image(decoded.values, decoded.spacing, decoded.unit, name, decoded.notes, decoded.colors, sha256)
+
+
+def _color(given: str) -> str:
+    if given not in _COLORS:
+        raise ValueError(f"color is {shown(given)} but must be one of {', '.join(_COLORS)}.")
+    return given
+
+
+def _in(color: str, decoded: Decoded) -> Decoded:
+    """What was read, in the gray levels of a channel of its colors."""
+    if color == _COLORS[0] or decoded.colors is None:
+        return decoded
+    taken = most_contrast(decoded.colors) if color == CONTRAST else color
+    values = channel_of(decoded.values, decoded.colors, taken)
+    said = f"The channel {taken} of its colors was taken{', which varies the most' if color == CONTRAST else ''}."
+    notes = tuple(said if note == LUMINANCE_NOTE else note for note in decoded.notes)
+    return replace(decoded, values=values, colors=None, notes=notes)
+
+
+def _image(
+    decoded: Decoded, file: Path, go_on: Callable[[], object] | None, spacing: ArrayLike | None, unit: str | None
+) -> Image:
+    """The image of what was read, with the size of a pixel that is given, if one is."""
+    sizes, named, geometry = decoded.spacing, decoded.unit, decoded.geometry
+    if spacing is None and unit is not None:
+        raise ValueError(f"unit is {shown(unit)} but there is no spacing: give the size of a pixel as well.")
+    if spacing is not None:
+        given = real_numbers(spacing)
+        if given.ndim == 0:
+            given = np.full(decoded.values.ndim, given.item())
+        sizes, named = tuple(np.ravel(given).tolist()), _unit(unit)
+        if geometry is not None and named and decoded.unit:
+            geometry = geometry.scaled(resolution.factor(decoded.unit, named))
+    name = printable(file.name)
+    sha256 = "" if file.is_dir() else fingerprint(file, go_on)
+    return Image(decoded.values, sizes, named, name, decoded.notes, decoded.colors, sha256, geometry)
+
+
+def _unit(given: str | None) -> str | None:
+    known = None if given is None else resolution.known_unit(str(given))
+    if given is not None and known is None:
+        raise ValueError(f"unit is {shown(given)} but must be nm, µm, mm, cm or m.")
+    return known
 
 
 def _head(file: Path) -> bytes:
@@ -93,6 +226,8 @@ def _head(file: Path) -> bytes:
     try:
         kind = file.stat().st_mode
         if stat.S_ISDIR(kind):
+            if dicom.is_series(file):
+                return dicom.FOLDER
             raise UnreadableError(f"{file} is a folder: choose an image file in it.")
         if not stat.S_ISREG(kind):
             raise UnreadableError(f"{file} is not an ordinary file: choose an image file.")

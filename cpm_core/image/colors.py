@@ -11,6 +11,9 @@ from skimage.color import rgb2hed
 from cpm_core.numerics.types import Array
 
 _PRIMARIES = ("red", "green", "blue")
+CONTRAST = "contrast"
+"""What is asked for in place of the name of a channel when that shall be taken whose gray levels vary the most."""
+
 _STAINS = ("hematoxylin", "eosin", "dab")
 
 _DARKEST = 1e-6
@@ -55,6 +58,12 @@ def channel_of(luminance: Array, colors: Colors | None, channel: str) -> Array:
     if channel in _PRIMARIES:
         return np.multiply(colors.samples[..., _PRIMARIES.index(channel)], colors.white / 255.0, dtype=np.float64)
     return _through_stain(colors, _STAINS.index(channel))
+
+
+def most_contrast(colors: Colors) -> str:
+    """The channel, red, green or blue, whose gray levels vary the most: their standard deviation is the largest."""
+    spread = [float(colors.samples[..., place].std(dtype=np.float64)) for place in range(len(_PRIMARIES))]
+    return _PRIMARIES[int(np.argmax(spread))]
 
 
 def _through_stain(colors: Colors, stain: int) -> Array:

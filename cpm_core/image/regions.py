@@ -56,9 +56,11 @@ class Regions:
 
     def check(self, shape: tuple[int, ...]) -> None:
         """Raise a `ValueError` unless every region of interest contains a pixel of an image of this shape."""
+        size = " x ".join(map(str, shape))
+        if len(shape) != 2:
+            raise ValueError(f"these regions are for an image, but this is a volume of {size}: use VolumeRegions.")
         for number, polygon in enumerate(self.interest, start=1):
             if not _pixels(polygon, shape).any():
-                size = " x ".join(map(str, shape))
                 raise ValueError(
                     f"region of interest {number} holds no pixel of the image ({size} pixels): "
                     "draw it inside the image, around an object."

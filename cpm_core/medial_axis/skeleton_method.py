@@ -16,6 +16,7 @@ from cpm_core.field.image_fields import ImageFields
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image, as_plane
 from cpm_core.image.regions import Regions
+from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.medial_axis.boundary import outlined_boundary
 from cpm_core.medial_axis.medial_axis import Axis, medial_axis
 from cpm_core.medial_axis.outlines import inside_outlines, outlines_of
@@ -140,7 +141,7 @@ class SkeletonMethod(ImageFields):
         within: Within | None = None,
         outside: bool = False,
     ) -> None:
-        interest = Regions(regions.interest) if regions is not None and regions.interest else None
+        interest = Regions(regions.interest) if isinstance(regions, Regions) and regions.interest else None
         super().__init__(as_plane(values), replace(parameters or PRESETS["noisy"], scales=1), interest)
         self.regions = regions
         self._outlines = None if within is None else outlines_of(within, self.image.shape)
@@ -155,9 +156,9 @@ class SkeletonMethod(ImageFields):
         """Always true: the method works on the image at full size."""
         return True
 
-    def with_regions(self, regions: Regions | None) -> Self:
+    def with_regions(self, regions: AnyRegions | None) -> Self:
         """The same method with other regions of interest."""
-        interest = Regions(regions.interest) if regions is not None and regions.interest else None
+        interest = Regions(regions.interest) if isinstance(regions, Regions) and regions.interest else None
         other = super().with_regions(interest)
         other.regions = regions
         return other

@@ -66,7 +66,8 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
         return partition(segment(image, uniform_grid(image.shape), params or EVERYWHERE))
     if values.image is None:
         raise ValueError("the result does not know its image: make a partition of the image itself.")
-    return Partition(values.image, tuple(values.contours), values.regions, values.channel)
+    regions = values.regions if isinstance(values.regions, Regions) else None
+    return Partition(as_plane(values.image), tuple(values.contours), regions, values.channel)
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,9 +10,10 @@ from cpm_core.field.edge_map import edge_map
 from cpm_core.field.electric_field import electric_field
 from cpm_core.field.interpolation import interpolate
 from cpm_core.field.scale_field import WEAKEST_EDGE, unit_vectors
-from cpm_core.image.regions import Regions
+from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.polyline import lengths_along, places_at
 from cpm_core.numerics.real_numbers import checked_number, real_numbers
+from cpm_core.numerics.reproducible.gaussian import gaussian_filter
 from cpm_core.numerics.types import Array, Mask, Position
 from cpm_core.parameters.quotation import shown
 
@@ -221,7 +222,7 @@ def divergence_centers(values: ArrayLike, smoothing: float = 2.0, spacing: float
     strength = edge_map(image, smoothing)
     direction = unit_vectors(electric_field(strength))
     parts = [np.gradient(component, axis=axis) for axis, component in enumerate(direction)]
-    divergence = scipy.ndimage.gaussian_filter(sum(parts), _RIPPLE, mode="nearest")
+    divergence = gaussian_filter(np.asarray(sum(parts)), _RIPPLE)
     largest = scipy.ndimage.maximum_filter(divergence, size=2 * int(spacing) + 1, mode="nearest")
     centers = np.argwhere((divergence == largest) & (divergence > _LEAST_DIVERGENCE)).astype(float)
     rim = np.concatenate([strength[0], strength[-1], strength[:, 0], strength[:, -1]])
@@ -229,7 +230,7 @@ def divergence_centers(values: ArrayLike, smoothing: float = 2.0, spacing: float
     return np.concatenate([centers, _inflow(direction)]) if cut else centers
 
 
-def starting_points(seeds: ArrayLike, shape: tuple[int, ...], regions: Regions | None) -> Array:
+def starting_points(seeds: ArrayLike, shape: tuple[int, ...], regions: AnyRegions | None) -> Array:
     """Check seeds, shape (N, D) [px of the image], and leave out those in places where no particle may be."""
     points = real_numbers(seeds)
     if points.size == 0:
@@ -279,7 +280,7 @@ def inside_image(positions: Array, shape: tuple[int, ...]) -> Mask:
     return inside
 
 
-def allowed_by(positions: Array, regions: Regions | None) -> Mask:
+def allowed_by(positions: Array, regions: AnyRegions | None) -> Mask:
     """Which positions [px of the image] lie in the regions of interest and on no barrier."""
     return np.ones(len(positions), np.bool_) if regions is None else regions.allows(positions)
 

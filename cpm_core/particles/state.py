@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.field.placed_charges import Charges
+from cpm_core.field.placed_charges import Charges, at_scale
 from cpm_core.image.pyramid import to_image, to_scale
-from cpm_core.image.regions import Regions
+from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.types import Array
 from cpm_core.numerics.vectors import Vector
 from cpm_core.particles.coverage import Coverage
@@ -85,9 +85,9 @@ class Particles:
             self.contact and self.contact.taken(index),
         )
 
-    def woken_at(self, step: int) -> Particles:
-        """The same, all of them awake at a step; in the plane the coverage knows this."""
-        return self if self.contact is None else replace(self, contact=self.contact.woken_at(step))
+    def woken_at(self, step: int, which: NDArray[np.bool_] | None = None) -> Particles:
+        """The same, some of them awake at a step, by default all; in the plane the coverage knows this."""
+        return self if self.contact is None else replace(self, contact=self.contact.woken_at(step, which))
 
     def with_more(self, position: Array, first: int, contact: SurfaceContact | None = None) -> Particles:
         """Add particles without motion or history at positions of shape (M, D), numbered from `first` on.
@@ -167,7 +167,7 @@ class State:
         Fraction of the insertion range d_max that annealing has left.
     steering : tuple
         `Parameters.steering` of the last step; empty before the first.
-    regions : Regions or None
+    regions : Regions or VolumeRegions or None
         Regions of interest and barriers of the last step.
     charges : tuple of PlacedCharge
         Placed charges of the last step.
@@ -209,7 +209,7 @@ class State:
     step_of_scale: int = 0
     annealed: float = 1.0
     steering: tuple[object, ...] = ()
-    regions: Regions | None = None
+    regions: AnyRegions | None = None
     charges: Charges = ()
     erased: bool = False
     reactivated: int = 0
@@ -236,6 +236,12 @@ class State:
         """Positions of the image [px], shape (M, D), as those of particles at a scale."""
         found = to_scale(places, scale, self.shape)
         return found if self.space is None else found * self.space.pitch
+
+    @property
+    def placed(self) -> Array:
+        """Position of each placed charge, as those of particles at the scale, and its strength; shape (K, D + 1)."""
+        placed = at_scale(self.charges, self.scale, self.shape)
+        return placed if self.space is None else placed * (*self.space.pitch, 1.0)
 
     @property
     def count(self) -> int:

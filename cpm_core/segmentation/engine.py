@@ -17,10 +17,10 @@ from numpy.typing import ArrayLike
 from cpm_core.contours.result import Result
 from cpm_core.dynamics.energies import Energies, kinetic_energy
 from cpm_core.dynamics.forces import Forces
-from cpm_core.field.placed_charges import PlacedCharge, in_order
+from cpm_core.field.placed_charges import PlacedCharge, placed_in
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.image import Image
-from cpm_core.image.regions import Regions
+from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import OF_SKELETONS, PARAMETERS, Parameters
 from cpm_core.parameters.choices import CHOICES
@@ -49,7 +49,7 @@ class Engine(RunFields):
     seeded: ClassVar[bool] = True
 
     def __init__(
-        self, values: ArrayLike | Image, parameters: Parameters | None = None, regions: Regions | None = None
+        self, values: ArrayLike | Image, parameters: Parameters | None = None, regions: AnyRegions | None = None
     ) -> None:
         super().__init__(values, parameters, regions)
         self._laws = _LAWS[self.image.ndim]
@@ -148,7 +148,7 @@ class Engine(RunFields):
 
         The potential of the fixed charges is computed at the first call for a scale and cached with the field.
         """
-        placed = replace(state, charges=in_order(charges))
+        placed = replace(state, charges=placed_in(charges, self.image.ndim))
         found: Energies = self._laws.energies_of(placed, self._field_of(state, parameters), parameters)
         return found
 

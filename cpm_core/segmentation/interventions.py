@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cpm_core.field.placed_charges import REACH, Charges, PlacedCharge, at_scale, changed, in_order
-from cpm_core.image.regions import Regions
+from cpm_core.field.placed_charges import REACH, Charges, PlacedCharge, changed, placed_in, radius_at
+from cpm_core.field.volume.placed_charges import near_charges
+from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 from cpm_core.particles.coverage import renewed, renewed_near
@@ -19,11 +20,11 @@ from cpm_core.particles.state import State
 Chosen = NDArray[np.bool_] | Callable[[Array], ArrayLike]
 
 
-def applied(state: State, regions: Regions | None, parameters: Parameters, charges: Sequence[PlacedCharge]) -> State:
+def applied(state: State, regions: AnyRegions | None, parameters: Parameters, charges: Sequence[PlacedCharge]) -> State:
     """The state with which a step begins, reactivated where parameters, regions or charges have changed."""
     if state.steering != parameters.steering or state.regions != regions:
         state = replace(reactivated(within(state, regions)), steering=parameters.steering)
-    placed = in_order(charges)
+    placed = placed_in(charges, len(state.shape))
     return state if state.charges == placed else reactivated_near(state, placed)
 
 
@@ -43,7 +44,7 @@ def reactivated(state: State) -> State:
     )
 
 
-def within(state: State, regions: Regions | None) -> State:
+def within(state: State, regions: AnyRegions | None) -> State:
     """Continue in other regions with the particles inside them."""
     if state.regions == regions:
         return state
@@ -53,15 +54,20 @@ def within(state: State, regions: Regions | None) -> State:
 
 def reactivated_near(state: State, charges: Charges) -> State:
     """Continue with other placed charges, in order, and reactivate the particles within reach of a changed one."""
-    step, others = state.step_of_scale, changed(state.charges, charges)
-    places = at_scale(others, state.scale, state.shape)[:, :2]
-    coverage = renewed_near(state.coverage, places, REACH * 0.5**state.scale, step)
+    step, others = state.step_of_scale, replace(state, charges=changed(state.charges, charges)).placed
+    if state.space is not None:
+        near = near_charges(others, radius_at(state.scale), state.particles.position)
+        woken = state.particles.woken_at(step, near)
+        return replace(
+            state, particles=woken, charges=charges, annealed=1.0, reactivated=step, idle=0, quiet=0, reseedings=0
+        )
+    coverage = renewed_near(state.coverage, others[:, :2], REACH * 0.5**state.scale, step)
     valid = state.mesh is not None and len(state.mesh.force) > 0  # else all particles may have been at rest
     mesh = state.mesh if valid else None
     return replace(state, charges=charges, coverage=coverage, annealed=1.0, reactivated=step, quiet=0, mesh=mesh)
 
 
-def joined(state: State, seeds: ArrayLike, regions: Regions | None) -> State:
+def joined(state: State, seeds: ArrayLike, regions: AnyRegions | None) -> State:
     """Put more particles into a run; see `Engine.joined`."""
     points = starting_points(seeds, state.shape, regions)
     particles = state.particles.with_more(state.at_scale(points, state.scale), state.next_identity)

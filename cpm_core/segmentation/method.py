@@ -16,7 +16,7 @@ from cpm_core.contours.result import Result
 from cpm_core.dynamics.forces import Forces
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image
-from cpm_core.image.regions import Regions
+from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeleton_method import SkeletonMethod
 from cpm_core.numerics.types import Array
@@ -86,8 +86,6 @@ class Method(Protocol[S]):
         Whether a run starts from seeds, and responds to charges, regions and further seeds.
     image : Image
         The image.
-    regions : Regions or None
-        Regions of interest and barriers.
     """
 
     name: ClassVar[str]
@@ -95,10 +93,13 @@ class Method(Protocol[S]):
     parameters: ClassVar[tuple[str, ...]]
     seeded: ClassVar[bool]
     image: Image
-    regions: Regions | None
+
+    @property
+    def regions(self) -> AnyRegions | None:
+        """Regions of interest and barriers."""
 
     def __init__(
-        self, values: ArrayLike | Image, parameters: Parameters | None = None, regions: Regions | None = None
+        self, values: ArrayLike | Image, parameters: Parameters | None = None, regions: Any = None
     ) -> None: ...
 
     @staticmethod
@@ -108,7 +109,7 @@ class Method(Protocol[S]):
     def suits(self, parameters: Parameters) -> bool:
         """Whether a run with these parameters can start; if not, a new method object is needed."""
 
-    def with_regions(self, regions: Regions | None) -> Self:
+    def with_regions(self, regions: Any) -> Self:
         """The same method with other regions, which can continue a run."""
 
     def start(self, seeds: ArrayLike) -> S:

@@ -9,7 +9,7 @@ import numpy as np
 from cpm_core.dynamics.equilibrium import IDLE_STEPS, QUIET_STEPS, is_quiet
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.pyramid import shape_of_scale, to_image, to_scale
-from cpm_core.image.regions import Regions
+from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.parameters import Parameters
 from cpm_core.particles.coverage import no_coverage
 from cpm_core.particles.coverage.space import no_surface
@@ -24,7 +24,7 @@ _LEAST_STEPS = 400
 """Number of steps that every scale may take."""
 
 
-def advance(state: State, scale_field: ScaleField, regions: Regions | None, parameters: Parameters) -> State:
+def advance(state: State, scale_field: ScaleField, regions: AnyRegions | None, parameters: Parameters) -> State:
     """End a scale or the run at equilibrium or after the greatest number of steps; else return the state."""
     quiet = is_quiet(state.epsilon, state.moving, state.born + state.deleted, state.count)
     state = replace(state, quiet=state.quiet + 1 if quiet else 0)
@@ -48,7 +48,7 @@ def advance(state: State, scale_field: ScaleField, regions: Regions | None, para
     return state
 
 
-def start_scale(state: State, scale: int, regions: Regions | None) -> State:
+def start_scale(state: State, scale: int, regions: AnyRegions | None) -> State:
     """Begin a scale with the particles of the coarser one and with all seeds."""
     position = np.concatenate([to_scale(places, scale, state.shape) for places in (state.position, state.start)])
     shape = shape_of_scale(state.shape, scale)

@@ -11,7 +11,7 @@ from cpm_core.contours.result import Result
 from cpm_core.field.image_fields import ImageFields
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image
-from cpm_core.image.regions import Regions
+from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.real_numbers import checked_number
 from cpm_core.parameters import Parameters
 from cpm_core.particles.state import State
@@ -25,7 +25,7 @@ def segment(
     parameters: Parameters | None = None,
     max_steps: int | None = None,
     progress: Callable[[State], object] | None = None,
-    regions: Regions | None = None,
+    regions: AnyRegions | None = None,
     charges: Sequence[PlacedCharge] = (),
 ) -> Result:
     """Find the contours of objects by particles that flow from seeds to edges and along them, until equilibrium.
@@ -42,7 +42,7 @@ def segment(
         Greatest number of steps.
     progress : callable, optional
         Called with every `State`.
-    regions : Regions, optional
+    regions : Regions or VolumeRegions, optional
         Regions of interest, which particles stay in, and barriers, which they do not cross.
     charges : sequence of PlacedCharge
         Charges that attract or repel particles, in addition to the fixed charges of the edges.

@@ -136,7 +136,7 @@ class Opened(Report):
     `parameters` have as many of the requested `scales` as the image has room for. `folder` are the images beside it,
     itself among them, `beside` is a session of it that has not been opened with it, and `kind` what it looks like.
     `large` are settings for an image that is large. A volume has no `display`, which each view makes of the slice that
-    it shows. `pages` is how many pages a stack has that can be opened as one volume.
+    it shows. `stacked` is whether the file holds a volume, of which a plane may be open.
     """
 
     image: Image
@@ -152,7 +152,7 @@ class Opened(Report):
     beside: Path | None = None
     kind: Kind | None = None
     large: LargeImageSettings | None = None
-    pages: int = 0
+    stacked: bool = False
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -13,7 +13,7 @@ from app.session.core_functions import Core
 from app.session.exchange.messages import ImageReady, NotOpened, Opened, Report, Saved
 from app.session.tasks.folder_images import images_beside, session_beside
 from app.session.tasks.tasks import Task, Tasks
-from app.session.tasks.volume_files import holds_only_volume, pages_of
+from app.session.tasks.volume_files import is_stacked, opens_as_volume
 from cpm_core.formats.sessions.session_file import SUFFIX, find_image, load_session
 from cpm_core.image.image import Image
 from cpm_core.image.kind import guessed_kind
@@ -28,7 +28,7 @@ class Wanted:
 
     A session has its own parameters. Where `saved` gives its content, `path` only gives its place. The `notes` are
     shown once it is open. An image that `resumes` is opened with the session beside it, if there is one. A stack of
-    pages is opened `as_volume`, or its first page as an image; a file that is nothing but a volume is one anyway.
+    planes is opened `as_volume`, or one plane as an image; None leaves that to the kind of the file.
     """
 
     path: Path
@@ -37,7 +37,7 @@ class Wanted:
     saved: Saved | None = None
     notes: tuple[str, ...] = ()
     resumes: bool = False
-    as_volume: bool = False
+    as_volume: bool | None = None
 
 
 def is_session(path: Path) -> bool:
@@ -74,7 +74,7 @@ def prepare(core: Core, wanted: Wanted, go_on: Callable[[], None]) -> Opened:
     method = core.methods["cpm"](image, parameters, None)
     go_on()
     all_notes, sha256 = (*image.notes, *notes), image.file_sha256
-    opened = Opened(image, method, None, path, parameters, all_notes, sha256, saved, scales, pages=pages_of(path))
+    opened = Opened(image, method, None, path, parameters, all_notes, sha256, saved, scales, stacked=is_stacked(path))
     opened = replace(opened, folder=images_beside(path), beside=beside)
     return opened if image.ndim == 3 else _of_plane(opened, go_on)
 
@@ -82,7 +82,9 @@ def prepare(core: Core, wanted: Wanted, go_on: Callable[[], None]) -> Opened:
 def _read(core: Core, wanted: Wanted, path: Path, saved: Saved | None, go_on: Callable[[], None]) -> Image:
     """The image or the volume of a file, of which the range of gray levels is known afterwards."""
     known = saved.file.image.shape if saved is not None and saved.file.image is not None else ()
-    as_volume = wanted.as_volume or len(known) == 3 or holds_only_volume(path)
+    as_volume = len(known) == 3 if known else wanted.as_volume
+    if as_volume is None:
+        as_volume = opens_as_volume(path)
     image = core.load_volume(path, go_on) if as_volume else core.load_image(path, go_on)
     image.gray_range  # noqa: B018 - found here, because the window asks for it
     return image

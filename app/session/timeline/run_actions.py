@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.field.placed_charges import PlacedCharge
-from cpm_core.image.regions import Regions
+from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Position
 from cpm_core.parameters import Parameters
@@ -20,7 +20,7 @@ class RunAction(Protocol):
     """Something done to a state; equal actions lead from the same state to the same next one."""
 
     @property
-    def regions(self) -> Regions | None:
+    def regions(self) -> AnyRegions | None:
         """Regions of the method that did it."""
 
     def apply(self, method: Method[Any], state: Any) -> Any:
@@ -33,7 +33,7 @@ class Stepped:
 
     parameters: Parameters
     charges: tuple[PlacedCharge, ...] = ()
-    regions: Regions | None = None
+    regions: AnyRegions | None = None
 
     def apply(self, method: Method[Any], state: Any) -> Any:
         """Take the step."""
@@ -46,7 +46,7 @@ class Joined:
     """Particles added at seeds, shape (N, 2), whose bytes are stored so that actions can be compared."""
 
     seeds: bytes
-    regions: Regions | None = None
+    regions: AnyRegions | None = None
 
     def apply(self, method: Method[Any], state: Any) -> Any:
         """Add the particles; a method without moving particles leaves its state as it is."""
@@ -60,7 +60,7 @@ class Erased:
 
     path: tuple[Position, ...]
     radius: float
-    regions: Regions | None = None
+    regions: AnyRegions | None = None
 
     def apply(self, method: Method[Any], state: Any) -> Any:
         """Remove the particles; a method without moving particles leaves its state as it is."""

@@ -11,7 +11,7 @@ from app.model.document.document import Document
 from app.model.document.modes import MODES
 from cpm_core.contours.contour import Contour
 from cpm_core.image.image import Image
-from cpm_core.image.regions import Regions
+from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.medial_axis.skeleton_method import SkeletonMethod
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
@@ -22,7 +22,7 @@ from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds, SeedCache
 class PreparedMethods:
     """Methods by name for the image that is open: made when a run needs them, and kept as long as the image."""
 
-    def __init__(self, makers: Mapping[str, Callable[[Image, Parameters, Regions | None], Method[Any]]]) -> None:
+    def __init__(self, makers: Mapping[str, Callable[[Image, Parameters, AnyRegions | None], Method[Any]]]) -> None:
         self._makers = makers
         self._ready: dict[str, Method[Any]] = {}
         self._image: Image | None = None

@@ -18,7 +18,7 @@ from app.session.timeline.outline import Outline
 from app.session.timeline.run_actions import RunAction, Stepped
 from app.session.timeline.stored.stored_runs import StoredBranch, StoredRun, StoredRuns
 from app.session.timeline.timeline import Timeline
-from cpm_core.image.regions import Regions
+from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.types import Array
 from cpm_core.segmentation.method import Method, MethodState
 from cpm_core.shapes import Shape
@@ -129,7 +129,7 @@ class RecordedRun:
     def __init__(self, make: Callable[[Document], Method[Any]]) -> None:
         self.timeline: Timeline[RunAction] = Timeline(self._apply, MEGABYTES * MEGABYTE)
         self._make = make
-        self._methods: dict[tuple[int, Regions | None], Method[Any]] = {}
+        self._methods: dict[tuple[int, AnyRegions | None], Method[Any]] = {}
         self._records: dict[int, RunRecord] = {}
         self._begun: dict[int, Begun] = {}
 
@@ -183,11 +183,11 @@ class RecordedRun:
         known = {node.identity for node in self.timeline.nodes}
         self._records = {branch: kept for branch, kept in self._records.items() if branch in known}
 
-    def method(self, branch: int, regions: Regions | None) -> Method[Any]:
+    def method(self, branch: int, regions: AnyRegions | None) -> Method[Any]:
         """The method of the run of a branch, in these regions."""
         return self._method(self.timeline.run_of(branch), regions)
 
-    def current_method(self, regions: Regions | None) -> Method[Any]:
+    def current_method(self, regions: AnyRegions | None) -> Method[Any]:
         """The method of the current run, in these regions."""
         return self._method(self.timeline.run, regions)
 
@@ -270,7 +270,7 @@ class RecordedRun:
         if known is None or len(record) >= len(known):
             self._records[here[0]] = record
 
-    def _method(self, run: int, regions: Regions | None) -> Method[Any]:
+    def _method(self, run: int, regions: AnyRegions | None) -> Method[Any]:
         method = self._methods.pop((run, regions), None)
         if method is None:
             method = next((known for (of, _), known in self._methods.items() if of == run), None)

@@ -18,7 +18,7 @@ from app.session.worker.reconstruction import Reconstructor
 from app.session.worker.recorded_run import Begun
 from app.session.worker.stepper import Stepper
 from cpm_core.field.placed_charges import PlacedCharge
-from cpm_core.image.regions import Regions
+from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.types import Position
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.method import Method, Steerable
@@ -95,7 +95,7 @@ class Run(Stepper):
         self._refresh_overlays()
         return self._go_on()
 
-    def limit(self, regions: Regions | None) -> bool:
+    def limit(self, regions: AnyRegions | None) -> bool:
         """Use these regions and barriers from the next step on; whether a run that had ended goes on."""
         if self.method is None or regions == self.method.regions:
             return False

@@ -59,7 +59,7 @@ class FeatureContext:
     open_file : callable
         Opens a file, or with True as second argument an image with the session beside it; asks about unsaved work.
     open_volume : callable
-        Opens a stack of pages, with True as one volume, with False its first page; asks about unsaved work.
+        Opens a stack, with True as one volume, with False one plane of it; asks about unsaved work.
     open_menu : callable
         Opens the menu of what is chosen where the keyboard is.
     """

@@ -12,7 +12,8 @@ from cpm_core.numerics.vectors import row_of
 def is_seated(slope: float, near: float, strength: float, floor: float) -> bool:
     """Whether a particle is on the ridge of an edge that is strong enough.
 
-    `slope` is the relative slope of the edge map along the normal, `near` how much of the force it is.
+    `slope` is the relative slope of the edge map along the normal, to which that of placed charges is added, `near` how
+    much of the force it is.
     """
     return near >= 1.0 and abs(slope) < GATE and strength >= floor
 

@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 
 from cpm_core.dynamics.insertion import STRIDE
 from cpm_core.field.interpolation.space import normal_at, sampled
+from cpm_core.field.placed_charges import radius_at
 from cpm_core.field.scale_field import FAINTEST
+from cpm_core.field.volume.placed_charges import torn_off
 from cpm_core.field.volume.surface_force import faces_alike, is_ridge, on_ridge
 from cpm_core.field.volume.volume_field import VolumeField
 from cpm_core.numerics.jit import compiled
@@ -24,7 +26,7 @@ from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.numerics.vectors import Vector, difference, dot, length, moved, row_of, scaled
 from cpm_core.particles.cell_list import cell_of
 from cpm_core.particles.cell_list.space import Cells, cells_around, row_of_cells
-from cpm_core.particles.state import Particles
+from cpm_core.particles.state import Particles, State
 
 ROOM = 0.68
 """Least distance of a new particle from others of its sheet, in d_min."""
@@ -68,8 +70,13 @@ class Fronts(NamedTuple):
     strength: Array
 
 
-def fronts(particles: Particles, cells: Cells, turn: Index, field: VolumeField, d_min: float) -> Fronts:
-    """Places ahead of the seated particles that have their turn, in the order of these."""
+def fronts(
+    particles: Particles, cells: Cells, turn: Index, field: VolumeField, d_min: float, state: State | None = None
+) -> Fronts:
+    """Places ahead of the seated particles that have their turn, in the order of these.
+
+    They are where the placed charges of a state, if one is given, leave particles on the edge.
+    """
     contact = particles.contact
     assert contact is not None
     looking = turn[contact.seated[turn]]
@@ -77,7 +84,10 @@ def fronts(particles: Particles, cells: Cells, turn: Index, field: VolumeField, 
     sheets = (particles.position, contact.normal, contact.seated, contact.strength)
     find = partial(_fronts, looking, cells, *sheets, field.smoothed, field.edge_map, field.pitch, field.floor)
     share(lambda first, last: find(d_min, found, count, first, last), len(looking), _WORTH_A_THREAD)
-    places = found[np.arange(_MOST) < count[:, None]]
+    places, parents = found[np.arange(_MOST) < count[:, None]], np.repeat(looking, count)
+    places = places[~field.crossed(particles.position[parents], places[:, :3])]
+    if state is not None:
+        places = places[~torn_off(state.placed, radius_at(state.scale), places[:, :3], places[:, 3:6])]
     some = places[apart(places, ROOM * d_min, cells)]
     return Fronts(some[:, :3].copy(), some[:, 3:6].copy(), some[:, 6].copy())
 
@@ -211,7 +221,7 @@ def apart(places: Array, room: float, cells: Cells) -> Mask:
     """
     kept = np.ones(len(places), np.bool_)
     if len(places):
-        head = np.full(cells.planes * cells.rows * cells.cols, -1, np.int32)
+        head = np.full(1 << (2 * len(places)).bit_length(), -1, np.int32)
         _keep_apart(places, room, cells.size, (cells.planes, cells.rows, cells.cols), head, kept)
     return kept
 
@@ -220,15 +230,19 @@ def apart(places: Array, room: float, cells: Cells) -> Mask:
 def _keep_apart(
     places: Array, room: float, size: float, counts: tuple[int, int, int], head: NDArray[np.int32], kept: Mask
 ) -> None:
-    """Drop the places that have an earlier one near them; `head` begins a chain of those kept for each cell."""
+    """Drop the places that have an earlier one near them.
+
+    `head`, as long as a power of two, begins chains of those kept; the cells share them.
+    """
     planes, rows, cols = counts
+    last = len(head) - 1
     chain = np.empty(len(places), np.int32)
     for q in range(len(places)):
         z, y, x = places[q, 0], places[q, 1], places[q, 2]
         for plane in range(cell_of(z - room, size, planes), cell_of(z + room, size, planes) + 1):
             for row in range(cell_of(y - room, size, rows), cell_of(y + room, size, rows) + 1):
                 for col in range(cell_of(x - room, size, cols), cell_of(x + room, size, cols) + 1):
-                    k = head[(plane * rows + row) * cols + col]
+                    k = head[((plane * rows + row) * cols + col) & last]
                     while k >= 0 and kept[q]:
                         away = np.sqrt((places[k, 0] - z) ** 2 + (places[k, 1] - y) ** 2 + (places[k, 2] - x) ** 2)
                         if away < room and faces_alike(
@@ -238,4 +252,4 @@ def _keep_apart(
                         k = chain[k]
         if kept[q]:
             own = (cell_of(z, size, planes) * rows + cell_of(y, size, rows)) * cols + cell_of(x, size, cols)
-            chain[q], head[own] = head[own], q
+            chain[q], head[own & last] = head[own & last], q

@@ -2,7 +2,8 @@
 
 The Coulomb force falls with the third power of the distance, as the field of the fixed charges does, and is summed over
 near pairs only: on a surface, those within a few spacings screen the others. Two particles that are seated on different
-sheets, such as the two walls of a vessel, do not repel each other. On a surface the Coulomb force acts along it alone.
+sheets, such as the two walls of a vessel, do not repel each other. On a surface the Coulomb force acts along it alone,
+and static friction holds a particle against it and against the part of the placed charges along the surface.
 """
 
 from __future__ import annotations
@@ -14,6 +15,8 @@ import numpy as np
 from cpm_core.dynamics.edge_contact.space import is_seated, on_one_sheet
 from cpm_core.dynamics.equations import advance, damped_series, damping, is_stuck, repulsion_left
 from cpm_core.dynamics.integrator import Moved
+from cpm_core.field.placed_charges import radius_at
+from cpm_core.field.volume.placed_charges import placed_at
 from cpm_core.field.volume.surface_force import felt_at
 from cpm_core.field.volume.volume_field import VolumeField
 from cpm_core.numerics.jit import compiled
@@ -22,7 +25,7 @@ from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.numerics.vectors import Vector, difference, dot, length, moved, row_of, scaled, set_row
 from cpm_core.parameters import Parameters
 from cpm_core.particles.cell_list.space import Cells, cells_around, row_of_cells
-from cpm_core.particles.state import Particles
+from cpm_core.particles.state import Particles, State
 from cpm_core.particles.surface_contact import SurfaceContact
 
 REACH = 2.2
@@ -37,16 +40,25 @@ _SOFTNESS = 0.5
 _NEAREST = 1e-4
 """Least squared distance of two particles in their force [units^2]."""
 
+_Fields = tuple[Single, Single, Single]
+"""Smoothed volume, edge map, and far field."""
+
+_Grid = tuple[Vector, Vector, float, float]
+"""Sides of a voxel, voxels along the sides of a block, least edge strength, and the radius of placed charges."""
+
+_Law = tuple[float, float, float, float, float]
+"""Weights w1 and w2, damping, time step, and particle spacing."""
+
 _WORTH_A_THREAD = 100
 """Particles from which a second thread makes the step faster."""
 
 
-def move(particles: Particles, turn: Index, cells: Cells, idle: Index, field: VolumeField, law: Parameters) -> Moved:
+def move(state: State, turn: Index, cells: Cells, idle: Index, field: VolumeField, law: Parameters) -> Moved:
     """One time step of some particles, `turn` in the order of the cells; the others stay as they are.
 
     `idle`, shape (N,), are the steps since new ground was found near each.
     """
-    contact = particles.contact
+    particles, contact = state.particles, state.particles.contact
     assert contact is not None
     after = Particles(
         particles.position.copy(),
@@ -56,15 +68,41 @@ def move(particles: Particles, turn: Index, cells: Cells, idle: Index, field: Vo
         particles.identity,
         SurfaceContact(contact.normal.copy(), contact.seated.copy(), contact.strength.copy(), contact.woken),
     )
-    share(partial(_moved, particles, after, turn, cells, idle, field, law), len(turn), _WORTH_A_THREAD)
+    share(partial(_moved, state, after, turn, cells, idle, field, law), len(turn), _WORTH_A_THREAD)
     after.distance[:, 0] = np.linalg.norm(after.position, axis=1)
     motion = np.linalg.norm(after.position - particles.position, axis=1)
     assert after.contact is not None
     return Moved(after, motion, after.contact.strength, after.contact.seated)
 
 
+def parts_of_force(
+    state: State, which: Index, cells: Cells, idle: Index, field: VolumeField, law: Parameters
+) -> tuple[Array, Array, Array, Array]:
+    """Coulomb force, Lorentz force, that of placed charges, and friction on some particles, shape (M, 3) each.
+
+    With their weights, as in a step; see `move`.
+    """
+    contact = state.particles.contact
+    assert contact is not None
+    fields, grid, charges, weights = _felt(state, field, law)
+    position = state.particles.position
+    parts = np.empty((4, len(which), 3))
+    _parts(which, cells, idle, position, contact.normal, contact.seated, fields, grid, charges, weights, parts)
+    return parts[0], parts[1], parts[2], parts[3]
+
+
+def _felt(state: State, field: VolumeField, law: Parameters) -> tuple[_Fields, _Grid, Array, _Law]:
+    """What particles feel besides each other."""
+    return (
+        (field.smoothed, field.edge_map, field.far.force),
+        (field.pitch, field.far.block, field.floor, radius_at(state.scale)),
+        state.placed,
+        (float(law.w1), float(law.w2), float(law.beta), float(law.time_step), float(law.d_min)),
+    )
+
+
 def _moved(
-    before: Particles,
+    state: State,
     after: Particles,
     turn: Index,
     cells: Cells,
@@ -75,7 +113,7 @@ def _moved(
     last: int,
 ) -> None:
     """Move a part of the particles, into the arrays of `after`."""
-    old, new = before.contact, after.contact
+    before, old, new = state.particles, state.particles.contact, after.contact
     assert old is not None
     assert new is not None
     _move(
@@ -86,9 +124,7 @@ def _moved(
         old.seated,
         (after.position, after.velocity, after.force, new.normal, new.strength),
         new.seated,
-        (field.smoothed, field.edge_map, field.far.force),
-        (field.pitch, field.far.block, field.floor),
-        (float(law.w1), float(law.w2), float(law.beta), float(law.time_step), float(law.d_min)),
+        *_felt(state, field, law),
         first,
         last,
     )
@@ -103,32 +139,28 @@ def _move(
     was_seated: Mask,
     after: tuple[Array, Array, Array, Array, Array],
     seated: Mask,
-    fields: tuple[Single, Single, Single],
-    grid: tuple[Vector, Vector, float],
-    law: tuple[float, float, float, float, float],
+    fields: _Fields,
+    grid: _Grid,
+    charges: Array,
+    law: _Law,
     first: int,
     last: int,
 ) -> None:
     """Move some of the particles that have their turn."""
     position, velocity, force, normals = before
     to_position, to_velocity, to_force, to_normal, strength = after
-    smoothed, edges, far = fields
-    pitch, block, floor = grid
-    w1, w2, beta, dt, d_min = law
+    beta, dt = law[2], law[3]
     for q in range(first, last):
         i = turn[q]
         place, speed = row_of(position, i), row_of(velocity, i)
-        push = (0.0, 0.0, 0.0)
-        left = repulsion_left(idle[i])
-        if left > 0.0:
-            push = scaled(_repulsion(cells, place, i, normals, was_seated, d_min), left)
-        pull, normal, here, slope, near = felt_at(smoothed, edges, far, pitch, block, floor, place)
-        on_edge = is_seated(slope, near, here, floor)
-        if on_edge:
-            push = moved(push, -dot(push, normal), normal)
-            if is_stuck(w1 * length(push), 0.0, w1, idle[i]):
-                push, speed = (0.0, 0.0, 0.0), scaled(normal, dot(speed, normal))
-        total = moved(scaled(push, w1), w2, pull)
+        coulomb, lorentz, placed, held, normal, here, on_edge = _forces_on(
+            i, place, cells, idle[i], normals, was_seated, fields, grid, charges, law
+        )
+        total = moved(moved(coulomb, 1.0, lorentz), 1.0, placed)
+        if held:
+            along = moved(coulomb, 1.0, placed)
+            total = moved(total, -1.0, moved(along, -dot(along, normal), normal))
+            speed = scaled(normal, dot(speed, normal))
         series = damped_series(damping(beta, idle[i]) * dt)
         for axis in range(3):
             now = total[axis]
@@ -138,6 +170,67 @@ def _move(
             to_force[i, 0, axis], to_force[i, 1, axis] = now, force[i, 0, axis]
         set_row(to_normal, i, normal)
         strength[i], seated[i] = here, on_edge
+
+
+@compiled
+def _forces_on(
+    i: int,
+    place: Vector,
+    cells: Cells,
+    idle: int,
+    normals: Array,
+    was_seated: Mask,
+    fields: _Fields,
+    grid: _Grid,
+    charges: Array,
+    law: _Law,
+) -> tuple[Vector, Vector, Vector, bool, Vector, float, bool]:
+    """Coulomb force, Lorentz force and that of placed charges on a particle, and whether friction holds it.
+
+    Then the normal of the edge there, its strength, and whether the particle is on it.
+    """
+    w1, w2, d_min = law[0], law[1], law[4]
+    coulomb = (0.0, 0.0, 0.0)
+    left = repulsion_left(idle)
+    if left > 0.0:
+        coulomb = scaled(_repulsion(cells, place, i, normals, was_seated, d_min), w1 * left)
+    pull, normal, here, slope, near = felt_at(*fields, grid[0], grid[1], grid[2], place)
+    drawn = placed_at(charges, grid[3], place)
+    placed = scaled(drawn, w2)
+    on_edge, held = is_seated(slope + dot(drawn, normal), near, here, grid[2]), False
+    if on_edge:
+        coulomb = moved(coulomb, -dot(coulomb, normal), normal)
+        along = moved(coulomb, 1.0, moved(placed, -dot(placed, normal), normal))
+        held = is_stuck(length(along), 0.0, w1, idle)
+    return coulomb, scaled(pull, w2), placed, held, normal, here, on_edge
+
+
+@compiled
+def _parts(
+    which: Index,
+    cells: Cells,
+    idle: Index,
+    position: Array,
+    normals: Array,
+    seated: Mask,
+    fields: _Fields,
+    grid: _Grid,
+    charges: Array,
+    law: _Law,
+    parts: Array,
+) -> None:
+    """Write the forces on some particles."""
+    for q in range(len(which)):
+        i = which[q]
+        place = row_of(position, i)
+        coulomb, lorentz, placed, held, normal, _, _ = _forces_on(
+            i, place, cells, idle[i], normals, seated, fields, grid, charges, law
+        )
+        along = moved(coulomb, 1.0, placed)
+        friction = scaled(moved(along, -dot(along, normal), normal), -1.0 if held else 0.0)
+        for axis in range(3):
+            parts[0, q, axis], parts[1, q, axis] = coulomb[axis], lorentz[axis]
+            parts[2, q, axis], parts[3, q, axis] = placed[axis], friction[axis]
 
 
 @compiled

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cpm_core.dynamics.barrier_contact import held_back
+from cpm_core.dynamics.barrier_contact.plane import held_back
 from cpm_core.dynamics.deletion.plane import thinned
 from cpm_core.dynamics.edge_contact import EdgeContact
 from cpm_core.dynamics.edge_contact.plane import contact_at

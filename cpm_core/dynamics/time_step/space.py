@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from cpm_core.dynamics.barrier_contact.space import held_back
 from cpm_core.dynamics.deletion.space import thinned
 from cpm_core.dynamics.equilibrium import STILL, epsilon
 from cpm_core.dynamics.insertion.space import ROOM, Fronts, fronts
@@ -52,20 +53,20 @@ def stepped(state: State, field: VolumeField, parameters: Parameters) -> State:
     assert space is not None
     extent, d_min = field.extent, parameters.d_min
     before = state.particles
-    cells = build_cells(before.position, extent, max(REACH * d_min, _LEAST_CELL))
-    idle, awake = _rested(before, step)
-    moved = move(before, cells.order[awake[cells.order]], cells, idle, field, parameters)
+    cells = cells_of(before, field, d_min)
+    idle, awake = rested(before, step)
+    moved = move(state, cells.order[awake[cells.order]], cells, idle, field, parameters)
     after, motion = moved.particles, moved.motion
     stays = _inside(after.position, extent, space) & (_contact(before).seated | (idle < _PATIENCE))
-    if field.closed is not None:
-        after = _held_out(before, after, field)
+    if field.walls is not None:
+        after = held_back(field.walls, before, after)
     flying = ~_contact(after).seated & _is_fast(after, parameters) & (step < 2.0 * max(extent) + state.reactivated)
     arrived = _contact(after).seated & ~_contact(before).seated
     after = replace(after, contact=_contact(after).woken_at(step + 1, flying))
     particles, stay, cells = _thinned(after, stays, awake, cells, extent, d_min)
     awake, arrived = awake[stay], arrived[stay]
     deleted = len(before) - len(particles)
-    births = fronts(particles, cells, cells.order[awake[cells.order]], field, d_min)
+    births = fronts(particles, cells, cells.order[awake[cells.order]], field, d_min, state)
     particles, covered, new = _joined(state, particles, births, cells, arrived, d_min)
     few = new <= max(1.0, _FEW_NEW * len(particles))
     idle_steps = state.idle + 1 if few else 0
@@ -89,12 +90,17 @@ def stepped(state: State, field: VolumeField, parameters: Parameters) -> State:
     )
 
 
+def cells_of(particles: Particles, field: VolumeField, d_min: float) -> Cells:
+    """The particles in cells, for the search for those that repel each other."""
+    return build_cells(particles.position, field.extent, max(REACH * d_min, _LEAST_CELL))
+
+
 def _contact(particles: Particles) -> SurfaceContact:
     assert particles.contact is not None
     return particles.contact
 
 
-def _rested(particles: Particles, step: int) -> tuple[Index, Mask]:
+def rested(particles: Particles, step: int) -> tuple[Index, Mask]:
     """Steps since new ground was found near each particle, and which are awake."""
     contact = _contact(particles)
     idle = np.maximum(step - contact.woken, 0)
@@ -111,18 +117,6 @@ def _is_fast(particles: Particles, parameters: Parameters) -> Mask:
     """Which particles move so fast that the field alone must drive them."""
     driven = parameters.w2 / max(parameters.beta, _LEAST_BETA)
     return np.asarray(np.einsum("ni,ni->n", particles.velocity, particles.velocity) > (_UNDER_WAY * driven) ** 2)
-
-
-def _held_out(before: Particles, after: Particles, field: VolumeField) -> Particles:
-    """Particles after a step, those that would enter a closed voxel back where they were, at rest."""
-    assert field.closed is not None
-    voxel = np.rint(after.position / field.pitch).astype(np.int64)
-    shut = field.closed[tuple(np.clip(voxel, 0, np.array(field.shape) - 1).T)]
-    if not shut.any():
-        return after
-    position, velocity = after.position.copy(), after.velocity.copy()
-    position[shut], velocity[shut] = before.position[shut], 0.0
-    return replace(after, position=position, velocity=velocity)
 
 
 def _thinned(

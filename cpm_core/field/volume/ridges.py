@@ -42,6 +42,10 @@ class Ridges(NamedTuple):
     strength: Array
     component: Index
 
+    def where(self, index: Index) -> Ridges:
+        """Those with the given indices, in this order."""
+        return Ridges(self.place[index], self.normal[index], self.strength[index], self.component[index])
+
 
 def ridges_of(smoothed: Single, edges: Single, pitch: Vector, floor: float, turn: float) -> Ridges:
     """All ridges of the edge map of a smoothed volume.

@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 import math
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, TypeVar
 
 import numpy as np
-import scipy
 
 from cpm_core.field.convolution import convolved_field, convolved_potential
 from cpm_core.field.edge_map import NO_SMOOTHING
 from cpm_core.field.scale_field import WEAKEST_EDGE
 from cpm_core.field.volume.ridges import Ridges, ridges_of
 from cpm_core.field.volume.surface_force import force_on_voxels
+from cpm_core.image.volume_barriers import Walls
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
+from cpm_core.numerics.reproducible.gaussian import gaussian_filter1d
 from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.numerics.vectors import Vector
+
+_Grid = TypeVar("_Grid", Single, Array)
 
 Accuracy = Literal["half", "exact"]
 """How the far field is computed: from blocks of two units, or from every voxel."""
@@ -81,8 +85,8 @@ class VolumeField:
         How the far field is computed.
     noisy : bool
         Whether noise decides on the floor; the normals of single voxels then tell little.
-    closed : ndarray of bool, shape (P, R, C), or None
-        Voxels that no particle enters.
+    walls : Walls or None
+        What no particle crosses.
     """
 
     smoothed: Single
@@ -94,7 +98,7 @@ class VolumeField:
     exponent: float = 3.0
     accuracy: Accuracy = "half"
     noisy: bool = False
-    closed: Mask | None = None
+    walls: Walls | None = None
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -136,6 +140,22 @@ class VolumeField:
         return convolved_potential(self.edge_map, self.pitch)
 
     @cached_property
+    def slope(self) -> float:
+        """Mean slope of the potential [gray levels / unit]; 1 where it is flat."""
+        slope = float(edge_strength(self.potential.astype(np.float32), self.pitch).mean(dtype=float))
+        return slope if slope > 0.0 else 1.0
+
+    def with_walls(self, walls: Walls | None) -> VolumeField:
+        """The same fields with other walls, with all that is known of them."""
+        other = copy(self)
+        object.__setattr__(other, "walls", walls)
+        return other
+
+    def crossed(self, start: Array, end: Array) -> Mask:
+        """Which of the straight moves between positions, shapes (N, 3) [units], cross a wall."""
+        return np.zeros(len(start), np.bool_) if self.walls is None else self.walls.crossed(start, end)
+
+    @cached_property
     def ridges(self) -> Ridges:
         """Ridges of the edge map; found on first use."""
         return ridges_of(self.smoothed, self.edge_map, self.pitch, self.floor, -1.0 if self.noisy else _TURN)
@@ -147,18 +167,18 @@ def build_volume_field(
     smoothing: float | Literal["auto"],
     edge_floor: float,
     interest: Mask | None = None,
-    closed: Mask | None = None,
+    walls: Walls | None = None,
 ) -> VolumeField:
     """Fields of a volume, shape (P, R, C), with voxels of these sides [units].
 
     `smoothing` is the sigma of the Gaussian [units], or the least of a series that raises the edges above the noise;
     `edge_floor` is the fraction of the largest edge strength below which there is no edge, 0 for what the background
-    decides alone; outside `interest` there are no edges.
+    decides alone; outside `interest` there are no edges, and `walls` are what no particle crosses.
     """
     for sigma, clear in zip(_SERIES, _CLEAR, strict=True) if smoothing == "auto" else ((float(smoothing), 1.0),):
         smoothed = smoothed_volume(values, [sigma / side for side in pitch])
         edges = edge_strength(smoothed, pitch)
-        background = _background(edges)
+        background = _background(edges, interest)
         if interest is not None:
             edges[~interest] = 0.0
         strongest = float(edges.max())
@@ -167,12 +187,12 @@ def build_volume_field(
     least = max(WEAKEST_EDGE, edge_floor) * strongest
     noise = min(background, _MOST_BACKGROUND * strongest)
     floor = max(least, noise) if strongest > 0.0 else math.inf
-    return VolumeField(smoothed, edges, pitch, strongest, floor, sigma, noisy=noise > least, closed=closed)
+    return VolumeField(smoothed, edges, pitch, strongest, floor, sigma, noisy=noise > least, walls=walls)
 
 
-def _background(edges: Single) -> float:
-    """Edge strength that the background rarely exceeds; 0 for a flat background."""
-    some = edges[::_EVERY, ::_EVERY, ::_EVERY]
+def _background(edges: Single, interest: Mask | None) -> float:
+    """Edge strength that the background of what is of interest rarely exceeds; 0 for a flat background."""
+    some = edges[::_EVERY, ::_EVERY, ::_EVERY] if interest is None else edges[interest]
     return _DEVIATIONS * float(np.percentile(some, 25.0)) / _MAXWELL_QUARTILE
 
 
@@ -192,7 +212,7 @@ def _smoothed_along(volume: Single, sigma: float, axis: int) -> Single:
 
     def work(first: int, end: int) -> None:
         part = (slice(None),) * other + (slice(first, end),)
-        scipy.ndimage.gaussian_filter1d(volume[part], sigma, axis, output=out[part], mode="nearest")
+        gaussian_filter1d(volume[part], sigma, axis, output=out[part])
 
     share(work, volume.shape[other], _LEAST_LINES)
     return out
@@ -221,7 +241,7 @@ def _edge_strength(smoothed: Single, pitch: Vector, first: int, last: int, out: 
                 out[i, j, k] = np.sqrt(z * z + y * y + x * x)
 
 
-def block_means(volume: Single, block: list[int]) -> Single:
+def block_means(volume: _Grid, block: list[int]) -> _Grid:
     """Means of the blocks of a volume, of so many voxels along each axis; the last blocks may be smaller."""
     for axis, n in enumerate(block):
         if n > 1:

@@ -7,10 +7,15 @@ from copy import copy
 from dataclasses import replace
 from threading import Lock
 
+import numpy as np
+
 from cpm_core.field.source_images import SourceImages
 from cpm_core.field.volume.volume_field import VolumeField, build_volume_field
 from cpm_core.image.image import Image
-from cpm_core.image.regions import Regions
+from cpm_core.image.pyramid import shape_of_scale, to_image
+from cpm_core.image.volume_barriers import Walls
+from cpm_core.image.volume_regions import VolumeRegions
+from cpm_core.numerics.types import Mask
 from cpm_core.numerics.vectors import Vector
 from cpm_core.parameters import DEFAULTS, OF_PLANES, Parameters
 
@@ -23,8 +28,8 @@ _KEPT_SETTINGS = 1
 class VolumeSpace:
     """Fields of a volume at its scales, for any parameters; threads may share it."""
 
-    def __init__(self, image: Image, scales: int, regions: Regions | None = None) -> None:
-        self._pitch = pitch_of(image)
+    def __init__(self, image: Image, scales: int, regions: VolumeRegions | None = None) -> None:
+        self._pitch, self._shape = pitch_of(image.spacing), image.shape
         self._sources = SourceImages(image.values, scales)
         self._regions = regions
         self._kept: OrderedDict[_Key, VolumeField] = OrderedDict()
@@ -33,11 +38,34 @@ class VolumeSpace:
     def __len__(self) -> int:
         return len(self._sources)
 
-    def with_regions(self, regions: Regions | None) -> VolumeSpace:
-        """The same volume with other regions."""
+    def with_regions(self, regions: VolumeRegions | None) -> VolumeSpace:
+        """The same volume with other regions; with the same regions of interest the fields are taken over."""
         other = copy(self)
         other._regions, other._kept, other._lock = regions, OrderedDict(), Lock()
+        if _interest(regions) == _interest(self._regions):
+            with self._lock:
+                kept = tuple(self._kept.items())
+            for key, field in kept:
+                other._kept[key] = field.with_walls(other._walls(key[0]))
         return other
+
+    def _walls(self, scale: int) -> Walls | None:
+        """What no particle crosses at a scale."""
+        return None if self._regions is None else self._regions.walls(self._shape).at_scale(scale, self._pitch)
+
+    def _voxels(self, scale: int) -> Mask | None:
+        """Which voxels of a scale are of interest: those whose centers are."""
+        voxels = None if self._regions is None else self._regions.voxels(self._shape)
+        if voxels is None or scale == 0:
+            return voxels
+        size = shape_of_scale(self._shape, scale)
+        axes = []
+        for axis, (count, full) in enumerate(zip(size, self._shape, strict=True)):
+            centers = np.zeros((count, 3))
+            centers[:, axis] = np.arange(count)
+            centers = to_image(centers, scale, self._shape)[:, axis]
+            axes.append(np.clip(np.rint(centers), 0, full - 1).astype(int))
+        return np.asarray(voxels[np.ix_(*axes)])
 
     def at(self, scale: int, parameters: Parameters) -> VolumeField:
         """Fields of a scale; ValueError for parameters that have no meaning in a volume."""
@@ -46,7 +74,8 @@ class VolumeSpace:
         with self._lock:
             if key not in self._kept:
                 values = self._sources.at(scale, replace(parameters, smoothing=0.0)).values  # not cleaned
-                self._kept[key] = build_volume_field(values, self._pitch, parameters.smoothing, parameters.edge_floor)
+                own = parameters.smoothing, parameters.edge_floor, self._voxels(scale), self._walls(scale)
+                self._kept[key] = build_volume_field(values, self._pitch, *own)
             self._kept.move_to_end(key)
             while len(self._kept) > _KEPT_SETTINGS * len(self):
                 self._kept.popitem(last=False)
@@ -57,10 +86,14 @@ class VolumeSpace:
         check_parameters(parameters)
 
 
-def pitch_of(image: Image) -> Vector:
+def _interest(regions: VolumeRegions | None) -> tuple[object, ...]:
+    return regions.interest if regions is not None else ()
+
+
+def pitch_of(spacing: tuple[float, ...]) -> Vector:
     """Sides of the voxels of a volume, in units of the smallest one."""
-    least = min(image.spacing)
-    plane, row, col = (side / least for side in image.spacing)
+    least = min(spacing)
+    plane, row, col = (side / least for side in spacing)
     return plane, row, col
 
 

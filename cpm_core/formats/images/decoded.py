@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.image.colors import Colors
+from cpm_core.image.geometry import Geometry
 
 MAXIMUM_PIXELS = 2**26
 """Most pixels of an image; the field of a larger one exceeds the memory of a common computer."""
@@ -47,23 +48,26 @@ class Decoded:
 
     Attributes
     ----------
-    values : ndarray, shape (H, W)
+    values : ndarray, shape (H, W) or (P, H, W)
         Gray levels in the type of the file.
     spacing : tuple of float
-        Size of a pixel along (row, col), in `unit`.
+        Size of a pixel along each axis, in `unit`.
     unit : str or None
         Unit of `spacing`; None when the file does not give it.
     notes : tuple of str
         What was changed while reading.
     colors : Colors or None
         Red, green and blue of each pixel; None where the file is gray.
+    geometry : Geometry or None
+        Where it lies in space; None when the file does not tell.
     """
 
     values: NDArray[Any]
-    spacing: tuple[float, float] = (1.0, 1.0)
+    spacing: tuple[float, ...] = (1.0, 1.0)
     unit: str | None = None
     notes: tuple[str, ...] = ()
     colors: Colors | None = None
+    geometry: Geometry | None = None
 
 
 def check_size(name: str, rows: int, columns: int) -> None:

@@ -5,16 +5,16 @@ from __future__ import annotations
 import zlib
 from pathlib import Path
 
+from cpm_core.formats.images.choice import FIRST, Choice
 from cpm_core.formats.images.decoded import Decoded, UnreadableError
+from cpm_core.formats.images.stacks.stack import Stack
 
 READS: dict[str, str] = {}
 
 _SIGNATURES: tuple[tuple[int, tuple[bytes, ...], str], ...] = (
-    (128, (b"DICM",), "a DICOM file"),
-    (344, (b"n+1\0", b"ni1\0"), "a NIfTI volume"),
-    (4, (b"n+2\0\r\n\x1a\n", b"ni2\0\r\n\x1a\n"), "a NIfTI volume"),
-    (0, (b"NRRD000",), "an NRRD volume"),
-    (0, (b"ObjectType =", b"NDims ="), "a MetaImage volume"),
+    (128, (b"DICM",), "a packed DICOM file"),
+    (0, (b"NRRD000",), "a packed NRRD volume"),
+    (0, (b"ObjectType =", b"NDims ="), "a packed MetaImage volume"),
     (0, (b"ZISRAWFILE",), "a CZI file of Zeiss"),
     (0, (b"\xda\xce\xbe\x0a", b"\0\0\0\x0cjP  \r\n\x87\nND2"), "an ND2 file of Nikon"),
     (4, (b"ftypheic", b"ftypheix", b"ftyphevc", b"ftypheim", b"ftypheis", b"ftypmif1"), "a HEIC picture"),
@@ -38,11 +38,20 @@ def reads(head: bytes, _path: Path) -> bool:
     return _kind(head) is not None
 
 
-def read(path: Path) -> Decoded:
+def read(path: Path, _choice: Choice = FIRST) -> Decoded:
     """Refuse the file and say what it is."""
+    raise _refusal(path)
+
+
+def stack(path: Path, _choice: Choice = FIRST) -> Stack:
+    """Refuse the file and say what it is."""
+    raise _refusal(path)
+
+
+def _refusal(path: Path) -> UnreadableError:
     with path.open("rb") as stream:
         kind = _kind(stream.read(512))
-    raise UnreadableError(
+    return UnreadableError(
         f"{path.name} is {kind}, and CPM does not read those: save the plane that you want as TIFF or PNG, "
         "with the program that made it."
     )

@@ -1,42 +1,124 @@
-"""NumPy arrays: ``.npy`` files of gray levels or of colors."""
+"""NumPy arrays: ``.npy`` files, and ``.npz`` archives of them, of gray levels or of colors."""
 
 from __future__ import annotations
 
+import zipfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.lib import format as array_format
 from numpy.typing import NDArray
 
+from cpm_core.formats.images.choice import FIRST, Choice, series_of
 from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size, from_samples
+from cpm_core.formats.images.stacks.stack import Stack, as_planes, check_content, check_memory, plane_of
+from cpm_core.formats.printable import printable
+from cpm_core.image.image import MINIMUM_SIDE
 
-READS = {".npy": "NumPy array"}
+READS = {".npy": "NumPy array", ".npz": "archive of NumPy arrays"}
+
+_ARCHIVE = b"PK\x03\x04"
+_SUFFIX = ".npy"
 
 
-def reads(head: bytes, _path: Path) -> bool:
-    """Whether the first bytes of a file are those of a NumPy array."""
-    return head.startswith(b"\x93NUMPY")
+def reads(head: bytes, path: Path) -> bool:
+    """Whether the first bytes of a file are those of a NumPy array, or of an archive that holds one."""
+    if head.startswith(b"\x93NUMPY"):
+        return True
+    if not head.startswith(_ARCHIVE):
+        return False
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return any(name.endswith(_SUFFIX) for name in archive.namelist())
+    except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError):
+        return path.suffix.lower() == ".npz"
 
 
-def read(path: Path) -> Decoded:
-    """Read an array (H, W), or (H, W, 3) and (H, W, 4) as red, green, blue and alpha.
+def read(path: Path, choice: Choice = FIRST) -> Decoded:
+    """Read an array (H, W), or (H, W, 3) and (H, W, 4) as red, green, blue and alpha; of a volume one plane.
 
     Raises
     ------
     UnreadableError
-        When the array is neither, does not hold real numbers, or is too large.
+        When the array is of another shape, does not hold real numbers, or is too large.
     """
-    stored: NDArray[Any] = np.load(path, mmap_mode="r", allow_pickle=False)
-    if stored.dtype.kind not in "buif":
-        raise UnreadableError(f"{path.name} holds values of type {stored.dtype}, but gray levels must be real numbers.")
-    color = stored.ndim == 3 and stored.shape[2] in (3, 4)
-    if stored.ndim != 2 and not color:
+    return plane_of(stack(path, choice), choice)
+
+
+def stack(path: Path, choice: Choice = FIRST) -> Stack:
+    """Open an array of two or three axes, with colors as a last one of 3 or 4; of an archive the one that is chosen."""
+    name = printable(path.name)
+    shape, kind, member, notes = _header(path, choice, name)
+    if kind.kind not in "buif":
+        raise UnreadableError(f"{name} holds values of type {str(kind)[:80]}, but gray levels must be real numbers.")
+    count = len(shape)
+    color = count in (3, 4) and shape[-1] in (3, 4)
+    if count - color not in (2, 3) or (count == 4 and not color):
         raise UnreadableError(
-            f"{path.name} holds an array of shape {stored.shape}, but an image is (rows, columns), "
-            "with 3 or 4 channels at most: save one plane of it."
+            f"{name} holds an array of shape {shape}, but an image is (rows, columns) and a volume "
+            "(planes, rows, columns), with 3 or 4 channels at most: save one of it."
         )
-    check_size(path.name, stored.shape[0], stored.shape[1])
-    values = np.array(stored)
-    if not color:
-        return Decoded(values)
-    return from_samples(values[..., :3], values[..., 3] if values.shape[2] == 4 else None)
+    planes, rows, columns = (1, *shape[: count - color])[-3:]
+    if planes == 1:
+        check_size(name, rows, columns)
+
+    def take(_time: int, _channel: int, first: int, end: int) -> Decoded:
+        stored = _values(path, member)
+        whole = stored.reshape(planes, rows, columns, *shape[count - color :])
+        part = np.array(whole[first:end])
+        if not color:
+            return Decoded(part)
+        samples = part.reshape(-1, columns, shape[-1])
+        found = from_samples(samples[..., :3], samples[..., 3] if shape[-1] == 4 else None)
+        return as_planes(found, (end - first, rows, columns))
+
+    each = float(kind.itemsize * (shape[-1] if color else 1))
+    if member:
+        check_memory(tuple(shape), kind.itemsize, name)
+    return Stack(name, (planes, rows, columns), take, each, notes=notes, otherwise=planes // 2)
+
+
+def _header(path: Path, choice: Choice, name: str) -> tuple[tuple[int, ...], np.dtype[Any], str, tuple[str, ...]]:
+    """Shape and type of the array that is meant, its name in an archive, and a note on what was left."""
+    with path.open("rb") as stream:
+        if stream.read(4) != _ARCHIVE:
+            stored: NDArray[Any] = np.load(path, mmap_mode="r", allow_pickle=False)
+            return stored.shape, stored.dtype, "", ()
+    with zipfile.ZipFile(path) as archive:
+        members = [info for info in archive.infolist() if info.filename.endswith(_SUFFIX)]
+        headers = []
+        for info in members:
+            with archive.open(info) as stream:
+                version = array_format.read_magic(stream)
+                read_header = array_format.read_array_header_1_0 if version == (1, 0) else _read_header
+                shape, _, kind = read_header(stream)
+                headers.append((shape, kind))
+    names = tuple(info.filename.removesuffix(_SUFFIX) for info in members)
+    images = [at for at, (shape, kind) in enumerate(headers) if _is_image(shape, kind)]
+    if choice.series is None and len(images) != 1:
+        raise UnreadableError(
+            f"{name} holds {len(images)} images and volumes, of {len(names)} arrays: choose one by series, "
+            "a number or a name."
+        )
+    at = series_of(choice.series, names, images[0] if images else 0, name)
+    shape, kind = headers[at]
+    check_content(path, float(np.prod(shape, dtype=float)) * kind.itemsize)
+    return shape, kind, members[at].filename, ()
+
+
+def _is_image(shape: tuple[int, ...], kind: np.dtype[Any]) -> bool:
+    """Whether an array of an archive may be an image; others are its labels, sizes and the like."""
+    return kind.kind in "buif" and len(shape) in (2, 3, 4) and min(shape[:2]) >= MINIMUM_SIDE
+
+
+def _read_header(stream: Any) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
+    return array_format.read_array_header_2_0(stream)
+
+
+def _values(path: Path, member: str) -> NDArray[Any]:
+    """An array, of which a file of its own is read where it is used."""
+    if not member:
+        return np.asarray(np.load(path, mmap_mode="r", allow_pickle=False))
+    with zipfile.ZipFile(path) as archive, archive.open(member) as stream:
+        return np.asarray(array_format.read_array(stream, allow_pickle=False))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -29,8 +31,8 @@ READS = {
     ".pgm": "portable gray map",
     ".ppm": "portable color map",
     ".pnm": "portable any map",
-    ".gif": "GIF picture, first frame",
-    ".webp": "WebP picture, first frame",
+    ".gif": "GIF picture",
+    ".webp": "WebP picture",
     ".jp2": "JPEG 2000 picture",
 }
 
@@ -40,22 +42,24 @@ _WITH_ALPHA = ("LA", "PA", "RGBA", "RGBa")
 _PIXELS_A_METER = 1 / 0.0254
 
 
-def reads(_head: bytes, _path: Path) -> bool:
-    """Always true: this reader is the last one, and Pillow recognizes the format itself."""
-    return True
-
-
 def read(path: Path) -> Decoded:
-    """Read a picture.
+    """Read a picture, of an animation the first frame.
 
     Raises
     ------
     UnreadableError
         When the file is not such a picture, or too large. Damaged files raise any exception of the decoder.
     """
+    with opened(path) as picture:
+        return shown(picture, path.name)
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[PIL.Image.Image]:
+    """A picture, of which its size is known; see `read`."""
     try:
         with PIL.Image.open(path, formats=_DECODERS) as picture:
-            return _read(picture, path.name)
+            yield picture
     except PIL.UnidentifiedImageError:
         raise UnreadableError(
             f"{path.name} is not an image of a known kind, or its beginning is damaged: choose a sound PNG, TIFF or "
@@ -90,12 +94,13 @@ def pixels(picture: PIL.Image.Image) -> Decoded:
     return Decoded(values, notes=tuple(notes))
 
 
-def _read(picture: PIL.Image.Image, name: str) -> Decoded:
+def shown(picture: PIL.Image.Image, name: str, alone: bool = False) -> Decoded:
+    """The frame at which an opened picture is, upright; unless it stands `alone`, with a note on further ones."""
     check_size(name, picture.height, picture.width)
     decoded = pixels(picture)
     spacing, unit = _spacing(picture)
     turn = _orientation(picture)
-    frames = ("Only its first frame was taken.",) if _has_second_frame(picture) else ()
+    frames = ("Only its first frame was taken.",) if not alone and _has_second_frame(picture) else ()
     return upright(replace(decoded, spacing=spacing, unit=unit, notes=(*decoded.notes, *frames)), turn)
 
 

@@ -18,10 +18,14 @@ _NAMES = {
     "micrometer": MICROMETER,
     "micrometre": MICROMETER,
     "nm": "nm",
+    "nanometer": "nm",
     "mm": "mm",
+    "millimeter": "mm",
     "cm": "cm",
     "m": "m",
 }
+
+_METERS = {"nm": 1e-9, MICROMETER: 1e-6, "mm": 1e-3, "cm": 1e-2, "m": 1.0}
 
 Spacing = tuple[tuple[float, float], str | None]
 UNKNOWN: Spacing = ((1.0, 1.0), None)
@@ -29,10 +33,20 @@ UNKNOWN: Spacing = ((1.0, 1.0), None)
 
 def from_sizes(row: float, col: float, unit: str) -> Spacing:
     """Spacing from the size of a pixel in a named unit; unknown when a size or the unit is not valid."""
-    name = _NAMES.get(unit.replace("\\u00B5", "\u00b5").strip().lower())
+    name = known_unit(unit)
     if name is None or not all(math.isfinite(size) and size > 0 for size in (row, col)):
         return UNKNOWN
     return (row, col), name
+
+
+def factor(unit: str, other: str) -> float:
+    """How many of another known unit one unit is."""
+    return _METERS[unit] / _METERS[other]
+
+
+def known_unit(name: str) -> str | None:
+    """The unit of length that is meant by a name; None for others."""
+    return _NAMES.get(name.replace("\\u00B5", "\u00b5").strip().lower())
 
 
 def from_density(rows_per_meter: float, columns_per_meter: float) -> Spacing:

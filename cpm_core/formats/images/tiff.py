@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import logging
+import math
 import os
 import re
 from collections.abc import Iterator
@@ -20,10 +21,11 @@ from cpm_core.formats.images import packing, raster, resolution
 from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size, from_samples, full_scale, upright
 from cpm_core.image.gray_levels import NO_DATA
 
-READS = {".tif": "TIFF image, first page", ".tiff": "TIFF image, first page"}
-
 # tifffile logs a warning for everything unusual in a file; the user gets one sentence on what matters instead.
 logging.getLogger("tifffile").addHandler(logging.NullHandler())
+
+_MOST_PACKED, _ALWAYS = 5000, 2**30
+"""Bytes that one byte of a packed page may stand for, and bytes that any page may hold, as of one value."""
 
 _MAGIC = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 _BY_PILLOW = frozenset({2, 3, 4, 6, 7, 32771})
@@ -32,16 +34,19 @@ _BY_PILLOW = frozenset({2, 3, 4, 6, 7, 32771})
 _WHITE_IS_ZERO, _BLACK_IS_ZERO, _RGB, _PALETTE = 0, 1, 2, 3
 _KNOWN_LEVELS = (_WHITE_IS_ZERO, _BLACK_IS_ZERO, _RGB, _PALETTE)
 _PREMULTIPLIED = 1
+_LARGEST_PART = 2**24
+"""Pixels that a tile or strip may have beyond some times those of the image."""
+
 _INCH, _CENTIMETER = 2, 3
 _PER_METER = {_INCH: 1 / 0.0254, _CENTIMETER: 100.0}
 
 
-def reads(head: bytes, _path: Path) -> bool:
+def is_tiff(head: bytes) -> bool:
     """Whether the first bytes of a file are those of a TIFF."""
     return head.startswith(_MAGIC)
 
 
-def read(path: Path) -> Decoded:
+def first_page(path: Path) -> Decoded:
     """Read the first page of a TIFF.
 
     Raises
@@ -51,28 +56,37 @@ def read(path: Path) -> Decoded:
     """
     with tifffile.TiffFile(path) as file:
         page = file.pages.first
-        check_size(path.name, int(page.imagelength), int(page.imagewidth))  # damaged ones may be tuples
-        if max(page.databytecounts, default=0) > file.filehandle.size:  # memory for them would be taken first
-            raise EOFError(f"{path.name} names more bytes than it has.")
         if page.imagedepth > 1:
             raise UnreadableError(f"{path.name} is a volume: save one plane of it as an image of its own.")
-        spacing, unit = _spacing(file, page)
-        turn = _number(page, "Orientation", 1)
-        direct = page.photometric in _KNOWN_LEVELS and page.compression not in _BY_PILLOW
-        shown = None if direct else _by_pillow(page, path)
-        decoded = _pixels(page, path.name) if shown is None else shown
-        notes = (*decoded.notes, *_page_notes(file))
-        if shown is None:
-            return upright(replace(decoded, spacing=spacing, unit=unit, notes=notes), turn)
-        # Pillow has turned the pixels; the size of a pixel turns with them
-        turned = upright(Decoded(np.empty((0, 0)), spacing, unit, notes), turn)
-        return replace(turned, values=decoded.values, colors=decoded.colors)
+        decoded = page_of(file, page, path)
+        return replace(decoded, notes=(*decoded.notes, *_page_notes(file)))
+
+
+def page_of(file: tifffile.TiffFile, page: tifffile.TiffPage, path: Path) -> Decoded:
+    """Gray levels of a page, upright, with the size of a pixel."""
+    check_size(path.name, int(page.imagelength), int(page.imagewidth))  # damaged ones may be tuples
+    if max(page.databytecounts, default=0) > file.filehandle.size:  # memory for them would be taken first
+        raise EOFError(f"{path.name} names more bytes than it has.")
+    if page.nbytes > max(_ALWAYS, _MOST_PACKED * file.filehandle.size):  # a pixel may have any number of samples
+        raise EOFError(f"{path.name} names more samples than it has.")
+    if math.prod(page.chunks) > _LARGEST_PART + 4 * page.imagelength * page.imagewidth * page.samplesperpixel:
+        raise ValueError("a part of it is far larger than the whole")
+    spacing, unit = spacing_of(file, page)
+    turn = _number(page, "Orientation", 1)
+    direct = page.photometric in _KNOWN_LEVELS and page.compression not in _BY_PILLOW
+    shown = None if direct else _by_pillow(page, path)
+    if shown is None:
+        return upright(replace(_pixels(page, path.name), spacing=spacing, unit=unit), turn)
+    # Pillow has turned the pixels; the size of a pixel turns with them
+    turned = upright(Decoded(np.empty((0, 0)), spacing, unit, shown.notes), turn)
+    return replace(turned, values=shown.values, colors=shown.colors)
 
 
 def _by_pillow(page: tifffile.TiffPage, path: Path) -> Decoded | None:
     """Gray levels of a page, upright; None for a kind that Pillow does not know and tifffile may."""
     try:
         with _native_silence(), PIL.Image.open(path, formats=("TIFF",)) as picture:
+            picture.seek(int(page.index))
             return raster.pixels(picture)
     except PIL.UnidentifiedImageError:
         if page.photometric in _KNOWN_LEVELS:
@@ -158,11 +172,10 @@ def _page_notes(file: tifffile.TiffFile) -> tuple[str, ...]:
     return (f"Only the first of its {pages} pages was taken.",) if pages > 1 else ()
 
 
-def _spacing(file: tifffile.TiffFile, page: tifffile.TiffPage) -> resolution.Spacing:
+def spacing_of(file: tifffile.TiffFile, page: tifffile.TiffPage, series: int = 0) -> resolution.Spacing:
     """Pixel size on the specimen from OME or ImageJ; else from the resolution tag, when it is plausible."""
     if file.ome_metadata:
-        found = re.search(r"<Pixels\b[^>]*>", file.ome_metadata)
-        entries = dict(re.findall(r"\b(PhysicalSize[XY](?:Unit)?)=\"([^\"]*)\"", found.group() if found else ""))
+        entries = _of_ome(file, series)
         row, col = entries.get("PhysicalSizeY"), entries.get("PhysicalSizeX")
         units = {entries.get(f"PhysicalSize{axis}Unit", "µm") for axis in "XY"}
         if row and col and len(units) == 1:
@@ -176,6 +189,27 @@ def _spacing(file: tifffile.TiffFile, page: tifffile.TiffPage) -> resolution.Spa
         return resolution.from_sizes(1 / rows, 1 / columns, str(stack["unit"]))
     factor = _PER_METER.get(_number(page, "ResolutionUnit", 1), 0.0)
     return resolution.from_density(rows * factor, columns * factor)
+
+
+def depth_of(file: tifffile.TiffFile, unit: str | None, series: int = 0) -> float | None:
+    """Distance of neighboring planes from OME or ImageJ, in the unit of the pixel size; None when it is not told."""
+    if file.ome_metadata:
+        entries = _of_ome(file, series)
+        told, named = entries.get("PhysicalSizeZ"), entries.get("PhysicalSizeZUnit", "µm")
+    else:
+        told, named = (file.imagej_metadata or {}).get("spacing"), str((file.imagej_metadata or {}).get("unit"))
+    try:
+        (depth, _), its_unit = resolution.from_sizes(abs(float(told or 0.0)), 1.0, named)
+    except (TypeError, ValueError):
+        return None
+    return None if its_unit is None or unit is None else depth * resolution.factor(its_unit, unit)
+
+
+def _of_ome(file: tifffile.TiffFile, series: int) -> dict[str, str]:
+    """Sizes of a pixel as OME tells them of one of its images."""
+    found = re.findall(r"<Pixels\b[^>]*>", file.ome_metadata or "")
+    pixels = found[series] if series < len(found) else ""
+    return dict(re.findall(r"\b(PhysicalSize[XYZ](?:Unit)?)=\"([^\"]*)\"", pixels))
 
 
 def _density(page: tifffile.TiffPage, name: str) -> float:

@@ -12,17 +12,20 @@ from typing import Any
 
 import numpy as np
 
+from cpm_core.field.volume.volume_space import pitch_of
 from cpm_core.formats.sessions.plain_arrays import array_from_plain, array_to_plain
 from cpm_core.formats.sessions.plain_values import mapping, number
+from cpm_core.formats.sessions.space_state import contact_from_plain, covered_from_plain, space_to_plain
 from cpm_core.image.pyramid import shape_of_scale
 from cpm_core.numerics.types import Array
+from cpm_core.numerics.vectors import Vector
 from cpm_core.parameters.quotation import shown
 from cpm_core.particles.coulomb.mesh_force import PITCH, mesh_shape, softening
 from cpm_core.particles.coulomb.mesh_force.plane import NO_MESH
 from cpm_core.particles.coverage import coverage_of, no_coverage
 from cpm_core.particles.initialization import inside_image
 from cpm_core.particles.mesh import MeshForce
-from cpm_core.particles.state import MEMORY, Particles, State
+from cpm_core.particles.state import MEMORY, Particles, SpaceState, State
 
 _COUNTS = (
     *("step", "step_of_scale", "reactivated", "next_identity", "born", "deleted", "moving", "idle", "quiet"),
@@ -31,12 +34,7 @@ _COUNTS = (
 _COVERAGE = ("found", "latest")
 _MEASURES = ("annealed", "epsilon", "displacement")
 _MOST = 2**40
-_PARTICLES: Mapping[str, tuple[int, ...]] = {
-    "position": (2,),
-    "velocity": (2,),
-    "force": (2, 2),
-    "distance": (MEMORY,),
-}
+_PARTICLES = ("position", "velocity", "force", "distance")
 
 
 def state_to_plain(state: State) -> dict[str, Any]:
@@ -48,6 +46,8 @@ def state_to_plain(state: State) -> dict[str, Any]:
     particles = state.particles
     plain |= {name: array_to_plain(getattr(particles, name)) for name in (*_PARTICLES, "identity")}
     plain["start"] = array_to_plain(state.start)
+    if state.space is not None:
+        return plain | space_to_plain(state)
     plain |= {name: array_to_plain(getattr(state.coverage, name).whole()) for name in _COVERAGE}
     if state.mesh is not None:
         far = math.isfinite(state.mesh.reach)
@@ -55,8 +55,11 @@ def state_to_plain(state: State) -> dict[str, Any]:
     return plain
 
 
-def state_from_plain(plain: object, shape: tuple[int, ...], scales: int) -> State:
-    """The state of a run on an image of this shape with so many scales; ValueError when it cannot be one."""
+def state_from_plain(plain: object, shape: tuple[int, ...], scales: int, spacing: tuple[float, ...] = ()) -> State:
+    """The state of a run on an image of this shape with so many scales; ValueError when it cannot be one.
+
+    `spacing` has the sides of a voxel of a volume; without it they are equal.
+    """
     given = mapping(plain, "state")
     scale = int(number(given.get("scale"), "scale of state"))
     if not 0 <= scale < scales:
@@ -68,13 +71,19 @@ def state_from_plain(plain: object, shape: tuple[int, ...], scales: int) -> Stat
     reason = given.get("stop_reason")
     if not isinstance(reason, str):
         raise ValueError(f"stop_reason of state is {shown(reason)} but must be text.")
-    cells = no_coverage(size).found.shape
-    coverage = coverage_of(*(array_from_plain(given.get(name), np.int32, cells, name) for name in _COVERAGE))
-    particles, start = _particles(given, size, counts["next_identity"]), _places(given, "start", shape)
-    mesh = _mesh(given["mesh"], size) if "mesh" in given else None
+    pitch = pitch_of(spacing or (1.0,) * len(shape)) if len(shape) == 3 else None
+    particles, start = _particles(given, size, counts["next_identity"], pitch), _places(given, "start", shape)
+    coverage, space, mesh = no_coverage(size), None, None
+    if pitch is not None:
+        particles = replace(particles, contact=contact_from_plain(given, len(particles)))
+        space = SpaceState(pitch, covered_from_plain(given))
+    else:
+        cells = coverage.found.shape
+        coverage = coverage_of(*(array_from_plain(given.get(name), np.int32, cells, name) for name in _COVERAGE))
+        mesh = _mesh(given["mesh"], size) if "mesh" in given else None
     values: dict[str, Any] = {**counts, **{name: _measure(given.get(name), name) for name in _MEASURES}}
     return replace(
-        State(particles, start, shape, scale, coverage, mesh),
+        State(particles, start, shape, scale, coverage, mesh, space=space),
         **values,
         erased=given.get("erased") is True,
         stop_reason=reason,
@@ -82,25 +91,26 @@ def state_from_plain(plain: object, shape: tuple[int, ...], scales: int) -> Stat
     )
 
 
-def _particles(given: Mapping[str, Any], size: tuple[int, ...], following: int) -> Particles:
+def _particles(given: Mapping[str, Any], size: tuple[int, ...], following: int, pitch: Vector | None) -> Particles:
     identity = array_from_plain(given.get("identity"), np.int64, (None,), "identity of state")
     if len(np.unique(identity)) < len(identity) or (len(identity) and not 0 <= identity.min() <= identity.max()):
         raise ValueError("identity of state holds a number twice, or one below zero.")
     if len(identity) and identity.max() >= following:
         raise ValueError("identity of state holds a number that is yet to come.")
     arrays: dict[str, Any] = {}
-    for name, rest in _PARTICLES.items():
+    axes = len(size)
+    for name, rest in zip(_PARTICLES, ((axes,), (axes,), (2, axes), (MEMORY,)), strict=True):
         array = array_from_plain(given.get(name), float, (len(identity), *rest), f"{name} of state")
         if np.isinf(array).any() or (name != "distance" and np.isnan(array).any()):
             raise ValueError(f"{name} of state holds a value that is not a number.")
         arrays[name] = array
-    if not inside_image(arrays["position"], size).all():
+    if not inside_image(arrays["position"] / (pitch or 1.0), size).all():
         raise ValueError("position of state holds a place outside the image.")
     return Particles(**arrays, identity=identity)
 
 
 def _places(given: Mapping[str, Any], name: str, shape: tuple[int, ...]) -> Array:
-    places = array_from_plain(given.get(name), float, (None, 2), f"{name} of state")
+    places = array_from_plain(given.get(name), float, (None, len(shape)), f"{name} of state")
     if not inside_image(places, shape).all():
         raise ValueError(f"{name} of state holds a place outside the image.")
     return places

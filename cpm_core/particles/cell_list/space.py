@@ -1,4 +1,8 @@
-"""Particles of space sorted into cubic cells."""
+"""Particles of space sorted into cubic cells.
+
+Surfaces fill few of the cells of a large volume. The list has an entry for each row of cells along the last axis and
+not for each cell; within a row the particles are sorted by their cells, and those of some cells are found by bisection.
+"""
 
 from __future__ import annotations
 
@@ -23,8 +27,10 @@ class Cells(NamedTuple):
         Side of a cell [px].
     planes, rows, cols : int
         Cells along the axes; positions beyond the grid belong to its outermost cells.
-    start : ndarray of int64, shape (planes rows cols + 1,)
-        Where the particles of each cell begin in the sorted order.
+    start : ndarray of int64, shape (planes rows + 1,)
+        Where the particles of each row of cells begin in the sorted order.
+    col : ndarray of int64, shape (N,)
+        Column of the cell of each of the sorted particles.
     order : ndarray of int64, shape (N,)
         Index of each of the sorted particles.
     z, y, x : ndarray, shape (N,)
@@ -36,6 +42,7 @@ class Cells(NamedTuple):
     rows: int
     cols: int
     start: Index
+    col: Index
     order: Index
     z: Array
     y: Array
@@ -47,21 +54,35 @@ def build_cells(position: Array, shape: Vector, size: float) -> Cells:
     """Sort the particles `position`, shape (N, 3), in a volume of this size into cells of side `size` [px]."""
     count = len(position)
     planes, rows, cols = int(shape[0] / size) + 1, int(shape[1] / size) + 1, int(shape[2] / size) + 1
-    start = np.zeros(planes * rows * cols + 1, np.int64)
-    own = np.empty(count, np.int64)
+    row_of, col_of, by_col = np.empty(count, np.int64), np.empty(count, np.int64), np.empty(count, np.int64)
+    start, first = np.zeros(planes * rows + 1, np.int64), np.zeros(cols + 1, np.int64)
     for i in range(count):
         plane, row = cell_of(position[i, 0], size, planes), cell_of(position[i, 1], size, rows)
-        own[i] = (plane * rows + row) * cols + cell_of(position[i, 2], size, cols)
-        start[own[i] + 1] += 1
-    for c in range(planes * rows * cols):
-        start[c + 1] += start[c]
-    order, z, y, x = np.empty(count, np.int64), np.empty(count), np.empty(count), np.empty(count)
-    cursor = start[:-1].copy()
+        row_of[i], col_of[i] = plane * rows + row, cell_of(position[i, 2], size, cols)
+        start[row_of[i] + 1] += 1
+        first[col_of[i] + 1] += 1
+    _add_up(start)
+    _add_up(first)
     for i in range(count):
-        k = cursor[own[i]]
-        cursor[own[i]] += 1
-        order[k], z[k], y[k], x[k] = i, position[i, 0], position[i, 1], position[i, 2]
-    return Cells(size, planes, rows, cols, start, order, z, y, x)
+        by_col[first[col_of[i]]] = i
+        first[col_of[i]] += 1
+    order, col = np.empty(count, np.int64), np.empty(count, np.int64)
+    z, y, x = np.empty(count), np.empty(count), np.empty(count)
+    cursor = start[:-1].copy()
+    for n in range(count):
+        i = by_col[n]
+        k = cursor[row_of[i]]
+        cursor[row_of[i]] += 1
+        order[k], col[k] = i, col_of[i]
+        z[k], y[k], x[k] = position[i, 0], position[i, 1], position[i, 2]
+    return Cells(size, planes, rows, cols, start, col, order, z, y, x)
+
+
+@compiled
+def _add_up(counts: Index) -> None:
+    """Turn the numbers of things into where they begin, in place."""
+    for k in range(1, len(counts)):
+        counts[k] += counts[k - 1]
 
 
 @compiled
@@ -80,5 +101,18 @@ def cells_around(cells: Cells, z: float, y: float, x: float, distance: float) ->
 @compiled
 def row_of_cells(cells: Cells, plane: int, row: int, left: int, right: int) -> tuple[int, int]:
     """First of the sorted particles in a row of cells from column `left` to `right`, and the one behind the last."""
-    first = (plane * cells.rows + row) * cells.cols
-    return cells.start[first + left], cells.start[first + right + 1]
+    line = plane * cells.rows + row
+    first, last = cells.start[line], cells.start[line + 1]
+    return _first_from(cells.col, left, first, last), _first_from(cells.col, right + 1, first, last)
+
+
+@compiled
+def _first_from(col: Index, wanted: int, low: int, high: int) -> int:
+    """First of some entries in ascending order that is not below a wanted one; `high` if all are."""
+    while low < high:
+        middle = (low + high) // 2
+        if col[middle] < wanted:
+            low = middle + 1
+        else:
+            high = middle
+    return low

@@ -10,12 +10,14 @@ alone.
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 import scipy
 
 from cpm_core.field.volume.ridges import Ridges
 from cpm_core.field.volume.volume_field import VolumeField
-from cpm_core.medial_axis.space.loops import are_linked, loops_of
+from cpm_core.medial_axis.space.loops import loops_of, neighbors, passes, winds
 from cpm_core.numerics.runs import Runs, runs_of
 from cpm_core.numerics.types import Array, Index, Mask
 
@@ -58,8 +60,8 @@ def _enclosed(field: VolumeField, ridges: Ridges, covered: Mask, fitting: Mask) 
     """Which fitting boundaries bound an enclosed region of which another boundary has been found."""
     regions = runs_of(field.edge_map < field.floor, corners=False)
     open_ = regions.at_border
-    if field.closed is not None:
-        crossed = regions.part_at(np.argwhere(field.closed))
+    if field.walls is not None:
+        crossed = regions.part_at(np.argwhere(field.walls.filled(field.shape, field.pitch)))
         open_[crossed[crossed >= 0]] = True
     chosen = fitting.copy()
     chosen[ridges.component[covered]] = True
@@ -97,21 +99,39 @@ def _linked(field: VolumeField, ridges: Ridges, found: Mask, fitting: Mask) -> M
     """Which fitting boundaries are linked with found ones."""
     launched = np.zeros_like(fitting)
     voxels = np.rint(ridges.place / field.pitch).astype(np.int64)
-    some = np.flatnonzero((fitting | found)[ridges.component])
+    known = _Boundaries(voxels[found[ridges.component]], ridges.component[found[ridges.component]])
+    some = np.flatnonzero(fitting[ridges.component])
     some = some[np.argsort(ridges.component[some], kind="stable")]
     numbers, first = np.unique(ridges.component[some], return_index=True)
-    parts = dict(zip(numbers.tolist(), np.split(voxels[some], first[1:]), strict=True))
-    known: dict[int, list[Array]] = {}
-    for one in np.flatnonzero(fitting).tolist():
-        beside = [k for k in np.flatnonzero(found).tolist() if _overlap(parts[one], parts[k])]
-        loops = loops_of(parts[one]) if beside else []
-        for other in beside if loops else []:
-            if other not in known:
-                known[other] = loops_of(parts[other])
-            launched[one] |= any(are_linked(a, b) for a in loops for b in known[other])
+    for number, part in zip(numbers, np.split(voxels[some], first[1:]), strict=True):
+        launched[number] = known.are_linked_with(part)
     return launched
 
 
-def _overlap(one: Index, other: Index) -> bool:
-    """Whether the boxes around two sets of voxels overlap."""
-    return bool((one.min(0) < other.max(0)).all() and (other.min(0) < one.max(0)).all())
+class _Boundaries:
+    """Boundaries that have been found, as graphs of voxels that touch each other."""
+
+    def __init__(self, voxels: Index, number: Index) -> None:
+        self._voxels = voxels
+        self._number = number
+
+    @cached_property
+    def _pairs(self) -> Index:
+        pairs = neighbors(self._voxels)
+        return np.asarray(pairs[self._number[pairs[:, 0]] == self._number[pairs[:, 1]]])
+
+    def are_linked_with(self, boundary: Index) -> bool:
+        """Whether a closed way along them is linked with one inside another boundary, voxels of shape (M, 3)."""
+        low, high = boundary.min(0), boundary.max(0)
+        near = self._voxels[((self._voxels >= low) & (self._voxels <= high)).all(axis=1)]
+        steps = neighbors(near)
+        loops = loops_of(boundary) if len(steps) else []
+        return any(passes(near[steps[:, 0]], near[steps[:, 1]], loop).any() and self._wind(loop) for loop in loops)
+
+    def _wind(self, loop: Array) -> bool:
+        one, other = self._voxels[self._pairs.T]
+        low, high = loop.min(0) - 1.0, loop.max(0) + 1.0
+        near = np.flatnonzero(((one >= low) & (one <= high)).all(axis=1))
+        turns = np.zeros(len(one), np.int64)
+        turns[near] = passes(one[near], other[near], loop)
+        return winds(len(self._voxels), self._pairs, turns)

@@ -13,9 +13,12 @@ from functools import partial
 import numpy as np
 
 from cpm_core.dynamics.insertion.space import apart
+from cpm_core.field.placed_charges import radius_at
+from cpm_core.field.volume.placed_charges import torn_off
 from cpm_core.field.volume.ridges import Ridges
 from cpm_core.field.volume.surface_force import faces_alike, on_ridges
 from cpm_core.field.volume.volume_field import VolumeField
+from cpm_core.image.volume_barriers import Walls
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Index
@@ -54,28 +57,29 @@ def launched(state: State, field: VolumeField, d_min: float) -> State | None:
     """The state with particles on the stretches that fronts did not reach; None when there are none."""
     if state.reseedings >= LAUNCHES or state.erased:
         return None
-    ridges = field.ridges
+    ridges = _within_walls(field.ridges, state, field.walls)
     cover = _cover(state, field, ridges, d_min)
     reached = np.zeros(int(ridges.component.max(initial=-1)) + 1, np.bool_)
     reached[ridges.component[cover == _ON]] = True
     more = inseparable(field, ridges, reached, cover != _BARE)
     bare = np.flatnonzero((cover == _BARE) & (reached | more)[ridges.component])
-    return _with_launched(state, field, bare, d_min, bool(more.any()))
+    return _with_launched(state, field, ridges.where(bare), d_min, bool(more.any()))
 
 
-def _with_launched(state: State, field: VolumeField, bare: Index, d_min: float, leads_on: bool) -> State | None:
+def _with_launched(state: State, field: VolumeField, ridges: Ridges, d_min: float, leads_on: bool) -> State | None:
     """The state with particles on some ridges, the strongest first, and not too near to each other.
 
     Another launch follows one that is worthwhile, and one that `leads_on` to new boundaries.
     """
-    if not len(bare):
+    if not len(ridges.place):
         return None
-    ridges = field.ridges
-    order = bare[np.argsort(-ridges.strength[bare], kind="stable")]
+    order = np.argsort(-ridges.strength, kind="stable")
     places = np.concatenate([ridges.place[order], ridges.normal[order]], axis=1)
     chosen = order[apart(places, _APART * d_min, build_cells(np.empty((0, 3)), field.extent, _APART * d_min))]
-    position = np.empty((len(chosen), 3))
-    on_ridges(field.smoothed, field.edge_map, field.pitch, ridges.place[chosen], _ROUNDS, position)
+    position = _pulled(field, ridges.place[chosen])
+    free = ~field.crossed(ridges.place[chosen], position)
+    free &= ~torn_off(state.placed, radius_at(state.scale), position, ridges.normal[chosen])
+    chosen, position = chosen[free], position[free]
     step = state.step_of_scale
     contact = SurfaceContact.of_seated(ridges.normal[chosen], ridges.strength[chosen], step)
     worthwhile = leads_on or len(chosen) > WORTHWHILE * state.count
@@ -89,6 +93,16 @@ def _with_launched(state: State, field: VolumeField, bare: Index, d_min: float, 
         idle=0,
         quiet=0,
     )
+
+
+def _within_walls(ridges: Ridges, state: State, walls: Walls | None) -> Ridges:
+    """The ridges in rooms with particles; walls part what is connected."""
+    if walls is None:
+        return ridges
+    rooms, taken = walls.rooms(ridges.place), walls.rooms(state.particles.position)
+    _, number = np.unique(np.stack([ridges.component, rooms]), axis=1, return_inverse=True)
+    inside = np.flatnonzero((rooms >= 0) & np.isin(rooms, taken))
+    return ridges._replace(component=number.ravel()).where(inside)
 
 
 def _cover(state: State, field: VolumeField, ridges: Ridges, d_min: float) -> Index:
@@ -125,8 +139,16 @@ def settled(state: State, field: VolumeField) -> State:
     contact = state.particles.contact
     assert contact is not None
     found = state.particles.where(contact.seated & (contact.strength >= field.floor))
-    position = np.empty_like(found.position)
-    on_ridges(field.smoothed, field.edge_map, field.pitch, found.position, _ROUNDS, position)
+    position = _pulled(field, found.position)
+    crossing = field.crossed(found.position, position)
+    position[crossing] = found.position[crossing]
     kept = np.linalg.norm(position - found.position, axis=1) < _ASTRAY
     found = replace(found, position=position).where(kept)
     return replace(state, particles=found, deleted=state.deleted + len(state.particles) - len(found))
+
+
+def _pulled(field: VolumeField, places: Array) -> Array:
+    """Places moved to the ridge, which may lie behind the outermost voxels, and no farther than their centers."""
+    position = np.empty_like(places)
+    on_ridges(field.smoothed, field.edge_map, field.pitch, places, _ROUNDS, position)
+    return np.clip(position, 0.0, (np.array(field.shape) - 1) * field.pitch)

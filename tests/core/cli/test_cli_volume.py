@@ -3,6 +3,7 @@
 import json
 
 import numpy as np
+import PIL.Image
 import pytest
 import tifffile
 
@@ -19,6 +20,7 @@ def folder(tmp_path_factory):
     np.savez(folder / "two.npz", one=values, other=values)
     np.save(folder / "plane.npy", values[10])
     tifffile.imwrite(folder / "ball.tif", values, photometric="minisblack")
+    PIL.Image.fromarray(values[10].astype(np.uint8)).save(folder / "flat.png")
     (folder / "bad.tif").write_bytes(b"II*\0 no image")
     return folder
 
@@ -30,6 +32,19 @@ def test_every_kind_of_file_gives_the_same_surface(folder, command, name):
     assert facts["converged"]
     assert facts["vertices"] - facts["faces"] / 2 == 2
     assert (facts["contours"], facts["stop_reason"]) == (0, "at rest: no particle finds anything new")
+
+
+def test_a_surface_is_written_with_as_many_triangles_as_wanted(folder, command, tmp_path):
+    _, out, err = command(
+        "run", folder / "ball.npy", *SPHERE, "--faces", "200", "--json", "--export", tmp_path / "a.ply"
+    )
+    facts = json.loads(out)
+    assert (facts["faces"], facts["vertices"], err) == (200, 102, "")
+    assert b"element face 200\n" in (tmp_path / "a.ply").read_bytes()
+    _, out, err = command("run", folder / "ball.npy", *SPHERE, "--faces", "4", "--json")
+    left = json.loads(out)["faces"]
+    assert left > 4
+    assert err == f"cpm: {left} triangles are left, not 4: with fewer the surface would lose its shape.\n"
 
 
 def test_a_nifti_volume_is_read_with_the_sides_of_its_voxels(folder, command):
@@ -45,15 +60,17 @@ def test_a_nifti_volume_is_read_with_the_sides_of_its_voxels(folder, command):
     [
         (("ball.npy", "--sphere", "1,2,3"), "must be four numbers, PLANE,ROW,COL,RADIUS"),
         (("ball.npy", "--sphere", "1,2,3,0"), "radius is 0"),
+        (("ball.npy", *SPHERE, "--faces", "3"), "--faces is 3 but must be a whole number of at least 4"),
+        (("ball.npy", "--circle", "1,2,3", "--faces", "100"), "--faces is for the surface in a volume"),
         (("ball.npy", "--sphere", "90,90,90,2"), "none of the 625 starting particles lies inside"),
         (("ball.npy", *SPHERE, "--circle", "1,2,3"), "--circle is for images"),
         (("ball.npy", *SPHERE, "--export", "a.svg"), "a.svg is for contours"),
         (("ball.npy", *SPHERE, "--max-gap", "5"), "max_gap is 5 but has no meaning in a volume"),
         (("plane.npy", *SPHERE), "has the shape (20, 20)"),
-        (("two.npz", *SPHERE), "holds 2 volumes"),
+        (("two.npz", *SPHERE), "holds 2 images and volumes"),
         (("bad.tif", *SPHERE), "is damaged"),
         (("none.npy", *SPHERE), "does not exist"),
-        (("ball.png", *SPHERE), "is of no kind of volume"),
+        (("flat.png", *SPHERE), "flat.png has the shape (20, 20)"),
     ],
 )
 def test_what_cannot_be_done_is_said_in_one_line(folder, command, words, answer):
@@ -62,3 +79,87 @@ def test_what_cannot_be_done_is_said_in_one_line(folder, command, words, answer)
     assert (status, out) == (2, "")
     assert answer in err
     assert err.count("\n") == 1
+
+
+def write_oblique(path, values):
+    nibabel = pytest.importorskip("nibabel")
+    turn = np.array([[0.8, 0.0, -0.6], [0.0, 1.0, 0.0], [0.6, 0.0, 0.8]])
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = 0.5 * turn, (-5.0, 7.0, 9.0)
+    nibabel.save(nibabel.Nifti1Image(values.T, matrix), path)
+    return nibabel.load(path).affine
+
+
+def test_labels_are_written_with_the_matrix_of_the_volume(folder, command):
+    nibabel = pytest.importorskip("nibabel")
+    affine = write_oblique(folder / "oblique.nii.gz", np.load(folder / "ball.npy"))
+    labels = folder / "labels.nii.gz"
+    assert command("run", folder / "oblique.nii.gz", *SPHERE, "--export", labels)[0] == 0
+    found = nibabel.load(labels)
+    assert np.array_equal(found.affine, affine)
+    inside = np.load(folder / "ball.npy") > 100.0
+    assert (np.asarray(found.dataobj).T.astype(bool) == inside).mean() > 0.99
+
+
+def test_info_tells_where_a_volume_lies(folder, command):
+    write_oblique(folder / "info.nii", np.load(folder / "ball.npy"))
+    _, out, _ = command("info", folder / "info.nii")
+    assert out.splitlines() == [
+        "info.nii: 20 planes x 20 rows x 20 columns, gray levels 0 to 200",
+        "Size of a voxel: 0.5 x 0.5 x 0.5 mm (plane x row x column)",
+        "Orientation: planes to the head, rows to the front, columns to the right, up to 36.9° oblique",
+        "First voxel: at (-5, 7, 9) mm, RAS",
+        "Note: It names no unit of length; millimeters were taken.",
+    ]
+    facts = json.loads(command("info", folder / "info.nii", "--json", "--page", "3")[1])
+    assert facts["shape"] == [20, 20]
+    assert (facts["geometry"]["letters"], facts["geometry"]["convention"]) == ("SAR", "RAS")
+    assert facts["geometry"]["affine"][0][3] == pytest.approx(-5.0 - 0.6)
+
+
+@pytest.fixture(scope="module")
+def hyperstack(folder):
+    values = np.load(folder / "ball.npy").astype(np.uint8)
+    stack = np.stack([[np.zeros_like(values), values], [values // 2, values]]).transpose(0, 2, 1, 3, 4)
+    tifffile.imwrite(folder / "hyper.tif", stack, imagej=True, metadata={"axes": "TZCYX"})
+    return folder / "hyper.tif"
+
+
+def test_parts_of_a_file_are_chosen_by_number(hyperstack, command):
+    _, out, err = command("run", hyperstack, *SPHERE, "--channel", "2", "--time", "1", "--json")
+    assert json.loads(out)["vertices"] > 100
+    assert err == ""
+    _, out, err = command("run", hyperstack, *SPHERE, "--time", "2", "--json")
+    assert json.loads(out)["vertices"] > 100
+    assert err == "cpm: hyper.tif: Only the first of its 2 channels was taken.\n"
+    places = ("--circle", "9.5,9.5,3")
+    _, out, _ = command("run", hyperstack, *places, "--page", "10", "--channel", "2", "--time", "2", "--json")
+    assert json.loads(out)["closed"] == 1
+
+
+@pytest.mark.parametrize(("size", "spacing"), [("0.25um", [0.25] * 3), ("2x0.5x0.25µm", [2.0, 0.5, 0.25])])
+def test_the_size_of_a_voxel_is_set_by_hand(folder, command, size, spacing):
+    facts = json.loads(command("info", folder / "ball.npy", "--pixel-size", size, "--json")[1])
+    assert (facts["spacing"], facts["unit"]) == (spacing, "µm")
+
+
+@pytest.mark.parametrize(
+    ("words", "answer"),
+    [
+        (("--pixel-size", "0.25"), '--pixel-size is "0.25" but must be one to three sizes and a unit'),
+        (("--pixel-size", "1..2mm"), "must be one to three sizes"),
+        (("--pixel-size", "1x1mm"), "must be three positive numbers"),
+        (("--page", "2.5"), "page is 2.5 but must be a whole number"),
+        (("--page", "99"), "page is 99, but ball.npy has 20 of them: choose 1 to 20"),
+        (("--time", "first"), 'time is "first" but must be a whole number'),
+        (("--series", "2"), ""),
+    ],
+)
+def test_what_is_no_part_of_a_file_is_said_in_one_line(folder, command, words, answer):
+    status, _, err = command("info", folder / "ball.npy", *words)
+    assert (status, err.count("\n")) == ((2, 1) if answer else (0, 0))
+    assert answer in err
+
+
+def test_a_volume_has_all_pages(folder, command):
+    assert "a volume takes all pages" in command("run", folder / "ball.npy", *SPHERE, "--page", "3")[2]

@@ -45,11 +45,15 @@ class TestCellList:
         cells = kernels.build_cells(points, shape, size)
         assert sorted(cells.order.tolist()) == list(range(len(points)))
         np.testing.assert_array_equal(np.stack([cells.y, cells.x], axis=1), points[cells.order][:, -2:])
-        assert (cells.start[0], cells.start[-1], len(cells.start)) == (0, len(points), np.prod(grid(shape, size)) + 1)
-        for number, cell in enumerate(np.ndindex(grid(shape, size))):
-            mine = cells.order[cells.start[number] : cells.start[number + 1]]
+        end = 0
+        for *row, col in np.ndindex(grid(shape, size)):
+            before, cell = end, (*row, col)
+            start, end = kernels.row_of_cells(cells, *cell, col)
+            assert start == before
+            mine = cells.order[start:end]
             assert all(own_cell(points[i], size) == cell for i in mine)
             assert np.all(np.diff(mine) > 0)  # in their order
+        assert end == len(points)
 
     @settings(max_examples=60, deadline=None)
     @given(seed=seeds, size=sizes, radius=st.floats(0.0, 30.0))
@@ -66,11 +70,12 @@ class TestCellList:
     @settings(max_examples=40, deadline=None)
     @given(seed=seeds, size=st.sampled_from([1.0, 2.0, 6.0]))
     def test_all_nearer_than_the_side_of_a_cell_lie_in_the_cells_around(self, kernels, shape, seed, size):
-        points, most = crowds(shape, seed), grid(shape, size)
+        points = crowds(shape, seed)
         cells = kernels.build_cells(points, shape, size)
-        numbers = np.empty(len(points), np.int64)
-        numbers[cells.order] = np.searchsorted(cells.start, np.arange(len(points)), "right") - 1
-        cell = np.stack(np.unravel_index(numbers, most), axis=1)
+        cell = np.empty(points.shape, np.int64)
+        for one in np.ndindex(grid(shape, size)):
+            start, end = kernels.row_of_cells(cells, *one, one[-1])
+            cell[cells.order[start:end]] = one
         near = np.linalg.norm(points[:, None] - points, axis=2) < size
         assert np.abs(cell[:, None] - cell).max(axis=2)[near].max(initial=0) <= 1
 

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 from app.model.volume.slices import Slices
 from app.session.session import Session
 from cpm_core.numerics.types import Place
+
+_FAR = 10**6
+"""Largest index that is taken from a file [voxels]."""
 
 
 class ShownSlices:
@@ -39,6 +44,23 @@ class ShownSlices:
         """Show the slices through a place of the volume."""
         if self.now is not None:
             self._use(self.now.through(place))
+
+    def view_state(self) -> dict[str, object]:
+        """Where the slices are, as plain JSON for a session file; empty for an image."""
+        now = self.now
+        return {} if now is None else {"slices": {"voxel": list(now.voxel), "axis": now.axis}}
+
+    def use_view_state(self, state: Mapping[str, Any]) -> None:
+        """Restore the slices from a session file; missing or invalid entries change nothing."""
+        kept = state.get("slices")
+        if self.now is None or not isinstance(kept, Mapping):
+            return
+        axis, voxel = kept.get("axis"), kept.get("voxel")
+        if axis in (0, 1, 2) and not isinstance(axis, bool):
+            self.turn(int(axis))
+        known = voxel if isinstance(voxel, list) and len(voxel) == len(self.now.voxel) else []
+        if known and all(isinstance(at, int) and abs(at) <= _FAR for at in known):
+            self.through(tuple(known))
 
     def _use(self, slices: Slices) -> None:
         if slices != self.now:

@@ -1,4 +1,4 @@
-"""A stack of pages: opened as one volume, or its first page as an image."""
+"""A stack of planes: opened as one volume, or one page of it as an image."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ class StackFeature(OfferingFeature):
         return (
             ActionSpec(name="open_stack", menu="File", text=tr("Open all pages as one volu&me"),
                        do=self._open_otherwise,
-                       tip=tr("Open a stack of pages as one volume, or its first page as an image."),
+                       tip=tr("Open a stack of pages as one volume, or one page of it as an image."),
                        when=lambda _: self._stack is not None, worded=_text),
         )  # fmt: skip
 
     def offer(self, opened: Opened) -> None:
         """Offer to open all pages as one volume."""
-        self._stack = opened.path if opened.pages else None
-        if opened.pages and opened.image.ndim == 2 and opened.saved is None:
-            sentence = tr("{name} is a stack of {pages} pages, and its first page is open. Open all as one volume?")
+        self._stack = opened.path if opened.stacked else None
+        if opened.stacked and opened.image.ndim == 2 and opened.saved is None:
+            sentence = tr("{name} is a stack of pages, one of which is open. Open all as one volume?")
             self.bar.offer(
-                sentence.format(name=opened.path.name, pages=opened.pages),
+                sentence.format(name=opened.path.name),
                 (tr("Open as volume"), self._open_otherwise),
             )
 
@@ -48,5 +48,5 @@ class StackFeature(OfferingFeature):
 
 def _text(situation: Situation) -> str:
     if has_volume(situation):
-        return tr("Open the first page as an i&mage")
+        return tr("Open one page as an i&mage")
     return tr("Open all pages as one volu&me")

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.runs import Runs, runs_of
-from cpm_core.numerics.types import Index, Single
+from cpm_core.numerics.types import Index, Mask, Single
 from cpm_core.reconstruction.surface.iso.necks import DEEPEST, Surroundings
 
 Labels = NDArray[np.int32]
@@ -24,7 +24,7 @@ _APART = 3
 _WINDOW = 6
 """Voxels around a saddle in which the way is sought."""
 
-_RAISED = 0.25
+RAISED = 0.25
 """Height of the voxels on a way: just inside."""
 
 _MOST_MEETINGS = 4
@@ -39,12 +39,12 @@ def join(height: Single, begin: Index, surroundings: Surroundings) -> int:
     parts = runs_of(height > 0.0, corners=True)
     if parts.count < 2:
         return 0
-    meetings = _meetings(height, parts)
+    meetings = meetings_of(height, (height <= 0.0) & (height > -DEEPEST), parts, np.ones(parts.count, np.bool_))
     group = np.arange(parts.count)
     looked_at: dict[tuple[int, int], list[Index]] = {}
     joined = 0
     for p, r, c, one, other in meetings:
-        a, b = _root(group, one), _root(group, other)
+        a, b = root(group, one), root(group, other)
         saddle, pair = np.array([p, r, c]), (min(one, other), max(one, other))
         tried = looked_at.setdefault(pair, [])
         if a == b or any((np.abs(saddle - before) < _APART).all() for before in tried):
@@ -53,25 +53,25 @@ def join(height: Single, begin: Index, surroundings: Surroundings) -> int:
         depth = -float(height[p, r, c])
         if not surroundings.may_be_neck(saddle + begin, depth):
             continue
-        way = _way(height, parts, saddle, one, other)
+        way = way_between(height, parts, saddle, one, other, _WINDOW)
         if way is None or not surroundings.is_neck(way + begin, saddle + begin, depth):
             continue
         group[max(a, b)] = min(a, b)
         joined += 1
         inner = tuple(way.T)
-        height[inner] = np.maximum(height[inner], _RAISED)
+        height[inner] = np.maximum(height[inner], RAISED)
     return joined
 
 
-def _meetings(height: Single, parts: Runs) -> Index:
-    """Voxels, and the two parts, where the slopes of different parts meet, the highest first, shape (M, 5)."""
-    own: Labels = np.zeros(height.shape, np.int32)
-    _paint(own, parts.begin, parts.first, parts.last, parts.part)
-    low = np.argwhere((height <= 0.0) & (height > -DEEPEST))
-    low = low[np.argsort(-height[tuple(low.T)], kind="stable")]
+def meetings_of(values: Single, passable: Mask, parts: Runs, wanted: Mask) -> Index:
+    """Voxels, and the two parts, where the slopes of different wanted parts meet, the highest first, shape (M, 5)."""
+    own: Labels = np.zeros(values.shape, np.int32)
+    _paint(own, parts.begin, parts.first, parts.last, np.where(wanted[parts.part], parts.part, -1))
+    low = np.argwhere(passable & (own == 0))
+    low = low[np.argsort(-values[tuple(low.T)], kind="stable")]
     basin = np.arange(parts.count + len(low) + 1)
     found = np.empty((_MOST_MEETINGS * len(low), 5), np.int64)
-    return found[: _descend(height, own, low, parts.count, basin, found)]
+    return found[: _descend(values, own, low, parts.count, basin, found)]
 
 
 @compiled
@@ -84,7 +84,8 @@ def _paint(own: Labels, begin: Index, first: Labels, last: Labels, part: Index) 
 
 
 @compiled
-def _root(group: Index, k: int) -> int:
+def root(group: Index, k: int) -> int:
+    """First member of the group that a number belongs to; the way to it is shortened."""
     while group[k] != k:
         group[k] = group[group[k]]
         k = group[k]
@@ -108,14 +109,14 @@ def _descend(height: Single, own: Labels, low: Index, count: int, basin: Index, 
             for v in range(max(r - 1, 0), min(r + 2, rows)):
                 for w in range(max(c - 1, 0), min(c + 2, cols)):
                     if own[u, v, w] > 0:
-                        root = _root(basin, own[u, v, w])
-                        if root <= count and height[u, v, w] > highest:
-                            highest, mine = height[u, v, w], root
+                        lead = root(basin, own[u, v, w])
+                        if lead <= count and height[u, v, w] > highest:
+                            highest, mine = height[u, v, w], lead
                         new = True
                         for k in range(many):
-                            new = new and seen[k] != root
+                            new = new and seen[k] != lead
                         if new:
-                            seen[many] = root
+                            seen[many] = lead
                             many += 1
         if mine < 0:
             mine = seen[0] if many else count + 1 + n
@@ -132,20 +133,22 @@ def _descend(height: Single, own: Labels, low: Index, count: int, basin: Index, 
     return met
 
 
-def _way(height: Single, parts: Runs, saddle: Index, one: int, other: int) -> Index | None:
-    """Shortest way between two parts over voxels no lower than a saddle, through it, ends included; None without."""
+def way_between(values: Single, parts: Runs, saddle: Index, one: int, other: int, reach: int) -> Index | None:
+    """Shortest way between two parts over voxels no lower than a saddle, through it, ends included; None without.
+
+    Voxels up to `reach` from the saddle are looked at.
+    """
     from skimage.graph import MCP_Geometric  # noqa: PLC0415 - loaded when there is something to join
 
-    low = np.maximum(saddle - _WINDOW, 0)
-    window = height[tuple(slice(a, a + 2 * _WINDOW + 1) for a in low)]
-    passable = window >= height[tuple(saddle)]
+    low = np.maximum(saddle - reach, 0)
+    passable = values[tuple(slice(a, b) for a, b in zip(low, saddle + reach + 1, strict=True))] >= values[tuple(saddle)]
     costs = MCP_Geometric(np.where(passable, 1.0, -1.0))
     reached, _ = costs.find_costs([tuple(saddle - low)])
-    inside = np.argwhere(passable & (window > 0.0))
-    part = parts.part_at(inside + low)
+    voxels = np.argwhere(passable)
+    part = parts.part_at(voxels + low)
     halves = []
     for wanted in (one, other):
-        ends = inside[part == wanted]
+        ends = voxels[part == wanted]
         cost = reached[tuple(ends.T)]
         if not len(ends) or not np.isfinite(cost).any():
             return None

@@ -5,14 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from cpm_core.contours.surface import Surface
-from cpm_core.numerics.types import Array, Single
+from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.reconstruction.surface.components import Leaving, support, well_supported
 from cpm_core.reconstruction.surface.iso.joints import join
-from cpm_core.reconstruction.surface.iso.local_threshold import Box, height
+from cpm_core.reconstruction.surface.iso.local_threshold import Box, Levels, height
 from cpm_core.reconstruction.surface.iso.marching import zero_surface
 from cpm_core.reconstruction.surface.iso.necks import Surroundings
-from cpm_core.reconstruction.surface.iso.sharpened import levels_at, on_ridge
+from cpm_core.reconstruction.surface.iso.sharpened import levels_at, on_ridge, step_width
 from cpm_core.reconstruction.surface.iso.sides import fill_regions
+from cpm_core.reconstruction.surface.iso.threads import spin
 from cpm_core.reconstruction.surface.sampling import typical_distance
 
 _WIDTH, _LEAST_WIDTH = 0.75, 1.5
@@ -34,6 +35,7 @@ def find_surface(
     *,
     smoothing: float = 1.0,
     open_border: bool = False,
+    shut: Mask | None = None,
     leaving: Leaving = Leaving(),  # noqa: B008 - a frozen value
 ) -> Surface:
     """Surface through particles that rest on the edges of a volume.
@@ -44,14 +46,14 @@ def find_surface(
         Smoothed volume, and the length of its gradient.
     points : ndarray, shape (N, 3)
         Particles on edges [voxels].
-    spacing : tuple of float
-        Size of a voxel along each axis, in `unit`.
-    unit : str, optional
-        Unit of length.
+    spacing, unit : tuple of float, and str, optional
+        Size of a voxel along each axis, and the unit of length.
     smoothing : float
         Width of the Gaussian that has smoothed the volume, in smallest sides of a voxel.
     open_border : bool
         Whether the surface ends at the border of the volume; else objects that the border cuts get a flat end there.
+    shut : ndarray of bool, shape (P, R, C), optional
+        Voxels that the surface leaves out: objects get a flat end there.
     leaving : Leaving
         Which components are left out.
 
@@ -64,17 +66,46 @@ def find_surface(
     if len(points) < _FEWEST:
         return Surface(np.empty((0, 3)), np.empty((0, 3), np.int64), spacing, unit)
     points = on_ridge(volume, edge_map, points, size)
-    levels, normals = levels_at(volume, edge_map, points, size, smoothing)
+    levels, normals = levels_at(volume, edge_map, points, size, step_width(smoothing))
     apart = typical_distance(points * size)
     width, band = max(_WIDTH * apart, _LEAST_WIDTH), max(_BAND * apart, _LEAST_BAND)
     box = _box(points, volume.shape, band / size)
     found = height(volume, box, levels, size, width, band)
-    sign = _settle(found)
-    join(found, box.begin, Surroundings(volume, sign, points, sign * normals, levels.slopes, size))
+    _join_parts(found, box, volume, levels, normals, size, step_width(smoothing), shut)
     vertices, faces = zero_surface(found, _inner(box, volume.shape) if open_border else None)
     vertices += box.begin
     supported = support(vertices * size, points * size, apart)
     return well_supported(vertices, faces, points, supported, spacing, unit, leaving)
+
+
+def _join_parts(
+    found: Single,
+    box: Box,
+    volume: Single,
+    levels: Levels,
+    normals: Array,
+    size: Array,
+    width: float,
+    shut: Mask | None,
+) -> None:
+    """Decide on every voxel of a height, and join parts of the inside that hang together other than through a wall."""
+    left_out = _part_of(shut, box)
+    sign = _settle(found, left_out)
+    surroundings = Surroundings(volume, sign, levels.points, sign * normals, levels.slopes, size)
+    join(found, box.begin, surroundings)
+    spin(found, box.begin, surroundings, width)
+    found[left_out] = -1.0
+
+
+def _part_of(shut: Mask | None, box: Box) -> Mask:
+    """The part of a mask that lies in a box, which may reach beyond the volume; False where there is none."""
+    if shut is None:
+        return np.zeros((), np.bool_)
+    axes = (
+        np.clip(np.arange(begin, begin + count), 0, n - 1)
+        for begin, count, n in zip(box.begin.tolist(), box.shape, shut.shape, strict=True)
+    )
+    return np.asarray(shut[np.ix_(*axes)])
 
 
 def _box(points: Array, shape: tuple[int, ...], band: Array) -> Box:
@@ -93,13 +124,14 @@ def _inner(box: Box, shape: tuple[int, ...]) -> tuple[tuple[int, int], ...]:
     )
 
 
-def _settle(found: Single) -> float:
-    """Decide on every voxel of a height, the outermost being outside; return -1 if bright and dark were exchanged.
+def _settle(found: Single, shut: Mask) -> float:
+    """Decide on every voxel of a height, its rim being outside; return -1 if bright and dark were exchanged.
 
     An object may be darker than what is around it: the inside is not on the side that most of the border lies on.
     """
     outermost = np.ones(found.shape, bool)
     outermost[1:-1, 1:-1, 1:-1] = False
+    outermost |= shut
     found[outermost] = np.inf
     fill_regions(found)
     inner = found[1:-1, 1:-1, 1:-1]

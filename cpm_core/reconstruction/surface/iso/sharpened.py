@@ -51,13 +51,17 @@ def on_ridge(volume: Single, edge_map: Single, points: Array, size: Array) -> Ar
     return np.clip(moved, 0.0, np.array(volume.shape) - 1.0)
 
 
-def levels_at(volume: Single, edge_map: Single, points: Array, size: Array, smoothing: float) -> tuple[Levels, Array]:
+def step_width(smoothing: float) -> float:
+    """Width of the Gaussian as which a sharp edge is seen after one of width `smoothing` [smallest sides]."""
+    return float(np.sqrt(smoothing**2 + _WIDENED))
+
+
+def levels_at(volume: Single, edge_map: Single, points: Array, size: Array, width: float) -> tuple[Levels, Array]:
     """What the surface needs to know of particles on a ridge, and their normals away from the bright side.
 
-    `size` holds the sides of a voxel, and `smoothing` the width of the Gaussian, both in smallest sides of a voxel.
+    `size` holds the sides of a voxel, and `width` is that of a smoothed step, both in smallest sides of a voxel.
     """
     normals, _ = slopes_of(volume, points, size)
-    width = float(np.sqrt(smoothing**2 + _WIDENED))
     bent = curvatures(volume, points, size, normals)
     moved = points + (width * _shift(width * bent).sum(1))[:, None] * normals / size
     thresholds = interpolate(volume[None], moved)[:, 0]

@@ -219,7 +219,7 @@ def test_a_reader_sees_the_path_and_the_marks_of_medical_formats(tmp_path, monke
             seen.append((head[128:132], head[344:348], path))
             return head[128:132] == b"DICM"
 
-        def read(self, path):
+        def read(self, path, choice):
             return Decoded(np.full((9, 12), 7.0))
 
     monkeypatch.setattr(readers, "_READERS", (Medical(), *readers._READERS))
@@ -230,14 +230,10 @@ def test_a_reader_sees_the_path_and_the_marks_of_medical_formats(tmp_path, monke
 
 
 SIGNATURES = {
-    "DICOM": bytes(128) + b"DICM\2\0\0\0",
-    "NIfTI": b"\x5c\1\0\0" + bytes(340) + b"n+1\0" + bytes(400),
-    "NRRD": b"NRRD0004\ntype: short\n",
     "CZI": b"ZISRAWFILE" + bytes(30),
     "HEIC": b"\0\0\0\x18ftypheic\0\0\0\0",
     "FITS": b"SIMPLE  =                    T",
     "HDF5": b"\x89HDF\r\n\x1a\n" + bytes(30),
-    "MetaImage": b"ObjectType = Image\nNDims = 3\n",
     "ND2": b"\xda\xce\xbe\x0a" + bytes(20),
 }
 
@@ -253,6 +249,19 @@ def test_a_sound_file_of_a_kind_that_is_not_read_is_called_by_its_name(tmp_path,
     assert "save the plane that you want as TIFF or PNG" in report
 
 
+PACKED = {
+    "DICOM": bytes(128) + b"DICM\2\0\0\0",
+    "NRRD": b"NRRD0004\ntype: short\n",
+    "MetaImage": b"ObjectType = Image\nNDims = 3\n",
+}
+
+
+@pytest.mark.parametrize("kind", PACKED)
+def test_a_packed_file_of_a_kind_that_is_read_only_as_it_is_is_called_by_its_name(tmp_path, kind):
+    (tmp_path / "scan.gz").write_bytes(gzip.compress(PACKED[kind]))
+    assert f" packed {kind} " in failure_report(tmp_path / "scan.gz")
+
+
 def test_a_dicom_file_that_begins_as_a_tiff_does_is_called_by_its_name(tmp_path):
     head = struct.pack("<2sHI", b"II", 42, 530_000).ljust(128, b"\0")
     (tmp_path / "scan.dcm").write_bytes(head + b"DICM\2\0\0\0" + bytes(400))
@@ -262,7 +271,7 @@ def test_a_dicom_file_that_begins_as_a_tiff_does_is_called_by_its_name(tmp_path)
 def test_an_image_that_cannot_be_read_again_for_its_hash_is_refused(tmp_path, monkeypatch):
     np.save(tmp_path / "a.npy", VALUES)
 
-    def read(path):
+    def read(path, choice):
         found = Decoded(np.load(path))
         path.unlink()
         return found

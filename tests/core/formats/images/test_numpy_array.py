@@ -31,7 +31,7 @@ def test_three_channels_are_colour(tmp_path):
     ("array", "words"),
     [
         (np.zeros((3, 4, 5, 6)), "a.npy holds an array of shape (3, 4, 5, 6)"),
-        (np.zeros((20, 20, 20)), "a.npy holds an array of shape (20, 20, 20)"),
+        (np.zeros((2, 20, 20, 20)), "a.npy holds an array of shape (2, 20, 20, 20)"),
         (np.zeros(100), "a.npy holds an array of shape (100,)"),
         (np.zeros((10, 10), dtype=complex), "a.npy holds values of type complex128"),
         (np.full((10, 10), "x"), "a.npy holds values of type <U1"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from cpm_core import Engine, Parameters
+from cpm_core import PRESETS, Engine, Image, Parameters, PlacedCharge, sphere
 from cpm_core.formats.sessions.particle_state import state_from_plain, state_to_plain
 from cpm_core.formats.sessions.plain_arrays import array_from_plain, array_to_plain
 from cpm_core.particles.initialization import circle
@@ -100,3 +101,56 @@ def test_no_state_is_read_that_compiled_loops_cannot_bear(states) -> None:
     for says, changes in bad.items():
         with pytest.raises(ValueError, match=says):
             state_from_plain(broken(states, **changes), SHAPE, 2)
+
+
+SPACING = (1.5, 1.0, 1.0)
+VOLUME = replace(PRESETS["volume"], scales=2)
+_away = np.linalg.norm((np.moveaxis(np.indices((20, 28, 27)), 0, -1) - (9.5, 13.0, 13.0)) * SPACING, axis=-1)
+SOLID = Engine(Image(np.clip(9.0 - _away, 0.0, 1.0) * 200.0, spacing=SPACING), VOLUME)
+CHARGES = (PlacedCharge((9.0, 13.0, 22.0), 0.5),)
+
+
+@pytest.fixture(scope="module")
+def solid_states(compiled_loops: None) -> list[State]:
+    """The states of a run in a volume to its end, over two scales."""
+    found = [SOLID.start(sphere((9.5, 13.0, 13.0), 4.0, 50, spacing=SPACING))]
+    while not found[-1].stop_reason:
+        found.append(SOLID.step(found[-1], VOLUME, CHARGES))
+    return found
+
+
+def test_a_run_in_a_volume_goes_on_from_a_state_that_was_read_to_the_same_end(solid_states) -> None:
+    """Parameters, regions and charges are told by the actions of the run."""
+    for number in (1, len(solid_states) // 3, len(solid_states) // 2):
+        state = solid_states[number]
+        read = state_from_plain(json.loads(json.dumps(state_to_plain(state))), SOLID.image.shape, 2, SPACING)
+        read = replace(read, steering=state.steering, regions=state.regions, charges=state.charges)
+        for later in solid_states[number + 1 :]:
+            read = SOLID.step(read, VOLUME, CHARGES)
+            assert [a.tobytes() for a in read.arrays()] == [a.tobytes() for a in later.arrays()]
+            assert (read.step, read.stop_reason) == (later.step, later.stop_reason)
+        one, other = (SOLID.result(end, VOLUME) for end in (read, solid_states[-1]))
+        assert one.surface is not None
+        assert other.surface is not None
+        assert one.surface.vertices.tobytes() == other.surface.vertices.tobytes()
+
+
+def test_no_state_of_a_volume_is_read_that_compiled_loops_cannot_bear(solid_states) -> None:
+    state = solid_states[20]
+    assert state.particles.contact is not None
+    outside = state.particles.position.copy()
+    outside[0] = (19.7 * 1.5, 3.0, 3.0)
+    bad = {
+        "outside the image": {"position": array_to_plain(outside)},
+        "position of state has the shape": {"position": array_to_plain(outside[:, :2])},
+        "normal of state holds a direction longer": {"normal": array_to_plain(2.0 * np.ones_like(outside))},
+        "normal of state": {"normal": array_to_plain(np.full_like(outside, np.nan))},
+        "seated of state": {"seated": array_to_plain(np.zeros(3, np.int32))},
+        "strength of state": {"strength": array_to_plain(np.full(state.count, np.inf))},
+        "woken of state": {"woken": 3},
+        "covered of state holds cells": {"covered": array_to_plain(np.array([3, 2]))},
+        "side of state": {"side": 0.0},
+    }
+    for says, changes in bad.items():
+        with pytest.raises(ValueError, match=says):
+            state_from_plain({**state_to_plain(state), **changes}, SOLID.image.shape, 2, SPACING)

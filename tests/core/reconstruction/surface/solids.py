@@ -66,8 +66,11 @@ class Scene(NamedTuple):
     spacing: tuple
 
 
-def scene(solid, spacing=(1.0, 1.0, 1.0), noise=0.0, dark=False, apart=1.8):
-    """A solid of contrast 200 with antialiased sides, and one particle every `apart` on its surface."""
+def scene(solid, spacing=(1.0, 1.0, 1.0), noise=0.0, dark=False, apart=1.8, found=None):
+    """A solid of contrast 200 with antialiased sides, and one particle every `apart` on its surface.
+
+    `found` is the part of the solid that particles have found, the whole without it.
+    """
     gray = 200.0 * np.clip(0.5 + solid(grid(spacing)) / max(spacing), 0.0, 1.0)
     gray += np.random.default_rng(0).normal(0.0, noise, gray.shape)
     if dark:
@@ -75,7 +78,7 @@ def scene(solid, spacing=(1.0, 1.0, 1.0), noise=0.0, dark=False, apart=1.8):
     size = np.array(spacing) / min(spacing)
     smooth = gaussian_filter(gray, 1.0 / size).astype(np.float32)
     slope = np.gradient(smooth, *size)
-    points = thinned(zero_surface(solid(grid()).astype(np.float32))[0], apart) / np.array(spacing)
+    points = thinned(zero_surface((found or solid)(grid()).astype(np.float32))[0], apart) / np.array(spacing)
     inside = ((points >= 0.0) & (points <= np.array(gray.shape) - 1.0)).all(1)
     return Scene(smooth, np.sqrt(sum(s**2 for s in slope)), points[inside], spacing)
 

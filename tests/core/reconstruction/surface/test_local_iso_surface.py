@@ -90,6 +90,17 @@ def test_a_vessel_that_thins_out_stays_one_surface(noise):
     assert surface.closed
 
 
+@pytest.mark.parametrize("dark", [False, True])
+def test_a_thread_too_faint_for_particles_joins_what_it_leads_to(dark):
+    middle = solids.MIDDLE
+    ends = [middle - 7 * ALONG, middle + 7 * ALONG]
+    stumps = union(rod(middle - 15 * ALONG, ends[0], 2.5), rod(ends[1], middle + 15 * ALONG, 2.5))
+    seen = scene(union(stumps, rod(*ends, 0.9)), noise=40.0, dark=dark, found=stumps)
+    surface = surface_of(seen)
+    assert (surface.components, surface.euler, surface.closed) == (1, 2, True)
+    assert surface_of(scene(stumps, noise=40.0, dark=dark)).components == 2
+
+
 def as_solid(label):
     """A solid of voxels: half inside where they are 1, half outside where they are 0."""
     return lambda p: map_coordinates(label - 0.5, np.moveaxis(p, -1, 0), order=1, mode="nearest")

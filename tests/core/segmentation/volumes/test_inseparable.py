@@ -92,8 +92,8 @@ def test_a_region_that_particles_cannot_enter_encloses_nothing():
     gray = volume("nested", 0.0)
     closed = np.zeros(gray.shape, bool)
     closed[:, 22, 31] = True
-    for shut, expected in ((None, True), (closed, False)):
-        field = build_volume_field(gray, (1.0, 1.0, 1.0), 0.7, 0.1, closed=shut)
+    for shut, expected in ((None, True), (cpm.VolumeRegions(barriers=[closed]), False)):
+        field = build_volume_field(gray, (1.0, 1.0, 1.0), 0.7, 0.1, walls=shut and shut.walls(gray.shape))
         wall = np.linalg.norm(field.ridges.place - M, axis=1) > 8.0
         reached = np.zeros(field.ridges.component.max() + 1, bool)
         reached[field.ridges.component[wall]] = True

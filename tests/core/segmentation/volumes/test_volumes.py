@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -86,14 +87,29 @@ def test_parameters_act_at_the_next_step():
         assert frozen(after) != frozen(states()[4]), name
 
 
-@settings(max_examples=3, deadline=None)
-@given(st.sampled_from([(2.0, 1.0, 1.0), (1.0, 1.5, 1.0), (1.2, 1.0, 2.4)]))
+def test_a_particle_on_a_surface_sleeps_when_nothing_new_has_been_found_near_it_for_long():
+    slept = 0
+    for before, after in pairwise(states()[:-1]):
+        contact = before.particles.contact
+        asleep = contact.seated & (before.step_of_scale - contact.woken >= 12)
+        place = dict(zip(after.particles.identity.tolist(), after.particles.position, strict=True))
+        for i in np.flatnonzero(asleep):
+            kept = place.get(int(before.particles.identity[i]))
+            assert kept is None or (kept == before.particles.position[i]).all()
+            slept += kept is not None
+    assert slept > 100
+
+
+@settings(max_examples=5, deadline=None)
+@given(st.permutations([1.0, 1.3, 2.4]) | st.tuples(*[st.sampled_from([1.0, 1.25, 1.6, 2.0])] * 3))
 def test_voxels_of_unequal_sides_show_the_same_object_as_cubes(spacing):
+    spacing = tuple(side / min(spacing) for side in spacing)
     image = cpm.Image(ball(spacing), spacing=tuple(0.3 * s for s in spacing), unit="mm")
     result = cpm.segment(image, cpm.sphere(CENTER, 4.0, 60) / spacing, VOLUME)
     cubes = engine().result(states()[-1], VOLUME)
     assert result.converged
-    assert np.abs(off(result, spacing)).max() < 0.3 * max(spacing)
+    assert np.quantile(np.abs(off(result, spacing)), 0.98) < 0.3 * max(spacing)
+    assert np.abs(off(result, spacing)).max() < 0.5 * max(spacing)
     assert abs(off(result, spacing).mean() - off(cubes).mean()) < 0.15
     assert 0.8 < len(result.particles) / len(cubes.particles) < 1.25
 
@@ -129,11 +145,6 @@ def test_parameters_for_images_only_are_refused_in_a_volume(name):
         cpm.Engine(ball(), replace(VOLUME, **{name: value}))
 
 
-def test_charges_are_refused_in_a_volume():
-    with pytest.raises(ValueError, match="charges cannot be placed in a volume"):
-        engine().step(states()[0], VOLUME, [cpm.PlacedCharge((3.0, 3.0), 1.0)])
-
-
 def test_noise_decides_on_the_smoothing_and_the_floor():
     clean = build_volume_field(ball(), (1.0, 1.0, 1.0), "auto", 0.1)
     noise = np.random.default_rng(0).normal(0.0, 40.0, ball().shape)
@@ -154,3 +165,13 @@ def test_the_field_of_a_volume_pulls_to_the_edge_and_its_potential_is_lowest_the
     assert (outward[(away > 3.0) & (away < 8.0)] > 0.0).mean() > 0.99
     assert (outward[(away > 10.0) & (away < 14.0)] < 0.0).mean() > 0.99
     assert abs(away.ravel()[np.argmin(potential)] - 9.0) < 1.5
+
+
+def test_no_particle_is_launched_or_pulled_out_of_the_volume():
+    for seed in range(6):
+        volume = np.where(np.random.default_rng(seed).normal(size=(8, 8, 8)) > 0, 200.0, 0.0)
+        run = cpm.Engine(volume, replace(VOLUME, smoothing=1.0))
+        state = run.start(cpm.sphere((4.0, 4.0, 4.0), 4.0, 60))
+        while not state.stop_reason:
+            state = run.step(state, replace(VOLUME, smoothing=1.0))
+            assert ((state.particles.position >= 0.0) & (state.particles.position <= 7.0)).all()

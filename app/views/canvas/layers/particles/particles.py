@@ -152,7 +152,7 @@ class ParticleLayer(Layer):
             self._moving.show(NO_POSITIONS)
         elif self.word("colour") == _STATE:
             for discs, which in ((self._resting, snapshot.resting), (self._moving, ~snapshot.resting)):
-                discs.show(snapshot.position[which], opacity=None if opacity is None else opacity[which])
+                discs.show(snapshot.position[which], None, None if opacity is None else opacity[which])
         else:
             quantity = QUANTITIES[self.word("colour")]
             shown = colored(quantity, snapshot.state, InsertionTimes(snapshot.metrics.step, snapshot.metrics.numbered))

@@ -7,8 +7,9 @@ before they are normalized, scaled to match:
   potential counts in units of its mean slope, so that its force is w2 on average. That of placed charges is exact, but
   for the cut of their sum.
 - The Coulomb force of two particles ``d_min`` apart is half of w1: a pair counts as ``0.5 w1 d_min^2 (1/r - 1/R)``, up
-  to the distance ``R = d_min + d_max`` of neighbors. Farther pairs make little difference, since the force on a
-  particle is scaled by the distance to its neighbors.
+  to the distance ``R = d_min + d_max`` of neighbors, and in a volume, where the force decays with the third power, as
+  ``0.25 w1 d_min^3 (1/r^2 - 1/R^2)``, up to the distance of those that repel each other there. Farther pairs make
+  little difference, since the force on a particle is scaled by the distance to its neighbors.
 """
 
 from __future__ import annotations
@@ -17,21 +18,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cpm_core.field.interpolation import interpolate
-from cpm_core.field.placed_charges import at_scale, placed_potential, radius_at
-from cpm_core.field.scale_field import ScaleField
-from cpm_core.parameters import Parameters
-from cpm_core.particles.cell_list.plane import build_cells
-from cpm_core.particles.coulomb.pair_force.plane import pair_energy
 from cpm_core.particles.state import State
 
-_PAIR = 0.5
+PAIR = 0.5
 """Coulomb force of two particles d_min apart, in w1."""
 
 
 @dataclass(frozen=True, slots=True)
 class Energies:
     """Energies of all particles together, of unit mass each [px^2 of the image / unit of time^2].
+
+    In a volume a px is the smallest side of a voxel.
 
     Attributes
     ----------
@@ -43,19 +40,6 @@ class Energies:
 
     kinetic: float
     potential: float
-
-
-def energies(state: State, scale_field: ScaleField, parameters: Parameters) -> Energies:
-    """Energies of a state with its placed charges; `scale_field` is without them. See `Engine.energies`."""
-    particles = state.particles
-    in_image = 4.0**state.scale
-    reach = parameters.d_min + parameters.d_max
-    pairs = pair_energy(build_cells(particles.position, scale_field.shape, reach), reach)
-    fixed = interpolate(scale_field.potential[None], particles.position).sum() / scale_field.slope
-    charges = at_scale(state.charges, state.scale, state.shape)
-    placed = placed_potential(charges, radius_at(state.scale), particles.position).sum()
-    mutual = _PAIR * parameters.w1 * parameters.d_min**2 * pairs
-    return Energies(kinetic_energy(state), in_image * (mutual + parameters.w2 * float(fixed + placed)))
 
 
 def kinetic_energy(state: State) -> float:

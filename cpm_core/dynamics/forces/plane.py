@@ -1,54 +1,23 @@
-"""The forces of eq. (12) on particles, each separately: a step adds them up without keeping them."""
+"""The forces of eq. (12) on particles in the plane."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.dynamics.equations import FADED, LATEST, damping
+from cpm_core.dynamics.forces import Forces
 from cpm_core.dynamics.integrator import is_at_rest
 from cpm_core.dynamics.integrator.plane import mesh_force_of, undamped_force
 from cpm_core.field.interpolation.plane import interpolate_force
 from cpm_core.field.scale_field import ScaleField
-from cpm_core.numerics.types import Array, Index
+from cpm_core.numerics.types import Index
 from cpm_core.parameters import Parameters
 from cpm_core.particles.state import State
 
 _NO_EDGES = np.zeros((2, 2, 5), np.float32)
 _NO_EDGES[..., 0] = 1.0
 """Packed force field without edges, hence without friction; its Lorentz force is one, downwards."""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Forces:
-    """Forces on particles in eq. (12), with their weights; all of shape (N, 2) [px of the scale / unit of time^2].
-
-    Attributes
-    ----------
-    coulomb : ndarray
-        ``w1 F_c``, as far as the repulsion has not faded.
-    lorentz : ndarray
-        ``w2 F_l``, of the image alone.
-    placed : ndarray
-        ``w2`` times the force of the placed charges.
-    friction : ndarray
-        What holds a slow particle, or one at rest, on its edge: it cancels the part of the other forces along the edge.
-    damping : ndarray
-        ``-beta v``, with a larger beta for particles that are brought to rest; zero for those that a step skips.
-    """
-
-    coulomb: Array
-    lorentz: Array
-    placed: Array
-    friction: Array
-    damping: Array
-
-    @property
-    def total(self) -> Array:
-        """Sum of all forces: the acceleration with which the next step begins."""
-        return self.coulomb + self.lorentz + self.placed + self.friction + self.damping
 
 
 def forces(

@@ -1,0 +1,1 @@
+"""Files of medicine: volumes with a place in space."""

@@ -1,0 +1,214 @@
+"""Regions of interest and barriers of volumes: boxes, planes, and voxels of a mask.
+
+A region of interest is a set of voxels, each a cube around its center: those of a mask, or those whose centers lie in a
+box. Particles stay inside the cubes of all regions together. A barrier is a plane without thickness, or the cubes of
+painted voxels, which no particle enters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cpm_core.image.regions import Regions
+from cpm_core.image.volume_barriers import OFF, Walls, signed_distances
+from cpm_core.numerics.real_numbers import real_numbers
+from cpm_core.numerics.types import Array, Mask
+from cpm_core.parameters.quotation import shown
+
+Place = tuple[float, float, float]
+Pair = tuple[Place, Place]
+"""Two opposite corners of a box; a point of a plane and a direction across it."""
+
+MOST_PLANES = 40
+"""Planes that may be barriers."""
+
+_KEPT = 2
+"""Regions whose walls are cached: several scales and steps ask for the same."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Voxels:
+    """Some voxels of a volume, shape (P, R, C); equal to others that are the same voxels."""
+
+    mask: Mask
+
+    def __post_init__(self) -> None:
+        mask = np.array(self.mask, dtype=np.bool_, order="C")
+        mask.flags.writeable = False
+        object.__setattr__(self, "mask", mask)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Voxels) and (self.mask is other.mask or np.array_equal(self.mask, other.mask))
+
+    def __hash__(self) -> int:
+        return hash((self.mask.shape, int(np.count_nonzero(self.mask))))
+
+    def hold(self, voxels: Array) -> Mask:
+        """Which of voxels, shape (N, 3), are among them."""
+        last = np.array(self.mask.shape) - 1
+        within = ((voxels >= 0) & (voxels <= last)).all(axis=1)
+        found: Mask = within & self.mask[tuple(np.clip(voxels, 0, last).astype(np.int64).T)]
+        return found
+
+
+@dataclass(frozen=True, slots=True)
+class VolumeRegions:
+    """Where particles may be in a volume: inside the regions of interest, and on their side of every barrier.
+
+    Outside the regions of interest voxels carry no fixed charge and do not count in the statistics of the edge
+    strength.
+
+    Parameters
+    ----------
+    interest : sequence of boxes and masks
+        Each is a box, given by two opposite corners (plane, row, col) [voxels], or a mask, an array of truth values in
+        the shape of the volume. Without any, the whole volume is of interest.
+    barriers : sequence of planes and masks
+        Each is a plane, given by one of its points (plane, row, col) [voxels] and the direction across it in voxels, or
+        a mask of painted voxels.
+
+    Raises
+    ------
+    ValueError
+        For anything else, for values that are not finite, and for a direction without length.
+    """
+
+    interest: tuple[Pair | Voxels, ...] = ()
+    barriers: tuple[Pair | Voxels, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "interest", _limits("region of interest", "box of two corners", self.interest))
+        object.__setattr__(self, "barriers", _limits("barrier", "plane of a point and a direction", self.barriers))
+        for number, limit in enumerate(self.barriers, start=1):
+            if not isinstance(limit, Voxels) and not np.linalg.norm(limit[1]) > 0.0:
+                raise ValueError(
+                    f"the direction across barrier {number} is {shown(limit[1])} but must have a length above 0."
+                )
+        planes = sum(not isinstance(limit, Voxels) for limit in self.barriers)
+        if planes > MOST_PLANES:
+            raise ValueError(
+                f"{planes} planes are barriers but at most {MOST_PLANES} may be: paint them into one mask."
+            )
+
+    def check(self, shape: tuple[int, ...]) -> None:
+        """Raise a `ValueError` unless masks have this shape and every region of interest holds one of its voxels."""
+        size = " x ".join(map(str, shape))
+        if len(shape) != 3:
+            raise ValueError(f"these regions are for a volume, but the image is one of {size} pixels: use Regions.")
+        for noun, limits in (("region of interest", self.interest), ("barrier", self.barriers)):
+            for number, limit in enumerate(limits, start=1):
+                if isinstance(limit, Voxels) and limit.mask.shape != shape:
+                    raise ValueError(
+                        f"the mask of {noun} {number} has {' x '.join(map(str, limit.mask.shape))} voxels but must "
+                        f"have those of the volume, {size}."
+                    )
+        for number, limit in enumerate(self.interest, start=1):
+            if not _filled((limit,), shape).any():
+                raise ValueError(
+                    f"region of interest {number} holds no voxel of the volume ({size} voxels): "
+                    "place it inside the volume, around an object."
+                )
+
+    def contains(self, points: Array) -> Mask:
+        """Which of points, shape (N, 3) [voxels], lie in a region of interest; all of them where there is none."""
+        return _hold(self.interest, np.rint(points)) if self.interest else np.ones(len(points), np.bool_)
+
+    def allows(self, points: Array) -> Mask:
+        """Where of points, shape (N, 3) [voxels], a particle may be: in a region of interest, and on no barrier."""
+        allowed = np.ones(len(points), np.bool_)
+        painted = tuple(limit for limit in self.barriers if isinstance(limit, Voxels))
+        for corner in product((-OFF, OFF), repeat=3):  # on the faces between two voxels it must be allowed in both
+            beside = points + corner
+            allowed &= self.contains(beside) & ~_hold(painted, np.rint(beside))
+        away = np.abs(signed_distances(self.planes(), points))
+        return np.asarray(allowed & (away > OFF).all(axis=1))
+
+    def voxels(self, shape: tuple[int, ...]) -> Mask | None:
+        """Which voxels of a volume of this shape are of interest; None when all of them are."""
+        return _filled(self.interest, shape) if self.interest else None
+
+    def planes(self) -> Array:
+        """The planes among the barriers: unit vector across each, and its distance from the origin, shape (K, 4)."""
+        pairs = [limit for limit in self.barriers if not isinstance(limit, Voxels)]
+        points, across = (np.array([pair[k] for pair in pairs], dtype=float).reshape(-1, 3) for k in (0, 1))
+        normals = across / np.linalg.norm(across, axis=1, keepdims=True)
+        return np.column_stack([normals, np.einsum("ki,ki->k", normals, points)])
+
+    def walls(self, shape: tuple[int, ...]) -> Walls:
+        """What no particle crosses in a volume of this shape, at its full size."""
+        return _walls(self, shape)
+
+
+AnyRegions = Regions | VolumeRegions
+
+
+@lru_cache(maxsize=_KEPT)
+def _walls(regions: VolumeRegions, shape: tuple[int, ...]) -> Walls:
+    closed = np.zeros(shape, np.bool_)
+    for limit in regions.barriers:
+        if isinstance(limit, Voxels):
+            closed |= limit.mask
+    interest = regions.voxels(shape)
+    if interest is not None:
+        closed |= ~interest
+    return Walls(closed, regions.planes(), np.ones(3), np.zeros(3))
+
+
+def _filled(limits: tuple[Pair | Voxels, ...], shape: tuple[int, ...]) -> Mask:
+    """Which voxels of a volume lie in boxes and masks."""
+    filled = np.zeros(shape, np.bool_)
+    for limit in limits:
+        if isinstance(limit, Voxels):
+            filled |= limit.mask
+        else:
+            low, high = np.sort(limit, axis=0)
+            first = np.clip(np.ceil(low), 0, shape).astype(int)
+            last = np.clip(np.floor(high) + 1, 0, shape).astype(int)
+            filled[tuple(slice(a, b) for a, b in zip(first, last, strict=True))] = True
+    return filled
+
+
+def _hold(limits: tuple[Pair | Voxels, ...], voxels: Array) -> Mask:
+    """Which of voxels, shape (N, 3), lie in boxes and masks."""
+    found = np.zeros(len(voxels), np.bool_)
+    for limit in limits:
+        if isinstance(limit, Voxels):
+            found |= limit.hold(voxels)
+        else:
+            low, high = np.sort(limit, axis=0)
+            found |= ((voxels >= low) & (voxels <= high)).all(axis=1)
+    return found
+
+
+def _limits(noun: str, form: str, given: Any) -> tuple[Pair | Voxels, ...]:
+    """Check limits, and convert them to pairs of places and to voxels."""
+    if isinstance(given, np.ndarray) or not isinstance(given, Iterable):
+        raise ValueError(f"the limits of one kind must be a list, not {shown(given)}: give a list of every {noun}.")
+    return tuple(_limit(f"{noun} {number}", form, limit) for number, limit in enumerate(given, start=1))
+
+
+def _limit(what: str, form: str, given: ArrayLike | Voxels) -> Pair | Voxels:
+    if isinstance(given, Voxels):
+        return given
+    try:
+        array = np.asarray(given)
+        if array.dtype == np.bool_ and array.ndim == 3:
+            return Voxels(array)
+        pair = real_numbers(array)
+    except (TypeError, ValueError):
+        pair = np.zeros(0)
+    if pair.shape != (2, 3) or np.asarray(given).dtype == np.bool_:
+        raise ValueError(
+            f"{what} must be a {form}, each (plane, row, col), or a mask of truth values in the shape of the volume."
+        )
+    if not np.isfinite(pair).all():
+        raise ValueError(f"{what} has coordinates that are not finite: give numbers of planes, rows and columns.")
+    one, other = ((float(p), float(r), float(c)) for p, r, c in pair.tolist())
+    return one, other
