@@ -1,8 +1,8 @@
 """Center lines of vessels and other long things in a volume, with radii, as a graph of branches.
 
 The inside is thinned to lines of voxels (`thinning`); scikit-image's own thinning loses rods of an even width. Voxels
-at which more than two lines meet become one junction. A branch that ends in the open no farther from its junction than
-the surface there is a wrinkle of the surface and is pruned. The others are moved to the middle between voxels that are
+at which more than two lines meet become one junction. A branch that ends in the open is a wrinkle of the surface, and
+is pruned, if it hardly leaves the largest ball around its junction, or if its tip does not stick out of that ball. The others are moved to the middle between voxels that are
 as deep, and smoothed along their length.
 """
 
@@ -23,6 +23,9 @@ from cpm_core.numerics.types import Array, Mask
 
 _SMOOTHING = 1.5
 """Width of the Gaussian along a branch [voxels of the line]."""
+
+_SALIENT = 2.0
+"""Least distance by which the ball around the tip of a branch sticks out of that at its junction [smallest sides]."""
 
 _AS_DEEP = 0.1
 """Voxels whose depth differs by less are about as deep [smallest sides of a voxel]."""
@@ -91,7 +94,8 @@ def centerlines(
     unit : str, optional
         Unit of length.
     pruning : float
-        Branches that end in the open are pruned up to this length, in radii at their junction; 0 prunes none.
+        Branches that end in the open are pruned up to this length, in radii at their junction, and those that end
+        less than two of the smallest sides of a voxel beyond; 0 prunes none.
 
     Returns
     -------
@@ -132,11 +136,18 @@ def _pruned(lines: Mask, depth: Array, size: Array, pruning: float) -> list[Chai
     """Chains of voxels that remain when short ones that end in the open are taken away, again and again."""
     while True:
         chains = chains_of(lines)
-        short = [chain for chain in chains if chain.free and _length(chain, size) <= pruning * _radius(chain, depth)]
+        short = [chain for chain in chains if chain.free and _is_wrinkle(chain, depth, size, pruning)]
         if not short:
             return chains
         for chain in short:
             lines[tuple(chain.own.T)] = False
+
+
+def _is_wrinkle(chain: Chain, depth: Array, size: Array, pruning: float) -> bool:
+    """Whether a chain hardly leaves the ball at its junction, or its tip, with the ball there, hardly sticks out."""
+    length, reach = _length(chain, size), pruning * _radius(chain, depth)
+    tip = depth[tuple(chain.own[-chain.free_end])]
+    return bool(length <= reach or (pruning > 0.0 and length + tip <= reach + _SALIENT * size.min()))
 
 
 def _length(chain: Chain, size: Array) -> float:
