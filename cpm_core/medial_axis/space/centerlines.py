@@ -2,8 +2,8 @@
 
 The inside is thinned to lines of voxels (`thinning`); scikit-image's own thinning loses rods of an even width. Voxels
 at which more than two lines meet become one junction. A branch that ends in the open is a wrinkle of the surface, and
-is pruned, if it hardly leaves the largest ball around its junction, or if its tip does not stick out of that ball. The others are moved to the middle between voxels that are
-as deep, and smoothed along their length.
+is pruned, if it hardly leaves the largest ball around its junction, or if its tip does not stick out of that ball. The
+others are moved to the middle between voxels that are as deep, and smoothed along their length.
 """
 
 from __future__ import annotations
@@ -26,6 +26,9 @@ _SMOOTHING = 1.5
 
 _SALIENT = 2.0
 """Least distance by which the ball around the tip of a branch sticks out of that at its junction [smallest sides]."""
+
+_BEYOND = 0.2
+"""How far the nearest wall around a line lies beyond the surface: 0 where tubes run askew, 0.5 along axes [sides]."""
 
 _AS_DEEP = 0.1
 """Voxels whose depth differs by less are about as deep [smallest sides of a voxel]."""
@@ -169,7 +172,7 @@ def _branch(chain: Chain, depth: Array, walls: scipy.spatial.KDTree, size: Array
         bent = np.pad(points - straight, ((_MARGIN, _MARGIN), (0, 0)), "reflect", reflect_type="odd")
         points = straight + gaussian_filter1d(bent, _SMOOTHING, axis=0, mode="reflect")[_MARGIN:-_MARGIN]
     distances = np.asarray(walls.query(points * size)[0])
-    return Branch(points + begin, np.maximum(distances - 0.5 * size.min(), 0.0), chain.nodes)
+    return Branch(points + begin, np.maximum(distances - _BEYOND * size.min(), 0.0), chain.nodes)
 
 
 def _centered(points: Array, depth: Array) -> Array:
