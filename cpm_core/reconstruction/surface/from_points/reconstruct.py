@@ -58,11 +58,6 @@ def reconstruct_surface(points: ArrayLike, normals: ArrayLike | None = None, met
         raise ValueError(f'"{method}" is no method of surface reconstruction: choose one of {", ".join(METHODS)}.')
     places = np.unique(_triples(points, "points"), axis=0) if normals is None else _triples(points, "points")
     _check_extent(places)
-    if normals is None and method == "implicit" and len(places) < _FEWEST_FOR_NORMALS:
-        raise ValueError(
-            f"{len(places)} different points are too few to estimate normals: give {_FEWEST_FOR_NORMALS} or more, or "
-            "their normals."
-        )
     apart = typical_distance(places)
     if method == "crust":
         vertices, faces = crust(places)
@@ -72,12 +67,23 @@ def reconstruct_surface(points: ArrayLike, normals: ArrayLike | None = None, met
                 'give more points, or choose the method "implicit".'
             )
     else:
-        given = None if normals is None else _triples(normals, "normals")
-        if given is not None and len(given) != len(places):
-            raise ValueError(f"There are {len(places)} points, but {len(given)} normals: give one for each point.")
-        outward = estimated_normals(places, apart) if given is None else _unit(given)
-        vertices, faces = implicit_surface(places, outward, apart)
+        vertices, faces = implicit_surface(places, _outward(places, normals, apart), apart)
     return Surface(vertices, faces, unsupported=1.0 - float(support(vertices, places, apart).mean()))
+
+
+def _outward(places: Array, normals: ArrayLike | None, apart: float) -> Array:
+    """Unit normals of the points: those given, or estimated ones."""
+    if normals is not None:
+        given = _triples(normals, "normals")
+        if len(given) != len(places):
+            raise ValueError(f"There are {len(places)} points, but {len(given)} normals: give one for each point.")
+        return _unit(given)
+    if len(places) < _FEWEST_FOR_NORMALS:
+        raise ValueError(
+            f"{len(places)} different points are too few to estimate normals: give {_FEWEST_FOR_NORMALS} or more, or "
+            "their normals."
+        )
+    return estimated_normals(places, apart)
 
 
 def _check_extent(places: Array) -> None:
