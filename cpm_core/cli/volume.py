@@ -6,6 +6,7 @@ import argparse
 import json
 import sys
 import time
+from dataclasses import replace
 
 import numpy as np
 
@@ -24,9 +25,14 @@ from cpm_core.segmentation.segment import segment
 _OF_IMAGES = ("circle", "stroke", "points", "region", "barrier", "auto", "object", "session", "close")
 """Options that have a meaning for images only; ``--not`` follows ``--object``."""
 
+_FEWEST_FACES = 4
+"""Least number of triangles of a closed surface."""
+
 
 def run_volume(arguments: argparse.Namespace) -> None:
     """Find a surface; every check that needs no volume comes first."""
+    if not arguments.sphere:
+        raise ValueError("--faces is for the surface in a volume: add --sphere PLANE,ROW,COL,RADIUS, or leave it out.")
     for name in _OF_IMAGES:
         if getattr(arguments, name, None):
             raise ValueError(f"--{name} is for images, but --sphere starts in a volume: leave one of them out.")
@@ -39,7 +45,7 @@ def run_volume(arguments: argparse.Namespace) -> None:
     if arguments.channel is not None:  # colors of a volume are turned into gray levels as it is read
         part["color"], arguments.channel = arguments.channel, None
     parameters = parameters_of(arguments, PRESETS[arguments.preset or "volume"])
-    max_steps = as_steps(arguments.max_steps)
+    max_steps, faces = as_steps(arguments.max_steps), _as_faces(arguments.faces)
     check_exports(arguments.export, arguments.image, None)
     for path in arguments.export:
         if suffix_of(path) not in FOR_VOLUMES:
@@ -50,14 +56,35 @@ def run_volume(arguments: argparse.Namespace) -> None:
     started = time.perf_counter()
     progress = Progress() if sys.stderr.isatty() else None
     try:
-        result = segment(volume, _seeds(volume, spheres), parameters, max_steps=max_steps, progress=progress)
+        found = segment(volume, _seeds(volume, spheres), parameters, max_steps=max_steps, progress=progress)
     finally:
         if progress is not None:
             progress.clear()
+    result = found if faces is None else _decimated(found, faces)
     seconds = time.perf_counter() - started
     export(result, *arguments.export, image=arguments.image)
     with written("the files were written before" if arguments.export else ""):
         _report(result, seconds, arguments)
+
+
+def _as_faces(given: int | float | str | None) -> int | None:
+    """The given number of triangles; ValueError unless it is a whole number that makes a closed surface."""
+    if given is None or (isinstance(given, int) and given >= _FEWEST_FACES):
+        return given
+    raise ValueError(f"--faces is {given} but must be a whole number of at least {_FEWEST_FACES}.")
+
+
+def _decimated(found: Result, faces: int) -> Result:
+    """The same result with fewer triangles; a note tells when there are more than wanted."""
+    if found.surface is None:
+        return found
+    surface = found.surface.decimated(faces)
+    if len(surface.faces) > faces:
+        print(
+            f"cpm: {len(surface.faces)} triangles are left, not {faces}: with fewer the surface would lose its shape.",
+            file=sys.stderr,
+        )
+    return replace(found, surface=surface)
 
 
 def _numbers(text: str) -> list[float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cpm_core.numerics.real_numbers import checked_number, three_numbers
+from cpm_core.numerics.real_numbers import checked_number, three_numbers, voxel_sides
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import shown
 
@@ -45,7 +45,7 @@ def sphere(
         When the center is not three finite numbers, radius or spacing is not positive, or the count is not a positive
         whole number.
     """
-    middle, sides = three_numbers("center", center), three_numbers("spacing", spacing, positive=True)
+    middle, sides = three_numbers("center", center), voxel_sides("spacing", spacing)
     checked_number("radius", radius, lambda r: 0.0 < r <= _LARGEST, f"above 0 and at most {_LARGEST:g}")
     checked_number("count", count, lambda n: n == int(n) and 1 <= n <= _MOST, f"a whole number from 1 to {_MOST}")
     step = np.arange(int(count)) + 0.5
@@ -87,6 +87,7 @@ def box(first: tuple[float, float, float], last: tuple[float, float, float], spa
     faces = []
     for axis in range(3):
         lines = [np.linspace(low[k], high[k], int(counts[k]) + 1) for k in range(3)]
+        lines = [line[1:-1] if k < axis else line for k, line in enumerate(lines)]  # edges belong to one face
         lines[axis] = np.array([low[axis], high[axis]])
         faces.append(np.stack([part.ravel() for part in np.meshgrid(*lines, indexing="ij")], axis=1))
-    return np.unique(np.concatenate(faces), axis=0)
+    return np.concatenate(faces)
