@@ -78,7 +78,6 @@ def stepped(state: State, field: VolumeField, parameters: Parameters) -> State:
         space=replace(space, covered=covered),
         step=state.step + 1,
         step_of_scale=step + 1,
-        annealed=state.annealed * parameters.annealing,
         next_identity=state.next_identity + len(births.position),
         born=len(births.position),
         deleted=deleted,
