@@ -77,7 +77,7 @@ def ball():
 
 
 STARTS = {
-    "points": lambda: [CENTER / SPACING, (CENTER + (0.0, 3.0, 0.0)) / SPACING],
+    "points": lambda: [CENTER / SPACING, np.array((14.0, 17.5, 15.0)) / SPACING],
     "a circle in a slice": lambda: in_slice(circle((14.5, 15.0), 4.0), 7.0, 0, SPACING),
     "circles in three slices": lambda: np.concatenate(
         [
