@@ -10,13 +10,13 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
-import scipy
 
 from cpm_core.contours.contour import Contour
 from cpm_core.field.edge_map import gradient, magnitude
 from cpm_core.field.interpolation import interpolate
 from cpm_core.field.region_contrast import Sides
 from cpm_core.numerics import polyline
+from cpm_core.numerics.reproducible.gaussian import gaussian_filter
 from cpm_core.numerics.types import Array, Mask
 
 FEATURES = (
@@ -176,7 +176,7 @@ def _straightness(contour: Contour) -> float:
 
 
 def _blurred(values: Array, width: float) -> Array:
-    return np.asarray(scipy.ndimage.gaussian_filter(values, width, mode="nearest", truncate=3.0))
+    return gaussian_filter(values, width, truncate=3.0)
 
 
 def _texture(values: Array) -> Array:

@@ -112,7 +112,7 @@ def convolved_potential(edge_map: NDArray[np.floating], pitch: tuple[float, ...]
     away = reduce(np.hypot, offsets).astype(np.float32)
     away[(0,) * dimension] = np.inf
     spectrum = scipy.fft.rfftn(edge_map.astype(np.float32), padded, workers=-1)
-    spectrum *= scipy.fft.rfftn(1.0 / ((dimension - 1) * away ** (dimension - 1)), workers=-1)
+    spectrum *= scipy.fft.rfftn(1.0 / ((dimension - 1) * away ** (dimension - 1)), workers=-1).real  # it is even
     inner = tuple(slice(n) for n in edge_map.shape)
     potential: Array = scipy.fft.irfftn(spectrum, padded, workers=-1)[inner].astype(float)
     return -potential

@@ -8,12 +8,12 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-import scipy
 from numpy.typing import ArrayLike, DTypeLike
 
 from cpm_core.image.denoising import Cleaned, clean, noise_level
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.real_numbers import checked_number, grid_of_numbers, real_numbers
+from cpm_core.numerics.reproducible.gaussian import gaussian_filter1d
 from cpm_core.numerics.types import Array
 
 _DEVIATIONS = 4.0
@@ -72,7 +72,7 @@ def _smoothed_along(image: Array, sigma: float, axis: int) -> Array:
 
     def work(first: int, end: int) -> None:
         part = (slice(None),) * other + (slice(first, end),)
-        scipy.ndimage.gaussian_filter1d(image[part], sigma, axis, output=out[part], mode="nearest")
+        gaussian_filter1d(image[part], sigma, axis, output=out[part])
 
     share(work, image.shape[other], _LEAST_LINES)
     return out

@@ -1,17 +1,23 @@
-"""The electric field of eq. (8), by one of two methods."""
+"""The electric field of eq. (8), by one of three methods."""
 
 from __future__ import annotations
 
+import numpy as np
+import scipy
 from numpy.typing import ArrayLike
 
 from cpm_core.field.convolution import convolved_field
 from cpm_core.field.pppm import pppm_field
+from cpm_core.field.volume.volume_field import block_means
 from cpm_core.numerics.real_numbers import grid_of_numbers
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import shown
 
-METHODS = ("convolution", "pppm")
+METHODS = ("convolution", "blocks", "pppm")
 """Methods for the computation of the field."""
+
+_BLOCK = 2
+"""Pixels along the side of a block."""
 
 
 def electric_field(
@@ -31,9 +37,10 @@ def electric_field(
     ----------
     edge_map : array_like, shape (\*shape)
         Edge strength ``f`` of every pixel.
-    method : {"convolution", "pppm"}
-        How the sum is computed: exactly, as one Fourier convolution, or as published, by direct sums over near charges
-        and Poisson's equation on a mesh for far ones (`cpm_core.field.pppm` compares the two).
+    method : {"convolution", "blocks", "pppm"}
+        How the sum is computed: exactly, as one Fourier convolution; by the convolution of blocks of two pixels along
+        each axis, which is cheaper; or as published, by direct sums over near charges and Poisson's equation on a mesh
+        for far ones (`cpm_core.field.pppm` compares it with the convolution).
     exponent : float, optional
         Power of the distance with which the force of one charge decays; by default the dimension ``D``. In the plane
         this is the paper's inverse square; in space the inverse square would leave almost no field inside a closed
@@ -48,6 +55,15 @@ def electric_field(
     ndarray, shape (D, \*shape)
         Field, pointing towards the charges.
 
+    Notes
+    -----
+    Blocks take about a third of the time in a volume. Their error is the angle to the exact field, here as the range of
+    the median, and of what 95 % stay below, over an angiogram, a tree of vessels, a torus and a box: 4 to 10 and 99 to
+    150 degrees on edges, where the field turns round within a block; 1 to 2 and 4 to 17 degrees up to 3 px from them;
+    0.1 to 0.2 and 0.3 to 2 degrees up to 10 px; below 0.1 and 0.5 degrees farther off. The size of the vectors is off
+    by half of it on edges, by 6 to 10 % up to 3 px from them, by 1.5 % up to 10 px. The runs of a volume use blocks off
+    its edges only, and the slope of the edge map on them.
+
     Raises
     ------
     ValueError
@@ -56,6 +72,8 @@ def electric_field(
     """
     if isinstance(method, str) and method == "convolution":
         return convolved_field(grid_of_numbers(edge_map), exponent)
+    if isinstance(method, str) and method == "blocks":
+        return _block_field(grid_of_numbers(edge_map), exponent)
     if not isinstance(method, str) or method != "pppm":
         names = " or ".join(f'"{name}"' for name in METHODS)
         raise ValueError(f"method is {shown(method)} but must be {names}.")
@@ -63,3 +81,12 @@ def electric_field(
         wanted = 'must be 2 for method "pppm", which solves Poisson\'s equation: use method "convolution".'
         raise ValueError(f"exponent is {shown(exponent)} but {wanted}")
     return pppm_field(edge_map, cutoff, iterations)
+
+
+def _block_field(edge_map: Array, exponent: float | None) -> Array:
+    """The field of blocks of pixels with their charges in the middle, between these places by linear interpolation."""
+    blocks = block_means(edge_map, [_BLOCK] * edge_map.ndim)
+    blocks = blocks * float(_BLOCK) ** edge_map.ndim  # a block has the charges of all its pixels
+    field = convolved_field(blocks, exponent, pitch=(float(_BLOCK),) * edge_map.ndim)
+    places = np.meshgrid(*[(np.arange(n) + 0.5) / _BLOCK - 0.5 for n in edge_map.shape], indexing="ij")
+    return np.stack([scipy.ndimage.map_coordinates(part, places, order=1, mode="nearest") for part in field])

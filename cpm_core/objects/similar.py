@@ -6,6 +6,7 @@ import numpy as np
 import scipy
 import skimage
 
+from cpm_core.numerics.reproducible.gaussian import gaussian_filter
 from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.selection import Selection
@@ -89,7 +90,7 @@ def _alike(partition: Partition, selection: Selection, radius: float) -> Mask:
 
 def _parted(mask: Mask, radius: float) -> Index:
     """Bodies of a mask, parted at their necks, numbered from 1."""
-    depth = scipy.ndimage.gaussian_filter(scipy.ndimage.distance_transform_edt(np.pad(mask, 1, mode="edge")), 1.0)
+    depth = gaussian_filter(scipy.ndimage.distance_transform_edt(np.pad(mask, 1, mode="edge")), 1.0)
     depth = depth[1:-1, 1:-1]
     tops = skimage.morphology.h_maxima(depth, max(0.5, _NECK * radius))  # type: ignore[no-untyped-call]
     markers, _ = scipy.ndimage.label((tops > 0) & mask, np.ones((3, 3)))

@@ -13,6 +13,7 @@ from cpm_core.field.scale_field import WEAKEST_EDGE, unit_vectors
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.polyline import lengths_along, places_at
 from cpm_core.numerics.real_numbers import checked_number, real_numbers
+from cpm_core.numerics.reproducible.gaussian import gaussian_filter
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters.quotation import shown
 
@@ -221,7 +222,7 @@ def divergence_centers(values: ArrayLike, smoothing: float = 2.0, spacing: float
     strength = edge_map(image, smoothing)
     direction = unit_vectors(electric_field(strength))
     parts = [np.gradient(component, axis=axis) for axis, component in enumerate(direction)]
-    divergence = scipy.ndimage.gaussian_filter(sum(parts), _RIPPLE, mode="nearest")
+    divergence = gaussian_filter(np.asarray(sum(parts)), _RIPPLE)
     largest = scipy.ndimage.maximum_filter(divergence, size=2 * int(spacing) + 1, mode="nearest")
     centers = np.argwhere((divergence == largest) & (divergence > _LEAST_DIVERGENCE)).astype(float)
     rim = np.concatenate([strength[0], strength[-1], strength[:, 0], strength[:, -1]])

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import random
 from collections import Counter
+from dataclasses import replace
 
 import pytest
 
 from tests.faults.report import Budget
 from tests.faults.window.closing import run_mosaic, save, try_closing, write_film
-from tests.faults.window.memory import Taken, still_rising
+from tests.faults.window.memory import Taken, quarters, still_rising
 from tests.faults.window.monkey import play
 from tests.faults.window.orders import sequences, try_orders
 
@@ -41,7 +42,15 @@ def test_closing_ends_everything_that_goes_on(tmp_path) -> None:
 
 
 def test_memory_that_rises_to_the_end_is_told() -> None:
-    level = Taken(400.0, 1000, Counter(QWidget=100))
-    assert still_rising([level, level, level, level]) == []
-    more = Taken(500.0, 1000, Counter(QWidget=200))
-    assert len(still_rising([level, level, level, more])) == 2
+    def rising(resident: float, qt: float) -> list[Taken]:
+        return [Taken(400.0 + resident * n, 1000, Counter(QWidget=round(1000 + qt * n))) for n in range(40)]
+
+    assert still_rising(quarters(rising(0.0, 0.0))) == []
+    assert len(still_rising(quarters(rising(1.0, 0.0)))) == 1
+    assert len(still_rising(quarters(rising(1.0, 5.0)))) == 2
+
+
+def test_memory_that_rises_only_at_the_beginning_or_for_a_moment_is_no_leak() -> None:
+    marks = [Taken(400.0 + 10.0 * min(n, 10), 1000, Counter(QWidget=100)) for n in range(40)]
+    marks[-1] = replace(marks[-1], resident=900.0)
+    assert still_rising(quarters(marks)) == []

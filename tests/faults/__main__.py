@@ -26,7 +26,7 @@ PARTS: dict[str, tuple[str, Part]] = {
     "gestures": ("random gestures on the window", try_gestures),
     "orders": ("orders to a session in every sequence, under delays", try_orders),
     "closing": ("closing the window during all that goes on", try_closing),
-    "reproducible": ("the same runs on one core and on all, to the bit", compared),
+    "reproducible": ("the same runs on one core, on all, and on narrow vector registers", compared),
     "kills": ("kill -9 at random moments over runs, batches, saves and compilations", killed),
     "disk": ("disks that are full, read-only or faulty, at each operation in turn", failed),
     "workers": ("errors in threads, workers that die, memory that is not enough", broken),

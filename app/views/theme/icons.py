@@ -76,4 +76,4 @@ def _pixmap(renderer: QSvgRenderer, size: int) -> QPixmap:
     painter = QPainter(pixmap)
     renderer.render(painter)
     painter.end()
-    return pixmap
+    return pixmap.copy()  # what has been painted on keeps its painter's memory, more than its pixels take

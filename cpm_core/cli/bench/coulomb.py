@@ -10,7 +10,7 @@ import numpy as np
 
 from cpm_core.cli.bench.measurement import Measurement, Patience, milliseconds_of
 from cpm_core.cli.bench.scenes import along_curves
-from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.jit import reordered
 from cpm_core.numerics.types import Array
 from cpm_core.particles.coulomb.coulomb_force import coulomb_force
 
@@ -60,7 +60,7 @@ def all_pairs(points: Array) -> Array:
     return force.T
 
 
-@compiled
+@reordered
 def _all_pairs(row: Array, col: Array, force: Array) -> None:
     for i in range(row.size):
         down, right = 0.0, 0.0

@@ -175,12 +175,12 @@ def _halfway(
 ) -> Place:
     """Midpoint of two particles, if it is free and the ridge beside it does not belong to another row."""
     squared = (far_y - y) ** 2 + (far_x - x) ** 2
+    if not rule.d_min**2 < squared <= rule.reach**2:
+        return False, y, x, 0.0, _FULL
     keep = 0.5 * np.sqrt(squared) - 1e-9  # nothing between: no particle in the circle over the pair
-    p_y, p_x, about = 0.5 * (y + far_y), 0.5 * (x + far_x), _FULL
-    free = rule.d_min**2 < squared <= rule.reach**2
-    if free:
-        about = _crowd(near_y, near_x, length, p_y, p_x, keep, rule.d_min)
-        free = about <= CROWD
+    p_y, p_x = 0.5 * (y + far_y), 0.5 * (x + far_x)
+    about = _crowd(near_y, near_x, length, p_y, p_x, keep, rule.d_min)
+    free = about <= CROWD
     if free:
         free, c_y, c_x = _relax(packed, faintest, 0.5 * rule.d_min, p_y, p_x)
         free = free and _crowd(near_y, near_x, length, c_y, c_x, keep, rule.d_min) <= CROWD

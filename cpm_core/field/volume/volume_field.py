@@ -6,10 +6,9 @@ import math
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, TypeVar
 
 import numpy as np
-import scipy
 
 from cpm_core.field.convolution import convolved_field, convolved_potential
 from cpm_core.field.edge_map import NO_SMOOTHING
@@ -19,8 +18,11 @@ from cpm_core.field.volume.surface_force import force_on_voxels
 from cpm_core.image.volume_barriers import Walls
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
+from cpm_core.numerics.reproducible.gaussian import gaussian_filter1d
 from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.numerics.vectors import Vector
+
+_Grid = TypeVar("_Grid", Single, Array)
 
 Accuracy = Literal["half", "exact"]
 """How the far field is computed: from blocks of two units, or from every voxel."""
@@ -210,7 +212,7 @@ def _smoothed_along(volume: Single, sigma: float, axis: int) -> Single:
 
     def work(first: int, end: int) -> None:
         part = (slice(None),) * other + (slice(first, end),)
-        scipy.ndimage.gaussian_filter1d(volume[part], sigma, axis, output=out[part], mode="nearest")
+        gaussian_filter1d(volume[part], sigma, axis, output=out[part])
 
     share(work, volume.shape[other], _LEAST_LINES)
     return out
@@ -239,7 +241,7 @@ def _edge_strength(smoothed: Single, pitch: Vector, first: int, last: int, out: 
                 out[i, j, k] = np.sqrt(z * z + y * y + x * x)
 
 
-def block_means(volume: Single, block: list[int]) -> Single:
+def block_means(volume: _Grid, block: list[int]) -> _Grid:
     """Means of the blocks of a volume, of so many voxels along each axis; the last blocks may be smaller."""
     for axis, n in enumerate(block):
         if n > 1:

@@ -10,9 +10,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import scipy
 
 from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.reproducible.elementary import exponential, power
+from cpm_core.numerics.reproducible.gaussian import gaussian_filter, gaussian_slope
 from cpm_core.numerics.types import Array
 
 _REACH = 3.0
@@ -46,16 +47,19 @@ def directions(values: Array, inner: float, outer: float) -> Directions:
 
     `inner` is the Gaussian before the gradient, `outer` the one over which directions are averaged [px].
     """
-    down, right = (
-        scipy.ndimage.gaussian_filter(values, inner, order=order, mode="nearest") for order in ((1, 0), (0, 1))
-    )
+    down, right = (gaussian_slope(values, inner, axis) for axis in range(2))
     products = (down * down, right * right, down * right)
-    rows, cols, mixed = (scipy.ndimage.gaussian_filter(product, outer, mode="nearest") for product in products)
-    across = 0.5 * np.arctan2(2.0 * mixed, rows - cols)
+    rows, cols, mixed = (gaussian_filter(product, outer) for product in products)
     total = rows + cols
     spread = np.sqrt((rows - cols) ** 2 + 4.0 * mixed**2)
     coherence = np.divide(spread, total, out=np.zeros_like(total), where=total > 1e-12 * float(total.max(initial=0.0)))
-    return Directions(-np.sin(across), np.cos(across), np.clip(coherence, 0.0, 1.0))
+    # half of the angle of (rows - cols, 2 mixed): roots instead of arc tangent, sine and cosine
+    some = np.maximum(spread, 1e-300)
+    cosine, sine = np.where(spread > 0.0, (rows - cols) / some, 1.0), 2.0 * mixed / some
+    larger = np.sqrt(0.5 + 0.5 * np.abs(cosine))
+    smaller, first = 0.5 * sine / larger, cosine >= 0.0
+    row, col = np.where(first, -smaller, -np.copysign(larger, sine)), np.where(first, larger, np.abs(smaller))
+    return Directions(row, col, np.clip(coherence, 0.0, 1.0))
 
 
 def averaged_along(values: Array, way: Directions, length: float) -> Array:
@@ -65,8 +69,8 @@ def averaged_along(values: Array, way: Directions, length: float) -> Array:
     uncertain, so that it does not pass corners.
     """
     steps = np.arange(1 + int(_REACH * length))
-    weights = np.exp(-0.5 * (steps / max(length, 1e-9)) ** 2)
-    trust = way.coherence ** (_DOUBT / max(length, 1e-9))
+    weights = exponential(-0.5 * (steps / max(length, 1e-9)) ** 2)
+    trust = power(way.coherence, _DOUBT / max(length, 1e-9))
     return _follow(np.ascontiguousarray(values), way.row, way.col, trust, weights)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.jit import reordered
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Index
 
@@ -35,13 +35,13 @@ def pair_sums(y: Array, x: Array, targets: Index, single: bool) -> Array:
     return force
 
 
-@compiled
+@reordered
 def _sum_pairs(y: Array, x: Array, targets: Index, single: bool, first: int, last: int, force: Array) -> None:
     for n in range(first, last):
         force[n, 0], force[n, 1] = pairs_of(y, x, y[targets[n]], x[targets[n]], single)
 
 
-@compiled
+@reordered
 def pairs_of(y: Array, x: Array, y_i: float, x_i: float, single: bool) -> tuple[float, float]:
     """Eq. (9) for a particle at (y_i, x_i) and others, which may be given in any unit of length and include itself."""
     if single:

@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.jit import reordered
 from cpm_core.numerics.types import Array, Index
 
 Boxes = NDArray[np.int32]
@@ -30,7 +30,7 @@ LANES = 16
 INVERSE = 1.0 / np.maximum(np.arange(SIDE), 1)
 
 
-@compiled
+@reordered
 def gather_moments(
     y: Array, x: Array, box: Array, moments: Array, first: int, last: int, levels: int, leaves: int, side: int
 ) -> None:
@@ -64,7 +64,7 @@ def gather_moments(
                     moments[node, a * side + b] = total
 
 
-@compiled
+@reordered
 def add_far(box: Array, moments: Array, boxes: Index, far: Boxes, far_end: Index, local: Array, side: int) -> None:
     """Add the effect of the boxes that are far from some boxes to the derivatives at their centers.
 
@@ -107,7 +107,7 @@ def add_far(box: Array, moments: Array, boxes: Index, far: Boxes, far_end: Index
                     local[row, a * side + b] += total
 
 
-@compiled
+@reordered
 def hand_down(box: Array, boxes: Index, above: Index, local: Array, side: int) -> None:
     """Add the series of the parents of some boxes to theirs; the boxes come in the order of the tree."""
     u, v = np.ones(side), np.ones(side)

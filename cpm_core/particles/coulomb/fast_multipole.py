@@ -17,7 +17,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.jit import reordered
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.particles.coulomb.direct_sum import SAME_SPOT, pairs_of, usual_force
@@ -107,7 +107,7 @@ def _work_on_branch(
     _sum_near(tree.y, tree.x, tree.order, tree.box, boxes, flags, leaves, near, near_end, local, SIDE, single, force)
 
 
-@compiled
+@reordered
 def _decide(
     box: Array,
     boxes: Index,
@@ -156,7 +156,7 @@ def _decide(
         far_end[v + 1], near_end[v + 1] = found, left
 
 
-@compiled
+@reordered
 def _sum_near(
     y: Array,
     x: Array,

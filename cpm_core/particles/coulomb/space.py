@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.jit import reordered
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Index
 from cpm_core.particles.coulomb.direct_sum import SAME_SPOT
@@ -31,7 +31,7 @@ def space_sums(points: Array, targets: Index) -> Array:
     return force
 
 
-@compiled
+@reordered
 def _sum_pairs(z: Array, y: Array, x: Array, targets: Index, first: int, last: int, force: Array) -> None:
     for n in range(first, last):
         i = targets[n]

@@ -18,10 +18,11 @@ from app.model.document.document import Document
 from app.session.worker import worker_thread
 from app.session.worker.free_memory import give_back
 from app.session.worker.recorded_run import Begun, RecordedRun, RunRecord
+from app.views.theme.icons import icon
 from cpm_core import Engine, Parameters
 from cpm_core.image.regions import Regions
 from cpm_core.particles.initialization import circle
-from tests.faults.window.memory import resident
+from tests.faults.window.memory import allocated, resident
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="other C libraries give memory back by themselves")
@@ -71,3 +72,12 @@ def test_a_short_branch_takes_little_memory_for_its_figures() -> None:
         record.record(step, {"epsilon": float(step)})
     assert record.until(3).rows.base.nbytes < 10_000
     assert list(record.until(4000).metrics().step) == list(range(1, 4001))
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="measured by the C library of GNU")
+def test_icons_take_no_more_than_their_pixels(qapp) -> None:
+    icon("run", "#010203", faded="#040506")
+    before = allocated()
+    made = [icon("run", f"#0102{index:02x}", faded="#040506") for index in range(10, 30)]
+    pixels = sum(4 * size.width() * size.height() for each in made for size in 2 * each.availableSizes())
+    assert allocated() - before < 1.5 * pixels

@@ -45,6 +45,24 @@ def test_field_of_a_larger_map_is_the_direct_sum(shape):
     assert np.abs(electric_field(f) - truth).max() <= 1e-12 * np.abs(truth).max()
 
 
+@pytest.mark.parametrize("exponent", [None, 1.7])
+@pytest.mark.parametrize("shape", [(41, 32), (22, 25, 24)], ids=str)
+def test_the_field_of_blocks_is_the_exact_one_but_for_the_error_that_is_told(shape, exponent):
+    middle = [n // 2 for n in shape]
+    f = np.zeros(shape)
+    f[tuple(slice(m - 2, m + 2) for m in middle)] = charges((4,) * len(shape))
+    exact, found = electric_field(f, exponent=exponent), electric_field(f, "blocks", exponent)
+    away = np.linalg.norm(np.indices(shape) - np.reshape(middle, (-1, *[1] * len(shape))) + 0.5, axis=0)
+    size = np.linalg.norm(exact, axis=0)
+    angle = np.degrees(np.arccos(np.clip((exact * found).sum(0) / size / np.linalg.norm(found, axis=0), -1.0, 1.0)))
+    off = np.linalg.norm(found - exact, axis=0) / size
+    near, far = (away > 5.0) & (away < 9.0), away > 9.0
+    assert np.median(angle[near]) < 2.0
+    assert angle[far].max() < 4.0
+    assert np.median(off[near]) < 0.1
+    assert np.median(off[far]) < 0.05
+
+
 @pytest.mark.parametrize("shape", [(40, 23), (9, 8, 7)], ids=str)
 def test_single_precision_is_kept_and_as_good_as_it_can_be(shape):
     """To 1e-6 of the largest vector; seen: 3e-7."""
@@ -133,7 +151,7 @@ def test_no_charge_no_field():
 
 
 def test_unknown_method_and_impossible_exponent_are_refused():
-    with pytest.raises(ValueError, match='method is "guess" but must be "convolution" or "pppm"'):
+    with pytest.raises(ValueError, match='method is "guess" but must be "convolution" or "blocks" or "pppm"'):
         electric_field(np.ones((8, 8)), method="guess")
     for exponent in (0.0, -1.0, float("nan")):
         with pytest.raises(ValueError, match=r"exponent is .* must be above 0"):

@@ -1,12 +1,14 @@
-"""Runs whose results must be the same everywhere; as a program, it writes a hash of each for a seed."""
+"""Runs whose results must be the same everywhere; as a program, it writes the vertices of each for a seed."""
 
-import hashlib
 import os
+import pickle
+import platform
 import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
+from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
 
 import cpm_core
 from cpm_core import Image, circle, partition, segment, uniform_grid
@@ -14,10 +16,22 @@ from cpm_core.parameters import PRESETS
 
 ROOT = Path(__file__).parents[3]
 ALONE = dict.fromkeys(("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-ON_ONE_CORE = (
-    "import os, runpy; os.sched_setaffinity(0, [min(os.sched_getaffinity(0))]); "
-    "runpy.run_module('tests.core.segmentation.reproduced', run_name='__main__', alter_sys=True)"
-)
+NARROW_LIBRARIES = {
+    "NPY_DISABLE_CPU_FEATURES": " ".join(name for name in __cpu_dispatch__ if __cpu_features__[name]),
+    "OPENBLAS_CORETYPE": "Prescott",
+    "GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX512F,-AVX2,-FMA",
+}
+"""NumPy, OpenBLAS and the C library compute as on a processor with vector registers of 128 bits."""
+
+NARROW = NARROW_LIBRARIES | {"NUMBA_CPU_NAME": "generic"}
+"""The compiled loops as well; they are compiled again for it."""
+
+HAS_WIDE = platform.machine().lower() in ("x86_64", "amd64")
+LAW = 1e-6
+"""Largest distance of a vertex from the same vertex on another processor [px]."""
+
+HERE = "import runpy; runpy.run_module('tests.core.segmentation.reproduced', run_name='__main__', alter_sys=True)"
+ON_ONE_CORE = f"import os; os.sched_setaffinity(0, [min(os.sched_getaffinity(0))]); {HERE}"
 SIDE = 128
 ROW, COL = np.mgrid[:SIDE, :SIDE]
 DISKS = sum((np.hypot(ROW - row, COL - col) < radius) * 120.0 for row, col, radius in ((40, 40, 22), (88, 84, 26)))
@@ -36,6 +50,11 @@ def in_noise(faint):
     return segment(DISKS + NOISE + faint, circle((88, 84), 12), PRESETS["noisy"]).contours
 
 
+def of_vessels(faint):
+    curves = 60.0 * (np.abs(ROW - 64.0 - 20.0 * np.sin(COL / 20.0)) < 2.0)
+    return segment(curves + 0.2 * NOISE + faint, uniform_grid((SIDE, SIDE), 6), PRESETS["vessels"]).contours
+
+
 def of_skeletons(faint):
     ellipse = np.hypot((ROW - 64.0) / 18.0, (COL - 64.0) / 50.0) < 1.0
     return cpm_core.skeleton(120.0 * ellipse + 0.1 * NOISE + faint).contours
@@ -47,27 +66,37 @@ def by_clicks(faint):
     return partition(found).select([(40, 40)]).contours
 
 
-RUNS = {run.__name__: run for run in (from_a_circle, from_everywhere, in_noise, of_skeletons, by_clicks)}
+RUNS = {run.__name__: run for run in (from_a_circle, from_everywhere, in_noise, of_vessels, of_skeletons, by_clicks)}
 
 
-def hashes(seed=0):
-    """The hash of the vertices of each run, by its name, and how many there are; each seed has images of its own."""
-    found = {}
+def vertices(seed=0):
+    """The vertices of the contours of each run, by its name; each seed has images of its own."""
     faint = np.random.default_rng(seed).normal(0.0, 2.0, (SIDE, SIDE)) if seed else 0.0
-    for name, run in RUNS.items():
-        points = [contour.points for contour in run(faint)]
-        whole = hashlib.sha256(b"".join(part.tobytes() for part in points)).hexdigest()
-        found[name] = f"{whole[:16]} {sum(map(len, points))}"
-    return found
+    return {name: [contour.points for contour in run(faint)] for name, run in RUNS.items()}
 
 
 def on_one_core(seed):
     """The same of a process that may use one core and one thread only."""
-    command = [sys.executable, "-c", ON_ONE_CORE, str(seed)]
-    done = subprocess.run(command, cwd=ROOT, env=os.environ | ALONE, capture_output=True, text=True, check=True)
-    return dict(line.split(" ", 1) for line in done.stdout.splitlines())
+    return _elsewhere(ON_ONE_CORE, seed, ALONE)
+
+
+def on_narrow_registers(seed, settings):
+    """The same of a process under some environment variables, such as `NARROW`."""
+    return _elsewhere(HERE, seed, settings)
+
+
+def _elsewhere(program, seed, settings):
+    command = [sys.executable, "-c", program, str(seed)]
+    done = subprocess.run(command, cwd=ROOT, env=os.environ | settings, capture_output=True, check=True)
+    return pickle.loads(done.stdout)
+
+
+def apart(one, other):
+    """Largest distance along an axis of two sets of contours, vertex by vertex [px]; infinite for other contours."""
+    if [part.shape for part in one] != [part.shape for part in other]:
+        return np.inf
+    return max((float(np.abs(a - b).max()) for a, b in zip(one, other, strict=True)), default=0.0)
 
 
 if __name__ == "__main__":
-    for name, told in hashes(int(sys.argv[1])).items():
-        sys.stdout.write(f"{name} {told}\n")
+    sys.stdout.buffer.write(pickle.dumps(vertices(int(sys.argv[1]))))

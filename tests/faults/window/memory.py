@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import gc
 import os
 from collections import Counter
@@ -10,12 +11,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from PySide6.QtCore import QCoreApplication, QEvent, QObject
+from PySide6.QtGui import QPixmapCache
 from PySide6.QtWidgets import QApplication
+
+from app.session.worker.free_memory import give_back
 
 MIB = 2**20
 
-MOST_MORE, MOST_MORE_OBJECTS = 32.0, 0.1
-"""What the last quarter may take more than the one before: memory [MiB], and Qt objects as a fraction."""
+MOST_MORE, MOST_MORE_OBJECTS = 12.0, 0.05
+"""What the last quarter may take more than the second: memory [MiB], and Qt objects as a fraction."""
 
 
 @dataclass(frozen=True)
@@ -42,22 +46,46 @@ class Taken:
         return self.qt.total()
 
 
+class _Allocation(ctypes.Structure):
+    """What `mallinfo2` returns."""
+
+    _fields_ = tuple(
+        (name, ctypes.c_size_t)
+        for name in (
+            "arena", "ordblks", "smblks", "hblks", "hblkhd", "usmblks", "fsmblks", "uordblks", "fordblks", "keepcost",
+        )
+    )  # fmt: skip
+
+
 def resident() -> float:
     """Memory of the process [MiB]."""
     pages = int(Path("/proc/self/statm").read_text().split()[1])
     return pages * os.sysconf("SC_PAGE_SIZE") / MIB
 
 
+def allocated() -> int:
+    """Memory in use among what the C library of GNU has given out [bytes]."""
+    library = ctypes.CDLL(None)
+    library.mallinfo2.restype = _Allocation
+    now = library.mallinfo2()
+    return int(now.uordblks + now.hblkhd)
+
+
 def quarters(measured: Sequence[Taken]) -> list[Taken]:
-    """What was taken after each quarter of the time."""
-    return [measured[max(len(measured) * part // 4 - 1, 0)] for part in range(1, 5)] if measured else []
+    """The measurement of each quarter of the time that takes the memory in the middle; none if there are too few."""
+    count = len(measured)
+    parts = [measured[count * part // 4 : count * (part + 1) // 4] for part in range(4)]
+    return [sorted(part, key=lambda mark: mark.resident)[len(part) // 2] for part in parts] if all(parts) else []
 
 
 def still_rising(marks: Sequence[Taken]) -> list[str]:
-    """Say what has not leveled off: the last quarter adds no more than a little to the one before."""
+    """Say what has not leveled off: the last quarter takes no more than a little more than the second.
+
+    In the first quarter most is done for the first time, and what it needs is made and kept.
+    """
     if not marks:
         return []
-    before, last = marks[-2], marks[-1]
+    before, last = marks[1], marks[3]
     rising = []
     if last.resident > before.resident + MOST_MORE:
         rising.append(f"the memory still rises, from {before.resident:.0f} to {last.resident:.0f} MiB")
@@ -67,9 +95,11 @@ def still_rising(marks: Sequence[Taken]) -> list[str]:
 
 
 def taken() -> Taken:
-    """Collect garbage, and measure."""
+    """Collect garbage, empty the cache of drawn pictures, which has a limit of its own, and measure."""
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
     gc.collect()
+    QPixmapCache.clear()
+    give_back()
     qt: Counter[str] = Counter()
     for top in QApplication.topLevelWidgets():
         if top.parent() is None:

@@ -14,23 +14,20 @@ tolerance, by another sum: the page of `coulomb` explains why, with measurements
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Single
+from cpm_core.numerics.types import Array, Single
 
 PITCH = 0.5
 """Pitch of the mesh, in reaches."""
 
 _MARGIN = 4
 """Nodes along an axis beyond those that the image needs: splines reach one node further to each side."""
-
-_ORDER = 3
-"""Nodes that a quadratic spline covers along an axis."""
 
 
 def mesh_shape(shape: tuple[int, ...], reach: float) -> tuple[int, ...]:
@@ -52,25 +49,41 @@ def convolved(charge: Single, reach: float) -> Single:
     r"""Smooth part of the force of charges on the nodes of a mesh, shape (\*nodes), shape (\*nodes, D)."""
     padded, kernels = _spectra(charge.shape, reach)
     axes = tuple(range(1, charge.ndim + 1))
-    smooth = scipy.fft.irfftn(scipy.fft.rfftn(charge, padded) * kernels, padded, axes)
+    spectrum = scipy.fft.rfftn(charge, padded) * np.complex64(1j)
+    smooth = scipy.fft.irfftn(spectrum * kernels, padded, axes)
     return np.ascontiguousarray(np.moveaxis(smooth[(slice(None), *map(slice, charge.shape))], 0, -1))
 
 
 @lru_cache(maxsize=8)
-def _spectra(mesh: tuple[int, ...], reach: float) -> tuple[tuple[int, ...], NDArray[np.complex64]]:
-    """Shape of the padded mesh, and the transforms of the components of the softened inverse square on it."""
+def _spectra(mesh: tuple[int, ...], reach: float) -> tuple[tuple[int, ...], Single]:
+    """Shape of the padded mesh, and the transforms of the components of the softened inverse square on it, over i.
+
+    A difference in the last digit of the kernel would change rounding errors that are as large as the smallest values
+    of its transform, and particles in a crowd amplify that. So every processor must give the same bits: roots instead
+    of powers, and no product of two complex numbers; see `numerics.reproducible`.
+    """
     padded = tuple(scipy.fft.next_fast_len(2 * n - 1, True) for n in mesh)
     offsets = np.meshgrid(*(PITCH * reach * size * np.fft.fftfreq(size) for size in padded), indexing="ij")
-    squared = sum(offset**2 for offset in offsets)
+    squared = sum(offset * offset for offset in offsets)
     a, b, c = softening(reach)
-    soft = np.where(squared < reach**2, a + b * squared + c * squared**2, np.maximum(squared, reach**2) ** -1.5)
+    beyond = np.maximum(squared, reach**2)
+    soft = np.where(squared < reach**2, a + squared * (b + squared * c), 1.0 / (beyond * np.sqrt(beyond)))
     smoothing = np.ones(())
     for axis, size in enumerate(padded):
+        if size % 2 == 0:  # farther than any two nodes; without it each component is odd, its transform imaginary
+            np.moveaxis(soft, axis, 0)[size // 2] = 0.0
         frequency = np.fft.rfftfreq(size) if axis == len(padded) - 1 else np.fft.fftfreq(size)
-        smoothing = np.multiply.outer(smoothing, np.sinc(frequency))
+        smoothing = np.multiply.outer(smoothing, _transformed_spline(frequency.tolist()))
     axes = tuple(range(1, len(padded) + 1))
-    spectra = scipy.fft.rfftn(np.stack([soft * offset for offset in offsets]), axes=axes) / smoothing ** (2 * _ORDER)
-    return padded, spectra.astype(np.complex64)
+    spectra = scipy.fft.rfftn(np.stack([soft * offset for offset in offsets]), axes=axes).imag
+    return padded, (spectra / (smoothing * smoothing)).astype(np.float32)
+
+
+def _transformed_spline(frequency: list[float]) -> Array:
+    """Fourier transform of the quadratic spline at some frequencies, in cycles a node."""
+    angles = [math.pi * each for each in frequency]
+    sinc = np.array([math.sin(angle) / angle if angle else 1.0 for angle in angles])
+    return np.asarray(sinc * sinc * sinc)
 
 
 @compiled

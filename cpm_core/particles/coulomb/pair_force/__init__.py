@@ -14,9 +14,6 @@ from cpm_core.numerics.types import Single
 
 Bits = NDArray[np.int32]
 
-LANES = 16
-"""Numbers that are processed at once: lists are filled up to a multiple of it."""
-
 FILLER = 1e6
 """Coordinate that fills up a list [px]; its force is next to nothing, and its cube is still a number."""
 
