@@ -6,11 +6,8 @@ import argparse
 import json
 
 from cpm_core.cli.arguments import add_image, add_json, add_part, part_of
+from cpm_core.cli.place import facts_on, lines_on
 from cpm_core.formats import holds_volume, load_image, load_volume
-from cpm_core.image.geometry import Geometry
-from cpm_core.image.image import Image
-
-_ENDS = {"L": "left", "R": "right", "P": "back", "A": "front", "S": "head", "I": "feet"}
 
 
 def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -29,6 +26,8 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
 def _info(arguments: argparse.Namespace) -> None:
     """Show the properties of an image or volume."""
     part = part_of(arguments)
+    if arguments.channel is not None:  # a color, which only runs take as a parameter
+        part["color"] = arguments.channel
     volume = arguments.volume or ("page" not in part and holds_volume(arguments.image, part.get("series")))
     image = (load_volume if volume else load_image)(arguments.image, **part)
     low, high = float(image.values.min()), float(image.values.max())
@@ -38,9 +37,7 @@ def _info(arguments: argparse.Namespace) -> None:
             "shape": list(image.shape),
             "minimum": low,
             "maximum": high,
-            "spacing": list(image.spacing) if image.unit else None,
-            "unit": image.unit,
-            "geometry": None if image.geometry is None else _facts_of(image.geometry, image),
+            **facts_on(image),
             "notes": list(image.notes),
         }
         print(json.dumps(facts))
@@ -48,41 +45,7 @@ def _info(arguments: argparse.Namespace) -> None:
     axes = ("planes", "rows", "columns")[-image.ndim :]
     size = " x ".join(f"{count} {axis}" for count, axis in zip(image.shape, axes, strict=True))
     print(f"{image.source}: {size}, gray levels {low:g} to {high:g}")
-    what = "pixel" if image.ndim == 2 else "voxel"
-    if image.unit:
-        sides = " x ".join(f"{side:g}" for side in image.spacing)
-        order = " x ".join(("plane", "row", "column")[-image.ndim :])
-        print(f"Size of a {what}: {sides} {image.unit} ({order})")
-    else:
-        print(f"Size of a {what}: not given in the file")
-    if image.geometry is not None:
-        print(_place(image.geometry, image))
+    for line in lines_on(image):
+        print(line)
     for note in image.notes:
         print(f"Note: {note}")
-
-
-def _place(geometry: Geometry, image: Image) -> str:
-    """Where an image lies, as lines for a person."""
-    x, y, z = geometry.origin
-    ways = [f"{axis} to the {_ENDS[letter]}" for axis, letter in zip(_AXES, geometry.letters, strict=True)]
-    turned = f", up to {geometry.oblique:.1f}° oblique" if geometry.oblique >= _OBLIQUE else ""
-    return (
-        f"Orientation: {', '.join(ways[-image.ndim :])}{turned}\n"
-        f"First {'pixel' if image.ndim == 2 else 'voxel'}: at ({x:g}, {y:g}, {z:g}) {image.unit}, {geometry.convention}"
-    )
-
-
-_AXES = ("planes", "rows", "columns")
-_OBLIQUE = 0.05
-"""Angle from which axes are called oblique [degrees]."""
-
-
-def _facts_of(geometry: Geometry, image: Image) -> dict[str, object]:
-    """Where an image lies, as plain JSON."""
-    return {
-        "origin": list(geometry.origin),
-        "directions": [list(direction) for direction in geometry.directions],
-        "convention": geometry.convention,
-        "letters": "".join(geometry.letters),
-        "affine": geometry.affine(image.spacing).tolist(),
-    }

@@ -87,6 +87,9 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     add_parameters(parameters)
     outcome = parser.add_argument_group("outcome")
     outcome.add_argument("--max-steps", metavar="N", type=as_number, help="stop after so many steps at most")
+    outcome.add_argument(
+        "--faces", metavar="N", type=as_number, help="triangles that are left of the surface in a volume"
+    )
     add_export(outcome, "contours")
     add_close(outcome)
     add_json(outcome)
@@ -94,7 +97,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
 
 def _run(arguments: argparse.Namespace) -> None:
     """Find the contours of an image; every check that needs no image comes first."""
-    if arguments.sphere or arguments.volume:
+    if arguments.sphere or arguments.volume or arguments.faces is not None:
         run_volume(arguments)
         return
     session = load_session(Path(arguments.session)) if arguments.session else SessionFile()

@@ -6,10 +6,12 @@ import argparse
 import json
 import sys
 import time
+from dataclasses import replace
 
 import numpy as np
 
 from cpm_core.cli.arguments import as_number, as_steps, check_exports, parameters_of, part_of
+from cpm_core.cli.place import facts_on, lines_on
 from cpm_core.cli.terminal import Progress, counted, say, written
 from cpm_core.contours.result import Result
 from cpm_core.field.volume.volume_space import pitch_of
@@ -28,9 +30,14 @@ from cpm_core.segmentation.segment import segment
 _OF_IMAGES = ("circle", "object", "session", "close")
 """Options that have a meaning for images only; ``--not`` follows ``--object``."""
 
+_FEWEST_FACES = 4
+"""Least number of triangles of a closed surface."""
+
 
 def run_volume(arguments: argparse.Namespace) -> None:
     """Find a surface; every check that needs no volume comes first."""
+    if not (arguments.sphere or arguments.volume):
+        raise ValueError("--faces is for the surface in a volume: add --sphere PLANE,ROW,COL,RADIUS, or leave it out.")
     for name in _OF_IMAGES:
         if getattr(arguments, name, None):
             raise ValueError(f"--{name} is for images, but --sphere and --volume are for volumes: leave one out.")
@@ -45,7 +52,7 @@ def run_volume(arguments: argparse.Namespace) -> None:
     if arguments.channel is not None:  # colors of a volume are turned into gray levels as it is read
         part["color"], arguments.channel = arguments.channel, None
     parameters = parameters_of(arguments, PRESETS[arguments.preset or "volume"])
-    max_steps = as_steps(arguments.max_steps)
+    max_steps, faces = as_steps(arguments.max_steps), _as_faces(arguments.faces)
     check_exports(arguments.export, arguments.image, None)
     for path in arguments.export:
         if suffix_of(path) not in FOR_VOLUMES:
@@ -57,14 +64,35 @@ def run_volume(arguments: argparse.Namespace) -> None:
     progress = Progress() if sys.stderr.isatty() else None
     try:
         seeds = _seeds(arguments, volume, drawn)
-        result = segment(volume, seeds, parameters, max_steps=max_steps, progress=progress, regions=regions)
+        found = segment(volume, seeds, parameters, max_steps=max_steps, progress=progress, regions=regions)
     finally:
         if progress is not None:
             progress.clear()
+    result = found if faces is None else _decimated(found, faces)
     seconds = time.perf_counter() - started
     export(result, *arguments.export, image=arguments.image)
     with written("the files were written before" if arguments.export else ""):
         _report(result, seconds, arguments)
+
+
+def _as_faces(given: int | float | str | None) -> int | None:
+    """The given number of triangles; ValueError unless it is a whole number that makes a closed surface."""
+    if given is None or (isinstance(given, int) and given >= _FEWEST_FACES):
+        return given
+    raise ValueError(f"--faces is {given} but must be a whole number of at least {_FEWEST_FACES}.")
+
+
+def _decimated(found: Result, faces: int) -> Result:
+    """The same result with fewer triangles; a note tells when there are more than wanted."""
+    if found.surface is None:
+        return found
+    surface = found.surface.decimated(faces)
+    if len(surface.faces) > faces:
+        print(
+            f"cpm: {len(surface.faces)} triangles are left, not {faces}: with fewer the surface would lose its shape.",
+            file=sys.stderr,
+        )
+    return replace(found, surface=surface)
 
 
 def _numbers(flag: str, text: str, form: str, count: int = 0) -> list[float]:
@@ -133,11 +161,14 @@ def _report(result: Result, seconds: float, arguments: argparse.Namespace) -> No
             "converged": result.converged,
             "stop_reason": result.stop_reason,
             "seconds": round(seconds, 3),
+            **({} if result.image is None else facts_on(result.image)),
         }
         print(json.dumps(facts))
         return
     print(f"{result.source}: a surface of {counted(faces, 'triangle')}, with {vertices} corners")
     print(f"{counted(len(result.particles), 'particle')}, {counted(result.steps, 'step')} in {seconds:.2f} s")
     print(f"Stopped: {result.stop_reason}")
+    for line in [] if result.image is None else lines_on(result.image):
+        print(line)
     for path in arguments.export:
         print(printable(f"Wrote {path}"))

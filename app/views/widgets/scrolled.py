@@ -21,6 +21,10 @@ class Scroller(QScrollArea):
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
 
 
+_GAP = 5
+"""Between the content and the scroll bar [px]."""
+
+
 class Scrolled(Scroller):
     """Is as wide as its content; `least` is its minimum height [px]."""
 
@@ -40,12 +44,15 @@ class Scrolled(Scroller):
         return QSize(self._content.minimumSizeHint().width() + self._bar(), self._least)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Make room for the scroll bar, or take it back."""
+        """Make room for the scroll bar and a gap beside it, or take it back."""
         super().resizeEvent(event)
+        gap = _GAP if self._bar() else 0
+        if self.viewportMargins().right() != gap:
+            self.setViewportMargins(0, 0, gap, 0)
         if event.oldSize().height() != event.size().height():
             self.updateGeometry()
 
     def _bar(self) -> int:
-        """Width of the scroll bar, 0 where there is none."""
+        """Width of the scroll bar and its gap, 0 where there is none."""
         needed = self._content.minimumSizeHint().height() > self.height()
-        return self.verticalScrollBar().sizeHint().width() if needed else 0
+        return self.verticalScrollBar().sizeHint().width() + _GAP if needed else 0

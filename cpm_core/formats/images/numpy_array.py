@@ -51,7 +51,7 @@ def stack(path: Path, choice: Choice = FIRST) -> Stack:
     name = printable(path.name)
     shape, kind, member, notes = _header(path, choice, name)
     if kind.kind not in "buif":
-        raise UnreadableError(f"{name} holds values of type {kind}, but gray levels must be real numbers.")
+        raise UnreadableError(f"{name} holds values of type {str(kind)[:80]}, but gray levels must be real numbers.")
     count = len(shape)
     color = count in (3, 4) and shape[-1] in (3, 4)
     if count - color not in (2, 3) or (count == 4 and not color):

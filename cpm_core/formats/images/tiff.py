@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import logging
+import math
 import os
 import re
 from collections.abc import Iterator
@@ -30,6 +31,9 @@ _BY_PILLOW = frozenset({2, 3, 4, 6, 7, 32771})
 _WHITE_IS_ZERO, _BLACK_IS_ZERO, _RGB, _PALETTE = 0, 1, 2, 3
 _KNOWN_LEVELS = (_WHITE_IS_ZERO, _BLACK_IS_ZERO, _RGB, _PALETTE)
 _PREMULTIPLIED = 1
+_LARGEST_PART = 2**24
+"""Pixels that a tile or strip may have beyond some times those of the image."""
+
 _INCH, _CENTIMETER = 2, 3
 _PER_METER = {_INCH: 1 / 0.0254, _CENTIMETER: 100.0}
 
@@ -60,6 +64,8 @@ def page_of(file: tifffile.TiffFile, page: tifffile.TiffPage, path: Path) -> Dec
     check_size(path.name, int(page.imagelength), int(page.imagewidth))  # damaged ones may be tuples
     if max(page.databytecounts, default=0) > file.filehandle.size:  # memory for them would be taken first
         raise EOFError(f"{path.name} names more bytes than it has.")
+    if math.prod(page.chunks) > _LARGEST_PART + 4 * page.imagelength * page.imagewidth * page.samplesperpixel:
+        raise ValueError("a part of it is far larger than the whole")
     spacing, unit = spacing_of(file, page)
     turn = _number(page, "Orientation", 1)
     direct = page.photometric in _KNOWN_LEVELS and page.compression not in _BY_PILLOW

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, QRect, Qt
+from PySide6.QtWidgets import QLabel
 
 from app.model.preferences.table import PREFERENCES, TIMELINE_MEMORY
 from app.session.worker.commands.run import Command, CommandContext
@@ -134,6 +135,9 @@ def test_a_compared_branch_is_shown_with_its_difference(rested, hand, fresh) -> 
     np.testing.assert_array_equal(np.sort(ghost.position, axis=0), np.sort(fresh[end].position, axis=0))
     assert "px apart on average" in panel.branch.difference
     assert f"{fresh[end].count} particles " in panel.branch.difference
+    rested.resize(1280, 800)  # wide enough for the form beside the track
+    sentence = panel.branch.findChild(QLabel, "dim")
+    hand.wait(lambda: sentence.visibleRegion().boundingRect().height() >= sentence.heightForWidth(sentence.width()))
     hand.canvas.setFocus()
     for _ in range(3):
         hand.key(KEY.Key_Comma)

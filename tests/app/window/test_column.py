@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QScrollArea, QToolButton
 
 from app.session.storage.preferences import Preferences
 from app.views.main_window import MainWindow
+from app.views.widgets.scrolled import Scrolled
 
 LEFT = Qt.MouseButton.LeftButton
 DECISIVE = ("reach", "weakest_edge", "beta", "ratio", "annealing")
@@ -114,6 +115,15 @@ def test_each_panel_below_the_image_has_a_height_of_its_own(tabbed, hand) -> Non
     hand.wait(lambda: tabbed.docks["contours"].height() == table)
     tabbed.docks["contours"].close()
     hand.wait(lambda: tabbed.docks["timeline"].height() < table / 2)
+
+
+def test_what_is_beside_a_low_table_scrolls_and_stands_clear_of_its_scroll_bar(tabbed, hand) -> None:
+    beside = tabbed.panels["contours"].findChild(Scrolled)
+    bar, content = beside.verticalScrollBar(), beside.widget()
+    hand.wait(bar.isVisible)
+    room = bar.mapTo(beside, QPoint()).x() - content.mapTo(beside, QPoint(content.width(), 0)).x()
+    assert room >= 4
+    assert content.minimumSizeHint().width() <= content.width()
 
 
 def test_a_height_that_was_dragged_is_kept_per_panel_and_forgotten_by_restore(tabbed, hand) -> None:

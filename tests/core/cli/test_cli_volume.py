@@ -37,6 +37,19 @@ def test_every_kind_of_file_gives_the_same_surface(folder, command, name):
     assert (facts["contours"], facts["stop_reason"]) == (0, "at rest: no particle finds anything new")
 
 
+def test_a_surface_is_written_with_as_many_triangles_as_wanted(folder, command, tmp_path):
+    _, out, err = command(
+        "run", folder / "ball.npy", *SPHERE, "--faces", "200", "--json", "--export", tmp_path / "a.ply"
+    )
+    facts = json.loads(out)
+    assert (facts["faces"], facts["vertices"], err) == (200, 102, "")
+    assert b"element face 200\n" in (tmp_path / "a.ply").read_bytes()
+    _, out, err = command("run", folder / "ball.npy", *SPHERE, "--faces", "4", "--json")
+    left = json.loads(out)["faces"]
+    assert left > 4
+    assert err == f"cpm: {left} triangles are left, not 4: with fewer the surface would lose its shape.\n"
+
+
 def test_a_nifti_volume_is_read_with_the_sides_of_its_voxels(folder, command):
     nibabel = pytest.importorskip("nibabel")
     volume = nibabel.Nifti1Image(np.load(folder / "ball.npy"), np.diag([0.5, 0.5, 0.5, 1.0]))
@@ -50,6 +63,8 @@ def test_a_nifti_volume_is_read_with_the_sides_of_its_voxels(folder, command):
     [
         (("ball.npy", "--sphere", "1,2,3"), "must be four numbers, PLANE,ROW,COL,RADIUS"),
         (("ball.npy", "--sphere", "1,2,3,0"), "radius is 0"),
+        (("ball.npy", *SPHERE, "--faces", "3"), "--faces is 3 but must be a whole number of at least 4"),
+        (("ball.npy", "--circle", "1,2,3", "--faces", "100"), "--faces is for the surface in a volume"),
         (("ball.npy", "--sphere", "90,90,90,2"), "none of the 625 starting particles lies inside"),
         (("ball.npy", *SPHERE, "--circle", "1,2,3"), "--circle is for images"),
         (("ball.npy", *SPHERE, "--export", "a.svg"), "a.svg is for contours"),

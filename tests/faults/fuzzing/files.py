@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core import Truth, load_contours, load_image, load_truth
+from cpm_core import Truth, load_contours, load_image, load_truth, load_volume
 from cpm_core.formats import load_points
 from cpm_core.formats.images.decoded import MAXIMUM_PIXELS
 
@@ -33,7 +33,7 @@ READERS: dict[str, tuple[Callable[[Path], Any], ...]] = {
 }
 """What reads files with such a name; all others are images."""
 
-_OF_IMAGES = (load_image, _truth)
+_OF_IMAGES = (load_image, load_volume, _truth)
 
 
 def read(path: Path) -> None:

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import io
+import tempfile
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, NamedTuple
 
+import nrrd
 import numpy as np
 import PIL.Image
 import tifffile
+from pydicom.uid import RLELossless
 
 from cpm_core import encoded
 from tests.core.formats.drawn import RESULT
+from tests.core.formats.images.volumes import made
 
 SHAPE = (11, 14)
 GRAY = (np.add.outer(np.arange(SHAPE[0]) * 17, np.arange(SHAPE[1]) * 13) % 251).astype(np.uint8)
@@ -115,6 +120,35 @@ def _arrays() -> list[Sample]:
     return [Sample(".npy", _array(array)) for array in values]
 
 
+def _volumes() -> list[Sample]:
+    """Volumes of each kind, the values of those with a file beside them left out."""
+    planes = np.stack([GRAY + number for number in range(9)]).astype(np.int16)
+    hyper = np.stack([[planes, planes + 1]] * 2).transpose(0, 2, 1, 3, 4)
+    pages = [PIL.Image.fromarray(plane.astype(np.uint8)) for plane in planes]
+    film = {"ImagePositionPatient": None, "NumberOfFrames": 9, "FrameTime": 40.0}
+    packed = made.dataset(planes[0].astype(np.uint16), SliceThickness=2.0)
+    packed.compress(RLELossless)
+    slices = [made.dataset(planes[0], (0.0, 1.0, 2.0), made.OBLIQUE), made.dataset(planes, **film), packed]
+    with tempfile.TemporaryDirectory() as folder:
+        place = Path(folder)
+        made.write_nifti(place / "a.nii", planes)
+        made.write_nifti(place / "a.nii.gz", planes)
+        made.write_metaimage(place / "raw.mha", planes)
+        made.write_metaimage(place / "packed.mha", planes, packed=True)
+        made.write_metaimage(place / "apart.mhd", planes, beside="a.raw")
+        for encoding in ("raw", "gzip", "bzip2", "ascii"):
+            header = {"space": "LPS", "space directions": np.eye(3), "encoding": encoding}
+            nrrd.write(str(place / f"{encoding}.nrrd"), planes, header, index_order="C")
+        for number, slice_ in enumerate(slices):
+            slice_.save_as(place / f"{number}.dcm", enforce_file_format=True)
+        np.savez_compressed(place / "a.npz", volume=planes, size=np.ones(3))
+        tifffile.imwrite(place / "a.tif", hyper.astype(np.uint16), imagej=True, metadata={"axes": "TZCYX"})
+        tifffile.imwrite(place / "a.ome.tif", hyper.astype(np.uint16), metadata={"axes": "TZCYX"})
+        pages[0].save(place / "a.png", save_all=True, append_images=pages[1:])
+        files = [file for file in sorted(place.iterdir()) if file.suffix != ".raw"]
+        return [Sample("".join(file.suffixes), file.read_bytes()) for file in files]
+
+
 def _contours() -> list[Sample]:
     suffixes = (".csv", ".json", ".geojson", ".labelme.json", ".coco.json")
     own = [Sample(f".{suffix.rsplit('.', 1)[1]}", encoded(RESULT, suffix)) for suffix in suffixes]
@@ -125,6 +159,7 @@ KINDS: dict[str, Callable[[], list[Sample]]] = {
     "pictures": _pictures,
     "TIFFs": _tiffs,
     "arrays": _arrays,
+    "volumes": _volumes,
     "contours": _contours,
 }
 """What is read -> its samples."""

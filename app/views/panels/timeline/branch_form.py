@@ -103,6 +103,8 @@ class BranchForm(QWidget):
             mean, largest = f"{apart.mean_boundary_distance:.2f}", f"{apart.hausdorff:.2f}"
             sentence = template.format(particles=sentence, mean=mean, largest=largest)
         self._difference.setText(sentence)
+        # A label that wraps asks for the height of a single line at its least, and the panel is low.
+        self._difference.setMinimumHeight(self._difference.heightForWidth(_WIDTH))
         self._difference.show()
         self._difference.setToolTip(tr("Compared at step {step}.").format(step=compared.state.step))
 

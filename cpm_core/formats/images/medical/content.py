@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from cpm_core.formats.images.decoded import UnreadableError
 from cpm_core.formats.images.stacks.stack import check_content, check_memory
+from cpm_core.parameters.quotation import shown
 
 Packing = Literal["raw", "deflate", "bzip2"]
 
@@ -86,8 +87,8 @@ def beside(header: Path, named: str) -> Path:
     """The file beside a header that it names; UnreadableError for files elsewhere, and for what is no file."""
     place = Path(named)
     data = header.parent / place
-    if place.is_absolute() or ".." in place.parts or not data.is_file():
+    if "\0" in named or place.is_absolute() or ".." in place.parts or not data.is_file():
         raise UnreadableError(
-            f"{header.name} keeps its values in {place.name}, which is not beside it: put both in one folder."
+            f"{header.name} keeps its values in {shown(place.name)}, which is not beside it: put both in one folder."
         )
     return data

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import logging
 import math
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -96,7 +97,7 @@ def _version(head: bytes, path: Path) -> int | None:
         try:
             with gzip.open(path) as stream:
                 head = stream.read(348)
-        except (OSError, EOFError, ValueError):
+        except (OSError, EOFError, ValueError, zlib.error):
             return None
     if head.startswith(_FIRST_VERSION, 344):
         return 1

@@ -17,6 +17,7 @@ from cpm_core.formats.images.medical.package import package
 from cpm_core.formats.images.stacks.stack import Stack, as_planes, plane_of
 from cpm_core.formats.printable import printable
 from cpm_core.image.geometry import Convention, Geometry, from_affine
+from cpm_core.parameters.quotation import shown
 
 READS = {".nrrd": "NRRD volume", ".nhdr": "NRRD volume of two files"}
 
@@ -132,7 +133,9 @@ class _Stored(NamedTuple):
                 text = np.array(stream.read().split(), dtype=self.kind)
             return text.reshape(self.shape)
         if encoding not in _PACKINGS:
-            raise UnreadableError(f"{self.path.name} is packed as {encoding}, which is not read: save it as gzip.")
+            raise UnreadableError(
+                f"{self.path.name} is packed as {shown(encoding)}, which is not read: save it as gzip."
+            )
         return values_of(file, skipped if skipped < 0 else offset + skipped, self.shape, self.kind, _PACKINGS[encoding])
 
 
@@ -147,6 +150,8 @@ def _roles(header: Any, sizes: list[int], name: str) -> dict[str, int]:
     else:
         named = [kind == _TIME or kind in _COLORS or kind.endswith(("list", "vector")) for kind in kinds]
         in_space = [not other and sum(not o for o in named[:axis]) < 3 for axis, other in enumerate(named)]
+    if sum(in_space) == 4 and in_space[-1]:  # ITK writes times as a fourth axis of space
+        in_space[-1], kinds[-1] = False, _TIME
     roles = dict(zip(("col", "row", "plane"), [axis for axis, lies in enumerate(in_space) if lies], strict=False))
     for axis, lies in enumerate(in_space):
         if lies:
@@ -183,11 +188,11 @@ def _place(
             (found for found in (resolution.known_unit(own[axis]) for axis in axes if axis < len(own)) if found), unit
         )
         return (sides[2], sides[1], sides[0]), unit, None, ()
-    along = np.array([vectors[axis] for axis in axes], float)
+    along = np.array([vectors[axis] for axis in axes], float)[:, :3]
     if along.shape != (3, 3):
         lengths = [*np.linalg.norm(along, axis=1).tolist(), 1.0]
         return (lengths[2], lengths[1], lengths[0]), unit, None, ()
-    origin = np.array(header.get("space origin", np.zeros(3)), float)
+    origin = np.array(header.get("space origin", np.zeros(3)), float)[:3]
     convention, turned = _SPACES.get(space, ("LPS", (1.0, 1.0, 1.0)))
     affine = np.eye(4)
     affine[:3, :3], affine[:3, 3] = along.T, origin

@@ -43,7 +43,7 @@ def stack(path: Path, choice: Choice = FIRST) -> Stack:
     """
     name = printable(path.name)
     with tifffile.TiffFile(path) as file:
-        all_series = file.series
+        all_series = _series(file)
         names = tuple(str(one.name) for one in all_series)
         number = series_of(choice.series, names, 0, name)
         series = all_series[number]
@@ -61,7 +61,7 @@ def stack(path: Path, choice: Choice = FIRST) -> Stack:
 
     def take(time: int, channel: int, first: int, end: int) -> Decoded:
         with tifffile.TiffFile(path) as file:
-            return _taken(file, file.series[number], pages.numbers[time, channel, first:end], path)
+            return _taken(file, _series(file)[number], pages.numbers[time, channel, first:end], path)
 
     return Stack(
         name,
@@ -76,6 +76,13 @@ def stack(path: Path, choice: Choice = FIRST) -> Stack:
         of_volume=untold,
         word="page",
     )
+
+
+def _series(file: tifffile.TiffFile) -> list[tifffile.TiffPageSeries]:
+    """The series of a file, whose pages are counted first: of a damaged one they may follow each other in a circle."""
+    if not len(file.pages):
+        raise ValueError("it has no pages")
+    return list(file.series)
 
 
 @dataclass(frozen=True, eq=False)

@@ -93,9 +93,10 @@ def _unpacked(dataset: Any, frame: Frame, name: str) -> NDArray[Any]:
     if codec is None and "missing dependencies" not in str(failure):
         raise failure
     if codec is None or missing:
+        packing = printable(str(syntax.name))[:80]
         cure = 'install it (pip install "cpm-particles[medical]"), or save' if codec else "save"
         needs = ", which needs the package imagecodecs" if codec else ", which is not read"
-        raise UnreadableError(f"{name} is packed as {syntax.name}{needs}: {cure} the image again without packing.")
+        raise UnreadableError(f"{name} is packed as {packing}{needs}: {cure} the image again without packing.")
     if int(dataset.get("SamplesPerPixel", 1)) != 1:
         raise failure
     codecs = package("imagecodecs", f"{name} is packed as {syntax.name}")

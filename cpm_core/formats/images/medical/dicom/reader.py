@@ -15,6 +15,7 @@ from cpm_core.formats.images.medical.dicom.series import Series, all_series
 from cpm_core.formats.images.medical.package import package
 from cpm_core.formats.images.stacks.stack import Stack, as_planes, check_content, joined, plane_of
 from cpm_core.formats.printable import printable
+from cpm_core.parameters.quotation import shown
 
 READS = {".dcm": "DICOM image, or a folder with the slices of a series", ".dicom": "the same", ".ima": "the same"}
 
@@ -95,9 +96,8 @@ def stack(path: Path, choice: Choice = FIRST) -> Stack:
     chosen = series[number]
     notes = []
     if len(series) > 1 and choice.series is None:
-        notes.append(
-            f'Of its {len(series)} series that with the most images was taken, {number + 1} ("{chosen.title}").'
-        )
+        which = f"{number + 1} ({shown(chosen.title)})"
+        notes.append(f"Of its {len(series)} series that with the most images was taken, {which}.")
     if damaged:
         notes.append(f"{damaged} of its files {'is' if damaged == 1 else 'are'} damaged and left out.")
     return _stack(name, chosen, tuple(notes), pydicom)

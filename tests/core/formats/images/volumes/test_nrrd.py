@@ -81,6 +81,14 @@ def test_an_axis_that_is_not_in_space_is_a_channel_a_time_or_a_color(tmp_path):
     assert volume.spacing == pytest.approx((2.0, 0.75, 0.5))
 
 
+def test_times_that_itk_writes_as_an_axis_of_space_are_times(tmp_path):
+    header = {"space dimension": 4, "space directions": np.diag([0.5, 0.75, 2.0, 1.0]), "space origin": [1, 2, 3, 0]}
+    write(tmp_path / "a.nrrd", np.stack([VALUES, VALUES + 7]), **header, kinds=["domain"] * 4)
+    volume = load_volume(tmp_path / "a.nrrd", time=2)
+    assert np.array_equal(volume.values, VALUES + 7)
+    assert volume.spacing == (2.0, 0.75, 0.5)
+
+
 def test_values_beside_the_header_are_read_and_those_elsewhere_are_not(tmp_path):
     write(tmp_path / "a.nhdr", **HEADER, encoding="raw")
     assert np.array_equal(load_volume(tmp_path / "a.nhdr").values, VALUES)

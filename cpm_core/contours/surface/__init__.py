@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
-from cpm_core.numerics.real_numbers import real_numbers
+from cpm_core.numerics.real_numbers import checked_number, real_numbers
 from cpm_core.numerics.types import Array, Index
+
+_WHOLE = "a whole number of at least 4"
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,6 +101,48 @@ class Surface:
         count = len(self.vertices)
         joined = scipy.sparse.coo_array((np.ones(len(one), np.int8), (one, other)), shape=(count, count))
         return scipy.sparse.csgraph.connected_components(joined, directed=False)[1].astype(np.int64)
+
+    def decimated(self, faces: int, farthest: float = 0.5) -> Surface:
+        """The same surface with fewer triangles: closed, oriented and manifold as before, with the same topology.
+
+        Parameters
+        ----------
+        faces : int
+            Number of triangles that is wanted; a surface that has no more is returned as it is.
+        farthest : float
+            How far the surface may move, in smallest sides of a voxel: the largest distance of a new vertex from the
+            planes of the triangles it stands for (root of the mean square). A larger value allows fewer triangles.
+
+        Returns
+        -------
+        Surface
+            With no more triangles than wanted, unless fewer would change the topology, turn a triangle over or move
+            the surface too far. Vertices at free edges stay. `unsupported` is that of the whole surface.
+
+        Raises
+        ------
+        ValueError
+            When `faces` is not a whole number of at least 4, or edges have more than two triangles.
+
+        Notes
+        -----
+        Nothing keeps two sheets that nearly touch from passing through each other. Measured from both sides, surfaces
+        of balls, rings and bricks with a quarter of their triangles are within 0.2 voxels of the whole ones, and that
+        of a vessel tree of 178,000 triangles within 0.6 when 50,000 are left.
+        """
+        from cpm_core.contours.surface.decimation import contracted  # noqa: PLC0415 - compiles loops
+
+        wanted = int(checked_number("faces", faces, lambda count: count >= 4 and count == int(count), _WHOLE))
+        limit = checked_number("farthest", farthest, lambda distance: distance > 0.0, "a number above 0")
+        if self.nonmanifold_edges:
+            raise ValueError(
+                f"The surface has edges with more than two triangles, {self.nonmanifold_edges} in number: "
+                "triangles can be left out of a manifold surface only."
+            )
+        if len(self.faces) <= wanted:
+            return self
+        places, corners = contracted(self._physical, self.faces, wanted, limit * min(self.spacing))
+        return replace(self, vertices=places / np.array(self.spacing), faces=corners)
 
     @property
     def components(self) -> int:
