@@ -14,7 +14,7 @@ from cpm_core.image.colors import Colors, channel_of
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.gray_levels import usable
 from cpm_core.numerics.memory import check_room
-from cpm_core.numerics.real_numbers import real_numbers
+from cpm_core.numerics.real_numbers import real_numbers, voxel_sides
 from cpm_core.parameters.quotation import shown
 
 MINIMUM_SIDE = 8
@@ -99,6 +99,8 @@ class Image:
                 f"The spacing of {self.source} is {shown(self.spacing)}, but must be {_COUNTS[values.ndim]} positive "
                 "numbers."
             )
+        if values.ndim == 3:
+            voxel_sides(f"The spacing of {self.source}", spacing)
         if self.colors is not None and self.colors.samples.shape != (*values.shape, 3):
             raise ValueError(
                 f"The colors of {self.source} have the shape {self.colors.samples.shape}, "

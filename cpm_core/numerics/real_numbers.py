@@ -16,6 +16,9 @@ from cpm_core.parameters.quotation import shown
 
 _REAL: tuple[type, ...] = (int, float, np.integer, np.floating)
 
+_SIDES, _FLATTEST = (1e-12, 1e12), 1000
+"""Least and greatest side of a voxel, in any unit, and how many times as long as another it may be."""
+
 
 def real_numbers(values: ArrayLike) -> Array:
     """Values in double precision, not copied if they are; ValueError when they are complex, text or objects.
@@ -51,6 +54,22 @@ def three_numbers(name: str, values: ArrayLike, positive: bool = False) -> Array
         kind = "three numbers above 0" if positive else "three finite numbers"
         raise ValueError(f"{name} is {shown(values)} but must be {kind}, (plane, row, col).")
     return given
+
+
+def voxel_sides(name: str, values: ArrayLike) -> Array:
+    """Sides of a voxel along each axis; ValueError unless areas and volumes in them can be computed and make sense."""
+    sides = three_numbers(name, values, positive=True)
+    if not (_SIDES[0] <= sides.min() and sides.max() <= _SIDES[1]):
+        raise ValueError(
+            f"{name} is {shown(values)} but must be three numbers from {_SIDES[0]:g} to {_SIDES[1]:g}, (plane, row, "
+            "col): choose another unit."
+        )
+    if sides.max() > _FLATTEST * sides.min():
+        raise ValueError(
+            f"{name} is {shown(values)}, (plane, row, col), which makes a side of a voxel more than {_FLATTEST} times "
+            "as long as another: correct it."
+        )
+    return sides
 
 
 def grid_of_numbers(values: ArrayLike, least: int = 1) -> Array:

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from cpm_core.field.volume.volume_field import edge_strength, smoothed_volume
 from cpm_core.field.volume.volume_space import pitch_of
 from cpm_core.image.image import Image
-from cpm_core.numerics.real_numbers import checked_number, real_numbers, three_numbers
+from cpm_core.numerics.real_numbers import checked_number, real_numbers, three_numbers, voxel_sides
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import shown
 from cpm_core.particles.initialization import STRONG, uniform_grid
@@ -50,7 +50,7 @@ def sphere(
         When the center is not three finite numbers, radius or spacing is not positive, or the count is not a positive
         whole number.
     """
-    middle, sides = three_numbers("center", center), three_numbers("spacing", spacing, positive=True)
+    middle, sides = three_numbers("center", center), voxel_sides("spacing", spacing)
     checked_number("radius", radius, lambda r: 0.0 < r <= _LARGEST, f"above 0 and at most {_LARGEST:g}")
     checked_number("count", count, lambda n: n == int(n) and 1 <= n <= _MOST, f"a whole number from 1 to {_MOST}")
     step = np.arange(int(count)) + 0.5
@@ -92,9 +92,10 @@ def box(first: tuple[float, float, float], last: tuple[float, float, float], spa
     faces = []
     for axis in range(3):
         lines = [np.linspace(low[k], high[k], int(counts[k]) + 1) for k in range(3)]
+        lines = [line[1:-1] if k < axis else line for k, line in enumerate(lines)]  # edges belong to one face
         lines[axis] = np.array([low[axis], high[axis]])
         faces.append(np.stack([part.ravel() for part in np.meshgrid(*lines, indexing="ij")], axis=1))
-    return np.unique(np.concatenate(faces), axis=0)
+    return np.concatenate(faces)
 
 
 def in_slice(
@@ -125,7 +126,7 @@ def in_slice(
         When the points are not rows of two finite numbers, the axis is none of the three, the slice is at no finite
         place, or the spacing is not positive.
     """
-    drawn, sides = real_numbers(points), three_numbers("spacing", spacing, positive=True)
+    drawn, sides = real_numbers(points), voxel_sides("spacing", spacing)
     if drawn.ndim != 2 or drawn.shape[1] != 2:
         raise ValueError(f"what is drawn in a slice has the shape {drawn.shape} but must be (N, 2), one row a point.")
     if not np.isfinite(drawn).all():

@@ -1,7 +1,8 @@
 """Tries broken input, faults and random use at length: ``python -m tests.faults``.
 
-``--only PART ...`` names parts, ``--minutes M`` the time for each, ``--seed S`` fixes all random choices. The ordinary
-suite holds a short run of each part; this command goes on for as long as it is told and prints the table of the README.
+``--only PART ...`` names parts, ``--minutes M`` the time for each, ``--seed S`` fixes all random choices, and
+``--files FOLDER`` holds files that are read and damaged beside the samples of this project. The ordinary suite holds a
+short run of each part; this command goes on for as long as it is told and prints the table of the README.
 """
 
 import argparse
@@ -34,11 +35,11 @@ PARTS: dict[str, tuple[str, Part]] = {
 """Name of each part: what it tries in a few words, and the function that runs it."""
 
 
-def run(name: str, seconds: float, seed: int) -> Report:
+def run(name: str, seconds: float, seed: int, collection: Path | None = None) -> Report:
     """Run one part in a scratch folder of its own, and take its time."""
     started = time.perf_counter()
     with tempfile.TemporaryDirectory(prefix="cpm-faults-") as folder:
-        report = PARTS[name][1](Budget(seconds, seed, Path(folder)))
+        report = PARTS[name][1](Budget(seconds, seed, Path(folder), collection))
     return replace(report, seconds=time.perf_counter() - started)
 
 
@@ -63,10 +64,13 @@ def main() -> int:
     )
     parser.add_argument("--minutes", type=float, default=2.0, help="time for each part (default: %(default)s)")
     parser.add_argument("--seed", type=int, default=0, help="fixes all random choices (default: %(default)s)")
+    parser.add_argument(
+        "--files", type=Path, metavar="FOLDER", help="files that `files` reads and damages beside its own"
+    )
     arguments = parser.parse_args()
     reports = {}
     for name in arguments.only:
-        reports[name] = run(name, 60 * arguments.minutes, arguments.seed)
+        reports[name] = run(name, 60 * arguments.minutes, arguments.seed, arguments.files)
         for failure in reports[name].failures:
             print(f"{name}: {failure}", flush=True)
         for sentence in reports[name].told:

@@ -17,11 +17,14 @@ class Budget:
         Fixes all random choices: the same seed gives the same inputs in the same order.
     folder : Path
         An empty folder for files of this part alone.
+    collection : Path, optional
+        A folder of files, sound and damaged ones, that are read and damaged beside the own samples.
     """
 
     seconds: float
     seed: int
     folder: Path
+    collection: Path | None = None
 
 
 @dataclass(frozen=True)

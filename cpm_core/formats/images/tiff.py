@@ -24,6 +24,9 @@ from cpm_core.image.gray_levels import NO_DATA
 # tifffile logs a warning for everything unusual in a file; the user gets one sentence on what matters instead.
 logging.getLogger("tifffile").addHandler(logging.NullHandler())
 
+_MOST_PACKED, _ALWAYS = 5000, 2**30
+"""Bytes that one byte of a packed page may stand for, and bytes that any page may hold, as of one value."""
+
 _MAGIC = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 _BY_PILLOW = frozenset({2, 3, 4, 6, 7, 32771})
 """Compressions that Pillow unpacks without a loss of depth: those of fax machines, which have one bit, and JPEG."""
@@ -64,6 +67,8 @@ def page_of(file: tifffile.TiffFile, page: tifffile.TiffPage, path: Path) -> Dec
     check_size(path.name, int(page.imagelength), int(page.imagewidth))  # damaged ones may be tuples
     if max(page.databytecounts, default=0) > file.filehandle.size:  # memory for them would be taken first
         raise EOFError(f"{path.name} names more bytes than it has.")
+    if page.nbytes > max(_ALWAYS, _MOST_PACKED * file.filehandle.size):  # a pixel may have any number of samples
+        raise EOFError(f"{path.name} names more samples than it has.")
     if math.prod(page.chunks) > _LARGEST_PART + 4 * page.imagelength * page.imagewidth * page.samplesperpixel:
         raise ValueError("a part of it is far larger than the whole")
     spacing, unit = spacing_of(file, page)

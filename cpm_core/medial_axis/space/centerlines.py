@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from cpm_core.medial_axis.space.thinning import thinned
 from cpm_core.medial_axis.space.voxel_graph import Chain, chains_of
-from cpm_core.numerics.real_numbers import checked_number, real_numbers, three_numbers
+from cpm_core.numerics.real_numbers import checked_number, real_numbers, voxel_sides
 from cpm_core.numerics.reproducible.gaussian import gaussian_filter1d
 from cpm_core.numerics.types import Array, Mask
 
@@ -106,7 +106,7 @@ def centerlines(
     mask = inside if isinstance(inside, np.ndarray) and inside.dtype == np.bool_ else real_numbers(inside) != 0
     if mask.ndim != 3:
         raise ValueError(f"The inside has the shape {mask.shape}, but must be a volume (plane, row, col).")
-    size = three_numbers("spacing", spacing, positive=True)
+    size = voxel_sides("spacing", spacing)
     checked_number("pruning", pruning, lambda length: length >= 0.0, "0 or more")
     if not mask.any():
         return Centerlines((), tuple(spacing), unit)

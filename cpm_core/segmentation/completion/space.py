@@ -76,8 +76,7 @@ def _with_launched(state: State, field: VolumeField, ridges: Ridges, d_min: floa
     order = np.argsort(-ridges.strength, kind="stable")
     places = np.concatenate([ridges.place[order], ridges.normal[order]], axis=1)
     chosen = order[apart(places, _APART * d_min, build_cells(np.empty((0, 3)), field.extent, _APART * d_min))]
-    position = np.empty((len(chosen), 3))
-    on_ridges(field.smoothed, field.edge_map, field.pitch, ridges.place[chosen], _ROUNDS, position)
+    position = _pulled(field, ridges.place[chosen])
     free = ~field.crossed(ridges.place[chosen], position)
     free &= ~torn_off(Placed(state.placed, radius_at(state.scale)), position, ridges.normal[chosen])
     chosen, position = chosen[free], position[free]
@@ -140,10 +139,16 @@ def settled(state: State, field: VolumeField) -> State:
     contact = state.particles.contact
     assert contact is not None
     found = state.particles.where(contact.seated & (contact.strength >= field.floor))
-    position = np.empty_like(found.position)
-    on_ridges(field.smoothed, field.edge_map, field.pitch, found.position, _ROUNDS, position)
+    position = _pulled(field, found.position)
     crossing = field.crossed(found.position, position)
     position[crossing] = found.position[crossing]
     kept = np.linalg.norm(position - found.position, axis=1) < _ASTRAY
     found = replace(found, position=position).where(kept)
     return replace(state, particles=found, deleted=state.deleted + len(state.particles) - len(found))
+
+
+def _pulled(field: VolumeField, places: Array) -> Array:
+    """Places moved to the ridge, which may lie behind the outermost voxels, and no farther than their centers."""
+    position = np.empty_like(places)
+    on_ridges(field.smoothed, field.edge_map, field.pitch, places, _ROUNDS, position)
+    return np.clip(position, 0.0, (np.array(field.shape) - 1) * field.pitch)

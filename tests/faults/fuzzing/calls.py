@@ -10,23 +10,24 @@ import inspect
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from random import Random
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from hypothesis import strategies as st
 
 import cpm_core
-from cpm_core import Contour, Image, Parameters, PlacedCharge, Regions, Result, Skeleton, Truth
+from cpm_core import Centerlines, Contour, Image, Parameters, PlacedCharge, Regions, Result, Skeleton, Surface, Truth
+from cpm_core.formats.writers import FOR_VOLUMES
 from cpm_core.objects.warm_up import warm_up
 from tests.core.formats.drawn import RESULT
 
 from .chunks import chunk
 from .limits import check_sentence
 
-prepare = warm_up
-
 _ROW, _COL = np.indices((16, 18))
 DISC = np.where(np.hypot(_ROW - 7.5, _COL - 8.5) < 4.5, 200.0, 20.0)
+BALL = np.where(np.linalg.norm(np.indices((12, 13, 14)) - 6.0, axis=0) < 4.0, 200.0, 20.0)
+"""A volume."""
 _SEEDS = np.array([[4.0, 8.0], [7.5, 8.5], [11.0, 9.0]])
 _FRAME = np.zeros((4, 6, 3), np.uint8)
 
@@ -108,6 +109,13 @@ _IMAGES: tuple[Any, ...] = (
     np.full((16, 18), 3),
     DISC.astype(np.int64) * 2**50,
     DISC[:, :, None],
+    BALL,
+    BALL.astype(np.float32) * 1e-30,
+    BALL.T > 99,
+    BALL[:8, :8, :8],
+    BALL[:7],
+    Image(BALL, (2.0, 1.0, 0.5), "mm"),
+    Image(BALL, (1e-12, 1e-12, 1e-9)),
 )
 _POINTS: tuple[Any, ...] = (
     _SEEDS,
@@ -126,12 +134,20 @@ _POINTS: tuple[Any, ...] = (
     np.c_[_SEEDS, _SEEDS[:, :1]],
     np.full((3, 2), 1e300),
     np.indices((16, 18)).reshape(2, -1).T,
+    cpm_core.sphere((6.0, 6.0, 6.0), 2.0, 40),
+    cpm_core.sphere((6.0, 6.0, 6.0), 2.0, 40) * (1.0, 1e-9, 1e9),
+    cpm_core.box((2, 2, 2), (9, 9, 9)),
+    np.full((5, 3), 6.0),
+    np.eye(4, 3) * 1e-300,
+    np.full((4, 3), 1e300) * np.eye(4, 3),
 )
+_CORNERS = ((2, 2, 2), (9, 9, 9), (0.0, 0.5, 1e6), (1e300, -1e300, 0), (6, 6), np.array([1, 2, 3]), (0, 0, np.nan))
 _PARAMETERS: tuple[Any, ...] = (
     None,
     Parameters(scales=1),
     Parameters(scales=2, smoothing="auto"),
     Parameters(scales=8),
+    cpm_core.PRESETS["volume"],
 )
 
 
@@ -139,14 +155,31 @@ _PARAMETERS: tuple[Any, ...] = (
 def sound() -> Mapping[str, tuple[Any, ...]]:
     """Name of an argument -> values that it may have, not all of them sensible."""
     found = cpm_core.segment(DISC, _SEEDS, Parameters(scales=1), max_steps=60)
+    in_space = cpm_core.segment(BALL, cpm_core.sphere((6, 6, 6), 2.0), cpm_core.PRESETS["volume"], max_steps=60)
+    surface = cast("Surface", in_space.surface)
+    lines = cpm_core.centerlines(BALL > 99)
     partition = cpm_core.partition(DISC, Parameters(scales=1))
     selection = partition.select(np.array([[7.5, 8.5]]))
     truth = Truth((DISC > 99).astype(np.int32), found.contours)
     contours: tuple[Any, ...] = (found.contours, RESULT.contours, (), list(found.contours), RESULT.contours[:1])
-    results: tuple[Any, ...] = (found, RESULT)
+    results: tuple[Any, ...] = (found, RESULT, in_space)
     return {
         "values": _IMAGES,
         "edge_map": _IMAGES,
+        "inside": (*_IMAGES, BALL > 99, np.ones((9, 9, 9), bool), np.zeros((3, 3, 3)), np.ones((1, 1, 1), bool)),
+        "vertices": (surface.vertices, surface.vertices[:4], surface.vertices * 1e300, *_POINTS),
+        "faces": (
+            surface.faces,
+            surface.faces[:, ::-1],
+            surface.faces[:1],
+            surface.faces + 1,
+            -surface.faces,
+            [[0] * 3],
+        ),
+        "normals": (None, surface.normals, -surface.normals, *_POINTS),
+        "first": _CORNERS,
+        "last": _CORNERS,
+        "branches": (lines.branches, ()),
         "image": (Image(DISC),),
         "points": _POINTS,
         "positions": _POINTS,
@@ -168,7 +201,7 @@ def sound() -> Mapping[str, tuple[Any, ...]]:
         "partition": (partition,),
         "selection": (selection,),
         "selections": ([selection], [], [selection] * 2),
-        "center": ((8, 8), (1e6, 0), (0.0, -5.0), [4, 4]),
+        "center": (*_CORNERS, (8, 8), (1e6, 0), (0.0, -5.0), [4, 4]),
         "shape": ((16, 18), (0, 0), (1, 1), (10**6, 10**6), (-3, 4), (16, 18, 4), (16.5, 3)),
         "method": (
             "auto",
@@ -176,9 +209,11 @@ def sound() -> Mapping[str, tuple[Any, ...]]:
             "fast",
             "convolution",
             "pppm",
+            "implicit",
+            "crust",
             "x",
         ),
-        "suffix": (*cpm_core.formats.WRITABLE, ".x", "svg"),
+        "suffix": (*cpm_core.formats.WRITABLE, *FOR_VOLUMES, ".x", "svg"),
         "of": (None, "auto", "dark", "light", "x"),
         "within": (None, DISC > 99, DISC[:3] > 0, found.contours),
         "frames": ([_FRAME], [_FRAME] * 3, [], [_FRAME, _FRAME[:2]]),
@@ -187,7 +222,19 @@ def sound() -> Mapping[str, tuple[Any, ...]]:
         "kept": ((), (0,), (0, 1), (99,), (-1,)),
         "rejected": ((), (1,), (0,)),
         "examples": (None,),
-        "spacing": (2.0, 1, 0.1, (1.0, 1.0), (0.5, 2.0), (0, 1), 1e-6),
+        "spacing": (
+            2.0,
+            1,
+            0.1,
+            (1.0, 1.0),
+            (0.5, 2.0),
+            (0, 1),
+            1e-6,
+            (1, 1, 1),
+            (2.0, 1.0, 0.5),
+            (1e-200, 1.0, 1e200),
+            (5e-324,) * 3,
+        ),
         "channel": ("luminance", "red", "x"),
         "holes": (True, False),
         "outside": (True, False),
@@ -199,6 +246,12 @@ def sound() -> Mapping[str, tuple[Any, ...]]:
         "position": ((5.0, 5.0), (1, 2)),
         "smoothing": ("auto", 1.0, 2.5),
     }
+
+
+def prepare() -> None:
+    """Compile the loops of all that is called: that is no time of a call."""
+    warm_up()
+    sound()
 
 
 _SKIPPED = {
@@ -218,6 +271,7 @@ _SKIPPED = {
     "State",
     "Truth",
     "Bridge",
+    "Centerlines",
     "export",
     "load_contours",
     "load_image",
@@ -291,7 +345,14 @@ def check(found: Any) -> None:
         assert np.isfinite(found.points).all(), "a contour that is not finite"
     elif isinstance(found, Image):
         assert np.isfinite(found.values).all(), "gray levels that are not finite"
+    elif isinstance(found, Surface):
+        assert np.isfinite(found.vertices).all(), "a surface that is not finite"
+        assert np.isfinite(found.normals).all(), "normals that are not finite"
+    elif isinstance(found, Centerlines):
+        assert all(np.isfinite(branch.points).all() for branch in found.branches), "a center line that is not finite"
+        assert all(np.isfinite(branch.radii).all() for branch in found.branches), "a radius that is not finite"
     elif isinstance(found, Result | Skeleton):
+        check(getattr(found, "surface", None))
         for contour in found.contours:
             check(contour)
             limits = np.array(found.shape) - 0.5

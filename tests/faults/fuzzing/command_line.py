@@ -12,17 +12,32 @@ import numpy as np
 
 from cpm_core.cli import main
 from cpm_core.formats import WRITABLE
+from cpm_core.formats.writers import FOR_VOLUMES
 from cpm_core.objects.warm_up import warm_up
 from cpm_core.parameters import PARAMETERS, PRESETS
 
+from .inputs.session_samples import IMAGE, sample, write_images
 from .limits import LONGEST_SENTENCE, in_time
-from .session_samples import IMAGE, sample, write_images
 
 prepare = warm_up
 
 _AT_ONCE = 4
-_SESSION, _POINTS, _TEXT = "sound.cpm", "points.csv", "notes.txt"
-_FILES = (IMAGE, "truth.npy", _SESSION, _POINTS, _TEXT, "none.png", ".", "", "/dev/null", "a\nb.png", "é.png", "-")
+_SESSION, _POINTS, _TEXT, _VOLUME = "sound.cpm", "points.csv", "notes.txt", "ball.npy"
+_FILES = (
+    IMAGE,
+    _VOLUME,
+    "truth.npy",
+    _SESSION,
+    _POINTS,
+    _TEXT,
+    "none.png",
+    ".",
+    "",
+    "/dev/null",
+    "a\nb.png",
+    "é.png",
+    "-",
+)
 _NUMBERS = (
     "0",
     "1",
@@ -55,8 +70,21 @@ _PLACES = (
     "20,20,1e9",
     "a,b",
 )
+_SPHERES = (
+    "9,9,9,3",
+    "9.5,9.5,9.5,1e9",
+    "0,0,0,2",
+    "9,9,9",
+    "nan,9,9,3",
+    "9,9,9,0",
+    "1e300,9,9,3",
+    "9,9,9,-1",
+    ",,,",
+    "",
+)
 _FLAGS: dict[str, tuple[str, ...]] = {
     "--circle": _PLACES,
+    "--sphere": _SPHERES,
     "--stroke": _PLACES,
     "--region": _PLACES,
     "--barrier": _PLACES,
@@ -70,7 +98,15 @@ _FLAGS: dict[str, tuple[str, ...]] = {
     "--max-steps": _NUMBERS,
     "--workers": ("1", "0", "x", "99999"),
     "--of": ("dark", "x"),
-    "--export": (*(f"out{suffix}" for suffix in WRITABLE), "out.x", IMAGE, "no/out.csv", "", "svg", "csv"),
+    "--export": (
+        *(f"out{suffix}" for suffix in {**WRITABLE, **FOR_VOLUMES}),
+        "out.x",
+        IMAGE,
+        "no/out.csv",
+        "",
+        "svg",
+        "csv",
+    ),
     "--output": ("there", "", IMAGE, "/dev/null/x"),
     "--close": ("edges", "straight", "x"),
     "--json": (),
@@ -91,11 +127,14 @@ def arguments_of(random: Random) -> list[str]:
     """A list of arguments, more often than not one that can be carried out."""
     command = random.choice(_COMMANDS)
     given = [command]
-    if random.random() < 0.8:
+    in_space = command == "run" and random.random() < 0.3
+    if in_space:
+        given += [_VOLUME, "--sphere", random.choice(_SPHERES[:2])]
+    elif random.random() < 0.8:
         given += [IMAGE] if random.random() < 0.8 else [random.choice(_FILES)]
     if command == "batch" and random.random() < 0.8:
         given += ["--session", _SESSION, "--output", "there"]
-    if command == "run" and random.random() < 0.6:
+    if command == "run" and not in_space and random.random() < 0.6:
         given += ["--circle", "20,20,6"]
     for _ in range(random.randrange(5)):
         flag = random.choice(list(_FLAGS))
@@ -126,7 +165,7 @@ def attempt(arguments: list[str]) -> None:
     changed = {name for name in after if before.get(name) != after[name]}
     assert before.keys() <= after.keys(), f"lost {before.keys() - after.keys()}"
     assert status != 2 or not changed, f"refused with {lines[-1:]}, but wrote {changed}"
-    assert not changed & {IMAGE, _SESSION, _POINTS, _TEXT}, f"overwrote {changed}"
+    assert not changed & {IMAGE, _SESSION, _POINTS, _TEXT, _VOLUME}, f"overwrote {changed}"
     assert all(after[name] for name in changed), f"an empty file among {changed}"
     if "--json" in arguments and status == 0 and "--help" not in arguments and "--version" not in arguments:
         json.loads(printed.getvalue(), parse_constant=_refuse)
@@ -148,6 +187,8 @@ def trial(random: Random, folder: Path) -> int:
     (folder / _SESSION).write_text(json.dumps(sample(folder)))
     (folder / _POINTS).write_text("row,col\n20,14\n20,26\n")
     (folder / _TEXT).write_text("nothing\n")
+    away = np.linalg.norm(np.indices((19, 19, 19)) - 9.0, axis=0)
+    np.save(folder / _VOLUME, np.where(away < 6.0, 200.0, 20.0))
     np.save(folder / "é.png.npy", np.zeros((9, 9)))
     with contextlib.chdir(folder):
         for _ in range(_AT_ONCE):

@@ -14,12 +14,17 @@ from cpm_core import Truth, load_contours, load_image, load_truth, load_volume
 from cpm_core.formats import load_points
 from cpm_core.formats.images.decoded import MAXIMUM_PIXELS
 
+from ..report import Budget, Report
+from .inputs.mutations import mutated
+from .inputs.samples import SHAPE, samples
 from .limits import check_sentence, in_time
-from .mutations import mutated
-from .samples import SHAPE, samples
+from .trials import at_length
 
 _AT_ONCE = 20
 """Files that one trial tries."""
+
+_AS_THEY_ARE = 0.1
+"""Share of the files of a collection that are read without a change."""
 
 
 def _truth(path: Path) -> Truth:
@@ -64,24 +69,36 @@ def check(found: Any) -> None:
         assert np.isfinite(found.values).all(), "gray levels that are not finite"
         assert np.isfinite(np.ptp(found.values)), "gray levels whose span is not finite"
         assert all(np.isfinite(found.spacing)), f"spacing {found.spacing}"
+        assert len(found.spacing) == found.values.ndim, f"spacing {found.spacing} of {found.values.ndim} axes"
 
 
 @functools.cache
-def _samples() -> list[tuple[str, bytes]]:
-    return [tuple(sample) for sample in samples()]
+def _samples(collection: Path | None) -> list[tuple[str, bytes]]:
+    """Suffixes and contents of the own samples, and of the files of a collection, which need not be sound."""
+    own: list[tuple[str, bytes]] = [tuple(sample) for sample in samples()]
+    if collection is None:
+        return own
+    files = sorted(path for path in collection.rglob("*") if path.is_file())
+    return own + [(".nii.gz" if path.name.endswith(".nii.gz") else path.suffix, path.read_bytes()) for path in files]
 
 
-def trial(random: Random, folder: Path) -> int:
+def trial(random: Random, folder: Path, collection: Path | None = None) -> int:
     """Damage some samples and read them; what fails is kept beside them."""
-    others = [content for _, content in _samples()]
+    known = _samples(collection)
+    others = [content for _, content in known]
     for number in range(_AT_ONCE):
-        suffix, content = random.choice(_samples())
+        suffix, content = random.choice(known)
         path = folder / f"damaged{suffix}"
-        damaged = mutated(content, random, others)
-        path.write_bytes(damaged)
+        as_it_is = collection is not None and random.random() < _AS_THEY_ARE
+        path.write_bytes(content if as_it_is else mutated(content, random, others))
         try:
             read(path)
         except BaseException as error:
             error.args = (f"file {number} of the trial: {error}",)
             raise
     return _AT_ONCE
+
+
+def part(budget: Budget) -> Report:
+    """Damage and read files until the time is up."""
+    return at_length(functools.partial(trial, collection=budget.collection), budget)

@@ -16,14 +16,28 @@ from pathlib import Path
 from random import Random
 
 from ..report import Budget, Report
+from .inputs.mutations import WORDS, mutated
+from .inputs.samples import samples
 from .limits import failure_of, limit_memory
-from .mutations import WORDS, mutated
-from .samples import samples
 
-_SUFFIXES = (".png", ".tif", ".npy", ".csv", ".json", ".geojson", ".dat")
+_SUFFIXES = (
+    ".png",
+    ".tif",
+    ".npy",
+    ".csv",
+    ".json",
+    ".geojson",
+    ".npz",
+    ".nii",
+    ".nii.gz",
+    ".nrrd",
+    ".mha",
+    ".dcm",
+    ".dat",
+)
 """The first byte of an input chooses the name of the file; the others are its content."""
 
-_PACKAGES = ("cpm_core.formats", "tifffile", "PIL")
+_PACKAGES = ("cpm_core.formats", "tifffile", "PIL", "nibabel")
 _MEMORY = 12 * 2**30
 _SLOW = 60
 _LONGEST = 20_000

@@ -14,9 +14,9 @@ from cpm_core.cli import main
 from cpm_core.formats.sessions.session_file import SessionFile, decode, encode, load_session
 from cpm_core.objects.warm_up import warm_up
 
+from .inputs.mutations import mutated, mutated_json
+from .inputs.session_samples import IMAGE, SESSION, SIDE, sample, write_images
 from .limits import check_sentence, in_time
-from .mutations import mutated, mutated_json
-from .session_samples import IMAGE, SESSION, SIDE, sample, write_images
 
 _AT_ONCE = 20
 _RUN = 0.1

@@ -19,6 +19,7 @@ from cpm_core.formats.images.medical.package import package
 from cpm_core.formats.images.stacks.stack import Stack, as_planes, check_content, plane_of
 from cpm_core.formats.printable import printable
 from cpm_core.image.geometry import Geometry, from_affine
+from cpm_core.parameters.quotation import shown
 
 READS = {".nii": "NIfTI volume", ".nii.gz": "the same, compressed", ".hdr": "NIfTI volume of two files"}
 
@@ -26,6 +27,9 @@ _GZIP = b"\x1f\x8b"
 _FIRST_VERSION, _SECOND_VERSION = (b"n+1\0", b"ni1\0"), (b"n+2\0\r\n\x1a\n", b"ni2\0\r\n\x1a\n")
 # nibabel prints a line for everything unusual in a header; the user gets one sentence on what matters instead.
 logging.getLogger("nibabel.global").setLevel(logging.CRITICAL + 1)
+
+_AT_ONCE = 2**20
+"""Bytes that are unpacked at once."""
 
 _UNITS = {"mm": "mm", "micron": "µm", "meter": "m"}
 
@@ -55,7 +59,7 @@ def stack(path: Path, _choice: Choice = FIRST) -> Stack:
         if len(sizes) < 2 or min(sizes) < 1:
             raise ValueError("there are too few axes")
         if math.prod(sizes[5:]) > 1:
-            raise UnreadableError(f"{name} has {len(sizes)} axes, {tuple(sizes)}: save one volume of it.")
+            raise UnreadableError(f"{name} has {len(sizes)} axes, {shown(tuple(sizes))}: save one volume of it.")
         columns, rows, planes, times, channels = (*sizes, 1, 1, 1)[:5]
         stored = volume.get_data_dtype()
         packed = _is_packed(path)
@@ -66,10 +70,8 @@ def stack(path: Path, _choice: Choice = FIRST) -> Stack:
     scaled = 8.0 if stored.fields is None else 0.0
 
     def take(time: int, channel: int, first: int, end: int) -> Decoded:
-        with _opened(path) as volume:
-            at = (slice(None), slice(None), slice(first, end), time, channel)
-            part = np.asanyarray(volume.dataobj[at[: len(sizes)]])
-        part = part.reshape(columns, rows, end - first).T
+        at = (slice(None), slice(None), slice(first, end), time, channel)
+        part = _part(path, at[: len(sizes)], packed).reshape(columns, rows, end - first).T
         if part.dtype.fields is None:
             return Decoded(part)
         samples = np.stack([part[band] for band in part.dtype.names], axis=-1).reshape(-1, columns, len(part.dtype))
@@ -107,6 +109,17 @@ def _version(head: bytes, path: Path) -> int | None:
 def _is_packed(path: Path) -> bool:
     with path.open("rb") as stream:
         return stream.read(2) == _GZIP
+
+
+def _part(path: Path, at: tuple[slice | int, ...], packed: bool) -> Any:
+    """A part of the values; BadGzipFile or EOFError when the sum at the end of a packed file is wrong or missing."""
+    with _opened(path) as volume:
+        part = np.asanyarray(volume.dataobj[at])
+    if packed:
+        with gzip.open(path) as stream:
+            while stream.read(_AT_ONCE):
+                pass
+    return part
 
 
 @contextmanager

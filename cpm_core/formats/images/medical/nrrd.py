@@ -126,7 +126,9 @@ class _Stored(NamedTuple):
             file, offset = beside(file, str(named)), 0
         skipped = int(header.get("byte skip", header.get("byteskip", 0)))
         if int(header.get("line skip", header.get("lineskip", 0))) or (skipped and encoding not in ("raw",)):
-            raise UnreadableError(f"{self.path.name} skips a part of {file.name}, which is not read: save it again.")
+            raise UnreadableError(
+                f"{self.path.name} skips a part of {shown(file.name)}, which is not read: save it again."
+            )
         if encoding in _TEXT:
             with file.open("rb") as stream:
                 stream.seek(offset)
@@ -162,7 +164,7 @@ def _roles(header: Any, sizes: list[int], name: str) -> dict[str, int]:
         if role in roles:
             role = next((other for other in ("channel", "time") if other not in roles), role)
         if role in roles:
-            raise UnreadableError(f"{name} has the axes {tuple(sizes)}: save one volume of it.")
+            raise UnreadableError(f"{name} has the axes {shown(tuple(sizes))}: save one volume of it.")
         roles[role] = axis
     if "row" not in roles or sum(in_space) > 3 or len(in_space) != len(sizes):
         raise UnreadableError(f"{name} has {sum(in_space)} axes in space, but a volume has two or three.")

@@ -165,3 +165,13 @@ def test_the_field_of_a_volume_pulls_to_the_edge_and_its_potential_is_lowest_the
     assert (outward[(away > 3.0) & (away < 8.0)] > 0.0).mean() > 0.99
     assert (outward[(away > 10.0) & (away < 14.0)] < 0.0).mean() > 0.99
     assert abs(away.ravel()[np.argmin(potential)] - 9.0) < 1.5
+
+
+def test_no_particle_is_launched_or_pulled_out_of_the_volume():
+    for seed in range(6):
+        volume = np.where(np.random.default_rng(seed).normal(size=(8, 8, 8)) > 0, 200.0, 0.0)
+        run = cpm.Engine(volume, replace(VOLUME, smoothing=1.0))
+        state = run.start(cpm.sphere((4.0, 4.0, 4.0), 4.0, 60))
+        while not state.stop_reason:
+            state = run.step(state, replace(VOLUME, smoothing=1.0))
+            assert ((state.particles.position >= 0.0) & (state.particles.position <= 7.0)).all()

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
+import copy
+import gzip
+import io
 import json
 import struct
+import zipfile
 import zlib
 from collections.abc import Callable, Sequence
 from random import Random
@@ -22,7 +27,7 @@ WORDS = (
 """Signatures, names and values that decoders look for."""
 
 _NUMBERS = (0, 1, 2, 3, 7, 8, 16, 127, 128, 255, 256, 32767, 32768, 65535, 65536, 2**31 - 1, 2**31, 2**32 - 1, 2**62)
-_PNG = b"\x89PNG\r\n\x1a\n"
+_PNG, _GZIP, _ZIP = b"\x89PNG\r\n\x1a\n", b"\x1f\x8b\x08", b"PK\x03\x04"
 
 VALUES: tuple[Any, ...] = (
     None, True, False, 0, 1, -1, 2, 0.5, -0.0, 1e-320, 1e6, 1e9, -1e6, 1e300, -1e308, 10**30, 2**31, 2**63,
@@ -32,12 +37,16 @@ VALUES: tuple[Any, ...] = (
 """Values that stand in place of others."""
 
 
-_MOST = 20_000
-"""Values of JSON above which it is left as it is."""
+_MOST, _SMALL = 20_000, 200
+"""Size of JSON from which on it is left as it is, and below which it is copied many times: copies of copies would fill
+memory."""
 
 
 def mutated(content: bytes, random: Random, others: Sequence[bytes] = ()) -> bytes:
-    """Bytes with a few changes; of a PNG the check sums are often made right again."""
+    """Bytes with a few changes; those of a PNG and of a packed file are often such that their check sums are right."""
+    if content.startswith((_GZIP, _ZIP)) and random.random() < 0.7:
+        with contextlib.suppress(OSError, EOFError, zlib.error, zipfile.BadZipFile):
+            return _changed_within(content, random)
     changed = bytearray(content)
     for _ in range(random.choice((1, 1, 1, 2, 3, 6))):
         random.choice(_CHANGES)(changed, random)
@@ -118,14 +127,25 @@ def _with_sums(content: bytes) -> bytes:
     return b"".join(parts) + content[at:]
 
 
+def _changed_within(content: bytes, random: Random) -> bytes:
+    """A packed file with changes of what is packed in it."""
+    if content.startswith(_GZIP):
+        return gzip.compress(mutated(gzip.decompress(content), random), 1, mtime=0)
+    stream = io.BytesIO()
+    with zipfile.ZipFile(io.BytesIO(content)) as before, zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as after:
+        chosen = random.choice(before.namelist())
+        for name in before.namelist():
+            after.writestr(name, mutated(before.read(name), random) if name == chosen else before.read(name))
+    return stream.getvalue()
+
+
 def mutated_json(plain: Any, random: Random) -> Any:
     """Plain JSON with a few changes of its values, names and nesting."""
     plain = json.loads(json.dumps(plain))
     for _ in range(random.choice((1, 1, 2, 3, 8))):
-        places = _places(plain)
-        place = random.choice(places)
-        if place is None or len(places) > _MOST:
-            continue
+        place = random.choice(_places(plain)) if _size(plain) <= _MOST else None
+        if place is None:
+            break
         inside, key = place
         change = random.random()
         if change < 0.55:
@@ -137,15 +157,15 @@ def mutated_json(plain: Any, random: Random) -> Any:
         elif isinstance(inside, dict):
             inside[random.choice(("", "shape", "data", "kind", str(key) + " ", "\0"))] = inside.pop(key)
         else:
-            several = (1, 2) if isinstance(inside[key], dict | list) else (1, 2, 60)  # nested copies would fill memory
-            inside[key:key] = [inside[key]] * random.choice(several)
+            several = (1, 2, 60) if _size(inside[key]) < _SMALL else (1, 2)
+            inside[key:key] = [copy.deepcopy(inside[key]) for _ in range(random.choice(several))]
     return plain
 
 
 def _other(value: Any, random: Random) -> Any:
     """Another value: often one of the same type."""
     if random.random() < 0.5:
-        return random.choice(VALUES)
+        return copy.deepcopy(random.choice(VALUES))  # what is put into it later must not stay for the next input
     if isinstance(value, bool):
         return not value
     if isinstance(value, int | float):
@@ -153,10 +173,12 @@ def _other(value: Any, random: Random) -> Any:
     if isinstance(value, str):
         return random.choice((value[1:], value + value, value.upper(), value[: len(value) // 2], [value], "a" * 5000))
     if isinstance(value, list):
-        return random.choice((value[::-1], value[1:], value * 2, value[:1], dict.fromkeys(map(str, value)), [value]))
+        return random.choice(
+            (value[::-1], value[1:], value + copy.deepcopy(value), value[:1], dict.fromkeys(map(str, value)), [value])
+        )
     if isinstance(value, dict):
         return random.choice((list(value.values()), list(value), dict(list(value.items())[1:]), [value]))
-    return random.choice(VALUES)
+    return copy.deepcopy(random.choice(VALUES))
 
 
 def _nested(value: Any, random: Random) -> Any:
@@ -179,3 +201,19 @@ def _places(plain: Any) -> list[tuple[Any, Any] | None]:
                     inner.append(value)
         layer = inner
     return found[1:] or found
+
+
+def _size(plain: Any) -> int:
+    """Size of JSON: its values and the hundreds of characters in its texts, counted to a little above `_MOST`."""
+    size, waiting = 0, [plain]
+    while waiting and size <= _MOST:
+        value = waiting.pop()
+        size += 1
+        if isinstance(value, str):
+            size += len(value) // 100
+        elif isinstance(value, dict):
+            size += sum(len(key) // 100 for key in value)
+            waiting += value.values()
+        elif isinstance(value, list):
+            waiting += value
+    return size

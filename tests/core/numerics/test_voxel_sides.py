@@ -1,0 +1,31 @@
+"""The sides of a voxel are such that areas and volumes in them can be computed."""
+
+import numpy as np
+import pytest
+
+import cpm_core as cpm
+
+BALL = np.where(np.linalg.norm(np.indices((12, 12, 12)) - 5.5, axis=0) < 3.5, 200.0, 20.0)
+
+
+@pytest.mark.parametrize(
+    "sides", [(5e-324, 5e-324, 5e-324), (1e200, 1e200, 1e200), (1e-9, 1.0, 1.0), (1.0, 1.0, 2000.0)]
+)
+@pytest.mark.parametrize(
+    "use",
+    [
+        lambda sides: cpm.Image(BALL, sides),
+        lambda sides: cpm.centerlines(BALL > 99.0, sides),
+        lambda sides: cpm.sphere((5.5, 5.5, 5.5), 2.0, spacing=sides),
+    ],
+)
+def test_sides_that_make_no_sense_are_refused_in_a_sentence(use, sides):
+    with pytest.raises(ValueError, match=r"pacing.* is \(.*\.$"):
+        use(sides)
+
+
+@pytest.mark.parametrize("sides", [(1e-12, 1e-12, 1e-9), (1e12, 1e9, 1e12), (40.0, 4.0, 4.0)])
+def test_flat_and_long_voxels_in_any_unit_are_taken(sides):
+    found = cpm.segment(cpm.Image(BALL, sides), cpm.box((4, 4, 4), (7, 7, 7)), cpm.PRESETS["volume"], 3)
+    assert np.isfinite(found.particles).all()
+    assert np.isfinite(cpm.centerlines(BALL > 99.0, sides).lengths).all()
