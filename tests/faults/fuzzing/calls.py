@@ -276,6 +276,7 @@ _SKIPPED = {
     "load_contours",
     "load_image",
     "load_truth",
+    "load_volume",
     "write_animation",
     "write_swc",
     "Contour",

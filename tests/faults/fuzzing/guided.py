@@ -21,19 +21,8 @@ from .inputs.samples import samples
 from .limits import failure_of, limit_memory
 
 _SUFFIXES = (
-    ".png",
-    ".tif",
-    ".npy",
-    ".csv",
-    ".json",
-    ".geojson",
-    ".npz",
-    ".nii",
-    ".nii.gz",
-    ".nrrd",
-    ".mha",
-    ".dcm",
-    ".dat",
+    *(".png", ".tif", ".npy", ".csv", ".json", ".geojson", ".npz"),
+    *(".nii", ".nii.gz", ".nrrd", ".mha", ".dcm", ".dat"),
 )
 """The first byte of an input chooses the name of the file; the others are its content."""
 
