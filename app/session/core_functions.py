@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from cpm_core.formats import export, load_image
+from cpm_core.formats import export, load_image, load_volume
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.objects.warm_up import warm_up
+from cpm_core.objects.warm_up import warm_up, warm_up_volumes
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.method import METHODS, Method
 
@@ -19,14 +19,18 @@ from cpm_core.segmentation.method import METHODS, Method
 class Core:
     """The core's functions that run on the worker thread.
 
-    `load_image` may call its second argument while it reads, which raises when the image is no longer wanted;
+    `load_image` and `load_volume` may call their second argument while they read, which raises when the image is no
+    longer wanted;
     `methods` makes a method of an image, parameters and regions; `export` writes a result to a path, as
-    `cpm_core.formats.export` does; `warm_up` compiles or loads the kernels until its argument returns True.
+    `cpm_core.formats.export` does; `warm_up` compiles or loads the kernels until its argument returns True,
+    `warm_up_volumes` those of volumes.
     """
 
     load_image: Callable[[Path, Callable[[], object]], Image] = load_image
+    load_volume: Callable[[Path, Callable[[], object]], Image] = load_volume
     methods: Mapping[str, Callable[[Image, Parameters, AnyRegions | None], Method[Any]]] = field(
         default_factory=lambda: METHODS
     )
     export: Callable[..., None] = export
     warm_up: Callable[[Callable[[], bool]], None] = warm_up
+    warm_up_volumes: Callable[[Callable[[], bool]], None] = warm_up_volumes

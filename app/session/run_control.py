@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from PySide6.QtCore import QObject, Qt, QTimer
 
-from app.model.document.document import NOTHING_TO_START_FROM, Document
+from app.model.document.document import Document
 from app.model.document.modes import MODES, needs_start
 from app.model.state.resolve import FIRST_PACE, PACES, Resolved, resolve
 from app.model.state.situation import Situation, can_step
@@ -155,7 +155,7 @@ class RunControl(Editing):
             self.say(tr("There is no image to run on: open one first."), True, RUNNING)
             return False
         if needs_start(self.document.mode) and not self.document.starts:
-            self.say(NOTHING_TO_START_FROM, True, RUNNING)
+            self.say(self.document.nothing_to_start_from, True, RUNNING)
             return False
         return True
 

@@ -18,6 +18,7 @@ from app.model.display.differences import Difference
 from app.model.display.display_image import DisplayImage
 from app.model.document.document import Document
 from app.model.text.language import tr
+from app.model.volume.slices import Slices
 from app.session.exchange.contour_tracking import TrackedContours
 from app.session.exchange.messages import Reconstruction, Snapshot
 from app.session.worker.commands.forces import Probed
@@ -30,7 +31,7 @@ from cpm_core.contours.result import Result
 from cpm_core.contours.review import Mark, ReviewedContour, learned, reviewed
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Index
 from cpm_core.objects.segmented.segmented_object import Click
 from cpm_core.objects.selection import Selection
 from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds
@@ -147,8 +148,27 @@ class ShownObjects:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
+class NearParticles:
+    """The particles of a volume that a slice shows.
+
+    Attributes
+    ----------
+    index : ndarray of int, shape (M,)
+        Which of all particles they are.
+    away : ndarray, shape (M,)
+        How far they are from the slice: 0 in it, 1 where they are no longer shown.
+    """
+
+    index: Index
+    away: Array
+
+
+@dataclass(frozen=True, eq=False, slots=True)
 class Scene:
     """What is shown on the canvas.
+
+    The image of the scene of a session may be a volume; each view draws the scene of a slice of it, which
+    `app.session.features.volumes.sections` makes: that has an image, and `volume` and `near` beside it.
 
     Attributes
     ----------
@@ -188,6 +208,12 @@ class Scene:
         Where the contours differ from it.
     objects : ShownObjects
         The selection of objects.
+    slices : Slices or None
+        The slices of a volume that are shown; None for an image.
+    volume : Image or None
+        The volume whose slice `image` is; None for an image of its own, and for the volume itself.
+    near : NearParticles or None
+        Which of the particles of a volume are shown in a slice.
     """
 
     image: Image | None = None
@@ -208,6 +234,19 @@ class Scene:
     truth: Truth | None = None
     differences: tuple[Difference, ...] = ()
     objects: ShownObjects = field(default_factory=ShownObjects)
+    slices: Slices | None = None
+    volume: Image | None = None
+    near: NearParticles | None = None
+
+    @property
+    def whole(self) -> Image | None:
+        """The image as it was opened: the volume where a slice is shown."""
+        return self.image if self.volume is None else self.volume
+
+    @property
+    def ground(self) -> tuple[Image | None, int | None]:
+        """What a view shows a part of: an image, or the slices of a volume across an axis."""
+        return self.whole, self.slices.axis if self.slices is not None else None
 
     @property
     def skeleton(self) -> Skeleton | None:

@@ -16,6 +16,7 @@ from app.model.document.saving import restored
 from app.model.export.order import ExportOrder
 from app.model.state.status import RunStatus
 from app.model.text.language import tr
+from app.model.volume.slices import Slices
 from app.session.core_functions import Core
 from app.session.exchange.messages import ImageReady, NotOpened, Opened
 from app.session.run_control import RunControl
@@ -26,6 +27,8 @@ from app.session.worker.commands.run import Copy, Export, RunCall, WarmUp
 from app.session.worker.commands.stored_runs import RestoreRuns, RunsRestored
 from app.session.worker.run import Run
 from cpm_core.parameters import Parameters
+
+_PREPARING = tr("Preparing (longer the very first time)…")
 
 
 class Session(RunControl):
@@ -60,21 +63,28 @@ class Session(RunControl):
 
     @property
     def wanted_parameters(self) -> Parameters:
-        """The parameters as another image would take them over: with all scales, if this one has no room for them."""
+        """The parameters as another image would take them over: with all scales, if this one has no room for them.
+
+        Those of a volume suit no image.
+        """
         parameters = self.document.parameters
+        if self.scene.slices is not None:
+            return self.former_parameters or fresh_parameters("shape")
         clamped = parameters.scales == self._used_scales
         return replace(parameters, scales=self._asked_scales) if clamped else parameters
 
-    def open(self, path: str | Path, otherwise: Path | None = None, resumes: bool = False) -> None:
+    def open(
+        self, path: str | Path, otherwise: Path | None = None, resumes: bool = False, as_volume: bool | None = None
+    ) -> None:
         """Open an image or a session file, and `otherwise` when that file cannot be used.
 
         What is open stays until the new image is known to be usable. An image that `resumes` is opened with the session
-        beside it.
+        beside it. A stack is opened `as_volume`, or one plane of it; None leaves that to its kind.
         """
         path = Path(path)
         sample = sample_at(path)
         kept = self.wanted_parameters if self.keeps_parameters else fresh_parameters(self.document.mode)
-        self.begin(Wanted(path, sample.parameters if sample else kept, otherwise, resumes=resumes))
+        self.begin(Wanted(path, sample.parameters if sample else kept, otherwise, resumes=resumes, as_volume=as_volume))
 
     def begin(self, wanted: Wanted) -> None:
         """Open an image or a session; see `open`."""
@@ -110,7 +120,7 @@ class Session(RunControl):
 
     def warm_up(self) -> None:
         """Compile or load the kernels ahead of the first step."""
-        self._progress.busy("preparing", tr("Preparing (longer the very first time)…"))
+        self._progress.busy("preparing", _PREPARING)
         self._opener.afterwards(lambda: self.post(WarmUp()))
 
     def _accept(self, opened: Opened) -> None:
@@ -120,13 +130,24 @@ class Session(RunControl):
         self._asked_scales, self._used_scales = opened.scales, opened.parameters.scales
         self._generation = self._image_generation = self._next_generation()
         self.post(RunCall(None, Run.use, self._generation, opened.method, opened.parameters))
-        self.show(Scene(opened.image, opened.display, document=self.document, selected=self.selected))
+        self.show(
+            Scene(
+                opened.image,
+                opened.display,
+                document=self.document,
+                selected=self.selected,
+                slices=Slices.of(opened.image.shape),
+            )
+        )
         self.image_changed.emit()
         self._progress.forget()
         self.live.forget()
         self.begin_document(_document(opened, self.document.mode))
         self.post(RunCall(None, Run.edit_by_hand, self.document.hand_edits))
         self.post(RunCall(None, Run.set_parameters, opened.parameters))
+        if opened.image.ndim == 3:
+            self._progress.busy("preparing", _PREPARING)
+            self.post(WarmUp(volumes=True))
         self._restore_runs(opened)
         if opened.notes:
             self.say(" ".join(opened.notes))
@@ -158,7 +179,10 @@ class Session(RunControl):
 def _document(opened: Opened, mode: Mode) -> Document:
     """The document that an image or a session begins with; the mode stays unless it is a sample or a session."""
     image, path, sample = opened.image, opened.path, sample_at(opened.path)
-    contrast = float(image.values.max() - image.values.min())
+    low, high = image.gray_range
+    contrast = high - low
+    if image.ndim == 3 and opened.saved is None and sample is None:
+        mode = "shape"  # the only one that volumes have
     reference = ImageReference(path.name, str(path), image.shape, contrast, opened.sha256, image.spacing, image.unit)
     if opened.saved is not None:
         return restored(opened.saved.file, reference, opened.parameters)

@@ -14,6 +14,7 @@ from app.session.features.parameter_sweep import Sweep
 from app.session.features.skeleton import Skeletons
 from app.session.features.timeline_navigation import TimelineNavigation
 from app.session.features.truth_comparison import GroundTruth
+from app.session.features.volumes.shown_slices import ShownSlices
 from app.session.session import Session
 
 
@@ -32,6 +33,7 @@ class Workspace:
         self.skeletons = Skeletons(self.session)
         self.navigation = TimelineNavigation(self.session)
         self.other_result = OtherResult(self.session, self.navigation)
+        self.slices = ShownSlices(self.session)
         self.sweep = Sweep(self.session, self.truth)
 
     def close(self) -> None:

@@ -13,10 +13,11 @@ from PySide6.QtWidgets import QMainWindow
 
 from app.model.display.lengths import prefer_unit
 from app.model.preferences.table import UNIT
+from app.model.state.volume_limits import NOT_IN_VOLUMES
 from app.model.text.language import tr
 from app.session.storage.preferences import Preferences
 from app.session.workspace import Workspace
-from app.views.canvas.canvas_area import CanvasArea
+from app.views.canvas.canvas_area import FIRST_TOOL, CanvasArea
 from app.views.canvas.strip.pointer_readout import PointerReadout
 from app.views.canvas.strip.zoom_field import ZoomField
 from app.views.features import FEATURES
@@ -93,6 +94,7 @@ class MainWindow(QMainWindow):
         self.statusBar().addPermanentWidget(self.pointer_readout)
         self.statusBar().addPermanentWidget(self.zoom_field)
         session.status_changed.connect(self._show)
+        session.image_changed.connect(self._keep_tool)
         self.use_theme(self.feature(AppearanceFeature).theme())
         self._show()
         self._restore_geometry()
@@ -157,6 +159,13 @@ class MainWindow(QMainWindow):
         self.feature(FolderFeature).keep(files.document_file)
         self.feature(StartFeature).keep(files)
 
+    def _keep_tool(self) -> None:
+        """Use the first tool in a volume where the tool in use has nothing to draw on."""
+        tool = self.canvas_area.canvas.tool
+        if self.session.scene.slices is not None and tool is not None and tool.name in NOT_IN_VOLUMES:
+            self.refresh()
+            self.actions_by_name[FIRST_TOOL].trigger()
+
     def _reveal(self, name: str) -> None:
         self.docks.reveal(name)  # the docks are made after the features
 
@@ -188,6 +197,7 @@ class MainWindow(QMainWindow):
             use_theme=self.use_theme,
             refresh=self.refresh,
             open_file=lambda path, resumes: self.feature(OpenSaveFeature).take([path], resumes),
+            open_volume=lambda path, whole: self.feature(OpenSaveFeature).take([path], as_volume=whole),
             open_menu=self._open_menu,
         )
 

@@ -17,7 +17,7 @@ from cpm_core.contours.result import Result
 from cpm_core.formats.atomic import check_place, write_together
 from cpm_core.formats.contours import coco, contour_csv, contour_json, dxf, geojson, imagej, labelme, svg
 from cpm_core.formats.masks import label_tiff, labels, nifti
-from cpm_core.formats.meshes import obj, ply, stl, vtk
+from cpm_core.formats.meshes import obj, ply, points_csv, stl, vtk
 from cpm_core.formats.printable import printable
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.parameters.quotation import shown
@@ -57,6 +57,7 @@ _MESHES: Mapping[str, tuple[str, Encode]] = MappingProxyType(
         ".stl": ("the triangles of the surface of a volume, for printing", stl.encode),
         ".obj": ("the surface of a volume as text", obj.encode),
         ".vtk": ("the surface of a volume as poly data", vtk.encode),
+        ".points.csv": ("the particles of a run in a volume, as a table", points_csv.encode),
     }
 )
 """The same for surfaces, which only volumes have."""

@@ -116,6 +116,11 @@ class Image:
         """Hash of its file, or of `values` as float64, little-endian and row by row, where there is no file."""
         return self.file_sha256 or hashlib.sha256(self.values.astype("<f8", copy=False).data).hexdigest()
 
+    @cached_property
+    def gray_range(self) -> tuple[float, float]:
+        """Least and largest gray level."""
+        return float(self.values.min()), float(self.values.max())
+
     @property
     def shape(self) -> tuple[int, ...]:
         """Number of pixels along each axis, (rows, columns) or (planes, rows, columns)."""
@@ -125,8 +130,8 @@ class Image:
         """Gray levels of a channel of `Parameters.channel`: `values` of a gray image; see `colors.gray_levels`."""
         return channel_of(self.values, self.colors, channel)
 
-    def gray_at(self, pixel: tuple[int, int], channel: str = "luminance") -> float:
-        """Gray level of a pixel (row, col) in a channel."""
+    def gray_at(self, pixel: tuple[int, ...], channel: str = "luminance") -> float:
+        """Gray level of a pixel (row, col), or of a voxel (plane, row, col), in a channel."""
         place = tuple(slice(at, at + 1) for at in pixel)
         colors = self.colors and Colors(self.colors.samples[place], self.colors.white)
         return channel_of(self.values[place], colors, channel).item()

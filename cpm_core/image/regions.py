@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from cpm_core.image.pyramid import to_scale
 from cpm_core.numerics import polyline
 from cpm_core.numerics.segments import Bands, cut, nearest_distances, segments_of
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Position
 from cpm_core.parameters.quotation import shown
 
-Line = tuple[tuple[float, float], ...]
+Line = tuple[Position, ...]
 
 _OFF = 1e-6
 """Distance from a side of a polygon at which both of its sides are tested, and within which a position counts as on a

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,5 +22,11 @@ Mask = NDArray[np.bool_]
 Pixels = NDArray[np.uint8]
 """Pixels for the screen, (H, W) or (H, W, 3)."""
 
-Position = tuple[float, float]
-"""A position (row, col) [px]."""
+Position = Annotated[tuple[float, ...], 2]
+"""A position (row, col) [px]; the annotation is how many numbers it has in files."""
+
+Place = Annotated[tuple[float, ...], 2, 3]
+"""A position (row, col) in an image or (plane, row, col) in a volume [px, voxels]."""
+
+Voxel = Annotated[tuple[float, ...], 3]
+"""A position (plane, row, col) [voxels]."""

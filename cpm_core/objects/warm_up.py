@@ -14,7 +14,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -26,9 +26,10 @@ from cpm_core.image.regions import Regions
 from cpm_core.numerics import jit_cache
 from cpm_core.numerics.parallel import cores
 from cpm_core.objects.partition import partition
-from cpm_core.parameters import Parameters
+from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.particles.initialization import circle
 from cpm_core.particles.state import State
+from cpm_core.particles.volume_starts import sphere
 from cpm_core.segmentation.engine import Engine
 
 _ROW, _COL = np.indices((32, 32))
@@ -37,6 +38,12 @@ _REGIONS = Regions(interest=(((1, 1), (1, 30), (30, 30), (30, 1)),), barriers=((
 _PARAMETERS = Parameters(scales=2)
 _CHARGES = (PlacedCharge((4.0, 4.0), 1.0),)
 _STEPS = 12
+
+_MOST_STEPS = 60
+"""Steps in which a run in the small volume ends."""
+
+_LAWS_OF_VOLUMES = "space"
+"""Name of the modules of loops for volumes."""
 
 _LOOK_EVERY = 0.05
 """Interval at which the other processes are polled [s]."""
@@ -50,13 +57,33 @@ def warm_up(canceled: Callable[[], bool] = lambda: False) -> None:
     """
     folder = jit_cache.folder_of_this_package()
     if folder is not None and cores() > 1 and not jit_cache.has_loops(folder):
-        _compile_aside(folder, canceled)
+        _compile_aside(folder, (step_once, reconstruct_once), canceled)
     if canceled():
         return
     engine, state = step_once()
     _choose(engine.result(state, _PARAMETERS))
     engine.energies(state, _PARAMETERS, _CHARGES)
     clean(_IMAGE)
+
+
+def warm_up_volumes(canceled: Callable[[], bool] = lambda: False) -> None:
+    """Run every compiled loop of volumes once on a small ball, as `warm_up` does those of images."""
+    folder = jit_cache.folder_of_this_package()
+    if folder is not None and cores() > 1 and not any(folder.rglob(f"{_LAWS_OF_VOLUMES}.*.nbi")):
+        _compile_aside(folder, (volume_once,), canceled)
+    if not canceled():
+        volume_once()
+
+
+def volume_once() -> None:
+    """Run the loops of a run in a volume and of its surface."""
+    image = np.round(200.0 * np.clip(6.5 - np.linalg.norm(np.indices((20, 20, 20)) - 9.5, axis=0), 0.0, 1.0))
+    parameters = PRESETS["volume"]
+    engine = Engine(image, parameters)
+    state = engine.start(sphere((9.5, 9.5, 9.5), 4.0, count=100))
+    for _ in range(_MOST_STEPS):
+        state = engine.step(state, parameters)
+    engine.result(state, parameters)
 
 
 def step_once() -> tuple[Engine, State]:
@@ -96,12 +123,12 @@ def end_with_the_caller() -> None:
     threading.Thread(target=watch, daemon=True).start()
 
 
-def _compile_aside(folder: Path, canceled: Callable[[], bool]) -> None:
+def _compile_aside(folder: Path, parts: Sequence[Callable[[], object]], canceled: Callable[[], bool]) -> None:
     """Compile in other processes and copy their caches; what they cannot compile is compiled by the caller."""
-    asides = [folder / f"{jit_cache.ASIDE}{os.getpid()}-{part.__name__}" for part in (step_once, reconstruct_once)]
+    asides = [folder / f"{jit_cache.ASIDE}{os.getpid()}-{part.__name__}" for part in parts]
     processes = []
     try:
-        for part, aside in zip((step_once, reconstruct_once), asides, strict=True):
+        for part, aside in zip(parts, asides, strict=True):
             processes.append(_other_process(part.__name__, aside))
         while any(process.poll() is None for process in processes) and not canceled():
             time.sleep(_LOOK_EVERY)

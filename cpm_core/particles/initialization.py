@@ -14,7 +14,7 @@ from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.polyline import lengths_along, places_at
 from cpm_core.numerics.real_numbers import checked_number, real_numbers
 from cpm_core.numerics.reproducible.gaussian import gaussian_filter
-from cpm_core.numerics.types import Array, Mask
+from cpm_core.numerics.types import Array, Mask, Position
 from cpm_core.parameters.quotation import shown
 
 _LEAST_ON_CIRCLE = 5
@@ -44,7 +44,7 @@ _RIPPLE = 1.0
 """Gaussian that removes the ripple of the pixels from the divergence [px]."""
 
 
-def circle(center: tuple[float, float], radius: float, spacing: float = 2.0) -> Array:
+def circle(center: Position, radius: float, spacing: float = 2.0) -> Array:
     """Particles on a circle.
 
     Parameters

@@ -20,9 +20,10 @@ from cpm_core.shapes.ellipse import Ellipse
 from cpm_core.shapes.everywhere import KINDS, Everywhere, Kind
 from cpm_core.shapes.lines import Barrier, Polygon, Region, Stroke
 from cpm_core.shapes.points import Points
+from cpm_core.shapes.sphere import Sphere
 
-Start = Circle | Ellipse | Polygon | Stroke | Points | Grid | Threshold | Everywhere
-"""Shapes that give particles."""
+Start = Circle | Ellipse | Polygon | Stroke | Points | Grid | Threshold | Everywhere | Sphere
+"""Shapes that give particles; a sphere lies in a volume, points lie in an image or in a volume."""
 
 Limit = Region | Barrier
 """Shapes that hold particles back."""
@@ -48,6 +49,7 @@ __all__ = [
     "Polygon",
     "Region",
     "Shape",
+    "Sphere",
     "Start",
     "Stroke",
     "Threshold",

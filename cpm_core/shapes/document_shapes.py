@@ -53,12 +53,12 @@ def charges_of(shapes: Iterable[Shape]) -> tuple[PlacedCharge, ...]:
 
 
 def seeds_of(shapes: Iterable[Shape], image_seeds: ImageSeeds = NO_SEEDS) -> Array:
-    """Positions of the particles of shapes, shape (N, 2), in their order.
+    """Positions of the particles of shapes, shape (N, 2), or (N, 3) in a volume, in their order.
 
     For starts that depend on the image the positions are taken from `image_seeds`.
     """
     found = [image_seeds[start] if isinstance(start, ImageStart) else start.seeds() for start in starts_of(shapes)]
-    return np.concatenate([np.empty((0, 2)), *found])
+    return np.concatenate(found) if found else np.empty((0, 2))
 
 
 def seeds_on(image: Image, shapes: Iterable[Shape], smoothing: float | str, channel: str = "luminance") -> Array:

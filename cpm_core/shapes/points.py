@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 import math
+import operator
 from dataclasses import dataclass
 
 import numpy as np
 
-from cpm_core.numerics.types import Array, Position
+from cpm_core.numerics.types import Array, Place
 from cpm_core.shapes.path import WithoutOutline, check_positions
 
 
 @dataclass(frozen=True, slots=True)
 class Points(WithoutOutline):
-    """Particles placed one by one: `positions` (row, col) in px of the image, at least one."""
+    """Particles placed one by one: `positions` (row, col) [px], or (plane, row, col) [voxels], at least one."""
 
-    positions: tuple[Position, ...]
+    positions: tuple[Place, ...]
 
     def __post_init__(self) -> None:
         check_positions("positions", self.positions, 1)
+        if len({len(position) for position in self.positions}) > 1:
+            raise ValueError("positions in an image and in a volume are mixed: give all of them as many numbers.")
 
     @property
     def title(self) -> str:
@@ -26,13 +29,13 @@ class Points(WithoutOutline):
         return "point" if len(self.positions) == 1 else "points"
 
     def seeds(self) -> Array:
-        """Positions of the particles, shape (N, 2)."""
-        return np.array(self.positions, dtype=np.float64).reshape(-1, 2)
+        """Positions of the particles, shape (N, 2), or (N, 3) in a volume."""
+        return np.array(self.positions, dtype=np.float64)
 
-    def moved(self, by: Position) -> Points:
-        """The same points displaced by (rows, cols)."""
-        return Points(tuple((row + by[0], col + by[1]) for row, col in self.positions))
+    def moved(self, by: Place) -> Points:
+        """The same points displaced by so much along each axis."""
+        return Points(tuple(tuple(map(operator.add, position, by)) for position in self.positions))
 
-    def distance(self, position: Position) -> float:
+    def distance(self, position: Place) -> float:
         """Distance of a position from the nearest point [px]."""
         return min(math.dist(point, position) for point in self.positions)

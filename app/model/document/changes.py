@@ -24,6 +24,7 @@ from cpm_core.shapes import (
     Polygon,
     Region,
     Shape,
+    Sphere,
     Stroke,
     Threshold,
 )
@@ -32,7 +33,7 @@ _ICONS: Mapping[type, str] = MappingProxyType(
     {
         Barrier: "barrier", Charge: "attract", Circle: "circle", Ellipse: "ellipse", Everywhere: "everywhere",
         Grid: "grid_area", Points: "points", Polygon: "polygon", Region: "region", Stroke: "stroke",
-        Threshold: "threshold",
+        Sphere: "circle", Threshold: "threshold",
     }
 )  # fmt: skip
 """Icons of shapes, those of their tools."""
@@ -107,13 +108,12 @@ def _with_place(words: str, otherwise: str, shape: Shape) -> str:
     if place is None:
         return otherwise
     name = describe(shape)
-    row, col = place
-    return words.format(shape=name[:1].upper() + name[1:], place=f"{row:.0f}, {col:.0f}")
+    return words.format(shape=name[:1].upper() + name[1:], place=", ".join(f"{at:.0f}" for at in place))
 
 
 def _size(shape: Shape) -> object:
     """What stays the same while a shape is only moved."""
-    if isinstance(shape, Circle):
+    if isinstance(shape, Circle | Sphere):
         return shape.radius
     if isinstance(shape, Ellipse):
         return shape.radii, shape.angle
@@ -122,7 +122,7 @@ def _size(shape: Shape) -> object:
 
 def _place(shape: Shape) -> Position | None:
     """Row and column of the center, or of the first corner; None for what is all over the image."""
-    if isinstance(shape, Circle | Ellipse):
+    if isinstance(shape, Circle | Ellipse | Sphere):
         return shape.center
     if isinstance(shape, Charge):
         return shape.position

@@ -30,10 +30,14 @@ NOTHING_TO_START_FROM = tr(
     "There is nothing to start from: draw a circle, a stroke or points on the image first, or start everywhere."
 )
 
+NOTHING_TO_START_FROM_IN_VOLUME = tr(
+    "There is nothing to start from: draw a sphere or points in a slice of the volume first."
+)
+
 
 @dataclass(frozen=True, slots=True)
 class ImageReference:
-    """The image of a document without its gray values: name, file, (rows, cols), contrast and SHA-256 of the file.
+    """The image of a document without its gray values: name, file, shape, contrast and SHA-256 of the file.
 
     The contrast is the largest minus the smallest gray value; the hash is empty where it is not known. `spacing` is the
     size of a pixel along rows and columns in `unit`, which is None where the image gives none.
@@ -123,13 +127,19 @@ class Document:
         return (*lines, *self.outlined.contours)
 
     def seeds(self, image_seeds: ImageSeeds = NO_SEEDS) -> NDArray[np.float64]:
-        """Seeds of the starts, shape (N, 2) [px of the image], given those of each of `image_starts`.
+        """Seeds of the starts, shape (N, D) [px of the image], given those of each of `image_starts`.
 
         ValueError when there is no start.
         """
         if not self.starts:
-            raise ValueError(NOTHING_TO_START_FROM)
+            raise ValueError(self.nothing_to_start_from)
         return seeds_of(self.shapes, image_seeds)
+
+    @property
+    def nothing_to_start_from(self) -> str:
+        """What is said when a run has no start."""
+        volume = self.image is not None and len(self.image.shape) == 3
+        return NOTHING_TO_START_FROM_IN_VOLUME if volume else NOTHING_TO_START_FROM
 
     @property
     def charges(self) -> tuple[PlacedCharge, ...]:

@@ -10,6 +10,7 @@ from typing import cast
 from app.model.document.document import Document, Mode
 from app.model.parameters.controls import RATIO
 from app.model.text.language import tr
+from cpm_core.image.image import Image
 from cpm_core.medial_axis.outlines import Outlined
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.segmentation.method import METHODS
@@ -74,6 +75,14 @@ MODES: Mapping[Mode, ModeInfo] = MappingProxyType(
 def fresh_parameters(mode: Mode) -> Parameters:
     """The parameters with which work in a mode begins."""
     return PRESETS[MODES[mode].preset]
+
+
+def suited(parameters: Parameters, image: Image) -> Parameters:
+    """The parameters with which work on an image begins, where those of the mode or of the last image are given.
+
+    A volume begins with the preset for volumes, and what it leaves does not suit an image.
+    """
+    return PRESETS["volume"] if image.ndim == 3 else parameters
 
 
 def needs_start(mode: Mode) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from app.model.text.language import tr
-from cpm_core.formats import WRITABLE
+from cpm_core.formats import FOR_VOLUMES, WRITABLE
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +42,17 @@ _KNOWN = (
     Format(".json", tr("JSON with everything"), _TABLES),
 )
 
+_OF_VOLUMES = (
+    Format(".ply", tr("PLY, with normals"), tr("Surfaces")),
+    Format(".stl", tr("STL for printing"), tr("Surfaces")),
+    Format(".obj", tr("OBJ, as text"), tr("Surfaces")),
+    Format(".vtk", tr("VTK poly data"), tr("Surfaces")),
+    Format(".nii.gz", tr("NIfTI, compressed"), tr("Label volumes")),
+    Format(".nii", tr("NIfTI"), tr("Label volumes")),
+    Format(".tif", tr("TIFF stack"), tr("Label volumes")),
+    Format(".points.csv", tr("CSV, one row per particle"), tr("Particles")),
+)
+
 _SAME = {".tiff": ".tif"}
 """Suffixes of the same format."""
 
@@ -51,6 +62,13 @@ def formats() -> tuple[Format, ...]:
     known = {one.suffix for one in _KNOWN} | _SAME.keys()
     others = (Format(suffix, tr(text), _OTHERS) for suffix, text in WRITABLE.items() if suffix not in known)
     return (*(one for one in _KNOWN if one.suffix in WRITABLE), *others)
+
+
+def formats_of_volumes() -> tuple[Format, ...]:
+    """All formats in which the result of a volume can be written, in groups; new ones are last."""
+    known = {one.suffix for one in _OF_VOLUMES} | _SAME.keys()
+    others = (Format(suffix, tr(text), _OTHERS) for suffix, text in FOR_VOLUMES.items() if suffix not in known)
+    return (*(one for one in _OF_VOLUMES if one.suffix in FOR_VOLUMES), *others)
 
 
 def listed(suffix: str) -> str:

@@ -170,7 +170,8 @@ class Account:
     """How many contours are written and left out, and how many of those written were open and have been closed.
 
     `learned` is the number of those that are left out because they resemble rejected ones. `objects` is the number of
-    objects whose boundaries the contours are, 0 for other contours.
+    objects whose boundaries the contours are, 0 for other contours. `triangles` is the number of those of the
+    surface that a run in a volume has found, 0 for an image.
     """
 
     written: int
@@ -178,6 +179,7 @@ class Account:
     bridged: int
     learned: int = 0
     objects: int = 0
+    triangles: int = 0
 
 
 def account(
@@ -188,11 +190,15 @@ def account(
     bridged = sum(one.closed for one in after.contours) - sum(one.closed for one in before.contours)
     whole = isinstance(after, Result) and order.source == "objects"
     objects = len({one.group for one in after.contours}) if whole else 0
-    return Account(len(after.contours) - missing, missing, bridged, learned, objects)
+    surface = after.surface if isinstance(after, Result) else None
+    triangles = 0 if surface is None else len(surface.faces)
+    return Account(len(after.contours) - missing, missing, bridged, learned, objects, triangles)
 
 
 def in_words(counts: Account) -> str:
     """What is written and what is left out, in one line."""
+    if counts.triangles:
+        return tr("a surface of {count} triangles").format(count=f"{counts.triangles:,}")
     if counts.objects:
         parts = [tr("1 object") if counts.objects == 1 else tr("{count} objects").format(count=counts.objects)]
     else:

@@ -12,6 +12,8 @@ from app.model.document.modes import MODES, needs_start
 from app.model.document.naming import describe
 from app.model.state.situation import Situation
 from app.model.state.status import RunStatus
+from app.model.state.surface_figures import SURFACE, VOLUME, in_words
+from app.model.state.volume_limits import has_volume
 from app.model.text.language import tr
 from cpm_core.shapes import Barrier, Charge, Everywhere, Grid, Points, Shape, Stroke, Threshold
 
@@ -28,6 +30,8 @@ _LEADING = (
     tr("Length"),
     tr("Thickness"),
     tr("Skeleton of"),
+    SURFACE,
+    VOLUME,
 )
 """Labels of the numbers that are always shown."""
 
@@ -122,12 +126,18 @@ def _hint(situation: Situation) -> str:
     if not needs_start(document.mode):
         return MODES[document.mode].hint
     if not document.shapes:
-        return tr("Drag on the image to draw a circle in or around an object.")
+        return _first_hint(situation)
     if not document.starts:
         return tr("Now draw where particles start: a circle, a stroke or points; or start everywhere (Ctrl+G).")
     if shape is not None:
         return _what_can_be_done_to(shape)
     return MODES[document.mode].hint or tr("Press Space to run.")
+
+
+def _first_hint(situation: Situation) -> str:
+    if has_volume(situation):
+        return tr("Drag to draw a sphere in or around an object; Page Up and Page Down go through the slices.")
+    return tr("Drag on the image to draw a circle in or around an object.")
 
 
 def _hint_on_run(status: RunStatus) -> str:
@@ -194,17 +204,19 @@ def _numbers(status: RunStatus, image: ImageReference | None) -> tuple[tuple[str
             shown(epsilon),
             tr("How much the particles still move, eq. (23); small at rest."),
         ),
-        (
-            tr("Contours"),
-            shown(tr("{closed} closed, {open} open").format(closed=status.closed, open=status.open)),
-            tr("Contours reconstructed so far."),
-        ),
         (tr("Steps/s"), speed, tr("Speed of the run.")),
-        (
-            tr("Bridged"),
-            shown(_bridged(status, image)),
-            tr("Gaps that were closed along a faint edge; see the parameter Maximum gap."),
-        ),
+        *(in_words(status.surface) if image is not None and len(image.shape) == 3 else _of_contours(status, image)),
+    )
+
+
+def _of_contours(status: RunStatus, image: ImageReference | None) -> tuple[tuple[str, str, str], ...]:
+    found, bridged = "–", "–"
+    if status.moved:
+        found = tr("{closed} closed, {open} open").format(closed=status.closed, open=status.open)
+        bridged = _bridged(status, image)
+    return (
+        (tr("Contours"), found, tr("Contours reconstructed so far.")),
+        (tr("Bridged"), bridged, tr("Gaps that were closed along a faint edge; see the parameter Maximum gap.")),
     )
 
 

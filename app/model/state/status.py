@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
+from app.model.state.surface_figures import SurfaceFigures
+
 Phase = Literal["empty", "ready", "running", "paused", "finished"]
 
 
@@ -48,6 +50,8 @@ class RunStatus:
         [px].
     polarity : int
         Of a skeleton: -1 if it is of what is dark, 1 of what is light, 0 of both.
+    surface : SurfaceFigures or None
+        Of a volume: figures of the surface that has been reconstructed last.
     """
 
     phase: Phase = "empty"
@@ -71,6 +75,7 @@ class RunStatus:
     thickness: float = 0.0
     width: float = 0.0
     polarity: int = 0
+    surface: SurfaceFigures | None = None
 
     @property
     def started(self) -> bool:

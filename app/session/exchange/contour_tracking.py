@@ -57,8 +57,10 @@ class ContourTracker:
         """Number and measure the contours of a reconstruction.
 
         Where `thorough`, because no other one follows soon, the numbers stay, and the contrast is measured, which takes
-        long.
+        long. A volume has a surface and no contours.
         """
+        if len(result.shape) == 3:
+            return TrackedContours(result, (), ())
         numbers = self._numbers.of(result.contours, settled=thorough)
         contours = tuple(replace(one, number=number) for one, number in zip(result.contours, numbers, strict=True))
         places = [place for _, place in self._seen]

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from app.model.display.display_image import DisplayImage
 from app.model.display.plots import RunMetrics
 from app.model.export.order import Account
+from app.model.state.surface_figures import SurfaceFigures
 from app.session.exchange.contour_tracking import ContourTracker, TrackedContours
 from app.session.timeline.outline import Outline
 from cpm_core.contours.result import Result
@@ -68,12 +69,14 @@ class Reconstruction:
     """The contours of a recent snapshot, with edits by hand; `tracked` is None for a skeleton.
 
     `missed` are the indices of the edits that have not found their contours, as soon as no other snapshot follows.
+    `figures` are those of the surface of a volume.
     """
 
     generation: int
     result: Result | Skeleton
     tracked: TrackedContours | None
     missed: tuple[int, ...] = ()
+    figures: SurfaceFigures | None = None
 
     @classmethod
     def of(cls, generation: int, result: Result | Skeleton, tracker: ContourTracker, thorough: bool) -> Reconstruction:
@@ -81,7 +84,8 @@ class Reconstruction:
         if isinstance(result, Skeleton):
             return cls(generation, result, None)
         tracked = tracker.track(result, thorough)
-        return cls(generation, tracked.result, tracked)
+        figures = SurfaceFigures.of(result.surface) if result.surface is not None else None
+        return cls(generation, tracked.result, tracked, figures=figures)
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,12 +135,13 @@ class Opened(Report):
 
     `parameters` have as many of the requested `scales` as the image has room for. `folder` are the images beside it,
     itself among them, `beside` is a session of it that has not been opened with it, and `kind` what it looks like.
-    `large` are settings for an image that is large.
+    `large` are settings for an image that is large. A volume has no `display`, which each view makes of the slice that
+    it shows. `stacked` is whether the file holds a volume, of which a plane may be open.
     """
 
     image: Image
     method: Method[Any]
-    display: DisplayImage
+    display: DisplayImage | None
     path: Path
     parameters: Parameters
     notes: tuple[str, ...]
@@ -147,6 +152,7 @@ class Opened(Report):
     beside: Path | None = None
     kind: Kind | None = None
     large: LargeImageSettings | None = None
+    stacked: bool = False
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -68,7 +68,7 @@ class OtherResult(QObject):
     @property
     def choices(self) -> tuple[Other, ...]:
         """All that can be compared, the most telling first."""
-        if self._session.document.image is None:
+        if self._session.document.image is None or self._session.scene.slices is not None:
             return ()
         here = self._navigation.place[0]
         branches = [branch for branch in self._navigation.outline.branches if branch.identity != here]
@@ -123,6 +123,7 @@ class OtherResult(QObject):
         """The scene on the right."""
         kind = self._chosen.kind if self._chosen is not None else ""
         bare = Scene(scene.image, scene.display, scene.window_found, scene.shaded, overlays=scene.overlays)
+        bare = replace(bare, slices=scene.slices)
         if kind == "kept" and self._kept is not None:
             kept = self._kept
             return replace(

@@ -7,12 +7,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from app.model.display.display_image import display_of
+from app.model.document.modes import suited
 from app.model.text.language import tr
 from app.session.core_functions import Core
 from app.session.exchange.messages import ImageReady, NotOpened, Opened, Report, Saved
 from app.session.tasks.folder_images import images_beside, session_beside
 from app.session.tasks.tasks import Task, Tasks
+from app.session.tasks.volume_files import is_stacked, opens_as_volume
 from cpm_core.formats.sessions.session_file import SUFFIX, find_image, load_session
+from cpm_core.image.image import Image
 from cpm_core.image.kind import guessed_kind
 from cpm_core.image.pyramid import most_scales
 from cpm_core.parameters import Parameters
@@ -24,7 +27,8 @@ class Wanted:
     """A request to open an image or a session file at `path`, and `otherwise` if that cannot be used.
 
     A session has its own parameters. Where `saved` gives its content, `path` only gives its place. The `notes` are
-    shown once it is open. An image that `resumes` is opened with the session beside it, if there is one.
+    shown once it is open. An image that `resumes` is opened with the session beside it, if there is one. A stack of
+    planes is opened `as_volume`, or one plane as an image; None leaves that to the kind of the file.
     """
 
     path: Path
@@ -33,6 +37,7 @@ class Wanted:
     saved: Saved | None = None
     notes: tuple[str, ...] = ()
     resumes: bool = False
+    as_volume: bool | None = None
 
 
 def is_session(path: Path) -> bool:
@@ -58,33 +63,40 @@ def prepare(core: Core, wanted: Wanted, go_on: Callable[[], None]) -> Opened:
             raise ValueError(tr("{name} names no image.").format(name=path.name))
         path, warnings = find_image(saved.file.image, path.absolute().parent, go_on)
         notes = (*notes, *warnings)
-    image = core.load_image(path, go_on)
+    image = _read(core, wanted, path, saved, go_on)
     go_on()
+    if saved is None:
+        parameters = suited(parameters, image)
     most, scales = most_scales(image.shape), parameters.scales
     if scales > most:
         parameters = replace(parameters, scales=most)
         notes = (*notes, tr("The image is small: the scales are set to {most}.").format(most=most))
     method = core.methods["cpm"](image, parameters, None)
     go_on()
-    large = large_image_settings(image.values)
+    all_notes, sha256 = (*image.notes, *notes), image.file_sha256
+    opened = Opened(image, method, None, path, parameters, all_notes, sha256, saved, scales, stacked=is_stacked(path))
+    opened = replace(opened, folder=images_beside(path), beside=beside)
+    return opened if image.ndim == 3 else _of_plane(opened, go_on)
+
+
+def _read(core: Core, wanted: Wanted, path: Path, saved: Saved | None, go_on: Callable[[], None]) -> Image:
+    """The image or the volume of a file, of which the range of gray levels is known afterwards."""
+    known = saved.file.image.shape if saved is not None and saved.file.image is not None else ()
+    as_volume = len(known) == 3 if known else wanted.as_volume
+    if as_volume is None:
+        as_volume = opens_as_volume(path)
+    image = core.load_volume(path, go_on) if as_volume else core.load_image(path, go_on)
+    image.gray_range  # noqa: B018 - found here, because the window asks for it
+    return image
+
+
+def _of_plane(opened: Opened, go_on: Callable[[], None]) -> Opened:
+    """What is known of an image that is no volume."""
+    values = opened.image.values
+    large = large_image_settings(values)
     go_on()
-    all_notes, display = (*image.notes, *notes), display_of(image)
-    folder, kind = images_beside(path), guessed_kind(image.values) if saved is None else None
-    return Opened(
-        image,
-        method,
-        display,
-        path,
-        parameters,
-        all_notes,
-        image.file_sha256,
-        saved,
-        scales,
-        folder,
-        beside,
-        kind,
-        large,
-    )
+    kind = guessed_kind(values) if opened.saved is None else None
+    return replace(opened, display=display_of(opened.image), kind=kind, large=large)
 
 
 class Opener:

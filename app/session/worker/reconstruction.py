@@ -51,7 +51,7 @@ class Request:
             return Result(nowhere, (), None, 0, False, "", image.shape, image.spacing, image.unit, image.source)
         result = self.method.result(self.state, self.parameters)
         if self.state.step == 0 and isinstance(result, Result):  # back at the initialization
-            result = replace(result, contours=(), bridges=())
+            result = replace(result, contours=(), bridges=(), surface=None)
         return result
 
     def same_state(self, other: Request) -> bool:

@@ -105,7 +105,8 @@ class Stepper:
         state = self.state = method.step(self.state, parameters, self.charges)
         self._remaining = 0.0 if state.stop_reason else self._remaining - 1
         self.pacer.stepped()
-        ready = self._energy_watched or math.prod(method.image.shape) <= _SMALL_IMAGE
+        small = math.prod(method.image.shape) <= _SMALL_IMAGE
+        ready = method.image.ndim == 2 and (self._energy_watched or small)
         thorough = ready and not state.step % _ENERGY_EVERY
         self._record.record(state.step, method.measures(state, parameters, thorough))
         self.recorded.record(Stepped(parameters, self.charges, method.regions), state, self._record)

@@ -49,14 +49,32 @@ class Panning:
         return self._still
 
 
+class Wheel:
+    """Counts whole notches of a wheel, which some devices turn in smaller parts."""
+
+    def __init__(self) -> None:
+        self._rest = 0.0
+
+    def notches(self, event: QWheelEvent) -> int:
+        """Notches toward the user since the last call."""
+        turned = event.angleDelta().y() or event.angleDelta().x()  # some systems exchange them while Shift is held
+        self._rest -= turned / 120.0
+        whole = int(self._rest)
+        self._rest -= whole
+        return whole
+
+
 class Canvas(ImageView):
-    """Pans and zooms by the pointer, and passes the left button to the tool in use."""
+    """Pans and zooms by the pointer, and passes the left button to the tool in use, at places in image or volume."""
 
     pointed = Signal(object)
     """Position (row, col) under the pointer, or None when it has left."""
 
     taken = Signal()
     """A button of the pointer has been pressed."""
+
+    slice_wanted = Signal(int)
+    """The slice so many further along is wanted."""
 
     menu_wanted = Signal(object)
     """The right button was clicked at a point of the screen: QPoint."""
@@ -74,7 +92,8 @@ class Canvas(ImageView):
         self._pointer: Position | None = None
         self._over: QPointF | None = None
         self._panning = Panning()
-        self.view.sigRangeChanged.connect(self._point_again)
+        self._wheel = Wheel()
+        self.view.sigRangeChanged.connect(self.point_again)
 
     @property
     def gesturing(self) -> bool:
@@ -90,7 +109,7 @@ class Canvas(ImageView):
         """Cancel what was begun on another image."""
         self.cancel()
         super().use_image()
-        self._point_again()
+        self.point_again()
 
     def cancel(self) -> None:
         """Cancel the gesture or draft of the tool."""
@@ -109,8 +128,8 @@ class Canvas(ImageView):
         self.tool = tool
         tool.set_in_use(True)
         if self._pointer is not None:
-            tool.hover(self._pointer)
-        self.viewport().setCursor(tool.cursor((-1e9, -1e9), 0.0))
+            tool.hover(self.placed(self._pointer))
+        self.viewport().setCursor(tool.cursor(self.placed((-1e9, -1e9)), 0.0))
 
     # Common to pointer and keys
 
@@ -118,16 +137,16 @@ class Canvas(ImageView):
         """Press the left button over a position; `reach` is the tolerance for hits [px of the image]."""
         if self.tool is not None and self.shape is not None:
             self._dragged = self._tool_at(at)
-            self._dragged.press(at, self.reach() if reach is None else reach)
+            self._dragged.press(self.placed(at), self.reach() if reach is None else reach)
 
     def lead_to(self, at: Position) -> None:
         """Move the pointer to a position."""
         self._pointer = at
         if self._dragged is not None:
-            self._dragged.drag(at)
+            self._dragged.drag(self.placed(at))
         elif self.tool is not None:
-            self.tool.hover(at)
-            self.viewport().setCursor(self._tool_at(at).cursor(at, self.reach()))
+            self.tool.hover(self.placed(at))
+            self.viewport().setCursor(self._tool_at(at).cursor(self.placed(at), self.reach()))
         self.pointed.emit(at)
 
     def let_go(self) -> None:
@@ -190,15 +209,18 @@ class Canvas(ImageView):
                 self.menu_wanted.emit(event.globalPosition().toPoint())
             if self.tool is not None:
                 at = self.position(event.position())
-                self.viewport().setCursor(self._tool_at(at).cursor(at, self.reach()))
+                self.viewport().setCursor(self._tool_at(at).cursor(self.placed(at), self.reach()))
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """Treat the second click like any other."""
         self.mousePressEvent(event)
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Zoom around the pointer."""
+        """Zoom around the pointer; with Shift go through the slices of a volume."""
         event.accept()
+        if event.modifiers() & Qt.KeyboardModifier.ShiftModifier and self._scene.slices is not None:
+            self.slice_wanted.emit(self._wheel.notches(event))
+            return
         self.zoom(ZOOM ** (event.angleDelta().y() / 120.0), event.position())
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
@@ -228,12 +250,12 @@ class Canvas(ImageView):
     def _tool_at(self, at: Position) -> Tool:
         """The tool that receives a press: one that takes hold of a handle has priority over the tool in use."""
         assert self.tool is not None
-        if self.grip is not None and not self.tool.drafting and self.grip.grips(at, self.reach()):
+        if self.grip is not None and not self.tool.drafting and self.grip.grips(self.placed(at), self.reach()):
             return self.grip
         return self.tool
 
-    def _point_again(self) -> None:
-        """The pointer rests, and another place of the image, or of another image, has moved under it."""
+    def point_again(self) -> None:
+        """The pointer rests, and another place of the image, of a slice or of another image has moved under it."""
         if self._over is not None and not self.led_by_keys:
             self._pointer = self.position(self._over)
             self.pointed.emit(self._pointer)

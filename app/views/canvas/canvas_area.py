@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 from app.model.document import edits
 from app.model.document.naming import describe
 from app.model.text.language import tr
+from app.session.scene import Scene
 from app.session.signals import OF_THE_PROGRAM, OPENING
 from app.session.workspace import Workspace
 from app.views.canvas.canvas import Canvas
@@ -20,7 +21,8 @@ from app.views.canvas.strip.strip import Strip
 from app.views.canvas.tools import TOOLS
 from app.views.canvas.tools.select import SelectTool
 from app.views.canvas.tools.tool import Tool, ToolContext
-from cpm_core.shapes import Circle
+from cpm_core.numerics.types import Place, Position
+from cpm_core.shapes import Circle, Shape, Sphere
 
 FIRST_TOOL = "circle"
 OFFERED = tr("Enter takes the object around the start, the tool Objects (W) corrects it, Esc drops it.")
@@ -57,6 +59,9 @@ class CanvasArea(QWidget):
         """Lines above the canvas, which features add."""
         layout.addLayout(self.offers)
         layout.addWidget(self.canvas, 1)
+        self.controls = QVBoxLayout()
+        """Lines below the canvas, which features add."""
+        layout.addLayout(self.controls)
         layout.addWidget(self.strip)
         self.crosshair = Crosshair(self.canvas, lambda: self.show_hint(self._hint))
         self._hint = ""
@@ -106,7 +111,9 @@ class CanvasArea(QWidget):
             return self._pointed.chosen, self.rect().center()
         inside = QPointF(self.canvas.mapFrom(self, point)) if point is not None else self.canvas.point(keyed or (0, 0))
         at = self.canvas.position(inside)
-        return self._pointed.choose(at, self.canvas.reach()), self.canvas.mapTo(self, inside.toPoint())
+        return self._pointed.choose(self.canvas.placed(at), self.canvas.reach()), self.canvas.mapTo(
+            self, inside.toPoint()
+        )
 
     def escape(self) -> None:
         """Cancel the draft or hide the cross-hair; otherwise dismiss the message and deselect everything."""
@@ -146,14 +153,21 @@ class CanvasArea(QWidget):
     def add_circle(self) -> None:
         """Add a circle in the middle of the visible part."""
         seen = self.canvas.view.viewRect()
-        image = self._session.document.image
-        if image is None:
+        if self.canvas.shape is None:
             return
-        rows, cols = image.shape
+        rows, cols = self.canvas.shape
         row = min(max(seen.center().y(), 0.0), rows - 1.0)
         col = min(max(seen.center().x(), 0.0), cols - 1.0)
-        circle = Circle((row, col), max(4.0, _MIDDLE_FRACTION * min(seen.width(), seen.height(), rows, cols)))
-        self._session.edit(tr("add circle"), lambda document: edits.add_shape(document, circle))
+        radius = max(4.0, _MIDDLE_FRACTION * min(seen.width(), seen.height(), rows, cols))
+        volume = self.canvas.drawn.volume
+        if volume is not None:
+            self._add(tr("add sphere"), Sphere.round(self.canvas.placed((row, col)), radius, volume.spacing))
+        else:
+            self._add(tr("add circle"), Circle((row, col), radius))
+
+    def _add(self, name: str, shape: Shape) -> None:
+        """Add a shape, and select it."""
+        self._session.edit(name, lambda document: edits.add_shape(document, shape))
         self._session.select(len(self._session.document.shapes) - 1)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
@@ -204,7 +218,7 @@ class CanvasArea(QWidget):
                 self.canvas.pan(_PAN * col, _PAN * row)
             else:
                 name = tr("move {shape}").format(shape=describe(self._session.document.shapes[index]))
-                by = (factor * row, factor * col)
+                by = _displaced(self._session.scene, (factor * row, factor * col))
                 self._session.edit(name, lambda document: edits.move_shape(document, index, by), f"nudge {index}")
             return True
         if key in _SIZES and index is not None:
@@ -221,3 +235,8 @@ class CanvasArea(QWidget):
         verb = tr("resize {shape}") if shape.outline.size else tr("change {shape}")
         name, resized = verb.format(shape=describe(shape)), shape.resized(by)
         self._session.edit(name, lambda document: edits.replace_shape(document, index, resized), f"grow {index}")
+
+
+def _displaced(scene: Scene, by: Position) -> Place:
+    """A displacement on the canvas as one in the image or in the volume."""
+    return by if scene.slices is None else scene.slices.current.along(by)

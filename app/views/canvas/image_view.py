@@ -10,12 +10,13 @@ import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QResizeEvent
 
+from app.session.features.volumes.sections import Sections
 from app.session.scene import Scene
 from app.views.canvas.coordinates import image_rectangle, to_position
 from app.views.canvas.layers import Layers
 from app.views.canvas.layers.layer import Requests
 from app.views.theme import theme
-from cpm_core.numerics.types import Position
+from cpm_core.numerics.types import Place, Position
 
 _MARGIN = 0.04
 
@@ -27,7 +28,10 @@ _AROUND, _SMALLEST = 0.15, 12.0
 
 
 class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hints
-    """Shows the `layers` of a scene in the box `view`, and zooms and pans; `requests` asks the worker for data."""
+    """Shows the `layers` of a scene in the box `view`, and zooms and pans; `requests` asks the worker for data.
+
+    Of a volume it shows a slice, as `sections` makes it; positions are (row, col) in what is shown.
+    """
 
     def __init__(self, requests: Requests) -> None:
         super().__init__(background=theme.CANVAS)
@@ -35,6 +39,7 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
         self.view.disableAutoRange()
         self.setCentralItem(self.view)
         self.layers = Layers(self.view, requests)
+        self.sections = Sections()
         self._scene = Scene()
         self._fitted = True
 
@@ -44,11 +49,18 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
         return self._scene.image.shape if self._scene.image is not None else None
 
     def draw(self, scene: Scene) -> None:
-        """Draw a scene; another image is shown as a whole."""
-        before, self._scene = self._scene, scene
-        if scene.image is not before.image:
+        """Draw a scene; another image, or slices across another axis, are shown as a whole."""
+        before, self._scene = self._scene, self.sections.of(scene)
+        if self._scene.ground != before.ground:
+            if _aspect(self._scene) != _aspect(before):
+                self.view.setAspectLocked(True, _aspect(self._scene))
             self.use_image()
-        self.layers.draw(scene)
+        self.layers.draw(self._scene)
+
+    @property
+    def drawn(self) -> Scene:
+        """The scene that is drawn: of a volume, that of a slice."""
+        return self._scene
 
     def use_image(self) -> None:
         """Begin with another image."""
@@ -125,6 +137,11 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
         if getattr(self, "_fitted", False):
             self.fit()
 
+    def placed(self, position: Position) -> Place:
+        """Place in the image, or in the volume, of a position in what is shown."""
+        slices = self._scene.slices
+        return position if slices is None else slices.current.lifted(position)
+
     def _place(self) -> dict[str, object]:
         """The visible part, empty while the whole image is visible."""
         if self._fitted:
@@ -143,3 +160,11 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
             cols = rows * seen.width() / seen.height()
             self.view.setRange(QRectF(center[1] - 0.5 * cols, center[0] - 0.5 * rows, cols, rows), padding=0.0)
             self._fitted = False
+
+
+def _aspect(scene: Scene) -> float:
+    """Width of a pixel in heights of a pixel: one but in slices of a volume, which are shown as they are in space."""
+    if scene.slices is None or scene.image is None:
+        return 1.0
+    row, col = scene.image.spacing
+    return col / row

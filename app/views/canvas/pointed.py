@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.model.document.hit_testing import hit
+from app.session.features.volumes.hits import hit_in
 from app.session.workspace import Workspace
 from cpm_core.numerics.types import Position
 from cpm_core.shapes import Charge
@@ -36,7 +36,7 @@ class Pointed:
         if self._selection.selecting:
             return "proposal"
         shapes = self._session.document.shapes
-        found = hit(shapes, at, reach, self._session.selected)
+        found = hit_in(self._session.scene, at, reach)
         shape = found.index if found is not None else None
         near = found is not None and (found.part == "handle" or shapes[found.index].distance(at) <= reach)
         contour = None if near else self._review.under(at, reach)
@@ -58,4 +58,4 @@ class Pointed:
         snapshot = self._session.scene.snapshot
         if snapshot is None or not len(snapshot.position):
             return False
-        return bool((np.hypot(*(snapshot.position - at).T) <= reach).any())
+        return bool((np.linalg.norm(snapshot.position - np.array(at), axis=1) <= reach).any())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container
+from collections.abc import Container, Sequence
 from pathlib import Path
 
 from PySide6.QtCore import Qt, Signal
@@ -17,7 +17,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.model.export.formats import formats, listed
+from app.model.export.formats import Format, formats, listed
 from app.model.text.language import tr
 from app.views.window.file_dialogs import ask_for_folder
 from cpm_core.formats import WRITABLE, check_export, suffix_of
@@ -28,12 +28,12 @@ _UNITS = ("nm", "µm", "mm", "cm", "m")
 class FormatField(QComboBox):
     """The formats with some suffixes in groups; its data are suffixes."""
 
-    def __init__(self, suffixes: Container[str] = WRITABLE) -> None:
+    def __init__(self, suffixes: Container[str] = WRITABLE, offered: Sequence[Format] | None = None) -> None:
         super().__init__()
         self.setAccessibleName(tr("Format"))
         self.setMaxVisibleItems(24)
         group = ""
-        for one in formats():
+        for one in formats() if offered is None else offered:
             if one.suffix not in suffixes:
                 continue
             if one.group != group:

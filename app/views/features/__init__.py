@@ -18,6 +18,7 @@ from app.views.features.file.large_image import LargeImageFeature
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.file.preferences import PreferencesFeature
 from app.views.features.file.recovery import RecoveryFeature
+from app.views.features.file.stack import StackFeature
 from app.views.features.file.start import StartFeature
 from app.views.features.help.help import HelpFeature
 from app.views.features.run.parameters import ParametersFeature
@@ -30,6 +31,7 @@ from app.views.features.view.comparing import ComparingFeature
 from app.views.features.view.keyboard import KeyboardFeature
 from app.views.features.view.layers import LayersFeature
 from app.views.features.view.mosaic import MosaicFeature
+from app.views.features.view.slices import SlicesFeature
 from app.views.window.feature import Feature
 
 FEATURES: tuple[type[Feature], ...] = (
@@ -49,6 +51,7 @@ FEATURES: tuple[type[Feature], ...] = (
     ParametersFeature,
     BeginningFeature,
     LargeImageFeature,
+    StackFeature,
     ContoursFeature,
     LearningFeature,
     HandEditingFeature,
@@ -59,6 +62,7 @@ FEATURES: tuple[type[Feature], ...] = (
     HistoryFeature,
     LayersFeature,
     ComparingFeature,
+    SlicesFeature,
     KeyboardFeature,
     AppearanceFeature,
     PreferencesFeature,

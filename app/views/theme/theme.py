@@ -254,6 +254,10 @@ def _controls(theme: Theme) -> str:
 def _canvas(theme: Theme) -> str:
     """The line below the canvas."""
     return f"""
+    QFrame#slices {{ background: {theme.window}; border: none; border-top: 1px solid {theme.line}; }}
+    QFrame#slices QToolButton {{ padding: 2px 8px; border-radius: 5px; border: 1px solid transparent; }}
+    QFrame#slices QToolButton:checked {{ background: {theme.chosen}; }}
+    QFrame#slices QToolButton:focus {{ border-color: {theme.accent}; }}
     QFrame#strip {{ background: {theme.window}; border: none; border-top: 1px solid {theme.line}; }}
     QLabel#over_image {{ background: rgba(16, 18, 22, 205); color: #f2f4f7; border-radius: 6px; padding: 3px 9px; }}
     QFrame#error {{ background: {theme.error}; border: none; }}

@@ -9,6 +9,7 @@ from PySide6.QtGui import QAction, QActionGroup, QKeySequence
 from PySide6.QtWidgets import QWidget
 
 from app.model.state.situation import Situation, always
+from app.model.state.volume_limits import NOT_IN_VOLUMES, OTHERWISE_IN_VOLUMES, has_volume
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
 from app.views.widgets.action_spec import STATE, TOGGLE, ActionSpec
@@ -23,6 +24,7 @@ class Actions:
 
     def __init__(self, parent: QWidget, specs: Iterable[ActionSpec]) -> None:
         self._theme: Theme | None = None
+        self._limited = False
         self._groups: dict[str, QActionGroup] = {}
         self._actions: dict[str, QAction] = {}
         self._specs: dict[str, ActionSpec] = {}
@@ -51,6 +53,7 @@ class Actions:
         """Update state, text and icon of all actions."""
         for action, allows in self._conditional:
             action.setEnabled(allows(situation))
+        self._show_limits(has_volume(situation))
         for spec in self._changing:
             action = self._actions[spec.name]
             if spec.holds is not None:
@@ -61,6 +64,28 @@ class Actions:
             if spec.pictured is not None and self._icons[spec.name] != (wanted := spec.pictured(situation)):
                 self._icons[spec.name] = wanted
                 self._tint(spec.name)
+
+    def _show_limits(self, volume: bool) -> None:
+        """Gray what volumes lack, with the reason in place of the tip; it returns with the next image."""
+        if not (volume or self._limited):
+            return
+        for name, (text, tip) in OTHERWISE_IN_VOLUMES.items() if volume != self._limited else ():
+            action, spec = self._actions[name], self._specs[name]
+            told = replace(spec, text=text, tip=tip) if volume else spec
+            action.setText(told.text)
+            action.setStatusTip(told.tip)
+            action.setToolTip(tooltip(told.text, told))
+        for name in NOT_IN_VOLUMES.keys() & self._actions.keys():
+            action, spec = self._actions[name], self._specs[name]
+            if volume:
+                action.setEnabled(False)
+            elif spec.when is always:
+                action.setEnabled(True)
+            if volume != self._limited:
+                told = replace(spec, tip=NOT_IN_VOLUMES[name]) if volume else spec
+                action.setStatusTip(told.tip)
+                action.setToolTip(tooltip(action.text(), told))
+        self._limited = volume
 
     def use_keys(self, name: str, keys: tuple[str, ...]) -> None:
         """Give an action other keys; menus and tooltips follow, and all that shows `specs`."""

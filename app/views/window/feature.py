@@ -56,6 +56,8 @@ class FeatureContext:
         Updates the window after a change that the session does not report.
     open_file : callable
         Opens a file, or with True as second argument an image with the session beside it; asks about unsaved work.
+    open_volume : callable
+        Opens a stack, with True as one volume, with False one plane of it; asks about unsaved work.
     open_menu : callable
         Opens the menu of what is chosen where the keyboard is.
     """
@@ -72,6 +74,7 @@ class FeatureContext:
     use_theme: Callable[[Theme], None]
     refresh: Callable[[], None]
     open_file: Callable[[Path, bool], None]
+    open_volume: Callable[[Path, bool], None]
     open_menu: Callable[[], None]
 
     @property

@@ -10,7 +10,7 @@ import dataclasses
 import math
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 from cpm_core.parameters import FORMER_NAMES, Parameters
 from cpm_core.parameters.quotation import shown
@@ -43,7 +43,7 @@ def from_plain(kind: type[T], plain: object, where: str) -> T:
     dataclass in the sentence, as in ``"shape 3"``.
     """
     plain = mapping(plain, where)
-    hints = get_type_hints(kind)
+    hints = get_type_hints(kind, include_extras=True)
     fields = {field.name: field for field in dataclasses.fields(kind)}  # type: ignore[arg-type]
     unknown = sorted(str(name) for name in plain if name not in fields)
     if unknown:
@@ -110,6 +110,8 @@ def number(value: object, where: str, largest: float = LARGEST) -> float:
 
 def _value(hint: Any, plain: object, where: str) -> Any:
     origin = get_origin(hint)
+    if origin is Annotated:
+        return _position(get_args(hint), plain, where)
     if origin is tuple:
         return _tuple(get_args(hint), plain, where)
     if origin is Literal:
@@ -130,6 +132,14 @@ def _value(hint: Any, plain: object, where: str) -> Any:
     if dataclasses.is_dataclass(hint) and isinstance(hint, type):
         return from_plain(hint, plain, where)
     raise TypeError(f"{where} is of the type {hint}, which session files cannot store")
+
+
+def _position(kind: tuple[Any, ...], plain: object, where: str) -> tuple[Any, ...]:
+    """A tuple of as many numbers as its annotation allows."""
+    found: tuple[Any, ...] = _value(kind[0], plain, where)
+    if len(found) not in kind[1:]:
+        raise ValueError(f"{where} is {shown(plain)} but must be a list of {' or '.join(map(str, kind[1:]))} values.")
+    return found
 
 
 def _tuple(items: tuple[Any, ...], plain: object, where: str) -> tuple[Any, ...]:

@@ -69,7 +69,7 @@ class ImageFile:
     sha256 : str
         Hash of that file, 64 hexadecimal digits; empty where it is not known.
     shape : tuple of int
-        (rows, cols); empty where it is not known.
+        (rows, cols), or (planes, rows, cols); empty where it is not known.
     elsewhere : tuple of str
         Other paths where it may be.
     """
@@ -303,7 +303,7 @@ def _image(plain: object) -> ImageFile:
     if sha256 and not re.fullmatch("[0-9a-f]{64}", sha256):
         raise ValueError(f"sha256 of image is {shown(sha256)} but must be 64 hexadecimal digits.")
     shape = given.get("shape", [])
-    if not isinstance(shape, list) or len(shape) not in (0, 2):
+    if not isinstance(shape, list) or len(shape) not in (0, 2, 3):
         raise ValueError(f"shape of image is {shown(shape)} but must be rows and columns.")
     sides = tuple(int(number(side, "shape of image", _LARGEST_SIDE)) for side in shape)
     if any(side < 1 for side in sides):

@@ -293,13 +293,15 @@ class Copy(Deliver):
 
 @dataclass(frozen=True, slots=True)
 class WarmUp(Command):
-    """Compile or load the kernels, so that the first step does not wait for them."""
+    """Compile or load the kernels, of images or of volumes, so that the first step does not wait for them."""
+
+    volumes: bool = False
 
     activity = "preparing"
 
     def execute(self, context: CommandContext) -> None:
         """Compile or load them."""
-        context.core.warm_up(context.closing)
+        (context.core.warm_up_volumes if self.volumes else context.core.warm_up)(context.closing)
         # What is loaded by now stays; a search through it for garbage would delay the window by several frames.
         gc.freeze()
         context.report(WarmedUp())

@@ -60,6 +60,7 @@ class Discs(OverImage):
         self._shrunk = 1.0
         self.position: Array = np.empty((0, 2))
         self._marks: Marks | None = None
+        self._opacity: Array | None = None
         self._stamps = internals.PrimitiveArray(QPainter.PixmapFragment, 10)
         self._stamp = QPixmap()
         self._stamped: tuple[object, ...] = ()
@@ -79,10 +80,13 @@ class Discs(OverImage):
             self._shrunk = factor
             self.update()
 
-    def show(self, position: Array, color: Marks | None = None) -> None:
-        """Show discs at (row, col), shape (N, 2); `color`, shape (N,), holds indices into the palette."""
+    def show(self, position: Array, color: Marks | None = None, opacity: Array | None = None) -> None:
+        """Show discs at (row, col), shape (N, 2); `color`, shape (N,), holds indices into the palette.
+
+        `opacity`, shape (N,), is by default 1 for each.
+        """
         if len(position) or len(self.position):
-            self.position, self._marks = position, color
+            self.position, self._marks, self._opacity = position, color, opacity
             self.update()
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
@@ -100,9 +104,10 @@ class Discs(OverImage):
         side = stamp.height()
         reach = side / ratio
         seen = (x > -reach) & (x < device.width() + reach) & (y > -reach) & (y < device.height() + reach)
-        marks = self._marks
+        marks, opacity = self._marks, self._opacity
         if not seen.all():
             x, y, marks = x[seen], y[seen], marks if marks is None else marks[seen]
+            opacity = opacity if opacity is None else opacity[seen]
         self._stamps.resize(len(x))
         table = self._stamps.ndarray()
         table[:, 0] = x
@@ -112,7 +117,7 @@ class Discs(OverImage):
         table[:, 4:6] = side
         table[:, 6:8] = 1.0 / ratio
         table[:, 8] = 0.0
-        table[:, 9] = 1.0
+        table[:, 9] = 1.0 if opacity is None else opacity
         painter.save()
         painter.resetTransform()
         painter.drawPixmapFragments(*self._stamps.drawargs(), stamp)  # type: ignore[call-arg]  # pointer and length

@@ -65,9 +65,10 @@ class Layers:
         return iter(self._layers.values())
 
     def draw(self, scene: Scene) -> None:
-        """Draw a scene."""
+        """Draw a scene; layers that show nothing in slices draw the image alone there."""
+        bare = scene if scene.slices is None else Scene(scene.image, scene.display)
         for layer in self:
-            layer.draw(scene)
+            layer.draw(scene if layer.in_slices else bare)
 
     def legend(self) -> list[LegendEntry]:
         """What is shown: what has been found first, then the particles."""

@@ -56,6 +56,8 @@ class Layer(QObject):
     """Colors of its legend."""
     options: ClassVar[tuple[Option, ...]] = ()
     """Its options besides the opacity."""
+    in_slices: ClassVar[bool] = False
+    """Whether it shows anything in the slices of a volume."""
 
     changed = Signal()
     """Visibility, opacity or an option has changed."""
@@ -85,7 +87,7 @@ class Layer(QObject):
     def draw(self, scene: Scene) -> None:
         """Draw what has changed since the last scene."""
         before, self.scene = self.scene, scene
-        if scene.image is not None and scene.image is not before.image:
+        if scene.image is not None and (before.image is None or scene.image.shape != before.image.shape):
             self.use_shape(scene.image.shape)
         self.follow(before)
 

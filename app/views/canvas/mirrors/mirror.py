@@ -38,8 +38,8 @@ class Mirror(ImageView):
 
     def draw(self, scene: Scene) -> None:
         """Draw a scene, with the settings of the canvas where the image is another one."""
-        if scene.image is not self._scene.image:
-            super().draw(Scene(scene.image, scene.display, document=scene.document))
+        if scene.whole is not self._scene.whole:
+            super().draw(Scene(scene.image, scene.display, document=scene.document, slices=scene.slices))
             self._copy()
         super().draw(scene)
 

@@ -13,7 +13,7 @@ from cpm_core.numerics.types import Position
 
 
 class PointerReadout(QLabel):
-    """Row, column and gray value, of a color image in the channel of the run.
+    """Row, column and gray value, in a volume also the plane; of a color image in the channel of the run.
 
     Where the size of a pixel is known, also the position in its unit.
     """
@@ -21,24 +21,30 @@ class PointerReadout(QLabel):
     def __init__(self, session: Session, canvas: Canvas) -> None:
         super().__init__()
         self._session = session
+        self._canvas = canvas
         canvas.pointed.connect(self._show)
 
     def _show(self, position: Position | None) -> None:
         text, image = "", self._session.image
         if position is not None and image is not None:
-            row, col = round(position[0]), round(position[1])
-            rows, cols = image.shape
-            if 0 <= row < rows and 0 <= col < cols:
-                text = self._text(image, row, col, self._session.document.parameters.channel)
+            pixel = tuple(map(round, self._canvas.placed(position)))
+            if all(0 <= at < side for at, side in zip(pixel, image.shape, strict=True)):
+                text = self._text(image, pixel, self._session.document.parameters.channel)
         self.setText(text)
 
     @staticmethod
-    def _text(image: Image, row: int, col: int, channel: str) -> str:
-        value, size = image.gray_at((row, col), channel), shown_in(image.spacing, image.unit)
-        if size.unit is None:
-            return tr("row {row}, col {col}:  {value:g}").format(row=row, col=col, value=value)
-        down, right = (
-            length_text(place, each, size.unit) for place, each in zip((row, col), size.spacing, strict=True)
-        )
-        words = tr("row {row}, col {col}  ({down}, {right}):  {value:g}")
-        return words.format(row=row, col=col, down=down, right=right, value=value)
+    def _text(image: Image, pixel: tuple[int, ...], channel: str) -> str:
+        value, size = image.gray_at(pixel, channel), shown_in(image.spacing, image.unit)
+        lengths = [length_text(place, each, size.unit or "") for place, each in zip(pixel, size.spacing, strict=True)]
+        places = dict(zip(("plane", "row", "col")[-image.ndim :], pixel, strict=True))
+        named = dict(zip(("back", "down", "right")[-image.ndim :], lengths, strict=True))
+        return _WORDS[image.ndim, size.unit is not None].format(value=value, **places, **named)
+
+
+_WORDS = {
+    (2, False): tr("row {row}, col {col}:  {value:g}"),
+    (2, True): tr("row {row}, col {col}  ({down}, {right}):  {value:g}"),
+    (3, False): tr("plane {plane}, row {row}, col {col}:  {value:g}"),
+    (3, True): tr("plane {plane}, row {row}, col {col}  ({back}, {down}, {right}):  {value:g}"),
+}
+"""What is shown, by the number of axes and whether the size of a pixel is known."""

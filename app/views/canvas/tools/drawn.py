@@ -10,7 +10,11 @@ from app.model.text.language import tr
 from app.session.signals import EDITING
 from app.views.canvas.tools.tool import ShapeTool, ToolContext
 from cpm_core.numerics.types import Position
-from cpm_core.shapes import SMALLEST_RADIUS, Circle, Ellipse, Points, Shape
+from cpm_core.shapes import SMALLEST_RADIUS, Circle, Ellipse, Points, Shape, Sphere
+from cpm_core.shapes.sphere import SMALLEST
+
+SLIP_IN_VOLUME = tr("Keep the button down and drag to draw a sphere from its center.")
+"""Message when the pointer has not been moved in a volume."""
 
 
 class DraggedTool(ShapeTool):
@@ -37,13 +41,15 @@ class DraggedTool(ShapeTool):
     def drag(self, at: Position) -> None:
         """Extend the shape to the pointer."""
         if self._index is not None and (self._drawn or math.dist(self._start, at) >= SMALLEST_RADIUS):
-            self._put(self.activity, self.shape(self._start, at))
+            shape = self.shape(self._start, at)
+            self._put(tr("draw sphere") if isinstance(shape, Sphere) else self.activity, shape)
             self._session.select(self._index)
 
     def release(self) -> None:
         """Keep the shape."""
         if self._index is not None and self._drawn is None:
-            self._session.say(self.slip, topic=EDITING)
+            in_volume = self._session.scene.slices is not None
+            self._session.say(SLIP_IN_VOLUME if in_volume else self.slip, topic=EDITING)
         self.used = True
         super().release()
 
@@ -57,8 +63,11 @@ class CircleTool(DraggedTool):
     slip = tr("Keep the button down and drag to draw a circle from its center.")
     by_keys = tr("Enter begins at the center, arrow keys move the rim, Enter ends.")
 
-    def shape(self, begin: Position, at: Position) -> Circle:
-        """The circle around `begin` through the pointer."""
+    def shape(self, begin: Position, at: Position) -> Circle | Sphere:
+        """The circle around `begin` through the pointer, in a volume the sphere."""
+        image = self._session.document.image
+        if image is not None and len(image.shape) == 3:
+            return Sphere.round(begin, SMALLEST, image.spacing).with_handle_at(begin, at)
         return Circle(begin, max(math.dist(begin, at), SMALLEST_RADIUS))
 
 

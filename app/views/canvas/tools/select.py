@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from app.model.document.hit_testing import Hit, hit
+import operator
+
+from app.model.document.hit_testing import Hit
 from app.model.document.naming import describe
 from app.model.text.language import tr
+from app.session.features.volumes.hits import hit_in
 from app.views.canvas.tools.tool import Cursor, ShapeTool, ToolContext
 from cpm_core.numerics.types import Position
 from cpm_core.shapes import Circle
@@ -38,7 +41,7 @@ class SelectTool(ShapeTool):
         if self._part == "handle":
             self._put(tr("reshape {shape}").format(shape=describe(shape)), shape.with_handle_at(self._anchor, at))
         else:
-            by = (at[0] - self._anchor[0], at[1] - self._anchor[1])
+            by = tuple(map(operator.sub, at, self._anchor))
             self._put(tr("move {shape}").format(shape=describe(shape)), shape.moved(by))
 
     def cursor(self, at: Position, reach: float) -> Cursor:
@@ -58,4 +61,4 @@ class SelectTool(ShapeTool):
         return found is not None and found.part == "handle"
 
     def _hit(self, at: Position, reach: float) -> Hit | None:
-        return hit(self._session.document.shapes, at, reach, self._session.selected)
+        return hit_in(self._session.scene, at, reach)

@@ -56,7 +56,7 @@ class ToolContext:
 
 
 class Tool:
-    """What a tool does with the pointer; positions are (row, col) in px of the image.
+    """What a tool does with the pointer; positions are (row, col) in px of the image, or (plane, row, col) in a volume.
 
     By default a gesture lasts as long as the button is down, and the tool has no size and no draft.
     """

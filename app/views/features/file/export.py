@@ -12,14 +12,16 @@ from PySide6.QtWidgets import QApplication
 from app.model.document.modes import needs_start
 from app.model.export.order import ExportOrder, can_be_exported
 from app.model.state.situation import Situation, has_contours, has_image
+from app.model.state.volume_limits import has_volume
 from app.model.text.language import tr
 from app.session.exchange.messages import Exported, Opened
 from app.session.signals import EXPORTING
 from app.session.worker.commands.run import Copied
 from app.views.export.dialog import ExportDialog
+from app.views.export.surface import SurfaceDialog
 from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature, FeatureContext
-from cpm_core.formats import FOR_SKELETONS, suffix_of
+from cpm_core.formats import FOR_SKELETONS, WRITABLE, suffix_of
 
 _SUFFIX = "files/export_suffix"
 """Preference: suffix of the last export."""
@@ -32,7 +34,7 @@ class ExportFeature(Feature):
         super().__init__(context)
         self._exported: Path | None = None
         self._order = ExportOrder()
-        self.dialog: ExportDialog | None = None
+        self.dialog: ExportDialog | SurfaceDialog | None = None
         context.session.listen(Opened, self._forget)
         context.session.listen(Exported, self._remember)
 
@@ -58,13 +60,29 @@ class ExportFeature(Feature):
         image, preferences = session.document.image, self.context.preferences
         if image is None or self.dialog is not None:
             return
+        if session.scene.slices is not None:
+            self._export_surface(Path(image.path))
+            return
         suffix = suffix_of(self._exported) if self._exported else preferences.get(_SUFFIX, ".svg")
+        suffix = suffix if suffix in WRITABLE else ".svg"
         kind = "contours"
         if session.scene.skeleton is not None:
             kind, suffix = "skeleton", suffix if suffix in FOR_SKELETONS else ".svg"
         place = self.context.files.begin("export") / f"{Path(image.name).stem}_{kind}"
         selected = frozenset(item.measures.number for item in review.chosen)
-        dialog = self.dialog = ExportDialog(self.context.window, session, selected, place, suffix)
+        self._open(ExportDialog(self.context.window, session, selected, place, suffix))
+
+    def _export_surface(self, image: Path) -> None:
+        """Ask where and as what to write the surface of a volume."""
+        figures = self.context.session.status.surface
+        if figures is None:
+            return
+        place = self.context.files.begin("export") / f"{image.name.partition('.')[0]}_surface"
+        suffix = suffix_of(self._exported) if self._exported else ".ply"
+        self._open(SurfaceDialog(self.context.window, figures, image, place, suffix))
+
+    def _open(self, dialog: ExportDialog | SurfaceDialog) -> None:
+        self.dialog = dialog
         dialog.ordered.connect(self._write)
         dialog.finished.connect(self._end)
         dialog.open()
@@ -95,10 +113,12 @@ class ExportFeature(Feature):
 
 
 def _can_export(situation: Situation) -> bool:
-    return has_contours(situation) or can_be_exported(situation.document)
+    return has_contours(situation) or situation.status.surface is not None or can_be_exported(situation.document)
 
 
 def _export_text(situation: Situation) -> str:
+    if has_volume(situation):
+        return tr("&Export surface…")
     return tr("&Export contours…") if needs_start(situation.document.mode) else tr("&Export skeleton…")
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from PySide6.QtCore import QTimer, QUrl
 from PySide6.QtWidgets import QMenu
@@ -32,8 +33,7 @@ class OpenSaveFeature(Feature):
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
-        canvas = context.canvas_area.canvas
-        self.document_file = DocumentFile(context.session, canvas.view_state)
+        self.document_file = DocumentFile(context.session, self._view_state)
         self.recent = RecentFiles(context.preferences, lambda path: self.take([path]))
         self.bring_in: Callable[[Path], None] | None = None
         """Imports the file of a preset; set by the window."""
@@ -41,7 +41,7 @@ class OpenSaveFeature(Feature):
         context.session.may_replace = self._may_replace
         self.document_file.truth = lambda: context.workspace.truth.file
         self.document_file.changed.connect(self._name_window)
-        self.document_file.restored.connect(canvas.use_view_state)
+        self.document_file.restored.connect(self._use_view_state)
         context.session.document_changed.connect(lambda _: self._name_window())
         context.session.listen(Opened, self._take_opened)
         context.session.listen(Written, lambda written: self._remember(written.order.path))
@@ -65,10 +65,10 @@ class OpenSaveFeature(Feature):
                        tip=tr("Quit the program."), gap=True),
         )  # fmt: skip
 
-    def take(self, paths: Sequence[Path], resumes: bool = False) -> None:
+    def take(self, paths: Sequence[Path], resumes: bool = False, as_volume: bool | None = None) -> None:
         """Open files by their kind: images and sessions, points (which are drawn), presets (which are imported).
 
-        An image that `resumes` is opened with the session beside it.
+        An image that `resumes` is opened with the session beside it, a stack `as_volume` or a plane of it.
         """
         self.context.canvas_area.messages.keep_only(*OF_THE_PROGRAM)
         documents = [path for path in paths if path.suffix.lower() not in (POINTS, PRESET)]
@@ -78,7 +78,7 @@ class OpenSaveFeature(Feature):
             elif path.suffix.lower() == POINTS:
                 self._draw(path)
         if documents and self._may_open():
-            self.context.session.open(documents[0], resumes=resumes)
+            self.context.session.open(documents[0], resumes=resumes, as_volume=as_volume)
             if len(documents) > 1:
                 message = tr("Only one image can be open at a time: of {count} files, {name} is opened.")
                 self.context.session.say(message.format(count=len(documents), name=documents[0].name), topic=OPENING)
@@ -126,6 +126,15 @@ class OpenSaveFeature(Feature):
         return self.may_leave()
 
     # Internal
+
+    def _view_state(self) -> dict[str, Any]:
+        """What is shown and how, as plain JSON."""
+        context = self.context
+        return {**context.canvas_area.canvas.view_state(), **context.workspace.slices.view_state()}
+
+    def _use_view_state(self, state: Mapping[str, Any]) -> None:
+        self.context.workspace.slices.use_view_state(state)  # the place on the canvas lies in the slice
+        self.context.canvas_area.canvas.use_view_state(state)
 
     @property
     def _work(self) -> tuple[Document, int]:

@@ -134,7 +134,10 @@ class TimelineView(QWidget):
         super().focusOutEvent(event)
 
     def event(self, event: QEvent) -> bool:
-        """Show the step under the pointer as a tooltip."""
+        """Show the step under the pointer as a tooltip, and keep the keys that move along a branch."""
+        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and event.key() in _ALL_KEYS:
+            event.accept()
+            return True
         if event.type() == QEvent.Type.ToolTip and isinstance(event, QHelpEvent):
             branch = self._navigation.branch(self._places.branch_at(event.pos().y()) or 0)
             if branch is not None and event.pos().x() >= self._places.left():

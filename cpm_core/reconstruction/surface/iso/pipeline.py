@@ -61,6 +61,12 @@ def find_surface(
     -------
     Surface
         Without triangles when there are fewer than four particles.
+
+    Notes
+    -----
+    The surface parts what is brighter than the edges from what is darker, nested walls included. Where two bright
+    regions of different gray levels touch, both are inside, and a thin slit, which may have bridges, runs along the
+    wall between them. A thin sheet between two regions of the same gray level is a body with two sides.
     """
     size = np.array(spacing) / min(spacing)
     if len(points) < _FEWEST:

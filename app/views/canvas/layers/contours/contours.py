@@ -49,6 +49,7 @@ class ContourLayer(Layer):
     title = tr("Contours")
     tip = tr("Closed, open, and drawn by hand.")
     shortcut = "Alt+4"
+    in_slices = True
     colors = (theme.CLOSED, theme.OPEN, theme.BY_HAND)
     options = (
         Amount("fill", tr("Area"), 0.0, 1.0, 0.05, 0.1, tr("Opacity of the areas of closed contours.")),

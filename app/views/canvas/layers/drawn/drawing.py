@@ -61,6 +61,7 @@ class DrawingLayer(Layer):
     title = tr("Drawing")
     tip = tr("What a run starts from, regions of interest, barriers and placed charges.")
     shortcut = "Alt+6"
+    in_slices = True
     colors = (theme.DRAWING, theme.REGION, theme.BARRIER, theme.ATTRACTING, theme.REPELLING)
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:

@@ -31,6 +31,7 @@ class ImageLayer(Layer):
     title = tr("Image")
     tip = tr("The image itself.")
     shortcut = "Alt+0"
+    in_slices = True
     options = (
         Choice(
             "shown",
@@ -105,9 +106,12 @@ class ImageLayer(Layer):
         """Show another image, or the window or shades that were requested."""
         scene = self.scene
         if scene.image is not before.image and scene.image is not None and scene.display is not None:
-            self._use_image(scene.image, scene.display)
+            if scene.whole is before.whole:  # another slice of the same volume, in the same window
+                self._shade()
+            else:
+                self._use_image(scene.image, scene.display)
         found, shaded = scene.window_found, scene.shaded
-        if found is not None and found is not before.window_found and found.image is scene.image:
+        if found is not None and found is not before.window_found and found.image is scene.whole:
             self._take_window(found)
         # of two pending requests, the older one may not win
         new = shaded is not None and shaded is not before.shaded and shaded.image is scene.image
@@ -122,7 +126,8 @@ class ImageLayer(Layer):
             self._use_window(found.low, found.high)
 
     def _use_image(self, image: Image, shades: DisplayImage) -> None:
-        self.ends = self.window = (float(image.values.min()), float(image.values.max()))
+        whole = self.scene.whole
+        self.ends = self.window = (image if whole is None else whole).gray_range
         if self.word("range") == _HAND:
             # a window chosen for another image does not apply to this one
             self.chosen["range"] = _WHOLE
@@ -136,7 +141,7 @@ class ImageLayer(Layer):
 
     def _find_window(self) -> None:
         """Use the chosen window; the worker finds percentiles, because sorting the pixels takes longer than a frame."""
-        way, image = self.word("range"), self.scene.image
+        way, image = self.word("range"), self.scene.whole
         if image is None or way == _HAND:
             return
         if way == _WHOLE:

@@ -31,7 +31,7 @@ class Levels(QWidget):
 
     Parameters
     ----------
-    values : ndarray, shape (H, W)
+    values : ndarray, shape (H, W) or (P, H, W)
         Gray values of the image.
     ends : tuple of float
         Least and largest of them.
@@ -44,8 +44,8 @@ class Levels(QWidget):
 
     def __init__(self, values: Array, ends: tuple[float, float], window: tuple[float, float]) -> None:
         super().__init__()
-        stride = max(1, math.isqrt(values.size // _MOST))
-        sample = values[::stride, ::stride].ravel()
+        stride = max(1, int((values.size / _MOST) ** (1.0 / values.ndim)))
+        sample = values[(slice(None, None, stride),) * values.ndim].ravel()
         self.histogram = Histogram(sample, *ends)
         whole = bool((sample == np.rint(sample)).all())
         self.low = _field(tr("Black"), tr("Gray value shown black."), *ends, whole)
@@ -218,7 +218,7 @@ class ImageForm(LayerForm):
     def show_chosen(self) -> None:
         """Show options, histogram and window."""
         super().show_chosen()
-        image = self._own.scene.image
+        image = self._own.scene.whole
         if image is not self._image and image is not None:
             self._image = image
             if self.levels is not None:

@@ -26,6 +26,7 @@ class ScaleBarLayer(Layer):
     title = tr("Scale bar")
     tip = tr("A bar of round length, when the size of a pixel is known.")
     shortcut = "Alt+Shift+0"
+    in_slices = True
     options = (
         Switch("pixels", tr("In px when the size of a pixel is not known"), False, tr("Show the bar for any image.")),
     )

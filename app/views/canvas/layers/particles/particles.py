@@ -27,6 +27,9 @@ _RECEDING, _PALE = 0.55, 0.4
 _ABOVE, _BELOW = 6.0, 3.1
 """Places in the stack of the moving particles: above the contours during a run, and below them after its end."""
 
+_FADED = 0.85
+"""How much of its opacity a particle has lost where it is so far from a slice that it is not shown any more."""
+
 _STATE = "state"
 _COLORS = ("viridis", "cividis", "magma")
 
@@ -41,6 +44,7 @@ class ParticleLayer(Layer):
     title = tr("Particles")
     tip = tr("Moving, and nearly at rest.")
     shortcut = "Alt+1"
+    in_slices = True
     colors = (theme.MOVING, theme.RESTING)
     ways: ClassVar = {_STATE: tr("Moving or at rest"), **{name: kind.title for name, kind in QUANTITIES.items()}}
     """Names and titles of what the color can show."""
@@ -128,24 +132,26 @@ class ParticleLayer(Layer):
 
     def follow(self, before: Scene) -> None:
         """Show the newest particles."""
-        if self.scene.snapshot is not before.snapshot:
+        if self.scene.snapshot is not before.snapshot:  # another slice shows others of the same particles
             self._show()
             if _ended(self.scene) != _ended(before):
                 self._recede()
 
     def _show(self) -> None:
-        snapshot = self.scene.snapshot
+        snapshot, near = self.scene.snapshot, self.scene.near
+        opacity = None if near is None else 1.0 - _FADED * near.away
         if snapshot is None:
             self._resting.show(NO_POSITIONS)
             self._moving.show(NO_POSITIONS)
         elif self.word("colour") == _STATE:
-            self._resting.show(snapshot.position[snapshot.resting])
-            self._moving.show(snapshot.position[~snapshot.resting])
+            for discs, which in ((self._resting, snapshot.resting), (self._moving, ~snapshot.resting)):
+                discs.show(snapshot.position[which], None, None if opacity is None else opacity[which])
         else:
             quantity = QUANTITIES[self.word("colour")]
             shown = colored(quantity, snapshot.state, InsertionTimes(snapshot.metrics.step, snapshot.metrics.numbered))
+            marks = shown.marks if near is None else shown.marks[near.index]
             for discs, which in ((self._resting, snapshot.resting), (self._moving, ~snapshot.resting)):
-                discs.show(snapshot.position[which], shown.marks[which])
+                discs.show(snapshot.position[which], marks[which], None if opacity is None else opacity[which])
             partly = bool((shown.marks == SHADES).any())
             self.legend.show_range(quantity.title, shown.low, shown.high, self.word("map"), partly)
         self._show_legend()

@@ -1,0 +1,98 @@
+"""What tells whether to trust the surface that a run in a volume has found, as numbers and in words."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from app.model.display.lengths import shown_in
+from app.model.text.language import tr
+from cpm_core.contours.surface import Surface
+
+SURFACE, CLOSED, EULER = tr("Surface"), tr("Closed"), tr("Euler char.")
+AREA, VOLUME, SUPPORT = tr("Area"), tr("Volume"), tr("Support")
+
+
+@dataclass(frozen=True, slots=True)
+class SurfaceFigures:
+    """Figures of a surface, measured beside the window.
+
+    Attributes
+    ----------
+    components, left_out : int
+        Parts that do not hang together, and those that were left out for want of particles.
+    euler : int
+        Euler characteristic.
+    free, nonmanifold : int
+        Edges with one triangle, and with more than two; a closed surface has none of either.
+    area, volume : float
+        In the unit of the image.
+    unsupported : float
+        Share of the vertices without a particle near; NaN where it is not known.
+    spacing : tuple of float
+        Size of a voxel along each axis, in `unit`.
+    unit : str or None
+        Unit of length; None where it is not known.
+    """
+
+    components: int
+    left_out: int
+    euler: int
+    free: int
+    nonmanifold: int
+    area: float
+    volume: float
+    unsupported: float
+    spacing: tuple[float, ...]
+    unit: str | None
+
+    @classmethod
+    def of(cls, surface: Surface) -> SurfaceFigures:
+        """Measure a surface, which takes long for one of many triangles."""
+        return cls(
+            surface.components,
+            surface.left_out,
+            surface.euler,
+            surface.free_edges,
+            surface.nonmanifold_edges,
+            surface.area,
+            surface.volume,
+            surface.unsupported,
+            surface.spacing,
+            surface.unit,
+        )
+
+
+def in_words(found: SurfaceFigures | None) -> tuple[tuple[str, str, str], ...]:
+    """Label, value and explanation of each figure; dashes while there is no surface."""
+    texts = ("–",) * 6 if found is None else _texts(found)
+    tips = (
+        tr("Parts of the surface that do not hang together."),
+        tr("Whether every edge of the surface has two triangles, so that there is an inside."),
+        tr("Euler characteristic: 2 for a ball, 0 for a ring, their sum for several parts."),
+        tr("Area of the surface."),
+        tr("Volume that a closed surface encloses."),
+        tr("Share of the surface that has particles near; elsewhere it is a guess."),
+    )
+    return tuple(zip((SURFACE, CLOSED, EULER, AREA, VOLUME, SUPPORT), texts, tips, strict=True))
+
+
+def _texts(found: SurfaceFigures) -> tuple[str, ...]:
+    size = shown_in(found.spacing, found.unit)
+    unit = size.unit or tr("voxels")
+    parts = tr("1 part") if found.components == 1 else tr("{count} parts").format(count=f"{found.components:,}")
+    if found.left_out:
+        parts = tr("{parts}, {count} left out").format(parts=parts, count=f"{found.left_out:,}")
+    edges = found.free + found.nonmanifold
+    closed = tr("yes") if not edges else tr("no, at {count} edges").format(count=f"{edges:,}")
+    area, volume = found.area * size.factor**2, found.volume * size.factor**3
+    support = "–" if math.isnan(found.unsupported) else f"{100.0 * (1.0 - found.unsupported):.1f} %"
+    square, cube = (f"{unit}²", f"{unit}³") if size.unit else (tr("voxel faces"), unit)
+    return (
+        parts,
+        closed,
+        f"{found.euler:,}",
+        f"{area:,.4g} {square}" if area < 1e6 else f"{area:,.0f} {square}",
+        f"{volume:,.4g} {cube}" if volume < 1e6 else f"{volume:,.0f} {cube}",
+        support,
+    )

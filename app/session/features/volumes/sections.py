@@ -1,0 +1,120 @@
+"""What a slice shows of a scene with a volume: a scene with an image, which any canvas draws."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, TypeVar
+
+import numpy as np
+
+from app.model.display.display_image import DisplayImage, IntensityWindow, apply_window
+from app.model.document.document import Document
+from app.model.volume.slices import Slice
+from app.model.volume.surface_section import section as cut
+from app.model.volume.surface_section import unmeasured
+from app.session.exchange.messages import Reconstruction, Snapshot
+from app.session.scene import NO_CONTOURS, Item, NearParticles, ReviewedContours, Scene
+from cpm_core.contours.review import ReviewedContour
+from cpm_core.image.image import Image
+from cpm_core.shapes.sections import section
+
+T = TypeVar("T")
+
+
+class Sections:
+    """Makes the scenes of one view; parts are made again only when what they depend on is another object.
+
+    Parameters
+    ----------
+    axis : int, optional
+        The axis across which the view shows its slices; by default that which is worked on.
+    """
+
+    def __init__(self, axis: int | None = None) -> None:
+        self.axis = axis
+        self._made: dict[str, tuple[tuple[Any, ...], Any]] = {}
+
+    def of(self, scene: Scene) -> Scene:
+        """The scene of a slice; any other scene is returned as it is."""
+        volume, slices = scene.image, scene.slices
+        if volume is None or slices is None or scene.volume is not None:
+            return scene
+        slices = slices if self.axis is None else slices.turned(self.axis)
+        here = slices.current
+        image = self._once("image", (volume, here), lambda: _image(volume, here))
+        display = self._once("display", (image,), lambda: _display(image, volume))
+        document, places = self._once("document", (scene.document, here), lambda: _document(scene.document, here))
+        reach = scene.document.parameters.d_min
+        near = self._once("near", (scene.snapshot, here, reach), lambda: _near(scene.snapshot, here, volume, reach))
+        snapshot = self._once("snapshot", (near,), lambda: _snapshot(scene.snapshot, near, here))
+        contours = self._once("contours", (scene.reconstruction, here), lambda: _contours(scene.reconstruction, here))
+        return Scene(
+            image,
+            display,
+            scene.window_found,
+            scene.shaded,
+            document,
+            places.get(scene.selected),
+            snapshot=snapshot,
+            contours=contours,
+            slices=slices,
+            volume=volume,
+            near=near,
+        )
+
+    def _once(self, name: str, given: tuple[Any, ...], make: Callable[[], T]) -> T:
+        """What has been made of the same things before, or is made now."""
+        known = self._made.get(name)
+        if known is None or not all(one is other or one == other for one, other in zip(known[0], given, strict=True)):
+            known = self._made[name] = (given, make())
+        made: T = known[1]
+        return made
+
+
+def _image(volume: Image, here: Slice) -> Image:
+    return Image(here.of(volume.values), here.sides(volume.spacing), volume.unit, volume.source)
+
+
+def _display(image: Image, volume: Image) -> DisplayImage:
+    """The slice in the gray values of the whole volume, so that it does not flicker from slice to slice."""
+    return DisplayImage.of(apply_window(image.values, IntensityWindow(*volume.gray_range)))
+
+
+def _document(document: Document, here: Slice) -> tuple[Document, dict[int | None, int]]:
+    """The document with the sections of its shapes, and their places by those of the shapes."""
+    cuts = [(index, section(shape, here.axis, here.index)) for index, shape in enumerate(document.shapes)]
+    seen = [(index, shape) for index, shape in cuts if shape is not None]
+    places: dict[int | None, int] = {index: place for place, (index, _) in enumerate(seen)}
+    return replace(document, shapes=tuple(shape for _, shape in seen)), places
+
+
+def _near(snapshot: Snapshot | None, here: Slice, volume: Image, reach: float) -> NearParticles | None:
+    """The particles within `reach` of the slice, in sides of the smallest voxel."""
+    if snapshot is None:
+        return None
+    side = volume.spacing[here.axis] / min(volume.spacing)
+    away = np.abs(snapshot.position[:, here.axis] - here.index) * (side / reach)
+    index = np.flatnonzero(away < 1.0)
+    return NearParticles(index, away[index])
+
+
+def _snapshot(snapshot: Snapshot | None, near: NearParticles | None, here: Slice) -> Snapshot | None:
+    if snapshot is None or near is None:
+        return None
+    position = here.flattened(snapshot.position[near.index])
+    return replace(snapshot, position=position, resting=snapshot.resting[near.index])
+
+
+def _contours(reconstruction: Reconstruction | None, here: Slice) -> ReviewedContours:
+    """The lines in which the slice cuts the surface."""
+    surface = getattr(reconstruction.result, "surface", None) if reconstruction is not None else None
+    if surface is None:
+        return NO_CONTOURS
+    found = enumerate(cut(surface, here))
+    return ReviewedContours(
+        tuple(
+            Item(number, ReviewedContour(contour, None, number), unmeasured(contour, number + 1))
+            for number, contour in found
+        )
+    )

@@ -1,0 +1,88 @@
+"""The line below the canvas that chooses which slice of a volume is shown."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QButtonGroup, QFrame, QHBoxLayout, QLabel, QSlider, QSpinBox, QToolButton
+
+from app.model.display.lengths import shown_in
+from app.model.text.language import tr
+from app.model.volume.slices import AXES, Slices
+from cpm_core.image.image import Image
+
+_TIPS = (
+    tr("Show planes: rows run down, columns to the right."),
+    tr("Show slices across the rows: planes run down, columns to the right."),
+    tr("Show slices across the columns: planes run down, rows to the right."),
+)
+_JUMP = 10
+
+
+class SliceBar(QFrame):
+    """Axis, slider and number of the slice, and the size of a voxel; hidden while no volume is open."""
+
+    moved = Signal(int)
+    """The user wants the slice at an index."""
+    turned = Signal(int)
+    """The user wants slices across an axis."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setObjectName("slices")
+        self.axes = [QToolButton() for _ in AXES]
+        self.slider = QSlider(Qt.Orientation.Horizontal)
+        self.number = QSpinBox()
+        self.of, self.voxel = QLabel(), QLabel()
+        row = QHBoxLayout(self)
+        row.setContentsMargins(10, 3, 10, 3)
+        row.setSpacing(4)
+        group = QButtonGroup(self)
+        for axis, button in enumerate(self.axes):
+            name = AXES[axis]
+            button.setText(name[:1].upper() + name[1:])
+            button.setToolTip(_TIPS[axis])
+            button.setAccessibleName(tr("Slices across the axis: {axis}").format(axis=name))
+            button.setCheckable(True)
+            button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+            group.addButton(button, axis)
+            row.addWidget(button)
+        group.idClicked.connect(self.turned)
+        self.slider.setAccessibleName(tr("Slice"))
+        self.slider.setToolTip(tr("Go through the slices: Page Up and Page Down, or the wheel with Shift."))
+        self.slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.slider.setPageStep(_JUMP)
+        self.number.setAccessibleName(tr("Number of the slice"))
+        self.number.setKeyboardTracking(False)
+        for label in (self.of, self.voxel):
+            label.setObjectName("dim")
+        row.addSpacing(8)
+        row.addWidget(self.slider, 1)
+        for widget in (self.number, self.of, self.voxel):
+            row.addWidget(widget)
+        self.slider.valueChanged.connect(self.moved)
+        self.number.valueChanged.connect(self.moved)
+        self.hide()
+
+    def show_slices(self, slices: Slices | None, image: Image | None) -> None:
+        """Show where the slices are, or hide when there are none."""
+        self.setVisible(slices is not None)
+        if slices is None or image is None:
+            return
+        for field in (self.slider, self.number):
+            field.blockSignals(True)
+            field.setRange(0, slices.count - 1)
+            field.setValue(slices.current.index)
+            field.blockSignals(False)
+        self.axes[slices.axis].setChecked(True)
+        self.of.setText(tr("of {last}").format(last=slices.count - 1))
+        self.voxel.setText(_size(image))
+        self.voxel.setToolTip(tr("Size of a voxel: plane × row × column."))
+
+
+def _size(image: Image) -> str:
+    """The size of a voxel in words; empty where it is not known and the same along all axes."""
+    size = shown_in(image.spacing, image.unit)
+    if size.unit is None and len(set(size.spacing)) == 1:
+        return ""
+    sides = " × ".join(f"{side:.4g}" for side in size.spacing)
+    return f"   {sides} {size.unit}" if size.unit else f"   {sides}"

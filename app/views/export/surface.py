@@ -1,0 +1,83 @@
+"""The export dialog for what a run in a volume has found: surface, label volume or particles."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QDialog, QDialogButtonBox, QFormLayout, QLabel, QVBoxLayout, QWidget
+
+from app.model.export.formats import formats_of_volumes
+from app.model.export.order import ExportOrder
+from app.model.state.surface_figures import SurfaceFigures, in_words
+from app.model.text.language import tr
+from app.views.export.fields import FileFields, FormatField
+from cpm_core.formats import FOR_VOLUMES
+
+_WIDTH = 420
+
+
+class SurfaceDialog(QDialog):
+    """Asks for format and place of a file, and tells what there is to write."""
+
+    ordered = Signal(object, object)
+    """Path of the file and the order for it."""
+
+    def __init__(self, parent: QWidget, figures: SurfaceFigures, image: Path, place: Path, suffix: str) -> None:
+        super().__init__(parent)
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self.setWindowTitle(tr("Export surface"))
+        self.format = FormatField(FOR_VOLUMES, formats_of_volumes())
+        self.file = FileFields(place.parent, place.name, image)
+        self.figures, self.note = QLabel(_summary(figures)), QLabel()
+        for label in (self.figures, self.note):
+            label.setWordWrap(True)
+            label.setMinimumWidth(_WIDTH)
+        self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Cancel)
+        self.export_button = self.buttons.addButton(tr("&Export"), QDialogButtonBox.ButtonRole.AcceptRole)
+        form = QFormLayout()
+        form.addRow(tr("What"), self.figures)
+        form.addRow(tr("Format"), self.format)
+        form.addRow(tr("File"), self.file)
+        form.addRow("", self.note)
+        layout = QVBoxLayout(self)
+        layout.addLayout(form)
+        layout.addWidget(self.buttons)
+        self.export_button.setDefault(True)  # once it is in the dialog, else Tab makes another button the default
+        self.format.choose(suffix)
+        self.file.use_suffix(self.format.suffix)
+        self.format.activated.connect(lambda _: self._use_format())
+        self.file.edited.connect(self._follow_name)
+        self.buttons.accepted.connect(self.accept)
+        self.buttons.rejected.connect(self.reject)
+        self._follow()
+
+    def accept(self) -> None:
+        """Order the export."""
+        if self.export_button.isEnabled():
+            self.ordered.emit(self.file.path, ExportOrder())
+            super().accept()
+
+    def _use_format(self) -> None:
+        self.file.use_suffix(self.format.suffix)
+        self._follow()
+
+    def _follow_name(self) -> None:
+        if self.file.suffix in FOR_VOLUMES:
+            self.format.choose(self.file.suffix)
+        self._follow()
+
+    def _follow(self) -> None:
+        """Tell what stands in the way."""
+        trouble = self.file.trouble
+        if not trouble and self.file.suffix not in FOR_VOLUMES:
+            trouble = tr("This format is for contours: choose one from the list above.")
+        self.export_button.setEnabled(not trouble)
+        if not trouble and self.file.path.exists():
+            trouble = tr("{name} is there already and will be replaced.").format(name=self.file.path.name)
+        self.note.setText(trouble)
+
+
+def _summary(figures: SurfaceFigures) -> str:
+    """The figures of a surface, one in each line."""
+    return "\n".join(f"{label}: {value}" for label, value, _ in in_words(figures))

@@ -1,0 +1,76 @@
+"""The slices of a volume: which is shown, across which axis."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+
+from app.model.preferences.table import UNIT
+from app.model.state.situation import Condition
+from app.model.state.volume_limits import has_volume
+from app.model.text.language import tr
+from app.model.volume.slices import AXES, Slices
+from app.views.canvas.volume.slice_bar import SliceBar
+from app.views.widgets.action_spec import STATE, ActionSpec
+from app.views.window.feature import Feature, FeatureContext
+
+_MENU = "View>" + tr("Sli&ces of a volume")
+_JUMP = 10
+
+
+class SlicesFeature(Feature):
+    """The line below the canvas, keys and wheel that go through a volume."""
+
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        self.bar = SliceBar()
+        self._shown: Slices | None = None
+        self._slices = slices = context.workspace.slices
+        self.bar.moved.connect(slices.at)
+        self.bar.turned.connect(slices.turn)
+        context.canvas_area.controls.addWidget(self.bar)
+        context.canvas_area.canvas.slice_wanted.connect(slices.go)
+        context.session.scene_changed.connect(self._show)
+        context.preferences.follow(UNIT, self._show_size)
+
+    def action_specs(self) -> Sequence[ActionSpec]:
+        """Next and previous slice, and the axis."""
+        slices = self._slices
+        moves = (
+            ("previous_slice", tr("&Previous slice"), "PgUp", -1, tr("Show the slice before this one.")),
+            ("next_slice", tr("&Next slice"), "PgDown", 1, tr("Show the slice after this one.")),
+            ("slices_back", tr("Ten slices &back"), "Shift+PgUp", -_JUMP, tr("Show the slice ten before this one.")),
+            ("slices_on", tr("Ten slices &on"), "Shift+PgDown", _JUMP, tr("Show the slice ten after this one.")),
+        )
+        through = [
+            ActionSpec(name=name, menu=_MENU, text=text, do=partial(slices.go, by), shortcuts=(key,), tip=tip,
+                       when=has_volume)
+            for name, text, key, by, tip in moves
+        ]  # fmt: skip
+        axes = [
+            ActionSpec(name=f"slices_across_{axis}", menu=_MENU, text=tr("Across the &{axis}").format(axis=name),
+                       do=partial(self._turn, axis), shortcuts=(f"Ctrl+Shift+{axis + 1}",),
+                       tip=tr("Show slices across this axis: {axis}.").format(axis=name), group=STATE,
+                       gap=axis == 0, when=has_volume, holds=self._is_across(axis))
+            for axis, name in enumerate(AXES)
+        ]  # fmt: skip
+        return (*through, *axes)
+
+    def _turn(self, axis: int) -> None:
+        self._slices.turn(axis)
+        self.context.refresh()
+
+    def _is_across(self, axis: int) -> Condition:
+        return lambda _: self._slices.now is not None and self._slices.now.axis == axis
+
+    def _show(self) -> None:
+        scene = self.context.session.scene
+        if scene.slices != self._shown:
+            self._shown = scene.slices
+            self.bar.show_slices(scene.slices, scene.whole)
+            self.context.canvas_area.canvas.point_again()
+
+    def _show_size(self) -> None:
+        """Show the size of a voxel in another unit."""
+        self._shown = None
+        self._show()

@@ -1,0 +1,155 @@
+"""A volume is opened and seen slice by slice, by mouse and keys."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import tifffile
+from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtGui import QWheelEvent
+from PySide6.QtWidgets import QApplication
+
+from app.model.state.volume_limits import NOT_IN_VOLUMES, OTHERWISE_IN_VOLUMES
+from app.views.features.file.stack import StackFeature
+from app.views.features.view.slices import SlicesFeature
+from cpm_core import PRESETS
+from tests.app.volumes.conftest import SHAPE, ball, open_file
+
+KEY, SHIFT = Qt.Key, Qt.KeyboardModifier.ShiftModifier
+MIDDLE = tuple(side // 2 for side in SHAPE)
+
+
+def bar(window):
+    return window.feature(SlicesFeature).bar
+
+
+def shown(window):
+    """Axis and index of the slice that is shown."""
+    current = window.canvas_area.canvas.drawn.slices.current
+    return current.axis, current.index
+
+
+def turn_wheel(window, notches: int, modifiers: Qt.KeyboardModifier) -> None:
+    port = window.canvas_area.canvas.viewport()
+    at = QPointF(port.rect().center())
+    event = QWheelEvent(at, port.mapToGlobal(at), QPoint(), QPoint(0, -120 * notches), Qt.MouseButton.NoButton,
+                        modifiers, Qt.ScrollPhase.NoScrollPhase, False)  # fmt: skip
+    QApplication.sendEvent(port, event)
+
+
+def test_a_volume_opens_at_its_middle_plane_with_the_preset_for_volumes(volume) -> None:
+    assert volume.session.document.parameters == PRESETS["volume"]
+    assert bar(volume).isVisible()
+    assert shown(volume) == (0, MIDDLE[0])
+    np.testing.assert_array_equal(volume.canvas_area.canvas.drawn.image.values, ball()[MIDDLE[0]])
+
+
+def test_an_image_has_no_line_of_slices(window) -> None:
+    assert not bar(window).isVisible()
+    assert window.session.scene.slices is None
+
+
+def test_keys_wheel_slider_and_field_go_through_the_slices(volume, hand) -> None:
+    hand.key(KEY.Key_PageDown)
+    assert shown(volume) == (0, 13)
+    hand.key(KEY.Key_PageUp)
+    hand.key(KEY.Key_PageUp)
+    assert shown(volume) == (0, 11)
+    turn_wheel(volume, 3, SHIFT)
+    assert shown(volume) == (0, 14)
+    bar(volume).slider.setFocus()
+    hand.qtbot.keyClick(bar(volume).slider, KEY.Key_Home)
+    assert shown(volume) == (0, 0)
+    hand.key(KEY.Key_PageUp)
+    assert shown(volume) == (0, 0), "there is no slice before the first"
+    bar(volume).number.selectAll()
+    hand.qtbot.keyClicks(bar(volume).number, "20")
+    hand.qtbot.keyClick(bar(volume).number, KEY.Key_Return)
+    assert shown(volume) == (0, 20)
+    assert bar(volume).slider.value() == 20
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_each_axis_has_its_slices_in_the_same_gray_values(volume, hand, axis) -> None:
+    hand.qtbot.mouseClick(bar(volume).axes[axis], Qt.MouseButton.LeftButton)
+    assert shown(volume) == (axis, MIDDLE[axis])
+    canvas = volume.canvas_area.canvas
+    for index in (MIDDLE[axis], 0):
+        volume.workspace.slices.at(index)
+        np.testing.assert_array_equal(canvas.drawn.image.values, np.take(ball(), index, axis=axis))
+        assert canvas.layers["image"].window == (20.0, 200.0)
+    assert canvas.layers["image"].shades.max() == 0, "what is even in one slice stays as dark as in the volume"
+
+
+def test_zoom_stays_from_slice_to_slice_and_the_whole_is_shown_across_another_axis(volume, hand) -> None:
+    canvas = volume.canvas_area.canvas
+    turn_wheel(volume, -4, Qt.KeyboardModifier.NoModifier)
+    zoomed = canvas.view.viewRect()
+    hand.key(KEY.Key_PageDown)
+    assert canvas.view.viewRect() == zoomed
+    hand.qtbot.mouseClick(bar(volume).axes[2], Qt.MouseButton.LeftButton)
+    assert canvas.view.viewRect().width() > zoomed.width()
+
+
+def test_the_pointer_reads_plane_row_column_and_value(volume, hand) -> None:
+    hand.move(13, 15)
+    assert volume.pointer_readout.text() == "plane 12, row 13, col 15:  200"
+    hand.qtbot.mouseClick(bar(volume).axes[1], Qt.MouseButton.LeftButton)
+    hand.move(3, 5)
+    assert volume.pointer_readout.text() == "plane 3, row 14, col 5:  20"
+    hand.key(KEY.Key_PageDown)
+    assert "row 15" in volume.pointer_readout.text(), "the pointer rests, and another slice has come under it"
+
+
+def test_what_volumes_lack_is_gray_with_a_sentence_and_returns_with_an_image(volume, hand, image_file) -> None:
+    actions = volume.actions_by_name
+    assert set(NOT_IN_VOLUMES) | set(OTHERWISE_IN_VOLUMES) <= {spec.name for spec in actions.specs}
+    for name, sentence in NOT_IN_VOLUMES.items():
+        assert not actions[name].isEnabled(), name
+        assert actions[name].toolTip().endswith(sentence)
+    assert actions["circle"].text().replace("&", "") == "Sphere tool"
+    open_file(volume, hand, image_file)
+    assert actions["polygon"].isEnabled()
+    assert actions["mode_automatic"].isEnabled()
+    assert not any(actions[name].toolTip().endswith(sentence) for name, sentence in NOT_IN_VOLUMES.items())
+    assert actions["circle"].text().replace("&", "") == "Circle tool"
+    assert volume.session.document.parameters == PRESETS["shape"]
+
+
+def test_a_tool_that_volumes_lack_gives_way_to_the_sphere(window, hand, volume_file) -> None:
+    hand.key(KEY.Key_L)
+    assert window.canvas_area.canvas.tool.name == "ellipse"
+    open_file(window, hand, volume_file)
+    assert window.canvas_area.canvas.tool.name == "circle"
+    assert window.actions_by_name["circle"].isChecked()
+
+
+def test_a_stack_opens_at_its_first_page_and_as_one_volume_on_request(window, hand, tmp_path) -> None:
+    path = tmp_path / "stack.tif"
+    pages = ball().astype(np.uint8) + np.arange(SHAPE[2], dtype=np.uint8)  # no page is even
+    tifffile.imwrite(path, pages, photometric="minisblack")
+    open_file(window, hand, path)
+    assert window.session.image.ndim == 2
+    offer = window.feature(StackFeature).bar
+    assert "stack of pages" in offer.text
+    hand.qtbot.mouseClick(offer.buttons[0], Qt.MouseButton.LeftButton)
+    hand.wait(lambda: window.session.image.ndim == 3 and window.session.idle)
+    np.testing.assert_array_equal(window.session.image.values, pages)
+    way_back = window.actions_by_name["open_stack"]
+    assert "one page" in way_back.text()
+    way_back.trigger()
+    hand.wait(lambda: window.session.image.ndim == 2 and window.session.idle)
+    assert not bar(window).isVisible()
+
+
+def test_voxels_that_are_no_cubes_are_shown_as_they_are_in_space(window, hand, tmp_path) -> None:
+    nibabel = pytest.importorskip("nibabel")
+    path = tmp_path / "flat.nii"
+    image = nibabel.Nifti1Image(ball().astype(np.uint8), np.diag([1.0, 1.0, 2.0, 1.0]))
+    nibabel.save(image, path)
+    open_file(window, hand, path)
+    canvas = window.canvas_area.canvas
+    assert "2 × 1 × 1 mm" in bar(window).voxel.text()
+    hand.qtbot.mouseClick(bar(window).axes[1], Qt.MouseButton.LeftButton)
+    width, height = canvas.view.viewPixelSize()
+    assert width == pytest.approx(2.0 * height), "a pixel that is twice as high takes twice the screen"

@@ -1,0 +1,54 @@
+"""Work on a volume is saved and opened again."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+
+from app.views.features.file.open_save import OpenSaveFeature
+from cpm_core.formats.sessions.session_file import load_session
+from tests.app.volumes.conftest import open_file
+
+KEY, CONTROL = Qt.Key, Qt.KeyboardModifier.ControlModifier
+
+
+def test_a_session_brings_back_drawing_run_and_slice(volume, hand, tmp_path, image_file) -> None:
+    path, file = tmp_path / "work.cpm", volume.feature(OpenSaveFeature).document_file
+    hand.drag((14, 16), (14, 18), (14, 20))
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: volume.session.idle)
+    volume.workspace.slices.turn(2)
+    volume.workspace.slices.at(9)
+    found, document = volume.session.scene.snapshot.position, volume.session.document
+    assert file.unsaved
+    file.save_at_once(path)
+    assert load_session(path).image.shape == document.image.shape
+    open_file(volume, hand, image_file)
+    assert volume.session.scene.slices is None
+    volume.open_image(str(path))
+    hand.wait(lambda: volume.session.document.image.name == "ball.npy" and volume.session.idle)
+    assert volume.session.document.shapes == document.shapes
+    assert volume.session.document.parameters == document.parameters
+    now = volume.session.scene.slices
+    assert (now.axis, now.current.index) == (2, 9)
+    np.testing.assert_array_equal(volume.session.scene.snapshot.position, found)
+    hand.wait(lambda: len(volume.canvas_area.canvas.drawn.contours.items) > 0)
+    assert not file.unsaved
+
+
+@pytest.mark.parametrize(
+    "kept", [None, {}, {"axis": 7, "voxel": [1, 2]}, {"axis": "x", "voxel": "y"}, {"axis": True, "voxel": [1.5, 2, 3]}]
+)
+def test_slices_that_make_no_sense_in_a_file_change_nothing(volume, kept) -> None:
+    before = volume.session.scene.slices
+    volume.workspace.slices.use_view_state(json.loads(json.dumps({"slices": kept})))
+    assert volume.session.scene.slices == before
+
+
+def test_slices_beyond_the_volume_are_shown_at_its_end(volume) -> None:
+    volume.workspace.slices.use_view_state({"slices": {"axis": 1, "voxel": [-5, 99, 3]}})
+    assert volume.session.scene.slices.voxel == (0, 27, 3)

@@ -1,0 +1,88 @@
+"""The surface that a run finds: its sections, its figures, and its files."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import tifffile
+from PySide6.QtCore import Qt
+
+from app.views.features.file.export import ExportFeature
+from app.views.features.run.run_control import RunControlFeature
+from cpm_core.formats import FOR_VOLUMES
+
+RADIUS, CENTER = 7.0, np.array([11.5, 13.5, 15.5])
+
+
+@pytest.fixture
+def found(volume, hand):
+    """A window on the ball after a run."""
+    hand.drag((14, 16), (14, 18), (14, 20))
+    hand.key(Qt.Key.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: volume.session.idle and volume.session.scene.reconstruction is not None)
+    return volume
+
+
+def numbers(window) -> dict[str, str]:
+    return {label: value for label, value, _ in window.session.resolved.numbers}
+
+
+def test_each_slice_shows_where_it_cuts_the_surface(found) -> None:
+    canvas = found.canvas_area.canvas
+    for axis, index, off in ((0, 12, 0.5), (0, 7, 4.5), (1, 16, 2.5), (2, 11, 4.5)):
+        found.workspace.slices.turn(axis)
+        found.workspace.slices.at(index)
+        (item,) = canvas.drawn.contours.items
+        away = np.linalg.norm(item.contour.points - np.delete(CENTER, axis), axis=1)
+        assert away.mean() == pytest.approx(np.sqrt(RADIUS**2 - off**2), abs=0.35)
+        assert canvas.layers.contours.counts == (1, 0)
+    found.workspace.slices.at(0)
+    assert canvas.drawn.contours.items == ()
+
+
+def test_the_panel_tells_what_makes_the_surface_worth_trust(found) -> None:
+    shown = numbers(found)
+    assert (shown["Surface"], shown["Closed"], shown["Euler char."]) == ("1 part", "yes", "2")
+    assert float(shown["Volume"].split()[0].replace(",", "")) == pytest.approx(4 / 3 * np.pi * RADIUS**3, rel=0.1)
+    assert float(shown["Area"].split()[0].replace(",", "")) == pytest.approx(4 * np.pi * RADIUS**2, rel=0.1)
+    assert "Contours" not in shown
+    panel = found.panels["run"].status
+    assert panel.value("Surface") == "1 part"
+    assert found.feature(RunControlFeature)
+
+
+def test_an_image_has_no_figures_of_a_surface(window) -> None:
+    assert "Surface" not in numbers(window)
+    assert "Contours" in numbers(window)
+
+
+def test_surface_labels_and_particles_are_exported(found, hand, tmp_path) -> None:
+    action, feature = found.actions_by_name["export"], found.feature(ExportFeature)
+    assert action.text().replace("&", "") == "Export surface…"
+    for number, suffix in enumerate(FOR_VOLUMES):
+        action.trigger()
+        dialog = feature.dialog
+        dialog.file.folder.setText(str(tmp_path))
+        dialog.file.name.clear()
+        hand.qtbot.keyClicks(dialog.file.name, f"found{number}{suffix}")
+        assert "1 part" in dialog.figures.text()
+        hand.qtbot.mouseClick(dialog.export_button, Qt.MouseButton.LeftButton)
+        path = tmp_path / f"found{number}{suffix}"
+        hand.wait(lambda path=path: path.exists() and found.session.idle)
+        assert "triangles" in found.canvas_area.messages.text
+        assert path.stat().st_size > 100
+    labels = tifffile.imread(next(tmp_path.glob("*.tif")))
+    assert (labels > 0).sum() == pytest.approx(4 / 3 * np.pi * RADIUS**3, rel=0.1)
+    rows = np.loadtxt(next(tmp_path.glob("*.points.csv")), delimiter=",", skiprows=1)
+    np.testing.assert_allclose(rows, found.session.scene.snapshot.position, rtol=1e-5)
+
+
+def test_a_name_for_contours_is_refused_with_a_sentence(found, hand) -> None:
+    found.actions_by_name["export"].trigger()
+    dialog = found.feature(ExportFeature).dialog
+    dialog.file.name.clear()
+    hand.qtbot.keyClicks(dialog.file.name, "found.svg")
+    assert not dialog.export_button.isEnabled()
+    assert "contours" in dialog.note.text()
+    dialog.reject()
