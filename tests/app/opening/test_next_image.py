@@ -125,13 +125,6 @@ def test_an_image_without_room_for_all_scales_limits_only_its_own(window, hand, 
     assert window.session.document.parameters == FRESH
 
 
-def test_of_a_volume_one_plane_is_opened_and_it_is_said(window, hand, tmp_path) -> None:
-    np.save(tmp_path / "volume.npy", np.arange(20.0 * 64 * 64).reshape(20, 64, 64) % 4093)
-    open_image(window, hand, tmp_path / "volume.npy")
-    assert window.session.scene.image.shape == (64, 64)
-    assert "It is a volume, of which plane 11 of 20 was taken." in window.canvas_area.messages.text
-
-
 def test_a_preset_and_a_mode_fit_a_small_image(window, hand, tmp_path) -> None:
     np.save(tmp_path / "small.npy", np.eye(20))
     open_image(window, hand, tmp_path / "small.npy")
