@@ -90,7 +90,7 @@ from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 from cpm_core.particles.coulomb.coulomb_force import coulomb_force
 from cpm_core.particles.initialization import circle, divergence_centers, gradient_threshold, stroke, uniform_grid
 from cpm_core.particles.state import Particles, State
-from cpm_core.particles.volume_starts import box, sphere
+from cpm_core.particles.volume_starts import box, everywhere, in_slice, on_strong_edges, sphere
 from cpm_core.reconstruction import reconstruct_curve, reconstruct_surface
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.method import METHODS, Method
@@ -134,14 +134,17 @@ __all__ = [
     "edge_map",
     "electric_field",
     "encoded",
+    "everywhere",
     "export",
     "gradient_threshold",
+    "in_slice",
     "load_contours",
     "load_image",
     "load_truth",
     "load_volume",
     "measure",
     "objects_result",
+    "on_strong_edges",
     "partition",
     "reconstruct_curve",
     "reconstruct_surface",

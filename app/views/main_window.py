@@ -169,6 +169,9 @@ class MainWindow(QMainWindow):
     def _reveal(self, name: str) -> None:
         self.docks.reveal(name)  # the docks are made after the features
 
+    def _conceal(self, name: str) -> None:
+        self.docks.conceal(name)
+
     def _open_menu(self) -> None:
         self.context_menus.open_by_key()  # and so are the menus
 
@@ -193,6 +196,7 @@ class MainWindow(QMainWindow):
             preference_rows=lambda: [row for feature in self.features.values() for row in feature.preferences()],
             shortcuts=lambda: self.shortcuts,
             reveal=self._reveal,
+            conceal=self._conceal,
             areas=lambda: self.areas,
             use_theme=self.use_theme,
             refresh=self.refresh,

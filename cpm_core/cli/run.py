@@ -71,10 +71,11 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
         (start, "--sphere", "PLANE,ROW,COL,RADIUS", "a sphere in a volume, in voxels; IMAGE is then a volume"),
         (start, "--stroke", line, "a stroke from point to point"),
         (start, "--points", "FILE.csv", "points: row,col on each line"),
-        (place, "--region", line, "corners of a polygon that particles stay in, in px"),
-        (place, "--barrier", line, "vertices of a line that no particle crosses, in px"),
+        (place, "--region", line, "corners of a polygon that particles stay in, in px; in a volume of a box"),
+        (place, "--barrier", line, "vertices of a line that no particle crosses, in px; in a volume a plane"),
     ):
         group.add_argument(flag, metavar=form, action="append", default=[], help=meaning)
+    start.add_argument("--volume", action="store_true", help="IMAGE is a volume; places are then PLANE,ROW,COL")
     start.add_argument("--auto", choices=KINDS, help="everywhere, on the strongest edges, or midway between edges")
     add_objects(parser.add_argument_group("object"))
     parameters = parser.add_argument_group("parameters")
@@ -96,7 +97,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
 
 def _run(arguments: argparse.Namespace) -> None:
     """Find the contours of an image; every check that needs no image comes first."""
-    if arguments.sphere or arguments.faces is not None:
+    if arguments.sphere or arguments.volume or arguments.faces is not None:
         run_volume(arguments)
         return
     session = load_session(Path(arguments.session)) if arguments.session else SessionFile()

@@ -1,4 +1,4 @@
-"""``cpm run VOLUME --sphere``: finds the surface of objects in a volume."""
+"""``cpm run VOLUME --volume`` or ``--sphere``: finds the surface of objects in a volume."""
 
 from __future__ import annotations
 
@@ -14,15 +14,20 @@ from cpm_core.cli.arguments import as_number, as_steps, check_exports, parameter
 from cpm_core.cli.place import facts_on, lines_on
 from cpm_core.cli.terminal import Progress, counted, say, written
 from cpm_core.contours.result import Result
+from cpm_core.field.volume.volume_space import pitch_of
 from cpm_core.formats import FOR_VOLUMES, export, load_volume, suffix_of
+from cpm_core.formats.contours.points_csv import load_points
 from cpm_core.formats.printable import printable
 from cpm_core.image.image import Image
+from cpm_core.image.volume_regions import Pair, VolumeRegions
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import PRESETS
-from cpm_core.particles.volume_starts import sphere
+from cpm_core.parameters.quotation import shown
+from cpm_core.particles.initialization import stroke
+from cpm_core.particles.volume_starts import everywhere, on_strong_edges, sphere
 from cpm_core.segmentation.segment import segment
 
-_OF_IMAGES = ("circle", "stroke", "points", "region", "barrier", "auto", "object", "session", "close")
+_OF_IMAGES = ("circle", "object", "session", "close")
 """Options that have a meaning for images only; ``--not`` follows ``--object``."""
 
 _FEWEST_FACES = 4
@@ -31,14 +36,16 @@ _FEWEST_FACES = 4
 
 def run_volume(arguments: argparse.Namespace) -> None:
     """Find a surface; every check that needs no volume comes first."""
-    if not arguments.sphere:
+    if not (arguments.sphere or arguments.volume):
         raise ValueError("--faces is for the surface in a volume: add --sphere PLANE,ROW,COL,RADIUS, or leave it out.")
     for name in _OF_IMAGES:
         if getattr(arguments, name, None):
-            raise ValueError(f"--{name} is for images, but --sphere starts in a volume: leave one of them out.")
+            raise ValueError(f"--{name} is for images, but --sphere and --volume are for volumes: leave one out.")
     if arguments.image is None:
         raise ValueError("No VOLUME is given: name one.")
-    spheres = [_numbers(text) for text in arguments.sphere]
+    if arguments.auto == "centers":
+        raise ValueError("--auto is centers, which is for images: use --auto grid or --auto gradient in a volume.")
+    drawn, regions = _drawn(arguments), _regions(arguments)
     part = part_of(arguments)
     if "page" in part:
         raise ValueError(f"--page is {part['page']}, but a volume takes all pages of {arguments.image}: leave it out.")
@@ -56,7 +63,8 @@ def run_volume(arguments: argparse.Namespace) -> None:
     started = time.perf_counter()
     progress = Progress() if sys.stderr.isatty() else None
     try:
-        found = segment(volume, _seeds(volume, spheres), parameters, max_steps=max_steps, progress=progress)
+        seeds = _seeds(arguments, volume, drawn)
+        found = segment(volume, seeds, parameters, max_steps=max_steps, progress=progress, regions=regions)
     finally:
         if progress is not None:
             progress.clear()
@@ -87,19 +95,56 @@ def _decimated(found: Result, faces: int) -> Result:
     return replace(found, surface=surface)
 
 
-def _numbers(text: str) -> list[float]:
-    """Plane, row, column and radius of a sphere."""
+def _numbers(flag: str, text: str, form: str, count: int = 0) -> list[float]:
+    """Numbers between commas, so many, or else three or more times three."""
     parts = [as_number(part.strip()) for part in text.split(",")]
     numbers = [float(part) for part in parts if not isinstance(part, str)]
-    if len(numbers) != 4 or len(parts) != 4:
-        raise ValueError(f'--sphere is "{text}" but must be four numbers, PLANE,ROW,COL,RADIUS in voxels.')
+    fits = len(numbers) == count if count else len(numbers) % 3 == 0
+    if not fits or len(numbers) != len(parts):
+        words = {4: "four numbers", 6: "six numbers"}.get(count, "planes, rows and columns in turn")
+        raise ValueError(f"{flag} is {shown(text)} but must be {words}, {form} in voxels.")
     return numbers
 
 
-def _seeds(volume: Image, spheres: list[list[float]]) -> Array:
-    """Particles on all spheres, whose radius is in sides of the smallest voxel."""
-    plane, row, col = (side / min(volume.spacing) for side in volume.spacing)
-    return np.concatenate([sphere((p, r, c), radius, spacing=(plane, row, col)) for p, r, c, radius in spheres])
+def _drawn(arguments: argparse.Namespace) -> list[Array]:
+    """Spheres, as plane, row, column and radius each, then the particles of strokes and of files with points."""
+    spheres = [_numbers("--sphere", text, "PLANE,ROW,COL,RADIUS", 4) for text in arguments.sphere]
+    lines = [_numbers("--stroke", text, "PLANE,ROW,COL,PLANE,ROW,COL,...") for text in arguments.stroke]
+    if not (spheres or lines or arguments.points or arguments.auto):
+        raise ValueError(
+            "No start is given: add --sphere PLANE,ROW,COL,RADIUS, --stroke PLANE,ROW,COL,PLANE,ROW,COL,..., "
+            "--points FILE.csv or --auto grid."
+        )
+    return [
+        *(np.array(numbers) for numbers in spheres),
+        *(stroke(np.reshape(numbers, (-1, 3))) for numbers in lines),
+        *(load_points(path, 3) for path in arguments.points),
+    ]
+
+
+def _regions(arguments: argparse.Namespace) -> VolumeRegions | None:
+    """Boxes of interest, and planes that are barriers."""
+    boxes = [_numbers("--region", text, "PLANE,ROW,COL,PLANE,ROW,COL of two corners", 6) for text in arguments.region]
+    form = "PLANE,ROW,COL of a point and then of the direction across it,"
+    planes = [_numbers("--barrier", text, form, 6) for text in arguments.barrier]
+    if not (boxes or planes):
+        return None
+    interest, barriers = (tuple(_pair(limit) for limit in limits) for limits in (boxes, planes))
+    return VolumeRegions(interest, barriers)
+
+
+def _pair(numbers: list[float]) -> Pair:
+    one, other = (numbers[0], numbers[1], numbers[2]), (numbers[3], numbers[4], numbers[5])
+    return one, other
+
+
+def _seeds(arguments: argparse.Namespace, volume: Image, drawn: list[Array]) -> Array:
+    """Particles of all starts; the radius of a sphere is in sides of the smallest voxel."""
+    sides = pitch_of(volume.spacing)
+    seeds = [part if part.ndim == 2 else sphere((part[0], part[1], part[2]), part[3], spacing=sides) for part in drawn]
+    if arguments.auto:
+        seeds.append(everywhere(volume) if arguments.auto == "grid" else on_strong_edges(volume))
+    return np.concatenate(seeds)
 
 
 def _report(result: Result, seconds: float, arguments: argparse.Namespace) -> None:

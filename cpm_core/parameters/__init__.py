@@ -65,13 +65,14 @@ class Parameters:
         Weight of the Lorentz force, eq. (12); larger than `w1`, since the repulsion on a curved contour has unit size
         outward and only a stronger attraction holds the particles on the edge.
     annealing : float
-        Annealing factor a: ``d_max`` is multiplied by it at every step.
+        Annealing factor a: ``d_max`` is multiplied by it at every step; without a meaning in a volume.
     time_step : float
         Δt of eq. (14).
     d_min : float
         Spacing of particles [px]; of two nearer than half of it, one is deleted.
     d_max : float
-        Range beyond `d_min` in which a gap is filled, at the start of each scale [px].
+        Range beyond `d_min` in which a gap is filled, at the start of each scale [px]; without a meaning in a volume,
+        where every gap between particles of a surface is filled.
     smoothing : float or "auto"
         Standard deviation σ of the Gaussian before the gradient [px], or ``"auto"`` to choose it from the image's
         noise.

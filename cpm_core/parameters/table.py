@@ -211,7 +211,7 @@ OF_STARTS: tuple[str, ...] = ("reach", "weakest_edge")
 
 OF_PLANES: tuple[str, ...] = (
     *("reach", "weakest_edge", "max_border", "max_gap", "min_strength", "sure_edge", "min_contrast", "min_length"),
-    "edges",
+    *("annealing", "d_max", "edges"),
 )
 """Parameters that have a meaning in the plane only, and must have their default value in a volume."""
 

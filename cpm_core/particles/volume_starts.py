@@ -1,12 +1,17 @@
-"""Starts in a volume: particles on a sphere and on a box."""
+"""Starts in a volume: on a sphere, on a box, at what is drawn in slices, evenly spread, and on strong edges."""
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from cpm_core.numerics.real_numbers import checked_number, three_numbers, voxel_sides
+from cpm_core.field.volume.volume_field import edge_strength, smoothed_volume
+from cpm_core.field.volume.volume_space import pitch_of
+from cpm_core.image.image import Image
+from cpm_core.numerics.real_numbers import checked_number, real_numbers, three_numbers, voxel_sides
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import shown
+from cpm_core.particles.initialization import STRONG, uniform_grid
 
 _GOLDEN = np.pi * (1.0 + 5.0**0.5)
 """Turn from one particle on a sphere to the next: no two of them line up."""
@@ -91,3 +96,62 @@ def box(first: tuple[float, float, float], last: tuple[float, float, float], spa
         lines[axis] = np.array([low[axis], high[axis]])
         faces.append(np.stack([part.ravel() for part in np.meshgrid(*lines, indexing="ij")], axis=1))
     return np.concatenate(faces)
+
+
+def in_slice(
+    points: ArrayLike, at: float, axis: int = 0, spacing: tuple[float, float, float] = (1.0, 1.0, 1.0)
+) -> Array:
+    """What is drawn in a slice of a volume, such as the particles of a circle or a stroke, at its place in the volume.
+
+    Parameters
+    ----------
+    points : array_like, shape (N, 2)
+        Positions along the two axes of the slice, in the order of the volume's axes and in the unit of `spacing`:
+        voxels unless a spacing is given.
+    at : float
+        Where the slice lies along the other axis [voxels].
+    axis : int
+        The axis across the slice: 0 for a plane (row, col), 1 for (plane, col), 2 for (plane, row).
+    spacing : tuple of float
+        Sides of a voxel (plane, row, col), for a volume whose voxels are no cubes: a circle is then round.
+
+    Returns
+    -------
+    ndarray, shape (N, 3)
+        Positions (plane, row, col) [voxels].
+
+    Raises
+    ------
+    ValueError
+        When the points are not rows of two finite numbers, the axis is none of the three, the slice is at no finite
+        place, or the spacing is not positive.
+    """
+    drawn, sides = real_numbers(points), voxel_sides("spacing", spacing)
+    if drawn.ndim != 2 or drawn.shape[1] != 2:
+        raise ValueError(f"what is drawn in a slice has the shape {drawn.shape} but must be (N, 2), one row a point.")
+    if not np.isfinite(drawn).all():
+        raise ValueError(f"{int((~np.isfinite(drawn)).sum())} coordinates of what is drawn in a slice are not finite.")
+    across = int(checked_number("axis", axis, lambda number: number in (0, 1, 2), "0, 1 or 2"))
+    place = checked_number("at", at, lambda number: True, "a finite number of voxels")
+    return np.insert(drawn / np.delete(sides, across), across, place, axis=1)
+
+
+def everywhere(volume: Image, spacing: float = 8.0) -> Array:
+    """Particles evenly spread over a volume, at this distance [smallest sides of a voxel]; shape (N, 3) [voxels]."""
+    pitch = np.array(pitch_of(volume.spacing))
+    extent = tuple(int(side) for side in np.ceil((np.array(volume.shape) - 1) * pitch) + 1)
+    places = uniform_grid(extent, spacing)
+    inset = 0.5 * ((np.array(extent) - 1) - (np.array(volume.shape) - 1) * pitch)
+    return np.asarray((places - inset) / pitch)
+
+
+def on_strong_edges(volume: Image, fraction: float = STRONG, smoothing: float = 1.0) -> Array:
+    """Particles on every voxel whose edge strength is above a fraction of the largest; shape (N, 3) [voxels].
+
+    `smoothing` is the sigma of the Gaussian before the gradient [smallest sides of a voxel].
+    """
+    checked_number("fraction", fraction, lambda share: 0.0 <= share <= 1.0, "from 0 to 1")
+    sigma = checked_number("smoothing", smoothing, lambda width: width >= 0.0, "0 or more")
+    pitch = pitch_of(volume.spacing)
+    strength = edge_strength(smoothed_volume(volume.values, [sigma / side for side in pitch]), pitch)
+    return np.argwhere(strength > fraction * strength.max()).astype(float)

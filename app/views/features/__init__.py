@@ -32,6 +32,7 @@ from app.views.features.view.keyboard import KeyboardFeature
 from app.views.features.view.layers import LayersFeature
 from app.views.features.view.mosaic import MosaicFeature
 from app.views.features.view.slices import SlicesFeature
+from app.views.features.view.space import SpaceFeature
 from app.views.window.feature import Feature
 
 FEATURES: tuple[type[Feature], ...] = (
@@ -63,6 +64,7 @@ FEATURES: tuple[type[Feature], ...] = (
     LayersFeature,
     ComparingFeature,
     SlicesFeature,
+    SpaceFeature,
     KeyboardFeature,
     AppearanceFeature,
     PreferencesFeature,

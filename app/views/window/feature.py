@@ -48,6 +48,8 @@ class FeatureContext:
         Returns the keys of all actions, once the window is built.
     reveal : callable
         Opens a panel by name and brings it to the front.
+    conceal : callable
+        Closes a panel by name.
     areas : callable
         Returns what gives the keyboard to panels, once the window is built.
     use_theme : callable
@@ -70,6 +72,7 @@ class FeatureContext:
     preference_rows: Callable[[], Iterable[PreferenceRow]]
     shortcuts: Callable[[], Shortcuts]
     reveal: Callable[[str], None]
+    conceal: Callable[[str], None]
     areas: Callable[[], Areas]
     use_theme: Callable[[Theme], None]
     refresh: Callable[[], None]

@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 
 from cpm_core.dynamics.insertion import STRIDE
 from cpm_core.field.interpolation.space import normal_at, sampled
-from cpm_core.field.placed_charges import radius_at
 from cpm_core.field.scale_field import FAINTEST
-from cpm_core.field.volume.placed_charges import torn_off
+from cpm_core.field.volume.placed_charges import NOTHING_PLACED, Placed, torn_off
 from cpm_core.field.volume.surface_force import faces_alike, is_ridge, on_ridge
 from cpm_core.field.volume.volume_field import VolumeField
 from cpm_core.numerics.jit import compiled
@@ -26,7 +25,7 @@ from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.numerics.vectors import Vector, difference, dot, length, moved, row_of, scaled
 from cpm_core.particles.cell_list import cell_of
 from cpm_core.particles.cell_list.space import Cells, cells_around, row_of_cells
-from cpm_core.particles.state import Particles, State
+from cpm_core.particles.state import Particles
 
 ROOM = 0.68
 """Least distance of a new particle from others of its sheet, in d_min."""
@@ -71,11 +70,11 @@ class Fronts(NamedTuple):
 
 
 def fronts(
-    particles: Particles, cells: Cells, turn: Index, field: VolumeField, d_min: float, state: State | None = None
+    particles: Particles, cells: Cells, turn: Index, field: VolumeField, d_min: float, placed: Placed = NOTHING_PLACED
 ) -> Fronts:
     """Places ahead of the seated particles that have their turn, in the order of these.
 
-    They are where the placed charges of a state, if one is given, leave particles on the edge.
+    They are where the placed charges leave particles on the edge.
     """
     contact = particles.contact
     assert contact is not None
@@ -86,8 +85,7 @@ def fronts(
     share(lambda first, last: find(d_min, found, count, first, last), len(looking), _WORTH_A_THREAD)
     places, parents = found[np.arange(_MOST) < count[:, None]], np.repeat(looking, count)
     places = places[~field.crossed(particles.position[parents], places[:, :3])]
-    if state is not None:
-        places = places[~torn_off(state.placed, radius_at(state.scale), places[:, :3], places[:, 3:6])]
+    places = places[~torn_off(placed, places[:, :3], places[:, 3:6])]
     some = places[apart(places, ROOM * d_min, cells)]
     return Fronts(some[:, :3].copy(), some[:, 3:6].copy(), some[:, 6].copy())
 

@@ -15,8 +15,7 @@ import numpy as np
 from cpm_core.dynamics.edge_contact.space import is_seated, on_one_sheet
 from cpm_core.dynamics.equations import advance, damped_series, damping, is_stuck, repulsion_left
 from cpm_core.dynamics.integrator import Moved
-from cpm_core.field.placed_charges import radius_at
-from cpm_core.field.volume.placed_charges import placed_at
+from cpm_core.field.volume.placed_charges import NOTHING_PLACED, Placed, placed_at
 from cpm_core.field.volume.surface_force import felt_at
 from cpm_core.field.volume.volume_field import VolumeField
 from cpm_core.numerics.jit import compiled
@@ -25,7 +24,7 @@ from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.numerics.vectors import Vector, difference, dot, length, moved, row_of, scaled, set_row
 from cpm_core.parameters import Parameters
 from cpm_core.particles.cell_list.space import Cells, cells_around, row_of_cells
-from cpm_core.particles.state import Particles, State
+from cpm_core.particles.state import Particles
 from cpm_core.particles.surface_contact import SurfaceContact
 
 REACH = 2.2
@@ -49,16 +48,27 @@ _Grid = tuple[Vector, Vector, float, float]
 _Law = tuple[float, float, float, float, float]
 """Weights w1 and w2, damping, time step, and particle spacing."""
 
+_Felt = tuple[_Fields, _Grid, Array, _Law]
+"""All of these, with the placed charges."""
+
 _WORTH_A_THREAD = 100
 """Particles from which a second thread makes the step faster."""
 
 
-def move(state: State, turn: Index, cells: Cells, idle: Index, field: VolumeField, law: Parameters) -> Moved:
+def move(
+    particles: Particles,
+    turn: Index,
+    cells: Cells,
+    idle: Index,
+    field: VolumeField,
+    law: Parameters,
+    placed: Placed = NOTHING_PLACED,
+) -> Moved:
     """One time step of some particles, `turn` in the order of the cells; the others stay as they are.
 
-    `idle`, shape (N,), are the steps since new ground was found near each.
+    `idle`, shape (N,), are the steps since new ground was found near each; `placed` are the placed charges.
     """
-    particles, contact = state.particles, state.particles.contact
+    contact = particles.contact
     assert contact is not None
     after = Particles(
         particles.position.copy(),
@@ -68,7 +78,7 @@ def move(state: State, turn: Index, cells: Cells, idle: Index, field: VolumeFiel
         particles.identity,
         SurfaceContact(contact.normal.copy(), contact.seated.copy(), contact.strength.copy(), contact.woken),
     )
-    share(partial(_moved, state, after, turn, cells, idle, field, law), len(turn), _WORTH_A_THREAD)
+    share(partial(_moved, particles, after, turn, cells, idle, _felt(field, law, placed)), len(turn), _WORTH_A_THREAD)
     after.distance[:, 0] = np.linalg.norm(after.position, axis=1)
     motion = np.linalg.norm(after.position - particles.position, axis=1)
     assert after.contact is not None
@@ -76,44 +86,49 @@ def move(state: State, turn: Index, cells: Cells, idle: Index, field: VolumeFiel
 
 
 def parts_of_force(
-    state: State, which: Index, cells: Cells, idle: Index, field: VolumeField, law: Parameters
+    particles: Particles,
+    which: Index,
+    cells: Cells,
+    idle: Index,
+    field: VolumeField,
+    law: Parameters,
+    placed: Placed = NOTHING_PLACED,
 ) -> tuple[Array, Array, Array, Array]:
     """Coulomb force, Lorentz force, that of placed charges, and friction on some particles, shape (M, 3) each.
 
     With their weights, as in a step; see `move`.
     """
-    contact = state.particles.contact
+    contact = particles.contact
     assert contact is not None
-    fields, grid, charges, weights = _felt(state, field, law)
-    position = state.particles.position
+    fields, grid, charges, weights = _felt(field, law, placed)
+    position = particles.position
     parts = np.empty((4, len(which), 3))
     _parts(which, cells, idle, position, contact.normal, contact.seated, fields, grid, charges, weights, parts)
     return parts[0], parts[1], parts[2], parts[3]
 
 
-def _felt(state: State, field: VolumeField, law: Parameters) -> tuple[_Fields, _Grid, Array, _Law]:
+def _felt(field: VolumeField, law: Parameters, placed: Placed) -> _Felt:
     """What particles feel besides each other."""
     return (
         (field.smoothed, field.edge_map, field.far.force),
-        (field.pitch, field.far.block, field.floor, radius_at(state.scale)),
-        state.placed,
+        (field.pitch, field.far.block, field.floor, placed.radius),
+        placed.charges,
         (float(law.w1), float(law.w2), float(law.beta), float(law.time_step), float(law.d_min)),
     )
 
 
 def _moved(
-    state: State,
+    before: Particles,
     after: Particles,
     turn: Index,
     cells: Cells,
     idle: Index,
-    field: VolumeField,
-    law: Parameters,
+    felt: _Felt,
     first: int,
     last: int,
 ) -> None:
     """Move a part of the particles, into the arrays of `after`."""
-    before, old, new = state.particles, state.particles.contact, after.contact
+    old, new = before.contact, after.contact
     assert old is not None
     assert new is not None
     _move(
@@ -124,7 +139,7 @@ def _moved(
         old.seated,
         (after.position, after.velocity, after.force, new.normal, new.strength),
         new.seated,
-        *_felt(state, field, law),
+        *felt,
         first,
         last,
     )

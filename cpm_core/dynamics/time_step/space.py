@@ -16,6 +16,8 @@ from cpm_core.dynamics.deletion.space import thinned
 from cpm_core.dynamics.equilibrium import STILL, epsilon
 from cpm_core.dynamics.insertion.space import ROOM, Fronts, fronts
 from cpm_core.dynamics.integrator.space import REACH, move
+from cpm_core.field.placed_charges import radius_at
+from cpm_core.field.volume.placed_charges import Placed
 from cpm_core.field.volume.volume_field import VolumeField
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask
@@ -55,7 +57,8 @@ def stepped(state: State, field: VolumeField, parameters: Parameters) -> State:
     before = state.particles
     cells = cells_of(before, field, d_min)
     idle, awake = rested(before, step)
-    moved = move(state, cells.order[awake[cells.order]], cells, idle, field, parameters)
+    placed = Placed(state.placed, radius_at(state.scale))
+    moved = move(before, cells.order[awake[cells.order]], cells, idle, field, parameters, placed)
     after, motion = moved.particles, moved.motion
     stays = _inside(after.position, extent, space) & (_contact(before).seated | (idle < _PATIENCE))
     if field.walls is not None:
@@ -66,11 +69,11 @@ def stepped(state: State, field: VolumeField, parameters: Parameters) -> State:
     particles, stay, cells = _thinned(after, stays, awake, cells, extent, d_min)
     awake, arrived = awake[stay], arrived[stay]
     deleted = len(before) - len(particles)
-    births = fronts(particles, cells, cells.order[awake[cells.order]], field, d_min, state)
+    births = fronts(particles, cells, cells.order[awake[cells.order]], field, d_min, placed)
     particles, covered, new = _joined(state, particles, births, cells, arrived, d_min)
     few = new <= max(1.0, _FEW_NEW * len(particles))
     idle_steps = state.idle + 1 if few else 0
-    most = max(3.0, _FEW_AWAKE * len(particles))
+    most = min(max(3.0, _FEW_AWAKE * len(particles)), len(particles) - 1.0)  # of two, both are under way
     still = bool(np.count_nonzero(awake) <= most or (idle_steps > _LONG and not flying.any()))
     return replace(
         state,
@@ -78,7 +81,6 @@ def stepped(state: State, field: VolumeField, parameters: Parameters) -> State:
         space=replace(space, covered=covered),
         step=state.step + 1,
         step_of_scale=step + 1,
-        annealed=state.annealed * parameters.annealing,
         next_identity=state.next_identity + len(births.position),
         born=len(births.position),
         deleted=deleted,

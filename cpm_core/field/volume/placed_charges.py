@@ -6,6 +6,7 @@ Lengths are in units of the smallest side of a voxel. `charges`, shape (K, 4), a
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -50,6 +51,17 @@ class VolumeCharges:
         return potential
 
 
+class Placed(NamedTuple):
+    """Charges as particles at a scale feel them: position and strength of each, shape (K, 4), and `RADIUS` there."""
+
+    charges: Array
+    radius: float
+
+
+NOTHING_PLACED = Placed(np.zeros((0, 4)), 1.0)
+"""No charges."""
+
+
 def in_units(charges: Charges, scale: int, shape: tuple[int, ...], pitch: Vector) -> Array:
     """Position [units of a scale] and strength of each charge, shape (K, 4)."""
     return at_scale(charges, scale, shape) * (*pitch, 1.0)
@@ -64,12 +76,12 @@ def near_charges(charges: Array, radius: float, places: Array) -> Mask:
     return near
 
 
-def torn_off(charges: Array, radius: float, places: Array, normals: Array) -> Mask:
+def torn_off(placed: Placed, places: Array, normals: Array) -> Mask:
     """At which places on edges with these normals, shapes (N, 3), charges draw particles off the edge."""
-    if not len(charges):
+    if not len(placed.charges):
         return np.zeros(len(places), np.bool_)
     across = np.empty(len(places))
-    _across(charges, radius, places, normals, across)
+    _across(*placed, places, normals, across)
     return np.asarray(np.abs(across) > HELD)
 
 

@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 from cpm_core.parameters.quotation import shown
 
+_NAMES = ("plane", "row", "col")
 
-def load_points(path: str | os.PathLike[str]) -> NDArray[np.float64]:
+
+def load_points(path: str | os.PathLike[str], axes: int = 2) -> NDArray[np.float64]:
     """Read points from a CSV file.
 
     Parameters
@@ -20,16 +22,18 @@ def load_points(path: str | os.PathLike[str]) -> NDArray[np.float64]:
     path : path-like
         A text file with one point a line, row and column in px, separated by a comma. With a header that names the
         columns ``row`` and ``col``, these are used in any order, so an exported contour table can be read back.
+    axes : int
+        With 3, points of a volume are read: plane, row and column, named ``plane``, ``row`` and ``col``.
 
     Returns
     -------
-    ndarray of float64, shape (N, 2)
-        Points (row, col) in px.
+    ndarray of float64, shape (N, 2) or (N, 3)
+        Points (row, col) in px, or (plane, row, col).
 
     Raises
     ------
     ValueError
-        When the file cannot be read or a line does not hold two finite numbers; the message names the line.
+        When the file cannot be read or a line does not hold as many finite numbers; the message names the line.
     """
     file = Path(path)
     try:
@@ -45,24 +49,23 @@ def load_points(path: str | os.PathLike[str]) -> NDArray[np.float64]:
         for number, cells in enumerate(csv.reader(text.splitlines()), start=1)
         if any(cell.strip() for cell in cells)
     ]
-    columns = (0, 1)
+    columns, wanted = tuple(range(axes)), _NAMES[-axes:]
     if lines:
         names = [cell.lower() for cell in lines[0][1]]
-        if "row" in names and "col" in names:
-            columns = (names.index("row"), names.index("col"))
+        if all(name in names for name in wanted):
+            columns = tuple(names.index(name) for name in wanted)
             lines = lines[1:]
     if not lines:
         raise ValueError(f"{file.name} holds no points: give a row and a column on each line.")
     return np.array([_point(file.name, number, cells, columns) for number, cells in lines])
 
 
-def _point(name: str, number: int, cells: list[str], columns: tuple[int, int]) -> tuple[float, float]:
+def _point(name: str, number: int, cells: list[str], columns: tuple[int, ...]) -> tuple[float, ...]:
     try:
-        row, col = (float(cells[column]) for column in columns)
+        place = tuple(float(cells[column]) for column in columns)
     except (ValueError, IndexError):
-        row = col = np.nan
-    if not (np.isfinite(row) and np.isfinite(col)):
-        raise ValueError(
-            f"Line {number} of {name} is {shown(','.join(cells))} but must be two numbers, row and column in px."
-        )
-    return row, col
+        place = (np.nan,)
+    if not np.isfinite(place).all():
+        words = "two numbers, row and column" if len(columns) == 2 else "three numbers, plane, row and column"
+        raise ValueError(f"Line {number} of {name} is {shown(','.join(cells))} but must be {words} in px.")
+    return place

@@ -1,9 +1,9 @@
 """Center lines of vessels and other long things in a volume, with radii, as a graph of branches.
 
 The inside is thinned to lines of voxels (`thinning`); scikit-image's own thinning loses rods of an even width. Voxels
-at which more than two lines meet become one junction. A branch that ends in the open no farther from its junction than
-the surface there is a wrinkle of the surface and is pruned. The others are moved to the middle between voxels that are
-as deep, and smoothed along their length.
+at which more than two lines meet become one junction. A branch that ends in the open is a wrinkle of the surface, and
+is pruned, if it hardly leaves the largest ball around its junction, or if its tip does not stick out of that ball. The
+others are moved to the middle between voxels that are as deep, and smoothed along their length.
 """
 
 from __future__ import annotations
@@ -23,6 +23,12 @@ from cpm_core.numerics.types import Array, Mask
 
 _SMOOTHING = 1.5
 """Width of the Gaussian along a branch [voxels of the line]."""
+
+_SALIENT = 2.0
+"""Least distance by which the ball around the tip of a branch sticks out of that at its junction [smallest sides]."""
+
+_BEYOND = 0.2
+"""How far the nearest wall around a line lies beyond the surface: 0 where tubes run askew, 0.5 along axes [sides]."""
 
 _AS_DEEP = 0.1
 """Voxels whose depth differs by less are about as deep [smallest sides of a voxel]."""
@@ -91,7 +97,8 @@ def centerlines(
     unit : str, optional
         Unit of length.
     pruning : float
-        Branches that end in the open are pruned up to this length, in radii at their junction; 0 prunes none.
+        Branches that end in the open are pruned up to this length, in radii at their junction, and those that end
+        less than two of the smallest sides of a voxel beyond; 0 prunes none.
 
     Returns
     -------
@@ -115,7 +122,8 @@ def centerlines(
     depth = _depth(part, size)
     chains = _pruned(thinned(part, depth), depth, size, pruning)
     walls = scipy.spatial.KDTree(np.argwhere(~part & scipy.ndimage.binary_dilation(part)) * size)
-    branches = [_branch(chain, depth / size.min(), walls, size, low - 1) for chain in chains]
+    sides = depth / size.min()
+    branches = [_branch(chain, sides, walls, size, low - 1) for chain in chains]
     found = Centerlines(tuple(branches), tuple(spacing), unit)
     order = np.argsort(-found.lengths, kind="stable")
     return Centerlines(tuple(branches[k] for k in order), tuple(spacing), unit)
@@ -131,11 +139,18 @@ def _pruned(lines: Mask, depth: Array, size: Array, pruning: float) -> list[Chai
     """Chains of voxels that remain when short ones that end in the open are taken away, again and again."""
     while True:
         chains = chains_of(lines)
-        short = [chain for chain in chains if chain.free and _length(chain, size) <= pruning * _radius(chain, depth)]
+        short = [chain for chain in chains if chain.free and _is_wrinkle(chain, depth, size, pruning)]
         if not short:
             return chains
         for chain in short:
             lines[tuple(chain.own.T)] = False
+
+
+def _is_wrinkle(chain: Chain, depth: Array, size: Array, pruning: float) -> bool:
+    """Whether a chain hardly leaves the ball at its junction, or its tip, with the ball there, hardly sticks out."""
+    length, reach = _length(chain, size), pruning * _radius(chain, depth)
+    tip = depth[tuple(chain.own[-chain.free_end])]
+    return bool(length <= reach or (pruning > 0.0 and length + tip <= reach + _SALIENT * size.min()))
 
 
 def _length(chain: Chain, size: Array) -> float:
@@ -157,7 +172,7 @@ def _branch(chain: Chain, depth: Array, walls: scipy.spatial.KDTree, size: Array
         bent = np.pad(points - straight, ((_MARGIN, _MARGIN), (0, 0)), "reflect", reflect_type="odd")
         points = straight + gaussian_filter1d(bent, _SMOOTHING, axis=0, mode="reflect")[_MARGIN:-_MARGIN]
     distances = np.asarray(walls.query(points * size)[0])
-    return Branch(points + begin, np.maximum(distances - 0.5 * size.min(), 0.0), chain.nodes)
+    return Branch(points + begin, np.maximum(distances - _BEYOND * size.min(), 0.0), chain.nodes)
 
 
 def _centered(points: Array, depth: Array) -> Array:

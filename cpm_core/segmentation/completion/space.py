@@ -14,7 +14,7 @@ import numpy as np
 
 from cpm_core.dynamics.insertion.space import apart
 from cpm_core.field.placed_charges import radius_at
-from cpm_core.field.volume.placed_charges import torn_off
+from cpm_core.field.volume.placed_charges import Placed, torn_off
 from cpm_core.field.volume.ridges import Ridges
 from cpm_core.field.volume.surface_force import faces_alike, on_ridges
 from cpm_core.field.volume.volume_field import VolumeField
@@ -78,7 +78,7 @@ def _with_launched(state: State, field: VolumeField, ridges: Ridges, d_min: floa
     chosen = order[apart(places, _APART * d_min, build_cells(np.empty((0, 3)), field.extent, _APART * d_min))]
     position = _pulled(field, ridges.place[chosen])
     free = ~field.crossed(ridges.place[chosen], position)
-    free &= ~torn_off(state.placed, radius_at(state.scale), position, ridges.normal[chosen])
+    free &= ~torn_off(Placed(state.placed, radius_at(state.scale)), position, ridges.normal[chosen])
     chosen, position = chosen[free], position[free]
     step = state.step_of_scale
     contact = SurfaceContact.of_seated(ridges.normal[chosen], ridges.strength[chosen], step)

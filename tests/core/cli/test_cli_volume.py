@@ -19,6 +19,9 @@ def folder(tmp_path_factory):
     np.savez(folder / "ball.npz", volume=values, origin=np.zeros(3))
     np.savez(folder / "two.npz", one=values, other=values)
     np.save(folder / "plane.npy", values[10])
+    np.save(folder / "flat.npy", np.full((20, 20, 20), 7.0))
+    np.save(folder / "nan.npy", np.where(np.arange(8000).reshape(20, 20, 20) == 5, np.nan, values))
+    np.save(folder / "thin.npy", values[10:11])
     tifffile.imwrite(folder / "ball.tif", values, photometric="minisblack")
     PIL.Image.fromarray(values[10].astype(np.uint8)).save(folder / "flat.png")
     (folder / "bad.tif").write_bytes(b"II*\0 no image")
@@ -71,6 +74,17 @@ def test_a_nifti_volume_is_read_with_the_sides_of_its_voxels(folder, command):
         (("bad.tif", *SPHERE), "is damaged"),
         (("none.npy", *SPHERE), "does not exist"),
         (("flat.png", *SPHERE), "flat.png has the shape (20, 20)"),
+        (("ball.npy", "--volume"), "No start is given: add --sphere"),
+        (("ball.npy", "--volume", "--auto", "centers"), "--auto is centers, which is for images"),
+        (("ball.npy", "--volume", "--stroke", "1,2"), '--stroke is "1,2" but must be planes, rows and columns in turn'),
+        (("ball.npy", *SPHERE, "--region", "1,2,3"), '--region is "1,2,3" but must be six numbers'),
+        (("ball.npy", *SPHERE, "--region", "40,40,40,50,50,50"), "region of interest 1 holds no voxel of the volume"),
+        (("ball.npy", *SPHERE, "--barrier", "1,2,3,0,0,0"), "the direction across barrier 1 is"),
+        (("ball.npy", *SPHERE, "--d-max", "5"), "d_max is 5 but has no meaning in a volume"),
+        (("ball.npy", *SPHERE, "--annealing", "0.9"), "annealing is 0.9 but has no meaning in a volume"),
+        (("flat.npy", *SPHERE), "flat.npy is constant (7 everywhere) and has no edges"),
+        (("nan.npy", *SPHERE), "nan.npy holds 1 value that is NaN or infinite"),
+        (("thin.npy", *SPHERE), "thin.npy has the shape (20, 20), but a volume has three"),
     ],
 )
 def test_what_cannot_be_done_is_said_in_one_line(folder, command, words, answer):
@@ -79,6 +93,36 @@ def test_what_cannot_be_done_is_said_in_one_line(folder, command, words, answer)
     assert (status, out) == (2, "")
     assert answer in err
     assert err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    "start",
+    [
+        ("--volume", "--auto", "grid"),
+        ("--volume", "--auto", "gradient"),
+        ("--volume", "--stroke", "9,9,8,10,10,11"),
+        ("--volume", "--points", "seeds.csv"),
+        (*SPHERE, "--points", "seeds.csv", "--volume"),
+    ],
+)
+def test_every_start_leads_to_the_surface(folder, command, start):
+    (folder / "seeds.csv").write_text("col,row,plane\n9.5,9,9\n9,9.5,10\n")
+    words = [folder / word if word == "seeds.csv" else word for word in start]
+    _, out, _ = command("run", folder / "ball.npy", *words, "--json")
+    facts = json.loads(out)
+    assert facts["converged"]
+    assert facts["vertices"] - facts["faces"] / 2 == 2
+
+
+def test_a_region_and_a_barrier_limit_the_surface(folder, command):
+    limits = {"--region": "0,0,0,19,19,12", "--barrier": "0,0,12.5,0,0,1"}
+    for flag, text in limits.items():
+        half = folder / "half.obj"
+        _, out, _ = command("run", folder / "ball.npy", *SPHERE, flag, text, "--json", "--export", half)
+        assert json.loads(out)["converged"]
+        places = [line.split()[1:4] for line in half.read_text().splitlines() if line.startswith("v ")]
+        places = np.array(places, dtype=float)
+        assert np.ptp(places, axis=0).min() < 10.5 < np.ptp(places, axis=0).max()
 
 
 def write_oblique(path, values):

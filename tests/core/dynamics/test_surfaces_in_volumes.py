@@ -14,9 +14,8 @@ from cpm_core.dynamics.integrator.space import move
 from cpm_core.dynamics.time_step.space import _wake
 from cpm_core.field.volume.volume_field import VolumeField, build_volume_field
 from cpm_core.particles.cell_list.space import build_cells
-from cpm_core.particles.coverage import no_coverage
 from cpm_core.particles.coverage.space import cover, no_surface
-from cpm_core.particles.state import Particles, SpaceState, State
+from cpm_core.particles.state import Particles
 from cpm_core.particles.surface_contact import SurfaceContact
 
 from .moving import cloud, crowds
@@ -108,8 +107,7 @@ def test_near_pairs_on_one_sheet_repel_each_other_and_no_others(seed, d_min):
     every = np.arange(len(some))
     law = type(law)(w1=law.w1, w2=law.w2, beta=law.beta, d_min=d_min, scales=1)
     cells = cells_for(some.position, max(2.2 * d_min, 4.0))
-    state = State(some, some.position, SHAPE, 1, no_coverage(()), space=SpaceState(field.pitch, no_surface()))
-    force = move(state, every, cells, np.zeros(len(some), np.int64), field, law).particles.force[:, 0]
+    force = move(some, every, cells, np.zeros(len(some), np.int64), field, law).particles.force[:, 0]
     truth = np.array([repulsion(some, i, d_min) for i in every]).reshape(-1, 3)
     np.testing.assert_allclose(force, law.w1 * truth, atol=1e-9)
 

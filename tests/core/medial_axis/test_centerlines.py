@@ -51,6 +51,13 @@ def test_a_ring_is_closed():
     assert found.lengths[0] == pytest.approx(2.0 * np.pi * 11.0, rel=0.06)
 
 
+@pytest.mark.parametrize("spacing", [(1.0, 1.0, 1.0), (2.0, 1.0, 1.0)])
+@pytest.mark.parametrize("radius", [2.5, 4.0])
+def test_radii_are_those_of_the_tube(radius, spacing):
+    found = centerlines(inside(ring(11, radius), spacing), spacing)
+    assert found.branches[0].radii.mean() == pytest.approx(radius, abs=0.4)
+
+
 def test_wrinkles_are_pruned_and_vessels_are_not():
     middle = np.full(3, MIDDLE)
     vessel = rod((MIDDLE, MIDDLE, 4.5), (MIDDLE, MIDDLE, 34.5), 4)
@@ -58,6 +65,14 @@ def test_wrinkles_are_pruned_and_vessels_are_not():
     assert len(centerlines(wrinkled, pruning=1.5).branches) == 1
     branched = inside(union(vessel, rod(middle, middle + np.array([0, 16, 0]), 2)))
     assert len(centerlines(branched, pruning=1.5).branches) == 3
+
+
+def test_a_knob_that_hardly_sticks_out_of_a_thin_vessel_is_no_branch():
+    mask = np.zeros((20, 20, 40), bool)
+    mask[9:12, 9:12, 5:35] = True
+    mask[10, 12:14, 20] = True
+    assert len(centerlines(mask, pruning=0.0).branches) == 3
+    assert len(centerlines(mask).branches) == 1
 
 
 def test_lengths_and_radii_are_in_the_unit_of_the_spacing():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy
 
-from cpm_core import box, sphere
+from cpm_core import PRESETS, Image, box, circle, everywhere, in_slice, on_strong_edges, segment, sphere, stroke
 
 
 def test_particles_lie_evenly_on_a_sphere():
@@ -53,3 +53,90 @@ def test_impossible_starts_are_refused_in_one_sentence(make, words):
         make()
     assert str(caught.value).endswith(".")
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(("axis", "center"), [(0, (13.0, 14.0)), (1, (12.0, 14.0)), (2, (12.0, 13.0))])
+def test_a_circle_in_a_slice_is_round_in_units_of_length_and_lies_in_it(axis, center):
+    sides = np.array((2.0, 1.0, 0.5))
+    places = in_slice(circle(center, 5.0), 3.0, axis, tuple(sides))
+    np.testing.assert_array_equal(places[:, axis], 3.0)
+    away = np.delete(places * sides, axis, axis=1) - center
+    np.testing.assert_allclose(np.linalg.norm(away, axis=1), 5.0)
+
+
+SPACING = (2.0, 1.0, 1.0)
+CENTER = np.array((14.0, 14.5, 15.0))
+
+
+def ball():
+    """A ball of radius 8 and contrast 200, in voxels of unequal sides, with a little noise."""
+    grid = np.moveaxis(np.indices((15, 30, 31)), 0, -1) * SPACING
+    away = np.linalg.norm(grid - CENTER, axis=-1)
+    values = 200.0 * np.clip(0.5 - (away - 8.0) / 2.0, 0.0, 1.0)
+    return Image(values + np.random.default_rng(0).normal(0.0, 1.0, values.shape), spacing=SPACING)
+
+
+STARTS = {
+    "points": lambda: [CENTER / SPACING, np.array((14.0, 17.5, 15.0)) / SPACING],
+    "a circle in a slice": lambda: in_slice(circle((14.5, 15.0), 4.0), 7.0, 0, SPACING),
+    "circles in three slices": lambda: np.concatenate(
+        [
+            in_slice(circle((14.5, 15.0), 5.0), 7.0, 0, SPACING),
+            in_slice(circle((14.0, 15.0), 4.0), 15.0, 1, SPACING),
+            in_slice(circle((14.0, 14.5), 3.0), 13.0, 2, SPACING),
+        ]
+    ),
+    "strokes through two slices": lambda: np.concatenate(
+        [in_slice(stroke([(10.0, 10.0), (16.0, 18.0)]), at, 0, SPACING) for at in (6.0, 8.0)]
+    ),
+    "a path from slice to slice": lambda: stroke([(5.0, 12.0, 15.0), (7.0, 16.0, 15.0), (9.0, 15.0, 12.0)], 0.7),
+    "everywhere": lambda: everywhere(ball(), 5.0),
+    "strong edges": lambda: on_strong_edges(ball(), 0.5),
+}
+
+
+@pytest.mark.parametrize("name", STARTS)
+def test_every_start_leads_to_the_whole_surface_in_voxels_of_unequal_sides(name):
+    result = segment(ball(), STARTS[name](), PRESETS["volume"])
+    assert result.converged
+    surface = CENTER + sphere((0.0, 0.0, 0.0), 8.0, 1000)
+    found = result.particles * SPACING
+    assert scipy.spatial.KDTree(found).query(surface)[0].max() < 2.0
+    assert np.abs(np.linalg.norm(found - CENTER, axis=1) - 8.0).max() < 0.6
+
+
+def test_particles_everywhere_are_as_far_apart_along_all_axes():
+    volume = Image(np.random.default_rng(0).random((20, 40, 33)), spacing=(0.6, 0.3, 0.3))
+    places = everywhere(volume, 6.0) * (2.0, 1.0, 1.0)
+    nearest = scipy.spatial.KDTree(places).query(places, 2)[0][:, 1]
+    np.testing.assert_allclose(nearest, 6.0)
+    low, high = places.min(axis=0), np.array((38.0, 39.0, 32.0)) - places.max(axis=0)
+    np.testing.assert_allclose(low, high, atol=1e-9)
+
+
+def test_strong_edges_are_those_in_units_of_length():
+    """A step along each axis is as strong as the other, although its voxels are not as long."""
+    values = np.zeros((16, 32, 32))
+    values[8:] += 100.0
+    values[:, 16:] += 100.0
+    places = on_strong_edges(Image(values, spacing=(2.0, 1.0, 1.0)), 0.4, 4.0)
+    assert set(places[places[:, 1] == 2.0][:, 0]) >= {7.0, 8.0}
+    assert set(places[places[:, 0] == 1.0][:, 1]) >= {15.0, 16.0}
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: in_slice([(1.0, 2.0, 3.0)], 1.0), "has the shape \\(1, 3\\) but must be \\(N, 2\\)"),
+        (lambda: in_slice([(1.0, np.nan)], 1.0), "1 coordinates of what is drawn in a slice are not finite"),
+        (lambda: in_slice([(1.0, 2.0)], 1.0, 3), "axis is 3 but must be 0, 1 or 2"),
+        (lambda: in_slice([(1.0, 2.0)], np.inf), "at is inf but must be a finite number"),
+        (lambda: in_slice([(1.0, 2.0)], 1.0, 0, (1.0, 0.0, 1.0)), "spacing is"),
+        (lambda: everywhere(ball(), 0.0), "spacing is 0 but must be above 0"),
+        (lambda: on_strong_edges(ball(), 2.0), "fraction is 2 but must be from 0 to 1"),
+        (lambda: on_strong_edges(ball(), 0.1, -1.0), "smoothing is -1 but must be 0 or more"),
+    ],
+)
+def test_starts_that_cannot_be_are_refused_in_one_sentence(make, words):
+    with pytest.raises(ValueError, match=words):
+        make()

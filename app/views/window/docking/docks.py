@@ -87,6 +87,10 @@ class Docks(QObject):
         self._docks[name].show()
         self._docks[name].raise_()
 
+    def conceal(self, name: str) -> None:
+        """Close a panel."""
+        self._docks[name].hide()
+
     def restore(self) -> None:
         """Move every panel to its initial place."""
         window = self._window

@@ -16,7 +16,11 @@ from cpm_core.reconstruction.surface.sampling import typical_distance
 METHODS = ("implicit", "crust")
 """Ways to a surface from points alone."""
 
-_FEWEST = 4
+_FEWEST, _FEWEST_FOR_NORMALS = 4, 13
+"""Least number of points, and the least from which normals are estimated."""
+
+_SMALLEST, _LARGEST = 1e-100, 1e100
+"""Least and largest extent of the points: its cube is still a number."""
 
 
 def reconstruct_surface(points: ArrayLike, normals: ArrayLike | None = None, method: str = "implicit") -> Surface:
@@ -42,13 +46,18 @@ def reconstruct_surface(points: ArrayLike, normals: ArrayLike | None = None, met
     ------
     ValueError
         When points or normals are not three finite real numbers each, when all points lie in a plane, or when they
-        are not dense enough for the crust.
+        are too few, or not dense enough for the crust.
+
+    Notes
+    -----
+    Sheets, nested ones as well, have to be apart by more than about twice the distance between neighboring points, or
+    they grow together. A sheet that ends in the open bounds nothing: the implicit surface closes it by a guess, and
+    the crust leaves it out, or is refused when nothing else is left.
     """
     if method not in METHODS:
         raise ValueError(f'"{method}" is no method of surface reconstruction: choose one of {", ".join(METHODS)}.')
     places = np.unique(_triples(points, "points"), axis=0) if normals is None else _triples(points, "points")
-    if len(places) < _FEWEST or np.linalg.matrix_rank(places - places.mean(0), tol=1e-9 * (1 + np.ptp(places))) < 3:
-        raise ValueError(f"A surface needs points that span a volume, but these {len(places)} lie in a plane.")
+    _check_extent(places)
     apart = typical_distance(places)
     if method == "crust":
         vertices, faces = crust(places)
@@ -58,12 +67,32 @@ def reconstruct_surface(points: ArrayLike, normals: ArrayLike | None = None, met
                 'give more points, or choose the method "implicit".'
             )
     else:
-        given = None if normals is None else _triples(normals, "normals")
-        if given is not None and len(given) != len(places):
-            raise ValueError(f"There are {len(places)} points, but {len(given)} normals: give one for each point.")
-        outward = estimated_normals(places, apart) if given is None else _unit(given)
-        vertices, faces = implicit_surface(places, outward, apart)
+        vertices, faces = implicit_surface(places, _outward(places, normals, apart), apart)
     return Surface(vertices, faces, unsupported=1.0 - float(support(vertices, places, apart).mean()))
+
+
+def _outward(places: Array, normals: ArrayLike | None, apart: float) -> Array:
+    """Unit normals of the points: those given, or estimated ones."""
+    if normals is not None:
+        given = _triples(normals, "normals")
+        if len(given) != len(places):
+            raise ValueError(f"There are {len(places)} points, but {len(given)} normals: give one for each point.")
+        return _unit(given)
+    if len(places) < _FEWEST_FOR_NORMALS:
+        raise ValueError(
+            f"{len(places)} different points are too few to estimate normals: give {_FEWEST_FOR_NORMALS} or more, or "
+            "their normals."
+        )
+    return estimated_normals(places, apart)
+
+
+def _check_extent(places: Array) -> None:
+    """Refuse points that span no volume, or one whose measures are too small or too large for numbers."""
+    extent = float(np.abs(places - places[:1]).max()) if len(places) else 0.0
+    if extent and not _SMALLEST < extent < _LARGEST:
+        raise ValueError(f"The points spread over {extent:g}: give them in another unit.")
+    if len(places) < _FEWEST or not extent or np.linalg.matrix_rank((places - places.mean(0)) / extent, tol=1e-9) < 3:
+        raise ValueError(f"A surface needs points that span a volume, but these {len(places)} lie in a plane.")
 
 
 def _triples(given: ArrayLike, name: str) -> Array:

@@ -1,4 +1,9 @@
-"""From particles on the edges of a volume to a surface that is closed, oriented and manifold by construction."""
+"""From particles on the edges of a volume to a surface that is closed, oriented and manifold by construction.
+
+The surface parts what is brighter than the edges from what is darker, nested walls included. Where two bright regions
+of different gray levels touch, both are inside, and a thin slit, which may have bridges, runs along the wall between
+them. A thin sheet between two regions of the same gray level is a body with two sides.
+"""
 
 from __future__ import annotations
 

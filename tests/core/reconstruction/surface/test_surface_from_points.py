@@ -90,6 +90,10 @@ def test_units_do_not_matter(scale):
         (np.random.default_rng(0).normal(size=(9, 3)), np.ones((8, 3)), "implicit", "9 points, but 8 normals"),
         (np.random.default_rng(0).normal(size=(9, 3)), np.zeros((9, 3)), "implicit", "length zero"),
         (np.random.default_rng(0).normal(size=(9, 3)), None, "poisson", "poisson"),
+        (np.empty((0, 3)), None, "implicit", "these 0 lie in a plane"),
+        (np.random.default_rng(0).normal(size=(9, 3)), None, "implicit", "9 different points are too few"),
+        (1e200 * np.random.default_rng(0).normal(size=(50, 3)), None, "crust", "in another unit"),
+        (1e-200 * np.random.default_rng(0).normal(size=(50, 3)), None, "implicit", "in another unit"),
     ],
 )
 def test_what_makes_no_surface_is_refused_in_a_sentence(points, normals, method, said):

@@ -11,6 +11,7 @@ from PySide6.QtGui import QColor
 
 from app.model.display.coloring import QUANTITIES, SHADES, InsertionTimes, colored
 from app.model.text.language import tr
+from app.session.exchange.messages import Snapshot
 from app.session.scene import Scene
 from app.views.canvas.items.discs import NO_POSITIONS, Discs
 from app.views.canvas.layers.layer import Layer, Requests
@@ -89,6 +90,12 @@ class ParticleLayer(Layer):
     def receding(self) -> bool:
         """Whether the run has ended, and the particles are shown less than during the run."""
         return _ended(self.scene) and self.word("done") != _SAME
+
+    def size_of(self, snapshot: Snapshot) -> float:
+        """Factor for the diameter of the particles of a snapshot; 0 where they are hidden after its run."""
+        if not snapshot.state.stop_reason:
+            return 1.0
+        return {_SAME: 1.0, _SMALL: _RECEDING, _HIDDEN: 0.0}[self.word("done")]
 
     def legend_entries(self) -> Sequence[LegendEntry]:
         """Particles by state during a run; those colored by a quantity have a legend on the canvas."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from cpm_core.formats.images.decoded import UnreadableError
 from cpm_core.image.geometry import Triple
+from cpm_core.numerics.memory import free
 
 _TAGS = (
     "SeriesInstanceUID",
@@ -44,6 +47,12 @@ _TAGS = (
     "FrameIncrementPointer",
 )
 """What is read of a header; the rest of a folder of thousand files is not waited for."""
+
+_BEGINNING, _LENGTH_ENTRY = 132, 12
+"""Bytes of a file up to its first entry, and those of the entry that tells the length of the first ones."""
+
+_PART = 2**22
+"""Bytes that are read and unpacked at once."""
 
 _CENTIMETERS = 3
 """Unit of the sizes of a pixel in ultrasound."""
@@ -105,6 +114,7 @@ class Frame:
 
 def frames_of(pydicom: Any, path: Path) -> list[Frame]:
     """The frames of a file; ValueError, or anything, when it is damaged, and none when it has no pixels."""
+    check_inflated(pydicom, path)
     header = pydicom.dcmread(path, stop_before_pixels=True, force=True, specific_tags=list(_TAGS))
     if "Rows" not in header or "Columns" not in header:
         return []
@@ -114,6 +124,24 @@ def frames_of(pydicom: Any, path: Path) -> list[Frame]:
     if count < 1 or (own and len(own) != count):
         raise ValueError("the number of its images is not valid")
     return [_frame(path, index, header, [own[index]] if own else [], shared) for index in range(count)]
+
+
+def check_inflated(pydicom: Any, path: Path) -> None:
+    """Raise UnreadableError for a file that is packed as a whole and does not fit into memory, which pydicom takes."""
+    with path.open("rb") as stream:
+        if not stream.read(_BEGINNING).endswith(b"DICM"):
+            return
+        entries = pydicom.filereader.read_file_meta_info(path)
+        if not getattr(entries.get("TransferSyntaxUID"), "is_deflated", False):
+            return
+        stream.seek(_BEGINNING + _LENGTH_ENTRY + int(entries.FileMetaInformationGroupLength))
+        unpacker, size, most = zlib.decompressobj(-zlib.MAX_WBITS), 0, free() / 2.0
+        part = stream.read(_PART)
+        while part and not unpacker.eof:
+            size += len(unpacker.decompress(part, _PART))
+            part = unpacker.unconsumed_tail or stream.read(_PART)
+            if size > most:
+                raise UnreadableError(f"{path.name} unpacks to more than the free memory: save it without packing.")
 
 
 def _frame(path: Path, index: int, header: Any, own: list[Any], shared: Any) -> Frame:

@@ -4,7 +4,7 @@ import nibabel
 import numpy as np
 import pydicom
 import pytest
-from pydicom.uid import JPEG2000Lossless, RLELossless
+from pydicom.uid import DeflatedExplicitVRLittleEndian, JPEG2000Lossless, RLELossless
 
 from cpm_core import load_image, load_volume
 from cpm_core.formats.images.medical.dicom import pixels
@@ -259,6 +259,16 @@ def test_old_files_without_a_mark_are_known_by_their_first_entry(tmp_path, impli
     content = (tmp_path / "a.dcm").read_bytes()
     assert content[128:132] != b"DICM" and reads(content[:512], tmp_path / "a.dcm")
     assert np.array_equal(load_image(tmp_path / "a.dcm").values, VALUES[0])
+
+
+def test_a_file_that_is_packed_as_a_whole_is_read_or_refused_before_it_takes_all_memory(tmp_path, monkeypatch):
+    found = dataset(VALUES[0], PixelData=bytes(2 * VALUES[0].size))
+    found.file_meta.TransferSyntaxUID = DeflatedExplicitVRLittleEndian
+    found.save_as(tmp_path / "a.dcm", enforce_file_format=True)
+    assert not load_image(tmp_path / "a.dcm").values.any()
+    monkeypatch.setattr("cpm_core.formats.images.medical.dicom.frame.free", lambda: 300.0)
+    with pytest.raises(ValueError, match=r"a\.dcm unpacks to more than the free memory"):
+        load_image(tmp_path / "a.dcm")
 
 
 def test_a_file_without_an_image_is_called_that(tmp_path):

@@ -1,0 +1,116 @@
+"""The camera of the view in space: from where a volume is seen, and where its positions lie in the picture."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import cos, pi, sin
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.numerics.types import Array
+
+Seen = NDArray[np.float32]
+"""Positions in the picture: column and row [px] from its top left corner, and distance behind its plane [px]."""
+
+_MARGIN = 1.0
+"""Part of the picture that a volume fills when it is seen as a whole."""
+
+_SMALLEST, _LARGEST = 1e-6, 1e6
+"""Limits of the scale, so that no number overflows."""
+
+_TILT = -0.45, 0.35
+"""Angles to the right and down from which a volume is seen first [rad]: three of its sides show."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Camera:
+    """A parallel projection: equal lengths look equal wherever they are, so that a scale bar holds.
+
+    Attributes
+    ----------
+    center : ndarray, shape (3,)
+        Position in the middle of the picture, (plane, row, col) in units of length.
+    axes : ndarray, shape (3, 3)
+        Unit vectors to the right, down, and away from the viewer, one a row, each along (plane, row, col).
+    scale : float
+        Pixels for a unit of length.
+    """
+
+    center: Array
+    axes: Array
+    scale: float
+
+    @staticmethod
+    def on(lengths: Sequence[float], size: tuple[int, int]) -> Camera:
+        """See all of a box with these sides, which begins at 0, in a picture of so many rows and columns."""
+        sides = np.asarray(lengths, float)
+        front = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
+        scale = _MARGIN * min(size) / max(float(np.linalg.norm(sides)), 1e-300)
+        return Camera(0.5 * sides, front, _limited(scale)).turned(*_TILT)
+
+    def along(self, axis: int) -> Camera:
+        """Look straight along an axis of the volume, as at a slice of it."""
+        down, right = (one for one in range(3) if one != axis)
+        return replace(self, axes=np.eye(3)[[right, down, axis]])
+
+    def turned(self, right: float, down: float) -> Camera:
+        """Turn the volume, as a ball under a finger that moves to the right and down by these angles [rad]."""
+        sideways = np.array([[cos(right), 0.0, sin(right)], [0.0, 1.0, 0.0], [-sin(right), 0.0, cos(right)]])
+        upright = np.array([[1.0, 0.0, 0.0], [0.0, cos(down), sin(down)], [0.0, -sin(down), cos(down)]])
+        return replace(self, axes=_orthonormal(upright.T @ sideways.T @ self.axes))
+
+    def rolled(self, angle: float) -> Camera:
+        """Turn the picture about its middle, clockwise [rad]."""
+        roll = np.array([[cos(angle), sin(angle), 0.0], [-sin(angle), cos(angle), 0.0], [0.0, 0.0, 1.0]])
+        return replace(self, axes=_orthonormal(roll @ self.axes))
+
+    def moved(self, right: float, down: float) -> Camera:
+        """Move the volume in the picture [px]."""
+        return replace(self, center=self.center - (right * self.axes[0] + down * self.axes[1]) / self.scale)
+
+    def zoomed(self, factor: float, right: float = 0.0, down: float = 0.0) -> Camera:
+        """Enlarge, so that the place so far from the middle of the picture [px] stays where it is."""
+        scale = _limited(self.scale * factor)
+        true = scale / self.scale
+        return replace(self.moved(-right, -down), scale=scale).moved(right, down) if true != 1.0 else self
+
+    def enlarged(self, factor: float) -> Camera:
+        """The same view in a picture with `factor` times as many rows and columns."""
+        return replace(self, scale=self.scale * factor)
+
+    def seen(self, positions: NDArray[Any], size: tuple[int, int]) -> Seen:
+        """Where positions (N, 3) in units of length lie in a picture of so many rows and columns."""
+        away = np.asarray(positions, np.float32) - self.center.astype(np.float32)
+        onto = (self.axes * self.scale).astype(np.float32)
+        found = np.empty((len(away), 3), np.float32)
+        for axis in range(3):
+            found[:, axis] = away[:, 0] * onto[axis, 0] + away[:, 1] * onto[axis, 1] + away[:, 2] * onto[axis, 2]
+        found[:, 0] += 0.5 * (size[1] - 1)
+        found[:, 1] += 0.5 * (size[0] - 1)
+        return found
+
+    def corner(self, size: tuple[int, int]) -> Array:
+        """Position in the picture's plane that its first pixel shows, in units of length."""
+        right, down = 0.5 * (size[1] - 1), 0.5 * (size[0] - 1)
+        return np.asarray(self.center - (right * self.axes[0] + down * self.axes[1]) / self.scale)
+
+
+def turntable(camera: Camera, frames: int) -> list[Camera]:
+    """Cameras on one full turn about the picture's vertical axis; after the last one comes the first again."""
+    return [camera.turned(2.0 * pi * frame / frames, 0.0) for frame in range(frames)]
+
+
+def _limited(scale: float) -> float:
+    return min(max(scale, _SMALLEST), _LARGEST)
+
+
+def _orthonormal(axes: NDArray[Any]) -> Array:
+    """Axes without the errors of rounding that many small turns add up."""
+    right = axes[0] / np.linalg.norm(axes[0])
+    down = axes[1] - right * (axes[1] @ right)
+    down /= np.linalg.norm(down)
+    handed = np.sign(np.linalg.det(axes))
+    return np.array([right, down, handed * np.cross(right, down)])

@@ -1,0 +1,85 @@
+"""What a scene with a volume shows in space; parts are made again only when they have changed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import numpy as np
+from PySide6.QtGui import QColor
+
+from app.model.display.coloring import QUANTITIES, SHADES, InsertionTimes, colored
+from app.model.display.display_image import IntensityWindow
+from app.model.display.space.picture import Colors
+from app.model.display.space.projection import Shaded
+from app.model.display.space.shown_parts import Contents
+from app.model.display.space.triangles import Mesh
+from app.model.display.space.view_in_space import Particles
+from app.session.exchange.messages import Reconstruction, Snapshot
+from app.session.scene import Scene
+from app.views.canvas.layers.particles.color_legend import BEGIN, UNKNOWN
+from app.views.canvas.layers.particles.particles import ParticleLayer
+from app.views.theme import color_maps, theme
+from app.views.theme.look import Ink, look
+from cpm_core.image.image import Image
+
+T = TypeVar("T")
+
+
+class SeenInSpace:
+    """Makes the contents of the view in space of the scenes of a session."""
+
+    def __init__(self) -> None:
+        self._made: dict[str, tuple[tuple[Any, ...], Any]] = {}
+
+    def of(self, scene: Scene, layer: ParticleLayer) -> Contents | None:
+        """What a scene shows, with particles as a layer shows them on the canvas."""
+        image, slices, snapshot, found = scene.image, scene.slices, scene.snapshot, scene.reconstruction
+        if image is None or slices is None:
+            self._made.clear()
+            return None
+        inks = tuple(look().color(ink) for ink in (theme.MOVING, theme.RESTING))
+        given = snapshot, layer.word("colour"), layer.word("map"), layer.word("done"), inks
+        shaded = self._once("shaded", (image,), lambda: _shaded(image))
+        particles = self._once("particles", given, lambda: _particles(snapshot, layer))
+        mesh = self._once("mesh", (found,), lambda: _mesh(found))
+        return self._once(
+            "contents",
+            (image, slices, particles, mesh),
+            lambda: Contents(image, shaded, slices, particles, mesh),
+        )
+
+    def _once(self, name: str, given: tuple[Any, ...], make: Callable[[], T]) -> T:
+        """What has been made of the same things before, or is made now."""
+        known = self._made.get(name)
+        if known is None or not all(one is other or one == other for one, other in zip(known[0], given, strict=True)):
+            known = self._made[name] = (given, make())
+        made: T = known[1]
+        return made
+
+
+def _shaded(image: Image) -> Shaded:
+    return Shaded(image.values, IntensityWindow(*image.gray_range))
+
+
+def _particles(snapshot: Snapshot | None, layer: ParticleLayer) -> Particles | None:
+    size = 1.0 if snapshot is None else layer.size_of(snapshot)
+    if snapshot is None or size == 0.0:
+        return None
+    if layer.word("colour") not in QUANTITIES:
+        inks = np.array([_rgb(theme.MOVING), _rgb(theme.RESTING)], np.uint8)
+        return Particles(snapshot.position, inks[snapshot.resting.astype(np.intp)], size)
+    times = InsertionTimes(snapshot.metrics.step, snapshot.metrics.numbered)
+    marks = colored(QUANTITIES[layer.word("colour")], snapshot.state, times).marks
+    palette = np.vstack([color_maps.table(layer.word("map"), SHADES, BEGIN), _rgb(UNKNOWN)]).astype(np.uint8)
+    return Particles(snapshot.position, palette[marks], size)
+
+
+def _mesh(found: Reconstruction | None) -> Mesh | None:
+    surface = getattr(found.result, "surface", None) if found is not None else None
+    return None if surface is None or not len(surface.faces) else Mesh(surface)
+
+
+def _rgb(ink: Ink | str) -> Colors:
+    color = QColor(look().color(ink))
+    return np.array([color.red(), color.green(), color.blue()], np.uint8)

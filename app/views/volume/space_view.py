@@ -1,0 +1,259 @@
+"""The view in space: a volume with its particles and surface, which the mouse turns."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from PySide6.QtCore import QPointF, QSize, Qt, QTimer, Signal
+from PySide6.QtGui import QImage, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QResizeEvent, QWheelEvent
+from PySide6.QtWidgets import QSizePolicy, QWidget
+
+from app.model.display.space.camera import Camera
+from app.model.display.space.picture import FAR, Picture
+from app.model.display.space.view_in_space import Look, ViewInSpace
+from app.model.text.language import tr
+from app.session.features.latest import Latest
+from app.session.signals import SessionSignals
+from app.views.theme import theme
+from app.views.volume.space_gestures import WHOLE, Gesture, by_key, gesture, turn
+from app.views.volume.space_marks import SpaceMarks
+
+_STILL = 150
+"""Time without a change after which the picture is drawn at full size [ms]."""
+
+_SMOOTH = 0.02
+"""Time that a picture may take while the view turns [s]; a slower one is drawn coarser."""
+
+_COARSEST = 4
+
+_WHEEL = 1.0015
+"""What an eighth of a degree of the wheel enlarges."""
+
+_CLICK = 4.0
+"""Distance within which a press and a release are a click [px of the screen]."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Frame:
+    """A picture that has been drawn, and how."""
+
+    picture: Picture
+    camera: Camera
+    coarseness: int
+    number: int
+    seconds: float
+
+
+class SpaceView(QWidget):
+    """Draws a view on a thread of its own, the newest first; coarser while something moves, in full once it is still.
+
+    Drag to turn, with Shift or the middle button to move, with Ctrl to roll; the wheel enlarges; a double click shows
+    everything again. A click on something picks the place.
+    """
+
+    picked = Signal(object)
+    """Position (plane, row, col) [voxels] that the user has clicked."""
+
+    drawn = Signal()
+    """A new picture is shown."""
+
+    def __init__(self, session: SessionSignals) -> None:
+        super().__init__()
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+        self.setAccessibleName(tr("View in space"))
+        self.marks = SpaceMarks()
+        self.camera: Camera | None = None
+        self._view: ViewInSpace | None = None
+        self._frame: _Frame | None = None
+        self._image = QImage()
+        self.look = Look(background=_rgb(theme.CANVAS))
+        self._seconds = 0.0
+        self._asked = 0
+        self._pressed: QPointF | None = None
+        self._last = QPointF()
+        self._gesture: Gesture = turn
+        self._painter = Latest(session, "cpm-space", "drawing the view in space")
+        self._painter.done.connect(self._take)
+        self._still = QTimer(self, interval=_STILL, singleShot=True)
+        self._still.timeout.connect(partial(self._ask, 1))
+
+    def sizeHint(self) -> QSize:
+        """A square."""
+        return QSize(420, 420)
+
+    def show_view(self, view: ViewInSpace | None) -> None:
+        """Show something else; one of another size is seen as a whole, otherwise the camera stays."""
+        before, self._view = self._view, view
+        if view is None:
+            self._frame, self.camera = None, None
+            self.update()
+            return
+        if before is None or self.camera is None or before.lengths != view.lengths:
+            self.show_all()
+        else:
+            self._changed()
+
+    @property
+    def idle(self) -> bool:
+        """Whether the picture shows all that was asked for, in full."""
+        shown = 0 if self._frame is None else self._frame.number
+        return not self._still.isActive() and (self._view is None or shown == self._asked)
+
+    @property
+    def room(self) -> tuple[int, int]:
+        """Rows and columns of the picture in full."""
+        ratio = self.devicePixelRatioF()
+        return max(1, round(self.height() * ratio)), max(1, round(self.width() * ratio))
+
+    def show_all(self) -> None:
+        """See the whole volume from where it is seen first."""
+        if self._view is not None:
+            self.use(Camera.on(self._view.lengths, self.room))
+
+    def use(self, camera: Camera) -> None:
+        """See the volume from elsewhere."""
+        self.camera = camera
+        self._changed()
+
+    def picture(self) -> QImage:
+        """The picture as it is seen, with its marks."""
+        return self.grab().toImage()
+
+    def close_thread(self) -> None:
+        """End the thread that draws."""
+        self._still.stop()
+        self._painter.close()
+
+    # Qt interface
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Show the picture that was drawn last."""
+        painter = QPainter(self)
+        painter.fillRect(self.rect(), theme.CANVAS)
+        if self._frame is not None and self._view is not None:
+            painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform, self._frame.coarseness > 1)
+            painter.drawImage(self.rect(), self._image)
+            camera = self._frame.camera.enlarged(self.width() / self._frame.picture.size[1])
+            self.marks.draw(painter, self._view, camera, self.size())
+        painter.end()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Keep the volume as large in the view as it was."""
+        before = min(event.oldSize().width(), event.oldSize().height())
+        if self.camera is not None and before > 0:
+            self.camera = self.camera.enlarged(max(min(self.width(), self.height()), 1) / before)
+        elif self.camera is not None:
+            self.show_all()
+        self._changed()
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Begin to turn, move or roll, until the button is released."""
+        self._gesture = gesture(event.button(), event.modifiers())
+        self._pressed = self._last = event.position()
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Turn, move or roll."""
+        if self._pressed is not None and self.camera is not None:
+            way, self._last = event.position() - self._last, event.position()
+            ratio = self.devicePixelRatioF()
+            self.use(self._gesture(self.camera, way.x() * ratio, way.y() * ratio, min(self.room)))
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """Pick what was clicked."""
+        begin, self._pressed = self._pressed, None
+        if begin is None or event.button() != Qt.MouseButton.LeftButton:
+            return
+        if (event.position() - begin).manhattanLength() <= _CLICK:
+            position = self._at(event.position())
+            if position is not None:
+                self.picked.emit(position)
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        """See everything."""
+        self.show_all()
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Enlarge at the pointer."""
+        if self.camera is not None:
+            ratio = self.devicePixelRatioF()
+            off = (event.position() - QPointF(self.rect().center())) * ratio
+            self.use(self.camera.zoomed(_WHEEL ** event.angleDelta().y(), off.x(), off.y()))
+        event.accept()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Turn, enlarge, or look along an axis."""
+        camera = None if self.camera is None else by_key(self.camera, event.key())
+        if camera is not None:
+            self.use(camera)
+        elif event.key() in WHOLE:
+            self.show_all()
+        else:
+            super().keyPressEvent(event)
+
+    # Internal
+
+    def _changed(self) -> None:
+        self._ask(min(_COARSEST, max(1, round((self._seconds / _SMOOTH) ** 0.5))))
+
+    def _ask(self, coarseness: int) -> None:
+        """Draw with one pixel for so many of the screen; in full after a while without a change."""
+        if self._view is None or self.camera is None or not self.isVisible():
+            return
+        if coarseness > 1:
+            self._still.start()
+        else:
+            self._still.stop()
+        size = self.room
+        coarse = max(1, size[0] // coarseness), max(1, size[1] // coarseness)
+        self._asked += 1
+        self._painter.ask(partial(_draw, self._view, self.camera, coarse, coarseness, self.look, self._asked))
+
+    def _take(self, frame: _Frame) -> None:
+        """Show a picture that has been drawn."""
+        if self._view is None:
+            return
+        self._frame = frame
+        if frame.coarseness == 1:
+            self._seconds = frame.seconds
+        colors = frame.picture.colors
+        self._image = QImage(
+            colors.data, colors.shape[1], colors.shape[0], 3 * colors.shape[1], QImage.Format.Format_RGB888
+        )
+        self.update()
+        self.drawn.emit()
+
+    def showEvent(self, event: object) -> None:
+        """Draw what was not drawn while it was hidden."""
+        self._ask(1)
+
+    def _at(self, point: QPointF) -> tuple[float, float, float] | None:
+        """Position [voxels] of what is seen at a point, None where nothing is."""
+        frame, view = self._frame, self._view
+        if frame is None or view is None:
+            return None
+        rows, cols = frame.picture.size
+        row = min(max(int(point.y() * rows / self.height()), 0), rows - 1)
+        col = min(max(int(point.x() * cols / self.width()), 0), cols - 1)
+        depth = float(frame.picture.depths[row, col])
+        if depth >= float(FAR):
+            return None
+        camera = frame.camera
+        place = camera.corner((rows, cols)) + np.array([col, row, depth]) @ camera.axes / camera.scale
+        plane, down, right = (place / np.array(view.spacing)).tolist()
+        return plane, down, right
+
+
+def _draw(view: ViewInSpace, camera: Camera, size: tuple[int, int], coarseness: int, look: Look, number: int) -> _Frame:
+    """Draw on the thread."""
+    begin = time.perf_counter()
+    seen = camera.enlarged(1.0 / coarseness)
+    finer = Look(look.background, look.edges, look.outside, look.inside, max(look.radius / coarseness, 0.6))
+    return _Frame(view.drawn(seen, size, finer), seen, coarseness, number, time.perf_counter() - begin)
+
+
+def _rgb(color: str) -> tuple[int, int, int]:
+    return int(color[1:3], 16), int(color[3:5], 16), int(color[5:7], 16)

@@ -1,0 +1,263 @@
+"""The picture of a volume in space agrees with geometry, pixel by pixel."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from app.model.display.display_image import IntensityWindow
+from app.model.display.space.camera import Camera, turntable
+from app.model.display.space.discs import draw_balls
+from app.model.display.space.lines import draw_lines
+from app.model.display.space.picture import FAR, Picture
+from app.model.display.space.projection import Shaded, draw_projection
+from app.model.display.space.slices import ShownSlice, draw_slice
+from app.model.display.space.triangles import Cut, Mesh, draw_mesh
+from app.model.display.space.view_in_space import AXIS_COLORS, Look, Particles, ViewInSpace
+from app.model.volume.slices import Slice
+from cpm_core.contours.surface import Surface
+
+SIZE = 40, 60
+MIDDLE = np.array([29.5, 19.5, 0.0])
+WHOLE = IntensityWindow(0.0, 255.0)
+RED, GREEN = (200, 0, 0), (0, 200, 0)
+GRAY = np.repeat(np.arange(256, dtype=np.uint8)[:, None], 3, axis=1)
+
+angles = st.floats(-3.0, 3.0)
+cameras = st.builds(
+    lambda one, other, roll, scale: Camera.on((20.0, 30.0, 40.0), SIZE).turned(one, other).rolled(roll).zoomed(scale),
+    angles,
+    angles,
+    angles,
+    st.floats(0.3, 3.0),
+)
+
+
+def blank() -> Picture:
+    return Picture.blank(SIZE, (0, 0, 0))
+
+
+def front(scale: float = 1.0) -> Camera:
+    """Look along the planes of a volume, at its first voxel."""
+    return Camera(np.zeros(3), np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]), scale)
+
+
+def ball(radius: float, center: float, rings: int = 24) -> Surface:
+    """A closed surface whose normals point outward."""
+    polar, around = np.linspace(0.0, np.pi, rings + 1), np.linspace(0.0, 2.0 * np.pi, 2 * rings, endpoint=False)
+    grid = np.array([[[np.cos(a), np.sin(a) * np.cos(b), np.sin(a) * np.sin(b)] for b in around] for a in polar])
+    number = np.arange(grid[..., 0].size).reshape(grid.shape[:2])
+    one, right = number[:-1], np.roll(number, -1, axis=1)[:-1]
+    below, corner = number[1:], np.roll(number, -1, axis=1)[1:]
+    faces = np.concatenate([np.stack([one, below, corner], -1), np.stack([one, corner, right], -1)]).reshape(-1, 3)
+    surface = Surface(center + radius * grid.reshape(-1, 3), faces)
+    return surface if surface.volume > 0 else Surface(surface.vertices, surface.faces[:, ::-1])
+
+
+@given(camera=cameras, place=st.tuples(*[st.floats(-50.0, 50.0)] * 3))
+def test_lengths_are_seen_true_and_the_center_in_the_middle(camera, place) -> None:
+    assert camera.seen(camera.center[None], SIZE)[0] == pytest.approx(MIDDLE, abs=1e-3)
+    seen = camera.seen(np.array([place]), SIZE)[0] - MIDDLE
+    assert np.linalg.norm(seen) == pytest.approx(camera.scale * np.linalg.norm(place - camera.center), abs=1e-2)
+
+
+@given(camera=cameras, place=st.tuples(*[st.floats(-50.0, 50.0)] * 3))
+def test_a_pixel_and_its_depth_lead_back_to_the_position(camera, place) -> None:
+    x, y, depth = camera.seen(np.array([place]), SIZE)[0].astype(float)
+    back = camera.corner(SIZE) + np.array([x, y, depth]) @ camera.axes / camera.scale
+    assert back == pytest.approx(place, abs=1e-2)
+
+
+@pytest.mark.parametrize(("turn", "axis"), [((0.1, 0.0), 0), ((0.0, 0.1), 1)])
+def test_what_is_in_front_follows_the_finger(turn, axis) -> None:
+    camera = front()
+    near = -5.0 * camera.axes[2]
+    moved = camera.turned(*turn).seen(near[None], SIZE)[0] - camera.seen(near[None], SIZE)[0]
+    assert moved[axis] > 0.4
+    assert abs(moved[1 - axis]) < 1e-3
+
+
+@given(camera=cameras, right=st.floats(-20, 20), down=st.floats(-20, 20), factor=st.floats(0.2, 5.0))
+def test_enlarging_keeps_the_place_under_the_pointer(camera, right, down, factor) -> None:
+    under = camera.center + (right * camera.axes[0] + down * camera.axes[1]) / camera.scale
+    seen = camera.zoomed(factor, right, down).seen(under[None], SIZE)[0]
+    assert seen[:2] == pytest.approx((MIDDLE[0] + right, MIDDLE[1] + down), abs=1e-2)
+
+
+def test_a_turntable_comes_round_in_equal_turns() -> None:
+    begin = front()
+    axes = [camera.axes for camera in turntable(begin, 8)]
+    assert axes[0] == pytest.approx(begin.axes)
+    assert axes[4][2] == pytest.approx(-begin.axes[2])
+    for one, other in zip(axes, [*axes[1:], axes[0]], strict=True):
+        assert np.trace(one @ other.T) == pytest.approx(1.0 + 2.0 * np.cos(np.pi / 4))
+
+
+@settings(max_examples=30)
+@given(seed=st.integers(0, 10_000), camera=cameras)
+def test_each_pixel_shows_the_nearest_triangle_on_its_line_of_sight(seed, camera) -> None:
+    """Beside the intersection of each line with each plane, by a linear system for each."""
+    rng = np.random.default_rng(seed)
+    vertices = np.array(camera.center) + rng.normal(0.0, 12.0 / camera.scale, (9, 3))
+    picture = blank()
+    draw_mesh(picture, Mesh(Surface(vertices, np.arange(9).reshape(3, 3))), camera, RED, GREEN)
+    seen = camera.seen(vertices, SIZE).astype(float).reshape(3, 3, 3)
+    for row in range(0, SIZE[0], 3):
+        for col in range(0, SIZE[1], 3):
+            found, sure = np.inf, True
+            for a, b, c in seen:
+                edges = np.array([b[:2] - a[:2], c[:2] - a[:2]]).T
+                if abs(np.linalg.det(edges)) < 1e-2:
+                    sure = False
+                    continue
+                to_b, to_c = np.linalg.solve(edges, np.array([col, row]) - a[:2])
+                least = min(to_b, to_c, 1.0 - to_b - to_c)
+                sure &= abs(least) > 1e-4
+                if least >= 0:
+                    found = min(found, (a + to_b * (b - a) + to_c * (c - a))[2])
+            depth = picture.depths[row, col]
+            if sure:
+                assert (depth == FAR) == np.isinf(found)
+                assert np.isinf(found) or depth == pytest.approx(found, abs=0.05)
+
+
+@settings(max_examples=30)
+@given(camera=cameras)
+def test_a_ball_is_a_disk_from_everywhere_and_shows_its_outside(camera) -> None:
+    radius = 12.0 / camera.scale
+    picture = blank()
+    surface = ball(radius, 0.0, 48)
+    draw_mesh(picture, Mesh(Surface(surface.vertices + camera.center, surface.faces)), camera, RED, GREEN)
+    rows, cols = np.indices(SIZE)
+    away = np.hypot(cols - MIDDLE[0], rows - MIDDLE[1])
+    shown = picture.depths < FAR
+    assert shown[away < 11.8].all()
+    assert not shown[away > 12.1].any()
+    assert (picture.colors[shown][:, 0] > picture.colors[shown][:, 1]).all()
+    assert picture.depths[19, 29] == pytest.approx(-12.0, abs=0.1)
+
+
+def test_a_cut_lays_the_inside_open() -> None:
+    mesh, camera = Mesh(ball(8.0, 0.0, 48)), front()
+    picture = blank()
+    draw_mesh(picture, mesh, camera, RED, GREEN, Cut((-1.0, 0.0, 0.0), 0.0))
+    assert picture.depths[19, 29] == pytest.approx(8.0, abs=0.1)
+    assert picture.colors[19, 29, 1] > picture.colors[19, 29, 0]
+    assert picture.depths.min() >= -0.01
+
+
+@given(camera=cameras, seed=st.integers(0, 1000), radius=st.floats(0.5, 6.0))
+@settings(max_examples=30)
+def test_balls_hide_what_is_behind_them(camera, seed, radius) -> None:
+    rng = np.random.default_rng(seed)
+    places = camera.seen(camera.center + rng.normal(0.0, 10.0 / camera.scale, (6, 3)), SIZE)
+    colors = rng.integers(100, 255, (6, 3)).astype(np.uint8)
+    picture = blank()
+    draw_balls(picture, places, colors, radius)
+    rows, cols = np.indices(SIZE)
+    off = radius**2 - (cols[..., None] - places[:, 0]) ** 2 - (rows[..., None] - places[:, 1]) ** 2
+    depths = np.where(off >= 0, places[:, 2] - np.sqrt(np.maximum(off, 0)), np.inf)
+    sure = (np.abs(off) > 1e-3).all(-1)
+    nearest = depths.min(-1)
+    assert ((picture.depths < FAR) == np.isfinite(nearest))[sure].all()
+    both = sure & np.isfinite(nearest)
+    assert picture.depths[both] == pytest.approx(nearest[both], abs=1e-2)
+
+
+def test_a_slice_seen_straight_shows_its_voxels_one_by_one() -> None:
+    rng = np.random.default_rng(0)
+    colors = rng.integers(0, 255, (11, 21, 3)).astype(np.uint8)
+    for axis in range(3):
+        picture = Picture.blank((11, 21), (1, 2, 3))
+        center = np.array([5.0 if k == min(one for one in range(3) if one != axis) else 10.0 for k in range(3)])
+        draw_slice(
+            picture, ShownSlice(Slice(axis, 4), colors), Camera(center, np.eye(3), 1.0).along(axis), (1.0, 1.0, 1.0)
+        )
+        assert (picture.colors == colors).all()
+        assert (picture.depths == 4.0 - center[axis]).all()
+
+
+@settings(max_examples=30)
+@given(camera=cameras, axis=st.integers(0, 2), index=st.integers(0, 9))
+def test_a_slice_lies_where_its_voxels_are(camera, axis, index) -> None:
+    shape, spacing = (10, 15, 20), np.array([2.0, 2.0, 2.0])
+    colors = np.full((*[shape[k] for k in range(3) if k != axis], 3), 255, np.uint8)
+    picture = blank()
+    draw_slice(picture, ShownSlice(Slice(axis, index), colors), camera, tuple(spacing))
+    rows, cols = np.nonzero(picture.depths < FAR)
+    seen = np.stack([cols, rows, picture.depths[rows, cols]], -1)
+    voxels = (camera.corner(SIZE) + seen @ camera.axes / camera.scale) / spacing
+    assert np.abs(voxels[:, axis] - index).max(initial=0.0) < 1e-2
+    assert (voxels > -0.51).all()
+    assert (voxels < np.array(shape) - 0.49).all()
+
+
+@pytest.mark.parametrize("axis", range(3))
+@pytest.mark.parametrize("spread", [0.02, 0.9])
+def test_the_projection_seen_straight_is_the_maximum_along_the_axis(axis, spread) -> None:
+    rng = np.random.default_rng(1)
+    voxels = (255 * rng.random((19, 23, 31)) ** (1.0 / spread)).astype(np.uint8)
+    shape = tuple(voxels.shape[k] for k in range(3) if k != axis)
+    picture = Picture.blank(shape, (0, 0, 0))
+    center = (np.array(voxels.shape) - 1) / 2
+    camera = Camera(center, np.eye(3), 1.0).along(axis)
+    draw_projection(picture, Shaded(voxels, WHOLE), camera, (1.0, 1.0, 1.0), GRAY)
+    assert (picture.colors[..., 0] == voxels.max(axis)).all()
+    assert (picture.depths == FAR).all()
+
+
+@settings(max_examples=20)
+@given(camera=cameras)
+def test_the_projection_of_a_ball_is_a_disk_from_everywhere(camera) -> None:
+    planes, rows, cols = np.indices((40, 20, 20))
+    voxels = (np.hypot(np.hypot(0.5 * (planes - 19.5), rows - 9.5), cols - 9.5) < 8.0).astype(np.uint8) * 200
+    scale = 1.5
+    seen = Camera(np.array([9.75, 9.5, 9.5]), camera.axes, scale)
+    picture = blank()
+    draw_projection(picture, Shaded(voxels, WHOLE), seen, (0.5, 1.0, 1.0), GRAY)
+    rows, cols = np.indices(SIZE)
+    away = np.hypot(cols - MIDDLE[0], rows - MIDDLE[1]) / scale
+    assert (picture.colors[away < 6.8] == 200).all()
+    assert (picture.colors[away > 9.0] == 0).all()
+
+
+@given(ends=st.lists(st.tuples(st.floats(-90, 150), st.floats(-90, 150)), min_size=2, max_size=2))
+def test_a_line_has_a_pixel_at_every_step_and_none_beside_it(ends) -> None:
+    seen = np.array([[*ends[0], 0.0], [*ends[1], 0.0]], np.float32)
+    picture = blank()
+    draw_lines(picture, seen, np.array([RED], np.uint8))
+    rows, cols = np.nonzero(picture.depths < FAR)
+    (x, y), (d_x, d_y) = seen[0, :2].astype(float), (seen[1] - seen[0])[:2].astype(float)
+    steps = max(abs(d_x), abs(d_y), 1e-6)
+    part = np.clip((((cols - x) * d_x) + ((rows - y) * d_y)) / max(d_x**2 + d_y**2, 1e-9), 0, 1)
+    assert np.hypot(cols - x - part * d_x, rows - y - part * d_y).max(initial=0.0) < 0.75
+    for step in range(int(steps) + 1):
+        at_x, at_y = x + step / steps * d_x, y + step / steps * d_y
+        if 0.5 < at_x < SIZE[1] - 1.5 and 0.5 < at_y < SIZE[0] - 1.5:
+            assert ((np.abs(cols - at_x) < 0.501) & (np.abs(rows - at_y) < 0.501)).any()
+
+
+def test_a_surface_that_is_not_opaque_lets_the_particles_behind_it_be_seen() -> None:
+    mesh = Mesh(ball(8.0, 10.0, 48))
+    inside = Particles(np.array([[10.0, 10.0, 10.0]]), np.array([[0, 0, 250]], np.uint8))
+    look, camera = Look(radius=3.0), Camera(np.full(3, 10.0), front().axes, 1.0)
+    blue = {}
+    for opacity in (0.0, 0.5, 1.0):
+        view = ViewInSpace((21, 21, 21), (1.0, 1.0, 1.0), inside, mesh, opacity=opacity, box=False)
+        blue[opacity] = view.drawn(camera, (41, 41), look).colors[20, 20].astype(float)
+    assert blue[0.0] == pytest.approx([0.0, 0.0, 250.0], abs=2.0)
+    assert blue[0.5] == pytest.approx(0.5 * (blue[0.0] + blue[1.0]), abs=1.5)
+
+
+def test_the_axes_begin_at_the_first_voxel() -> None:
+    view = ViewInSpace((5, 9, 13), (2.0, 1.0, 1.0))
+    camera = Camera.on(view.lengths, SIZE)
+    assert view.lengths == (8.0, 8.0, 12.0)
+    picture = view.drawn(camera, SIZE, Look())
+    for axis, color in enumerate(AXIS_COLORS):
+        end = np.array([0.5 * length if k == axis else 0.0 for k, length in enumerate(view.lengths)])
+        col, row, _ = np.rint(camera.seen(end[None], SIZE)[0]).astype(int)
+        near = picture.colors[row - 1 : row + 2, col - 1 : col + 2].reshape(-1, 3)
+        assert color in [tuple(one) for one in near.tolist()]

@@ -1,0 +1,226 @@
+"""The view in space follows mouse, keys and controls, and never shows less than it was asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QCoreApplication, QEvent, QPoint, Qt
+from PySide6.QtGui import QColor, QWheelEvent
+from pytestqt.qtbot import QtBot
+
+from app.model.display.display_image import IntensityWindow
+from app.model.display.space.projection import Shaded
+from app.model.display.space.shown_parts import Contents
+from app.model.display.space.triangles import Mesh
+from app.model.display.space.view_in_space import Particles
+from app.model.volume.slices import Slices
+from app.session.workspace import Workspace
+from app.views.theme import theme
+from app.views.volume import space_view
+from app.views.volume.space_panel import SpacePanel
+from cpm_core.contours.surface import Surface
+from cpm_core.image.image import Image
+
+LEFT = Qt.MouseButton.LeftButton
+NONE, SHIFT, CTRL = (
+    Qt.KeyboardModifier.NoModifier,
+    Qt.KeyboardModifier.ShiftModifier,
+    Qt.KeyboardModifier.ControlModifier,
+)
+SPACING = (2.0, 1.0, 1.0)
+
+CUBE = Surface(
+    np.array([[p, r, c] for p in (5.0, 15.0) for r in (10.0, 30.0) for c in (10.0, 30.0)]),
+    np.array(
+        [
+            [0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
+            [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3],
+        ]
+    ),
+    SPACING,
+)  # fmt: skip
+
+
+def contents(**more: object) -> Contents:
+    voxels = np.zeros((21, 41, 41), np.uint8)
+    voxels[8:13, 15:26, 15:26] = 255
+    return of(voxels, SPACING, "µm", **more)
+
+
+def of(voxels: np.ndarray, spacing: tuple[float, ...], unit: str | None, **more: object) -> Contents:
+    image = Image(voxels.astype(float), spacing, unit)
+    return Contents(image, Shaded(image.values, IntensityWindow(0.0, 255.0)), Slices.of(image.shape), **more)
+
+
+@pytest.fixture
+def panel(qtbot: QtBot, workspace: Workspace) -> Iterator[SpacePanel]:
+    made = SpacePanel(workspace.session)
+    made.resize(700, 420)
+    made.show()
+    qtbot.waitExposed(made)
+    made.show_contents(contents(mesh=Mesh(CUBE)))
+    settle(qtbot, made)
+    yield made
+    made.view.close_thread()
+    made.close()
+    made.deleteLater()
+    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
+
+
+def settle(qtbot: QtBot, panel: SpacePanel) -> None:
+    """Wait for the whole picture; the first one compiles the loops."""
+    qtbot.waitUntil(lambda: panel.view.idle, timeout=60_000)
+
+
+def center(panel: SpacePanel) -> QPoint:
+    return panel.view.rect().center()
+
+
+def colors(panel: SpacePanel) -> set[str]:
+    image = panel.view.picture()
+    return {QColor(image.pixel(x, y)).name() for x in range(0, image.width(), 4) for y in range(0, image.height(), 4)}
+
+
+def greens(panel: SpacePanel) -> list[str]:
+    return [name for name in colors(panel) if QColor(name).green() > 150 and QColor(name).red() < 50]
+
+
+def drag(qtbot: QtBot, panel: SpacePanel, way: QPoint, keys: Qt.KeyboardModifier = NONE) -> None:
+    view, begin = panel.view, center(panel)
+    qtbot.mousePress(view, LEFT, keys, begin)
+    for part in (0.5, 1.0):
+        qtbot.mouseMove(view, begin + part * way)
+    qtbot.mouseRelease(view, LEFT, keys, begin + way)
+    settle(qtbot, panel)
+
+
+def test_dragging_turns_moves_and_rolls(qtbot, panel) -> None:
+    before = panel.view.camera
+    drag(qtbot, panel, QPoint(60, 0))
+    turned = panel.view.camera
+    assert turned.axes[1] == pytest.approx(before.axes[1])
+    assert turned.axes[0] @ before.axes[0] < 0.99
+    assert turned.center == pytest.approx(before.center)
+    drag(qtbot, panel, QPoint(0, 30), keys=SHIFT)
+    moved = panel.view.camera
+    assert moved.axes == pytest.approx(turned.axes)
+    assert (turned.center - moved.center) @ turned.axes[1] * moved.scale > 10
+    drag(qtbot, panel, QPoint(40, 0), keys=CTRL)
+    assert panel.view.camera.axes[2] == pytest.approx(moved.axes[2])
+    assert panel.view.camera.axes[0] @ moved.axes[0] < 0.99
+    qtbot.mouseDClick(panel.view, LEFT, NONE, center(panel))
+    assert panel.view.camera.axes == pytest.approx(before.axes)
+    assert panel.view.camera.center == pytest.approx(before.center)
+
+
+def test_the_wheel_enlarges_what_is_under_the_pointer(qtbot, panel) -> None:
+    view, before = panel.view, panel.view.camera
+    at = center(panel) + QPoint(80, 40)
+    event = QWheelEvent(
+        at.toPointF(), view.mapToGlobal(at).toPointF(), QPoint(), QPoint(0, 120), Qt.MouseButton.NoButton, NONE,
+        Qt.ScrollPhase.NoScrollPhase, False,
+    )  # fmt: skip
+    QCoreApplication.sendEvent(view, event)
+    after = view.camera
+    assert after.scale > 1.1 * before.scale
+    right, down = 80.0, 40.0
+    under = [
+        camera.center + (right * camera.axes[0] + down * camera.axes[1]) / camera.scale for camera in (before, after)
+    ]
+    assert under[0] == pytest.approx(under[1], abs=0.5)
+
+
+def test_keys_turn_enlarge_and_look_along_each_axis(qtbot, panel) -> None:
+    view, first = panel.view, panel.view.camera
+    view.setFocus()
+    for axis, key in enumerate((Qt.Key.Key_1, Qt.Key.Key_2, Qt.Key.Key_3)):
+        qtbot.keyClick(view, key)
+        assert abs(view.camera.axes[2, axis]) == pytest.approx(1.0)
+    qtbot.keyClick(view, Qt.Key.Key_Plus)
+    assert view.camera.scale > first.scale
+    qtbot.keyClick(view, Qt.Key.Key_Left)
+    assert abs(view.camera.axes[2, 2]) < 0.999
+    qtbot.keyClick(view, Qt.Key.Key_Home)
+    assert view.camera.axes == pytest.approx(first.axes)
+
+
+def test_a_click_picks_the_place_that_is_seen(qtbot, panel) -> None:
+    panel.view.setFocus()
+    qtbot.keyClick(panel.view, Qt.Key.Key_1)
+    settle(qtbot, panel)
+    with qtbot.waitSignal(panel.view.picked) as seen:
+        qtbot.mouseClick(panel.view, LEFT, NONE, center(panel))
+    assert seen.args[0] == pytest.approx((5.0, 20.0, 20.0), abs=0.6)
+    with qtbot.assertNotEmitted(panel.view.picked):
+        qtbot.mouseClick(panel.view, LEFT, NONE, QPoint(3, 3))
+
+
+def test_controls_show_and_hide_each_part(qtbot, panel) -> None:
+    places = np.array([[10.0, 20.0, c] for c in range(41)])
+    shown = contents(mesh=Mesh(CUBE), particles=Particles(places, np.full((41, 3), (0, 255, 0), np.uint8)))
+    panel.show_contents(shown)
+    parts = panel.bar.checks
+    for name, check in parts.items():
+        before = panel.bar.shown
+        qtbot.mouseClick(check, LEFT, NONE, QPoint(8, check.height() // 2))
+        assert getattr(panel.bar.shown, name) != getattr(before, name)
+    for name, check in parts.items():
+        check.setChecked(name == "particles")
+    settle(qtbot, panel)
+    assert greens(panel)
+    parts["particles"].setChecked(False)
+    settle(qtbot, panel)
+    assert not greens(panel)
+    parts["projection"].setChecked(True)
+    settle(qtbot, panel)
+    assert "#ffffff" in colors(panel)
+
+
+def test_a_cut_opens_the_surface_and_only_then_has_a_place(qtbot, panel) -> None:
+    assert not panel.bar.cut_at.isEnabled()
+    panel.bar.cut.setFocus()
+    qtbot.keyClick(panel.bar.cut, Qt.Key.Key_Down)
+    assert panel.bar.cut_at.isEnabled()
+    assert panel.bar.shown.cut_axis == 0
+    panel.view.setFocus()
+    panel.bar.checks["slices"].setChecked(False)
+    qtbot.keyClick(panel.view, Qt.Key.Key_1)
+    settle(qtbot, panel)
+    with qtbot.waitSignal(panel.view.picked) as seen:
+        qtbot.mouseClick(panel.view, LEFT, NONE, center(panel))
+    assert seen.args[0] == pytest.approx((15.0, 20.0, 20.0), abs=0.6)
+
+
+def test_a_slow_picture_is_coarse_while_it_turns_and_whole_when_still(qtbot, panel, monkeypatch) -> None:
+    view, sizes = panel.view, []
+    drawn = space_view._draw
+    monkeypatch.setattr(view, "_seconds", 0.09)
+    monkeypatch.setattr(
+        space_view, "_draw", lambda one, camera, size, *more: (sizes.append(size), drawn(one, camera, size, *more))[1]
+    )
+    drag(qtbot, panel, QPoint(30, 10))
+    full = (view.height(), view.width())
+    assert sizes[0][0] <= full[0] / 2
+    assert sizes[-1] == full
+
+
+def test_another_state_of_the_run_keeps_the_camera_and_another_volume_does_not(qtbot, panel) -> None:
+    drag(qtbot, panel, QPoint(60, 20))
+    turned = panel.view.camera
+    panel.show_contents(contents())
+    assert panel.view.camera is turned
+    smaller = of(np.indices((9, 10, 11)).sum(0), (1.0, 1.0, 1.0), None)
+    panel.show_contents(smaller)
+    assert panel.view.camera is not turned
+    panel.show_contents(None)
+    settle(qtbot, panel)
+    assert colors(panel) == {theme.CANVAS}
+
+
+def test_a_resized_view_shows_as_much_of_the_volume(qtbot, panel) -> None:
+    before = panel.view.camera.scale / min(panel.view.width(), panel.view.height())
+    panel.resize(900, 700)
+    settle(qtbot, panel)
+    assert panel.view.camera.scale / min(panel.view.width(), panel.view.height()) == pytest.approx(before, rel=1e-3)
