@@ -4,6 +4,7 @@ import ast
 import re
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -86,6 +87,7 @@ def belongs(name, package):
     return name == package or name.startswith(package + ".")
 
 
+@cache
 def imported_by(path):
     return imports(path.read_text(encoding="utf-8"), module_name(path), path.name == "__init__.py")
 
@@ -198,14 +200,16 @@ def test_no_module_is_a_box_for_odds_and_ends(path):
     assert path.stem not in {"utils", "util", "utilities", "helpers", "helper", "common", "misc", "tools_"}
 
 
+@cache
 def sizes(path):
     """Dotted names of a module, its classes and functions, their lines and how many they may be."""
     source, module = path.read_text(encoding="utf-8"), module_name(path)
-    yield module, len(source.splitlines()), LONGEST_MODULE
+    found = [(module, len(source.splitlines()), LONGEST_MODULE)]
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
             most = LONGEST_CLASS if isinstance(node, ast.ClassDef) else LONGEST_FUNCTION
-            yield f"{module}.{node.name}", node.end_lineno - node.lineno + 1, most
+            found.append((f"{module}.{node.name}", node.end_lineno - node.lineno + 1, most))
+    return found
 
 
 @pytest.mark.parametrize("path", SOURCES, ids=module_name)

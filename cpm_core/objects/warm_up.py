@@ -37,6 +37,7 @@ _IMAGE = 255.0 * (np.hypot(_ROW - 15.5, _COL - 15.5) < 9.0)
 _REGIONS = Regions(interest=(((1, 1), (1, 30), (30, 30), (30, 1)),), barriers=(((5.3, 2.2), (6.1, 28.4)),))
 _PARAMETERS = Parameters(scales=2)
 _CHARGES = (PlacedCharge((4.0, 4.0), 1.0),)
+_CHARGES_IN_VOLUME = (PlacedCharge((4.0, 4.0, 4.0), 1.0),)
 _STEPS = 12
 
 _MOST_STEPS = 60
@@ -76,7 +77,7 @@ def warm_up_volumes(canceled: Callable[[], bool] = lambda: False) -> None:
 
 
 def volume_once() -> None:
-    """Run the loops of a run in a volume and of its surface."""
+    """Run the loops of a run in a volume, with and without placed charges, of its forces and of its surface."""
     image = np.round(200.0 * np.clip(6.5 - np.linalg.norm(np.indices((20, 20, 20)) - 9.5, axis=0), 0.0, 1.0))
     parameters = PRESETS["volume"]
     engine = Engine(image, parameters)
@@ -84,6 +85,8 @@ def volume_once() -> None:
     for _ in range(_MOST_STEPS):
         state = engine.step(state, parameters)
     engine.result(state, parameters)
+    engine.forces(engine.step(state, parameters, _CHARGES_IN_VOLUME), parameters, _CHARGES_IN_VOLUME)
+    engine.energies(state, parameters, _CHARGES_IN_VOLUME)
 
 
 def step_once() -> tuple[Engine, State]:

@@ -1,5 +1,6 @@
 """What the command line says: no terminal, pipe or full disk makes work that is done a failure."""
 
+import io
 import json
 import os
 import subprocess
@@ -34,15 +35,36 @@ def cpm(*arguments, **settings):
     return subprocess.run(command, env=environment, check=False, **settings)
 
 
+NAME = "größe µm² 輪 é"
+
+
 @pytest.mark.parametrize("encoding", ["cp932", "gbk", "cp1251", "ascii"])
-def test_a_terminal_that_lacks_a_character_is_no_failure(disk, encoding, tmp_path):
-    image = disk.rename(tmp_path / "größe µm² 輪 é.png")
-    done = cpm("info", image, environment={"PYTHONIOENCODING": encoding})
+def test_a_terminal_that_lacks_a_character_is_no_failure(disk, encoding, tmp_path, monkeypatch):
+    image = disk.rename(tmp_path / f"{NAME}.png")
+
+    def said(path):
+        """Status, output and error output of the command on a terminal of this encoding."""
+        written = {stream: io.TextIOWrapper(io.BytesIO(), encoding=encoding) for stream in ("stdout", "stderr")}
+        with monkeypatch.context() as patch:
+            for stream, text in written.items():
+                patch.setattr(sys, stream, text)
+            status = cpm_core.cli.main(["info", str(path)])
+        for text in written.values():
+            text.flush()
+        return status, *(text.buffer.getvalue() for text in written.values())
+
+    status, output, error = said(image)
+    assert (status, error) == (0, b"")
+    assert b"40 rows" in output
+    status, _, error = said(tmp_path / f"{NAME}.txt")
+    assert status == 2
+    assert b"does not exist" in error and error.count(b"\n") == 1
+
+
+def test_the_real_command_fails_on_no_terminal_either(disk, tmp_path):
+    done = cpm("info", disk.rename(tmp_path / f"{NAME}.png"), environment={"PYTHONIOENCODING": "ascii"})
     assert (done.returncode, done.stderr) == (0, b"")
     assert b"40 rows" in done.stdout
-    done = cpm("info", tmp_path / "größe µm² 輪 é.txt", environment={"PYTHONIOENCODING": encoding})
-    assert done.returncode == 2
-    assert b"does not exist" in done.stderr and done.stderr.count(b"\n") == 1
 
 
 @posix

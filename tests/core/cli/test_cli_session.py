@@ -133,7 +133,7 @@ def test_what_was_learned_on_one_image_sorts_the_contours_of_another(command, tm
     away = tuple(replace(mark, anchor=(-100.0, -100.0)) for mark in marks)
     save_session(replace(file, marks=away), tmp_path / "learned.cpm")
     images = (tmp_path / "one.png", tmp_path / "two.png")
-    where = ("--output", tmp_path / "out", "--export", "csv", "--json")
+    where = ("--output", tmp_path / "out", "--export", "csv", "--workers", 1, "--json")
     _, out, _ = command("batch", *images, "--session", tmp_path / "learned.cpm", *where)
     assert [image["contours"] for image in facts(out)["images"]] == [4, 4]
     save_session(replace(file, marks=away, learning=False), tmp_path / "learned.cpm")

@@ -119,13 +119,11 @@ def test_the_energy_is_the_sum_over_all_pairs_and_charges():
     for state in states()[2::7]:
         energies = engine().energies(state, VOLUME, CHARGES)
         place, contact = state.particles.position, state.particles.contact
-        pairs, reach = 0.0, 2.2 * VOLUME.d_min
-        for i in range(len(place)):
-            for j in range(i):
-                distance = max(np.linalg.norm(place[i] - place[j]), 1e-2)
-                sheets = contact.seated[i] and contact.seated[j] and contact.normal[i] @ contact.normal[j] <= 0.0
-                if distance < reach and not sheets:
-                    pairs += 0.5 * (distance**-2 - reach**-2)
+        reach = 2.2 * VOLUME.d_min
+        distance = np.maximum(np.linalg.norm(place[:, None] - place, axis=2), 1e-2)
+        sheets = (contact.seated[:, None] & contact.seated) & (contact.normal @ contact.normal.T <= 0.0)
+        acts = np.tril((distance < reach) & ~sheets, -1)
+        pairs = 0.5 * (distance[acts] ** -2 - reach**-2).sum()
         field = engine().scale_field(VOLUME)
         fixed = interpolate(engine().potential(VOLUME, CHARGES)[None], place / SPACING).sum() / field.slope
         wanted = 0.5 * VOLUME.w1 * VOLUME.d_min**3 * pairs + VOLUME.w2 * fixed

@@ -8,7 +8,7 @@ import math
 import re
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import Any, Literal, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -43,6 +43,10 @@ def values(hint: Any, name: str) -> st.SearchStrategy[Any]:
         return st.tuples(ranges["radius"], ranges["radius"])
     if name in ranges:
         return ranges[name]
+    if get_origin(hint) is Annotated:
+        several, *counts = get_args(hint)
+        item = values(get_args(several)[0], "")
+        return st.one_of(*(st.tuples(*count * [item]) for count in counts))
     if get_origin(hint) is tuple:
         items = get_args(hint)
         if items[-1] is Ellipsis:
@@ -55,7 +59,7 @@ def values(hint: Any, name: str) -> st.SearchStrategy[Any]:
 
 
 def any_of(kind: type) -> st.SearchStrategy[Any]:
-    hints = get_type_hints(kind)
+    hints = get_type_hints(kind, include_extras=True)
     drawn = st.fixed_dictionaries({field.name: values(hints[field.name], field.name) for field in fields(kind)})
     return drawn.map(lambda given: made(kind, given)).filter(lambda one: one is not None)
 
