@@ -57,11 +57,9 @@ def electric_field(
         this is the paper's inverse square; in space the inverse square would leave almost no field inside a closed
         surface. The PPPM method has the inverse square only, in space as in the plane.
     cutoff : float, optional
-        Reach of the direct sums of the PPPM method [px], by default 20 in the plane and 10 in space; not used by the
-        other methods.
+        Reach of the direct sums [px], for PPPM only; by default 20 in the plane and 10 in space.
     iterations : int, optional
-        Sweeps of over-relaxation of the PPPM method, by default 50 and in large volumes more; not used by the other
-        methods.
+        Sweeps of over-relaxation, for PPPM only; by default 50, and in large volumes more.
 
     Returns
     -------

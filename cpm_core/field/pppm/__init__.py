@@ -42,7 +42,7 @@ volume      sweeps   up to 3 px from edges  further away           of size    ti
 ==========  =======  =====================  =====================  =========  ============  ============
 
 The time is that of the direct sums, nine tenths of it. With a cut-off of 20 px they take seven times as long, and the
-error is no smaller (1.2 % of the size of the vectors).
+error is no smaller (0.9 to 1.2 % of size).
 
 There are two deviations from the published text. The direct part is differentiated analytically: the differences of
 algorithm 1 would include the pixel of the charge itself, which eq. (7) leaves out of the potential. And the faces of
