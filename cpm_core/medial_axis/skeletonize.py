@@ -29,8 +29,7 @@ def skeleton(
 ) -> Skeleton | Centerlines:
     """Find the skeleton of the objects in a binary or gray image, or the center lines of those in a volume.
 
-    That of an image is the medial axis of its edges (`cpm_core.medial_axis`), shortened from its tips, from which the
-    objects can be rebuilt. In a volume the lines run in the middle of what lies inside the surface through its edges.
+    They run midway between the edges, in a volume inside the surface through these, and are shortened from their tips.
 
     Parameters
     ----------
@@ -40,8 +39,7 @@ def skeleton(
         For the edges, and what the following do not say; by default the preset "noisy", or "volume".
     of : {"dark", "light", "auto"}, optional
         What is darker, or lighter, than its surroundings on both sides; "auto" is what most of the image shares, or, if
-        outlines are closed and nothing is shared, regions that differ from the image border in gray level. In a volume
-        it is what is lighter.
+        outlines are closed and nothing is shared, regions unlike the image border; in a volume what is lighter.
     max_width : float, optional
         Width above which a part has no skeleton [px]; what remains are strips between two edges, three widths long or
         more. At 0 any width counts if outlines are closed, else one that the strips themselves tell. Images only.
@@ -68,10 +66,7 @@ def skeleton(
     chosen = _chosen(params or PRESETS["noisy" if image.ndim == 2 else "volume"], of, max_width, pruning)
     if image.ndim == 2:
         return plane_skeleton(image, chosen, within=within, outside=outside)
-    if outside or chosen.max_width:
-        name, value = ("outside", outside) if outside else ("max_width", chosen.max_width)
-        raise ValueError(f"{name} is {value!r} but has no meaning in a volume: leave it out.")
-    return volume_skeleton(image, chosen, within)
+    return volume_skeleton(image, chosen, within, outside=outside)
 
 
 def _chosen(params: Parameters, of: str | None, max_width: float | None, pruning: float | None) -> Parameters:

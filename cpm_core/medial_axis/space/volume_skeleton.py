@@ -23,13 +23,20 @@ from cpm_core.reconstruction.surface.iso.pipeline import find_surface
 
 
 def volume_skeleton(
-    image: Image, parameters: Parameters, within: Sequence[Contour] | ArrayLike | None = None
+    image: Image,
+    parameters: Parameters,
+    within: Sequence[Contour] | ArrayLike | None = None,
+    *,
+    outside: bool = False,
 ) -> Centerlines:
     """Center lines of what is lighter than its surroundings in a volume, or darker; `within` is a mask in its place.
 
     A volume of two gray levels is a mask itself. `Parameters.pruning` is in radii, as for `centerlines`.
     """
     check_parameters(parameters)
+    for name, value in (("outside", outside), ("max_width", parameters.max_width)):
+        if value:
+            raise ValueError(f"{name} is {value!r} but has no meaning in a volume: leave it out.")
     inside = _inside(image, parameters, parameters.polarity < 0.0) if within is None else _mask(within, image)
     found = centerlines(inside, image.spacing, image.unit, parameters.pruning)
     return replace(found, source=image.source, geometry=image.geometry)
@@ -44,7 +51,7 @@ def _mask(given: Sequence[Contour] | ArrayLike, image: Image) -> Mask:
         raise ValueError(
             f"within has the shape {mask.shape}, but {image.source} has {image.shape}: give a mask of that shape."
         )
-    return mask
+    return np.asarray(mask)
 
 
 def _inside(image: Image, parameters: Parameters, dark: bool) -> Mask:
@@ -52,7 +59,7 @@ def _inside(image: Image, parameters: Parameters, dark: bool) -> Mask:
     low, high = image.gray_range
     if low < high and _is_mask(image.values, low, high):
         return np.asarray(image.values == (low if dark else high))
-    field: VolumeField = ImageFields(image, replace(parameters, scales=1)).scale_field(parameters)
+    field = cast("VolumeField", ImageFields(image, replace(parameters, scales=1)).scale_field(parameters))
     smoothed = -field.smoothed if dark else field.smoothed  # inside is what is lighter
     places = field.ridges.place / field.pitch
     surface = find_surface(smoothed, field.edge_map, places, image.spacing, image.unit, smoothing=field.smoothing)
