@@ -113,7 +113,7 @@ def test_imports_point_one_way(path):
     [
         ("cpm_core.segmentation.engine", "from app.model.document.document import Document"),
         ("cpm_core.segmentation.engine", "def late():\n    import PySide6.QtCore"),
-        ("cpm_core.field.pppm", "from ...app import views"),
+        ("cpm_core.field.convolution", "from ...app import views"),
         ("app.model.document.edits", "from ...session import session"),
         ("app.model.document.edits", "from pyqtgraph import Point"),
         ("app.session.worker.worker_thread", "from PySide6 import QtWidgets"),

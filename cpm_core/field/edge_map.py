@@ -5,10 +5,10 @@ Every pixel carries a fixed charge ``-f`` with ``f = |grad(G_sigma * I)|`` (sect
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, DTypeLike
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from cpm_core.image.denoising import Cleaned, clean, noise_level
 from cpm_core.numerics.parallel import share
@@ -36,8 +36,8 @@ _CLEAR = 0.25
 NO_SMOOTHING = 0.01
 """Standard deviation up to which a Gaussian has no weight beside its pixel in double precision [px]."""
 
-_LEAST_LINES = 64
-"""Lines of an image that are worth a thread."""
+_WORTH_A_THREAD = 2**15
+"""Pixels from which a thread pays: 64 lines of 512."""
 
 
 _LEAST_SIDE = 2
@@ -54,7 +54,7 @@ def gradient(values: ArrayLike, smoothing: float, precision: DTypeLike = np.floa
     image = real_numbers(values)
     if smoothing > NO_SMOOTHING:
         for axis in range(image.ndim):
-            image = _smoothed_along(image, smoothing, axis)
+            image = smoothed_along(image, smoothing, axis)
     out = np.empty((image.ndim, *image.shape), precision)
     for axis, part in enumerate(out):
         line, slope = np.moveaxis(image, axis, 0), np.moveaxis(part, axis, 0)
@@ -65,16 +65,22 @@ def gradient(values: ArrayLike, smoothing: float, precision: DTypeLike = np.floa
     return out
 
 
-def _smoothed_along(image: Array, sigma: float, axis: int) -> Array:
-    """Image smoothed along one axis; the lines are shared among the cores."""
+def smoothed_along(
+    values: NDArray[np.floating], sigma: float, axis: int, precision: DTypeLike = np.float64
+) -> NDArray[Any]:
+    r"""Values, shape (\*shape), after a Gaussian along one axis; the lines are shared among the cores.
+
+    `sigma` is the standard deviation [px], `precision` the type of the result.
+    """
     other = 1 if axis == 0 else 0
-    out = np.empty(image.shape)
+    out = np.empty(values.shape, precision)
 
     def work(first: int, end: int) -> None:
         part = (slice(None),) * other + (slice(first, end),)
-        gaussian_filter1d(image[part], sigma, axis, output=out[part])
+        gaussian_filter1d(values[part], sigma, axis, output=out[part])
 
-    share(work, image.shape[other], _LEAST_LINES)
+    lines = values.shape[other]
+    share(work, lines, _WORTH_A_THREAD * lines // values.size + 1)
     return out
 
 

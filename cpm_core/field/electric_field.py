@@ -36,8 +36,8 @@ def electric_field(
     method: str = "convolution",
     exponent: float | None = None,
     *,
-    cutoff: float = 20.0,
-    iterations: int = 50,
+    cutoff: float | None = None,
+    iterations: int | None = None,
 ) -> Array:
     r"""Electric field of the fixed charges, eq. (8).
 
@@ -55,11 +55,11 @@ def electric_field(
     exponent : float, optional
         Power of the distance with which the force of one charge decays; by default the dimension ``D``. In the plane
         this is the paper's inverse square; in space the inverse square would leave almost no field inside a closed
-        surface. The PPPM method has the inverse square only.
-    cutoff : float
-        Reach of the direct sums of the PPPM method [px]; not used by the convolution.
-    iterations : int
-        Sweeps of over-relaxation of the PPPM method; not used by the convolution.
+        surface. The PPPM method has the inverse square only, in space as in the plane.
+    cutoff : float, optional
+        Reach of the direct sums [px], for PPPM only; by default 20 in the plane and 10 in space.
+    iterations : int, optional
+        Sweeps of over-relaxation, for PPPM only; by default 50, and in large volumes more.
 
     Returns
     -------
@@ -69,8 +69,8 @@ def electric_field(
     Raises
     ------
     ValueError
-        For an unknown method, an exponent that is not positive, and what the PPPM method does not support: volumes,
-        other exponents than 2, a cut-off or a number of sweeps out of range.
+        For an unknown method, an exponent that is not positive, and what the PPPM method does not support: other
+        exponents than 2, a cut-off or a number of sweeps out of range.
     """
     if isinstance(method, str) and method in _CONVOLVED:
         return _CONVOLVED[method](grid_of_numbers(edge_map), exponent)

@@ -92,7 +92,12 @@ def _texts(found: SurfaceFigures) -> tuple[str, ...]:
         parts,
         closed,
         f"{found.euler:,}",
-        f"{area:,.4g} {square}" if area < 1e6 else f"{area:,.0f} {square}",
-        f"{volume:,.4g} {cube}" if volume < 1e6 else f"{volume:,.0f} {cube}",
+        f"{_readable(area)} {square}",
+        f"{_readable(volume)} {cube}",
         support,
     )
+
+
+def _readable(value: float) -> str:
+    """A number with four digits, or in whole units."""
+    return f"{value:,.0f}" if value >= 1000.0 else f"{value:.4g}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRectF, Qt
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QVBoxLayout, QWidget
+from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
 
 from app.model.document import edits
 from app.model.document.naming import describe
@@ -21,6 +21,7 @@ from app.views.canvas.strip.strip import Strip
 from app.views.canvas.tools import TOOLS
 from app.views.canvas.tools.select import SelectTool
 from app.views.canvas.tools.tool import Tool, ToolContext
+from cpm_core.image.image import Image
 from cpm_core.numerics.types import Place, Position
 from cpm_core.shapes import Circle, Shape, Sphere
 
@@ -55,12 +56,12 @@ class CanvasArea(QWidget):
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(0)
-        self.offers = QVBoxLayout()
-        """Lines above the canvas, which features add."""
+        self.offers, self.controls = QVBoxLayout(), QVBoxLayout()
+        """Lines above the canvas, and below it, which features add."""
         layout.addLayout(self.offers)
-        layout.addWidget(self.canvas, 1)
-        self.controls = QVBoxLayout()
-        """Lines below the canvas, which features add."""
+        self.views = _grid_around(self.canvas)
+        """The canvas, and views beside it, which features add."""
+        layout.addLayout(self.views, 1)
         layout.addLayout(self.controls)
         layout.addWidget(self.strip)
         self.crosshair = Crosshair(self.canvas, lambda: self.show_hint(self._hint))
@@ -160,13 +161,8 @@ class CanvasArea(QWidget):
         col = min(max(seen.center().x(), 0.0), cols - 1.0)
         radius = max(4.0, _MIDDLE_FRACTION * min(seen.width(), seen.height(), rows, cols))
         volume = self.canvas.drawn.volume
-        if volume is not None:
-            self._add(tr("add sphere"), Sphere.round(self.canvas.placed((row, col)), radius, volume.spacing))
-        else:
-            self._add(tr("add circle"), Circle((row, col), radius))
-
-    def _add(self, name: str, shape: Shape) -> None:
-        """Add a shape, and select it."""
+        name = tr("add circle") if volume is None else tr("add sphere")
+        shape = _round_shape(volume, self.canvas.placed((row, col)), radius)
         self._session.edit(name, lambda document: edits.add_shape(document, shape))
         self._session.select(len(self._session.document.shapes) - 1)
 
@@ -240,3 +236,16 @@ class CanvasArea(QWidget):
 def _displaced(scene: Scene, by: Position) -> Place:
     """A displacement on the canvas as one in the image or in the volume."""
     return by if scene.slices is None else scene.slices.current.along(by)
+
+
+def _grid_around(canvas: QWidget) -> QGridLayout:
+    """A grid in which the canvas takes the first column, as high as two views beside it."""
+    grid = QGridLayout()
+    grid.setSpacing(2)
+    grid.addWidget(canvas, 0, 0, 2, 1)
+    return grid
+
+
+def _round_shape(volume: Image | None, center: Place, radius: float) -> Shape:
+    """A circle in an image, a sphere in a volume."""
+    return Circle(center, radius) if volume is None else Sphere.round(center, radius, volume.spacing)

@@ -18,6 +18,7 @@ from app.views.presets.preset_gallery import PresetGallery, picture_of
 from app.views.window.dialogs import Button, Question, ask_for_one, ask_for_text
 from app.views.window.feature import FeatureContext
 from app.views.window.file_dialogs import Files, all_files
+from cpm_core.parameters import PRESETS
 
 _TOPIC = "preset"
 
@@ -84,7 +85,8 @@ class PresetFiles(QObject):
     def _show(self, document: Document) -> None:
         used = [edits.use_preset(document, preset.parameters) for preset in self.store.presets]
         same = [preset for preset, after in zip(self.store.presets, used, strict=True) if after == document]
-        self.gallery.show_current(same[0] if same else None)
+        whole = document.parameters == PRESETS["volume"]  # it suits no image, and is in no gallery
+        self.gallery.show_current(same[0] if same else None, tr("Volume") if whole else "")
 
     def _save(self) -> None:
         session, current = self._context.session, self.gallery.current

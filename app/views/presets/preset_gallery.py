@@ -63,10 +63,10 @@ class PresetGallery(QToolButton):
         if self.popup.isVisible():
             self._add_pictures()
 
-    def show_current(self, preset: Preset | None) -> None:
-        """Show the name of the preset in use; None if the parameters are not those of a preset."""
+    def show_current(self, preset: Preset | None, otherwise: str = "") -> None:
+        """Show the name of the preset in use; None and another name if the parameters are not those of a preset."""
         self._current = preset
-        name = preset.name if preset is not None else tr("Custom parameters")
+        name = preset.name if preset is not None else otherwise or tr("Custom parameters")
         room = 30
         self.setText(f"{name if len(name) <= room else name[: room - 1] + '…'}  ▾")
 

@@ -11,14 +11,13 @@ from typing import Literal, NamedTuple, TypeVar
 import numpy as np
 
 from cpm_core.field.convolution import convolved_field, convolved_potential
-from cpm_core.field.edge_map import NO_SMOOTHING
+from cpm_core.field.edge_map import NO_SMOOTHING, smoothed_along
 from cpm_core.field.scale_field import WEAKEST_EDGE
 from cpm_core.field.volume.ridges import Ridges, ridges_of
 from cpm_core.field.volume.surface_force import force_on_voxels
 from cpm_core.image.volume_barriers import Walls
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
-from cpm_core.numerics.reproducible.gaussian import gaussian_filter1d
 from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.numerics.vectors import Vector
 
@@ -201,21 +200,8 @@ def smoothed_volume(values: Array, sigmas: list[float]) -> Single:
     smoothed: Single = values.astype(np.float32) if not any(sigmas) else values  # type: ignore[assignment]
     for axis, sigma in enumerate(sigmas):
         if sigma > NO_SMOOTHING:
-            smoothed = _smoothed_along(smoothed, sigma, axis)
+            smoothed = smoothed_along(smoothed, sigma, axis, np.float32)
     return smoothed
-
-
-def _smoothed_along(volume: Single, sigma: float, axis: int) -> Single:
-    """A volume smoothed along one axis; the lines are shared among the cores."""
-    out = np.empty(volume.shape, np.float32)
-    other = 1 if axis == 0 else 0
-
-    def work(first: int, end: int) -> None:
-        part = (slice(None),) * other + (slice(first, end),)
-        gaussian_filter1d(volume[part], sigma, axis, output=out[part])
-
-    share(work, volume.shape[other], _LEAST_LINES)
-    return out
 
 
 def edge_strength(smoothed: Single, pitch: Vector) -> Single:

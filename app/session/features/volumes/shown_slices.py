@@ -35,6 +35,11 @@ class ShownSlices:
         if self.now is not None:
             self._use(self.now.at(index))
 
+    def pass_on(self, axis: int, by: int) -> None:
+        """Show the slice so many further along an axis, whichever is worked on."""
+        if self.now is not None:
+            self._use(self.now.turned(axis).at(self.now.voxel[axis] + by).turned(self.now.axis))
+
     def turn(self, axis: int) -> None:
         """Work on the slice across another axis."""
         if self.now is not None:

@@ -1,1 +1,1 @@
-"""Volumes on the canvas: the line that chooses a slice; the view in space has its place here as well."""
+"""Volumes on the canvas: the line that chooses a slice, and the slices beside the canvas."""

@@ -10,12 +10,17 @@ from app.model.state.situation import Condition
 from app.model.state.volume_limits import has_volume
 from app.model.text.language import tr
 from app.model.volume.slices import AXES, Slices
+from app.session.scene import Scene
+from app.views.canvas.volume.side_view import Cross, SideView
 from app.views.canvas.volume.slice_bar import SliceBar
 from app.views.widgets.action_spec import STATE, ActionSpec
 from app.views.window.feature import Feature, FeatureContext
 
 _MENU = "View>" + tr("Sli&ces of a volume")
 _JUMP = 10
+
+_SIDES = "volumes/three_slices"
+"""Preference: whether the slices across the other axes are shown."""
 
 
 class SlicesFeature(Feature):
@@ -29,6 +34,10 @@ class SlicesFeature(Feature):
         self.bar.moved.connect(slices.at)
         self.bar.turned.connect(slices.turn)
         context.canvas_area.controls.addWidget(self.bar)
+        self.sides: tuple[SideView, ...] = ()
+        """Views of the slices across the other axes, made when they are first shown."""
+        self._wanted = bool(context.preferences.get(_SIDES, True))
+        self._cross = Cross(context.canvas_area.canvas)
         context.canvas_area.canvas.slice_wanted.connect(slices.go)
         context.session.scene_changed.connect(self._show)
         context.preferences.follow(UNIT, self._show_size)
@@ -54,7 +63,17 @@ class SlicesFeature(Feature):
                        gap=axis == 0, when=has_volume, holds=self._is_across(axis))
             for axis, name in enumerate(AXES)
         ]  # fmt: skip
-        return (*through, *axes)
+        sides = ActionSpec(name="three_slices", menu=_MENU, text=tr("&Three slices side by side"), do=self._toggle,
+                           shortcuts=("Shift+Q",), group=STATE, gap=True, when=has_volume,
+                           tip=tr("Show the slices across the other axes beside the canvas, linked by a cross."),
+                           holds=lambda _: self._wanted)  # fmt: skip
+        return (*through, *axes, sides)
+
+    def _toggle(self) -> None:
+        self._wanted = not self._wanted
+        self.context.preferences.put(_SIDES, self._wanted)
+        self._show()
+        self.context.refresh()
 
     def _turn(self, axis: int) -> None:
         self._slices.turn(axis)
@@ -65,10 +84,38 @@ class SlicesFeature(Feature):
 
     def _show(self) -> None:
         scene = self.context.session.scene
+        self._show_sides(scene)
         if scene.slices != self._shown:
             self._shown = scene.slices
             self.bar.show_slices(scene.slices, scene.whole)
             self.context.canvas_area.canvas.point_again()
+
+    def _show_sides(self, scene: Scene) -> None:
+        """Draw the other two slices, and where all three meet."""
+        shown = scene.slices is not None and self._wanted
+        self._cross.show(scene.slices if shown else None)
+        if shown and not self.sides:
+            self.sides = self._make_sides()
+        if self.sides and self.sides[0].isVisibleTo(self.context.canvas_area) != shown:
+            self.context.canvas_area.views.setColumnStretch(1, 1 if shown else 0)
+            for view in self.sides:
+                view.setVisible(shown)
+        if shown and scene.slices is not None:
+            others = [axis for axis in range(3) if axis != scene.slices.axis]
+            for view, axis in zip(self.sides, others, strict=True):
+                view.show_slice(scene, axis)
+
+    def _make_sides(self) -> tuple[SideView, ...]:
+        """The views of two further slices, one below the other."""
+        area = self.context.canvas_area
+        made = tuple(SideView(area.canvas, area) for _ in range(2))
+        area.views.setColumnStretch(0, 2)
+        for row, view in enumerate(made):
+            view.hide()
+            area.views.addWidget(view, row, 1)
+            view.went.connect(self._slices.through)
+            view.passed.connect(self._slices.pass_on)
+        return made
 
     def _show_size(self) -> None:
         """Show the size of a voxel in another unit."""

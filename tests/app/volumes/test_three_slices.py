@@ -1,0 +1,82 @@
+"""Three slices side by side, linked by a cross, by mouse and keys."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
+from PySide6.QtGui import QMouseEvent, QWheelEvent
+from PySide6.QtWidgets import QApplication
+
+from app.views.features.view.slices import SlicesFeature
+from cpm_core.shapes import Sphere
+from tests.app.volumes.conftest import ball, open_file
+
+LEFT, SHIFT = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.ShiftModifier
+
+
+def sides(window):
+    return window.feature(SlicesFeature).sides
+
+
+def lines(view) -> list[float]:
+    """Where the lines of the cross are, row and column."""
+    return [line.value() for line in view.cross._lines]
+
+
+def test_the_other_axes_are_shown_beside_the_canvas(volume, hand) -> None:
+    for axis in range(3):
+        volume.workspace.slices.turn(axis)
+        others = [other for other in range(3) if other != axis]
+        for view, other in zip(sides(volume), others, strict=True):
+            assert view.isVisible()
+            here = volume.session.scene.slices.across(other)
+            np.testing.assert_array_equal(view.drawn.image.values, np.take(ball(), here.index, axis=other))
+            assert lines(view) == list(here.within(volume.session.scene.slices.voxel))
+
+
+def test_a_click_beside_the_canvas_moves_the_cross_and_with_it_the_slice(volume, hand) -> None:
+    rows, _ = sides(volume)  # across the rows: planes run down, columns to the right
+    hand.qtbot.mouseClick(rows.viewport(), LEFT, pos=rows.point((5.0, 20.0)).toPoint())
+    assert volume.session.scene.slices.voxel == (5, 14, 20)
+    assert volume.session.scene.slices.axis == 0
+    np.testing.assert_array_equal(hand.canvas.drawn.image.values, ball()[5])
+    to = rows.point((9.0, 11.0)).toPoint()
+    moved = QMouseEvent(QEvent.Type.MouseMove, QPointF(to), QPointF(rows.viewport().mapToGlobal(to)), LEFT, LEFT,
+                        Qt.KeyboardModifier.NoModifier)  # fmt: skip
+    QApplication.sendEvent(rows.viewport(), moved)
+    assert volume.session.scene.slices.voxel == (9, 14, 11)
+
+
+def test_the_wheel_beside_the_canvas_goes_through_the_slices_there(volume) -> None:
+    _, columns = sides(volume)
+    port = columns.viewport()
+    at = QPointF(port.rect().center())
+    event = QWheelEvent(at, port.mapToGlobal(at), QPoint(), QPoint(0, -240), Qt.MouseButton.NoButton,
+                        Qt.KeyboardModifier.NoModifier, Qt.ScrollPhase.NoScrollPhase, False)  # fmt: skip
+    QApplication.sendEvent(port, event)
+    assert volume.session.scene.slices.voxel == (12, 14, 18)
+    assert volume.session.scene.slices.axis == 0
+
+
+def test_what_is_drawn_in_one_slice_is_seen_in_all_that_cut_it(volume, hand) -> None:
+    hand.drag((14, 16), (14, 18), (14, 22))
+    (sphere,) = volume.session.document.shapes
+    assert isinstance(sphere, Sphere)
+    for view in sides(volume):
+        (section,) = view.drawn.document.shapes
+        assert section.radii == pytest.approx((sphere.radius,) * 2, abs=0.2)
+
+
+def test_the_key_hides_and_shows_them_and_an_image_has_none(volume, hand, image_file) -> None:
+    hand.key(Qt.Key.Key_Q, SHIFT)
+    assert not any(view.isVisible() for view in sides(volume))
+    hand.key(Qt.Key.Key_Q, SHIFT)
+    assert all(view.isVisible() for view in sides(volume))
+    open_file(volume, hand, image_file)
+    assert not any(view.isVisible() for view in sides(volume))
+    hand.wait(lambda: hand.canvas.width() == volume.canvas_area.width())
+
+
+def test_a_volume_begins_with_its_preset_by_name(volume) -> None:
+    assert "Volume" in volume.panels["parameters"].findChild(object, "preset").text()
