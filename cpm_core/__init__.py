@@ -50,7 +50,8 @@ mask or as contours, `compare` measures the agreement with it (`contours.agreeme
 without a file, `load_contours` reads them; `write_animation` and `strip` show a run frame by frame.
 
 The **skeleton** is the middle line of an object with the distance to its boundary, from which the object can be
-reconstructed (`medial_axis`). It needs no seeds. Contours and skeletons both come from a `Method`, which the same loop
+reconstructed (`medial_axis`). It needs no seeds. In a volume it is the center lines
+of vessels (`medial_axis.space`). Contours and skeletons both come from a `Method`, which the same loop
 runs step by step; `METHODS` has them by name.
 
 Words
@@ -83,7 +84,7 @@ from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import VolumeRegions
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.medial_axis.skeleton_method import skeleton
+from cpm_core.medial_axis.skeletonize import skeleton
 from cpm_core.medial_axis.space.centerlines import Centerlines, centerlines
 from cpm_core.objects import Partition, Selection, objects_result, partition, similar
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters

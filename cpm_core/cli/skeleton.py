@@ -19,12 +19,13 @@ from cpm_core.cli.arguments import (
     parameters_of,
     part_of,
 )
+from cpm_core.cli.centerlines import find_centerlines
 from cpm_core.cli.terminal import counted, written
-from cpm_core.formats import export, load_image
+from cpm_core.formats import FOR_CENTERLINES, export, load_image, suffix_of
 from cpm_core.formats.printable import printable
 from cpm_core.formats.provenance import ENTRY, facts_of
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.medial_axis.skeleton_method import skeleton
+from cpm_core.medial_axis.skeletonize import skeleton
 from cpm_core.parameters import PRESETS
 
 _PRESET = "noisy"
@@ -49,9 +50,10 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     parser.set_defaults(command=_skeleton)
     parser.description = (
         "Find the middle lines of the objects in an image, with the distance to the boundary at every point. "
-        "The smoothing is chosen from the image's noise unless it is given."
+        "The smoothing is chosen from the image's noise unless it is given. In a volume the lines are written as SWC."
     )
     add_image(parser)
+    parser.add_argument("--volume", action="store_true", help="IMAGE is a volume, as with --export LINES.swc")
     parser.add_argument(
         "--of",
         choices=_OF,
@@ -70,7 +72,10 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
 
 
 def _skeleton(arguments: argparse.Namespace) -> None:
-    """Find the skeletons of an image, after all checks that need no image."""
+    """Find the skeletons of an image, after all checks that need no image, or the center lines in a volume."""
+    if arguments.volume or any(suffix_of(path) in FOR_CENTERLINES for path in arguments.export):
+        find_centerlines(arguments)
+        return
     part = part_of(arguments)
     parameters = parameters_of(arguments, PRESETS[_PRESET])
     check_exports(arguments.export, arguments.image)
@@ -81,6 +86,7 @@ def _skeleton(arguments: argparse.Namespace) -> None:
     started = time.perf_counter()
     found = skeleton(image, parameters, of=arguments.of, within=mask, outside=arguments.outside)
     seconds = time.perf_counter() - started
+    assert isinstance(found, Skeleton)
     export(found, *arguments.export)
     with written("the files were written before" if arguments.export else ""):
         _report(found, seconds, arguments.export, as_json=arguments.json)

@@ -7,6 +7,7 @@ import json
 import sys
 import time
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -46,11 +47,7 @@ def run_volume(arguments: argparse.Namespace) -> None:
     if arguments.auto == "centers":
         raise ValueError("--auto is centers, which is for images: use --auto grid or --auto gradient in a volume.")
     drawn, regions = _drawn(arguments), _regions(arguments)
-    part = part_of(arguments)
-    if "page" in part:
-        raise ValueError(f"--page is {part['page']}, but a volume takes all pages of {arguments.image}: leave it out.")
-    if arguments.channel is not None:  # colors of a volume are turned into gray levels as it is read
-        part["color"], arguments.channel = arguments.channel, None
+    part = part_of_volume(arguments)
     parameters = parameters_of(arguments, PRESETS[arguments.preset or "volume"])
     max_steps, faces = as_steps(arguments.max_steps), _as_faces(arguments.faces)
     check_exports(arguments.export, arguments.image, None)
@@ -73,6 +70,16 @@ def run_volume(arguments: argparse.Namespace) -> None:
     export(result, *arguments.export, image=arguments.image)
     with written("the files were written before" if arguments.export else ""):
         _report(result, seconds, arguments)
+
+
+def part_of_volume(arguments: argparse.Namespace) -> dict[str, Any]:
+    """What `load_volume` is told beside the path; ValueError for what would leave a plane."""
+    part = part_of(arguments)
+    if "page" in part:
+        raise ValueError(f"--page is {part['page']}, but a volume takes all pages of {arguments.image}: leave it out.")
+    if arguments.channel is not None:  # colors of a volume are turned into gray levels as it is read
+        part["color"], arguments.channel = arguments.channel, None
+    return part
 
 
 def _as_faces(given: int | float | str | None) -> int | None:

@@ -56,7 +56,7 @@ class Contour:
     Attributes
     ----------
     points : ndarray of float64, shape (K, 2)
-        Vertices (row, col) in px of the image, in order along the curve.
+        Vertices (row, col) in px of the image, in order along the curve; of center lines in a volume shape (K, 3).
     closed : bool
         Whether the last vertex is joined to the first; the first is not repeated.
     strength : float
@@ -139,8 +139,8 @@ class Contour:
 
     @property
     def area(self) -> float:
-        """Enclosed area [px²]; 0 for an open curve."""
-        return polyline.area(self.points) if self.closed else 0.0
+        """Enclosed area [px²]; 0 for an open curve, and for one in a volume."""
+        return polyline.area(self.points) if self.closed and self.points.shape[1] == 2 else 0.0
 
 
 @dataclass(frozen=True, eq=False)

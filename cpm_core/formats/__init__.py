@@ -4,6 +4,7 @@ from cpm_core.formats.contours.contour_files import CONTOURS_READABLE, load_cont
 from cpm_core.formats.contours.points_csv import load_points
 from cpm_core.formats.readers import READABLE, holds_volume, load_image, load_volume
 from cpm_core.formats.writers import (
+    FOR_CENTERLINES,
     FOR_SKELETONS,
     FOR_VOLUMES,
     OUTLINABLE,
@@ -18,6 +19,7 @@ from cpm_core.formats.writers import (
 
 __all__ = [
     "CONTOURS_READABLE",
+    "FOR_CENTERLINES",
     "FOR_SKELETONS",
     "FOR_VOLUMES",
     "OUTLINABLE",

@@ -17,9 +17,10 @@ from cpm_core.contours.result import Result
 from cpm_core.formats.atomic import check_place, write_together
 from cpm_core.formats.contours import coco, contour_csv, contour_json, dxf, geojson, imagej, labelme, svg
 from cpm_core.formats.masks import label_tiff, labels, nifti
-from cpm_core.formats.meshes import obj, ply, points_csv, stl, vtk
+from cpm_core.formats.meshes import obj, ply, points_csv, stl, swc, vtk
 from cpm_core.formats.printable import printable
 from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.medial_axis.space.centerlines import Centerlines
 from cpm_core.parameters.quotation import shown
 
 _LOG = logging.getLogger(__name__)
@@ -101,26 +102,29 @@ FOR_SKELETONS: dict[str, str] = {
 }
 """Suffixes that make sense for a skeleton -> what is written."""
 
+FOR_CENTERLINES: dict[str, str] = {".swc": "center lines in a volume as a tree of points with radii"}
+"""Suffixes that center lines can be exported to -> what is written."""
+
 
 def export(
-    result: Result | Skeleton,
+    result: Result | Skeleton | Centerlines,
     *paths: str | os.PathLike[str],
     outlines: bool = False,
     image: str | os.PathLike[str] | None = None,
     tell: Callable[[str], object] = _LOG.warning,
     refused: Callable[[Path, str], object] | None = None,
 ) -> None:
-    """Write the contours of a result, or a skeleton, in the format that each suffix names.
+    """Write contours, a skeleton, or center lines in a volume, in the format that each suffix names.
 
     Everything is encoded before anything is written, and each file is replaced atomically, so that no incomplete file
     is ever left behind.
 
     Parameters
     ----------
-    result : Result or Skeleton
+    result : Result, Skeleton or Centerlines
         Outcome of a run, or of `skeleton`.
     *paths : path-like
-        Files to write; see `WRITABLE` for the suffixes. Files that exist are replaced.
+        Files to write; see `WRITABLE`, `FOR_VOLUMES` and `FOR_CENTERLINES` for suffixes. Existing ones are replaced.
     outlines : bool
         Whether masks hold contours as lines, open ones too, in place of the insides of closed ones.
     image : path-like, optional
@@ -154,21 +158,24 @@ def export(
     write_together(contents)
 
 
-def _content(result: Result | Skeleton, file: Path, outlines: bool, image: str | os.PathLike[str] | None) -> bytes:
+def _content(
+    result: Result | Skeleton | Centerlines, file: Path, outlines: bool, image: str | os.PathLike[str] | None
+) -> bytes:
     """Content of a file, which may name the file of the image."""
     suffix = suffix_of(file)
-    shown = labelme.located(result, file, Path(image)) if suffix == _LABELME and image is not None else result
-    return encoded(shown, suffix, outlines=outlines)
+    if suffix == _LABELME and image is not None and not isinstance(result, Centerlines):
+        result = labelme.located(result, file, Path(image))
+    return encoded(result, suffix, outlines=outlines)
 
 
-def left_out(result: Result | Skeleton, suffix: str, *, outlines: bool = False) -> int:
+def left_out(result: Result | Skeleton | Centerlines, suffix: str, *, outlines: bool = False) -> int:
     """Number of contours that a file with this suffix does not hold, because they are open; see `export`."""
-    if isinstance(result, Skeleton) or suffix not in _CLOSED_ONLY or (outlines and suffix in OUTLINABLE):
+    if isinstance(result, Skeleton | Centerlines) or suffix not in _CLOSED_ONLY or (outlines and suffix in OUTLINABLE):
         return 0
     return sum(not contour.closed for contour in result.contours)
 
 
-def omission(result: Result | Skeleton, suffix: str, *, outlines: bool = False) -> str:
+def omission(result: Result | Skeleton | Centerlines, suffix: str, *, outlines: bool = False) -> str:
     """What a file with this suffix does not hold of a result, in one sentence; empty when it holds everything."""
     count = left_out(result, suffix, outlines=outlines)
     if not count:
@@ -178,15 +185,15 @@ def omission(result: Result | Skeleton, suffix: str, *, outlines: bool = False) 
     return f"{count} of {len(result.contours)} contours {are} open and not in {what}."
 
 
-def encoded(result: Result | Skeleton, suffix: str, *, outlines: bool = False) -> bytes:
+def encoded(result: Result | Skeleton | Centerlines, suffix: str, *, outlines: bool = False) -> bytes:
     """Encode what `export` would write, for the clipboard and other places without a file.
 
     Parameters
     ----------
-    result : Result or Skeleton
+    result : Result, Skeleton or Centerlines
         Outcome of a run, or of `skeleton`.
     suffix : str
-        One of `WRITABLE`, or of `FOR_VOLUMES` for the result of a volume. Text is encoded as UTF-8.
+        One of `WRITABLE`, or of `FOR_VOLUMES` and `FOR_CENTERLINES` for results of a volume. Text is encoded as UTF-8.
     outlines : bool
         Whether masks hold contours as lines.
 
@@ -200,8 +207,14 @@ def encoded(result: Result | Skeleton, suffix: str, *, outlines: bool = False) -
     ValueError
         When the suffix is not known, or the result holds nothing such a file could show.
     """
-    if not isinstance(suffix, str) or suffix not in {**_WRITERS, **_MESHES}:
+    if not isinstance(suffix, str) or suffix not in {**_WRITERS, **_MESHES, **FOR_CENTERLINES}:
         raise ValueError(f"{shown(suffix)} names no format that can be written: choose one of {_known()}.")
+    if isinstance(result, Centerlines):
+        if suffix not in FOR_CENTERLINES:
+            raise ValueError(f'A file with the suffix "{suffix}" holds no center lines in a volume: choose .swc.')
+        return swc.encode(result, result.geometry)
+    if suffix in FOR_CENTERLINES:
+        raise ValueError(f"{result.source} has no center lines in a volume, which {suffix} is for: find its skeleton.")
     if isinstance(result, Result) and result.surface is not None and suffix not in FOR_VOLUMES:
         raise ValueError(
             f'{result.source} is a volume, but a file with the suffix "{suffix}" holds what lies in a plane: '
@@ -221,13 +234,13 @@ def _named(result: Result | Skeleton) -> Result | Skeleton:
 
 
 def suffix_of(path: str | os.PathLike[str]) -> str:
-    """Suffix of `WRITABLE` or `FOR_VOLUMES` that a file's name ends in, in lower case; empty when there is none.
+    """Suffix of a format that can be written, which a file's name ends in, in lower case; empty when there is none.
 
     Of several the longest counts, so that ``a.coco.json`` is not a plain ``.json``; a name that consists of a suffix
     only has none.
     """
     name = Path(path).name.lower()
-    suffix = max((suffix for suffix in {**WRITABLE, **FOR_VOLUMES} if name.endswith(suffix)), key=len, default="")
+    suffix = max((suffix for suffix in _all() if name.endswith(suffix)), key=len, default="")
     return suffix if len(suffix) < len(name) else ""
 
 
@@ -247,5 +260,10 @@ def check_export(path: str | os.PathLike[str]) -> None:
 
 
 def _known() -> str:
-    """Suffixes of all formats that can be written."""
-    return ", ".join({**WRITABLE, **FOR_VOLUMES})
+    """Suffixes of all formats that can be written, in words."""
+    return ", ".join(_all())
+
+
+def _all() -> dict[str, str]:
+    """Suffixes of all formats that can be written -> what is written."""
+    return {**WRITABLE, **FOR_VOLUMES, **FOR_CENTERLINES}

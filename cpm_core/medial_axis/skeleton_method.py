@@ -26,7 +26,6 @@ from cpm_core.medial_axis.structure import Structure, find_structure, with_axis
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import OF_STARTS, PRESETS, Parameters, invalidating
 from cpm_core.parameters.provenance import Provenance, taken
-from cpm_core.parameters.quotation import shown
 from cpm_core.particles.initialization import inside_image
 from cpm_core.particles.state import Particles
 
@@ -117,7 +116,7 @@ class SkeletonMethod(ImageFields):
     regions : Regions, optional
         Regions of interest.
     within, outside
-        See `skeleton`.
+        See `cpm_core.skeleton`.
 
     Raises
     ------
@@ -256,69 +255,17 @@ def _nothing(found: Structure) -> str:
     return "no edge encloses anything; smooth less or lower the edge floor"
 
 
-def skeleton(
+def plane_skeleton(
     values: ArrayLike | Image,
-    params: Parameters | None = None,
+    parameters: Parameters | None = None,
     *,
-    of: str | None = None,
-    max_width: float | None = None,
-    pruning: float | None = None,
     within: Within | None = None,
     outside: bool = False,
 ) -> Skeleton:
-    """Find the skeleton of the objects in a binary or gray image, from which they can be rebuilt.
-
-    It is the medial axis of the edges (`cpm_core.medial_axis`), shortened from its tips.
-
-    Parameters
-    ----------
-    values : array_like, shape (H, W), or Image
-        Image. The image border is no edge: an object continues beyond it.
-    params : Parameters, optional
-        For the edges, and what the following do not say; by default the preset "noisy".
-    of : {"dark", "light", "auto"}, optional
-        What is darker, or lighter, than its surroundings on both sides; "auto" is what most of the image shares, or, if
-        outlines are closed and nothing is shared, regions that differ from the image border in gray level.
-    max_width : float, optional
-        Width above which a part has no skeleton [px]; what remains are strips between two edges, three widths long or
-        more. At 0 any width counts if outlines are closed, else one that the strips themselves tell.
-    pruning : float, optional
-        How far a part of the shape may extend beyond the disks of the rest for its branch to be left out [px]. At one
-        pixel neither the steps of a binary image nor moderate noise cause short branches (at 0.25 they do).
-    within : sequence of Contour, or array_like of bool, shape (H, W), optional
-        Closed outlines of objects and holes, or a mask: the skeleton is theirs, and `of` has no effect.
-    outside : bool, optional
-        Whether to include the skeleton of the background, whatever `of` is.
-
-    Returns
-    -------
-    Skeleton
-        Branches with radii; without any branch if no edge encloses anything.
-
-    Raises
-    ------
-    ValueError
-        For an unusable image or value; the message says what to do.
-    """
-    chosen = _chosen(params or PRESETS["noisy"], of, max_width, pruning)
+    """The skeleton of the objects in an image, shape (H, W): all three steps; see `cpm_core.skeleton`."""
+    chosen = parameters or PRESETS["noisy"]
     method = SkeletonMethod(values, chosen, within=within, outside=outside)
     state = method.start()
     while not state.stop_reason:
         state = method.step(state, chosen)
     return method.result(state, chosen)
-
-
-def _chosen(params: Parameters, of: str | None, max_width: float | None, pruning: float | None) -> Parameters:
-    """Parameters with what is given in place of their values."""
-    if of is not None and not (isinstance(of, str) and of in _POLARITIES):
-        raise ValueError(f"of is {shown(of)} but must be one of {', '.join(_POLARITIES)}.")
-    return replace(
-        params,
-        polarity=params.polarity if of is None else _POLARITIES[of],
-        max_width=params.max_width if max_width is None else max_width,
-        pruning=params.pruning if pruning is None else pruning,
-    )
-
-
-_POLARITIES = {"dark": -1.0, "light": 1.0, "auto": 0.0}
-"""Values of the parameter `polarity` by name."""

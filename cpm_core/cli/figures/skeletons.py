@@ -15,7 +15,7 @@ from cpm_core.cli.figures.silhouettes import SIDE, hand
 from cpm_core.contours.agreement import agreement
 from cpm_core.contours.contour import Contour
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.medial_axis.skeleton_method import skeleton
+from cpm_core.medial_axis.skeleton_method import plane_skeleton
 from cpm_core.numerics.types import Array
 
 _SIZE = (SIDE, SIDE)
@@ -35,7 +35,7 @@ def skeletons() -> Page:
     """Fig. 14: skeletons of two black and white shapes and two gray ones, and the shapes rebuilt from them."""
     above, below, measured = [], [], []
     for name, shape in shapes().items():
-        found = skeleton(shape.values)
+        found = plane_skeleton(shape.values)
         facts = _measure(shape, found)
         measured.append(facts)
         above.append(Picture(name, shape.values, contours=found.contours, caption=_agreement(facts), facts=facts))

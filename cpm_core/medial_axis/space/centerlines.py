@@ -8,6 +8,7 @@ others are moved to the middle between voxels that are as deep, and smoothed alo
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -15,6 +16,8 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
+from cpm_core.contours.contour import Contour
+from cpm_core.image.geometry import Geometry
 from cpm_core.medial_axis.space.thinning import thinned
 from cpm_core.medial_axis.space.voxel_graph import Chain, chains_of
 from cpm_core.numerics.real_numbers import checked_number, real_numbers, voxel_sides
@@ -57,6 +60,11 @@ class Branch:
     radii: Array
     nodes: tuple[int, int]
 
+    @property
+    def closed(self) -> bool:
+        """Whether it ends where it begins."""
+        return self.nodes[0] == self.nodes[1] and len(self.points) > 2
+
 
 @dataclass(frozen=True, eq=False)
 class Centerlines:
@@ -70,11 +78,32 @@ class Centerlines:
         Size of a voxel along each axis, in `unit`.
     unit : str or None
         Unit of length.
+    source : str
+        Name of the volume for the user.
+    geometry : Geometry or None
+        Where the volume lies in space.
     """
 
     branches: tuple[Branch, ...]
     spacing: tuple[float, ...] = (1.0, 1.0, 1.0)
     unit: str | None = None
+    source: str = "volume"
+    geometry: Geometry | None = None
+
+    @cached_property
+    def contours(self) -> tuple[Contour, ...]:
+        """The branches as curves with vertices (plane, row, col) [voxels]; a closed one does not repeat its first."""
+        ends = Counter(node for branch in self.branches for node in branch.nodes)
+        found = []
+        for branch, radii in zip(self.branches, self.radii, strict=True):
+            first, last = (ends[node] > 2 for node in branch.nodes)
+            found.append(Contour(branch.points[: len(radii)], branch.closed, junctions=(first, last)))
+        return tuple(found)
+
+    @cached_property
+    def radii(self) -> tuple[Array, ...]:
+        """For every contour the distance of its vertices from the surface, in `unit`."""
+        return tuple(branch.radii[:-1] if branch.closed else branch.radii for branch in self.branches)
 
     @cached_property
     def lengths(self) -> Array:

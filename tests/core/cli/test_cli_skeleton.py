@@ -5,6 +5,7 @@ import json
 import numpy as np
 import PIL.Image
 import pytest
+import tifffile
 
 from cpm_core.cli import skeleton as skeleton_command
 from cpm_core.formats import load_image
@@ -89,6 +90,28 @@ def test_a_mask_says_which_objects(image, command, tmp_path):
     assert facts["largest_radius"] == pytest.approx(10.0, abs=0.6)
 
 
+@pytest.fixture
+def volume(image):
+    """Path of a torus in a volume, in the folder of the image."""
+    plane, row, col = (axis - 15.5 for axis in np.ogrid[:32, :32, :32])
+    inside = np.hypot(np.hypot(row, col) - 9.0, plane) < 3.0
+    tifffile.imwrite(image.parent / "ring.tif", 200 * inside.astype(np.uint8))
+    return image.parent / "ring.tif"
+
+
+def test_the_center_lines_of_a_volume_are_told_and_written(volume, command, tmp_path):
+    status, out, err = command("skeleton", volume, "--export", tmp_path / "a.swc")
+    assert (status, err) == (0, "")
+    assert out.startswith("ring.tif: 1 center line (1 closed) in ")
+    assert f"Wrote {tmp_path / 'a.swc'}\n" in out
+    assert np.loadtxt(tmp_path / "a.swc").shape[1] == 7
+    facts = json.loads(command("skeleton", volume, "--volume", "--json")[1])
+    assert list(facts) == ["contours", "closed", "length", "largest_radius", "unit", "seconds"]
+    assert (facts["contours"], facts["closed"]) == (1, 1)
+    assert facts["length"] == pytest.approx(2.0 * np.pi * 9.0, rel=0.08)
+    assert facts["largest_radius"] == pytest.approx(3.0, abs=0.6)
+
+
 BAD = [
     ("skeleton", "IMAGE"),
     ("skeleton none.png", "does not exist"),
@@ -101,10 +124,15 @@ BAD = [
     ("skeleton bar.png --export a.xyz", "a.xyz"),
     ("skeleton bar.png --export a.svg bar.png", "overwrite the image"),
     ("skeleton bar.png --export a.svg a.png --min-length 500", "no skeleton"),
+    ("skeleton ring.tif --volume --export a.svg", "end its name in .swc"),
+    ("skeleton ring.tif --export a.swc --page 3", "--page is 3"),
+    ("skeleton ring.tif --export a.swc --outside", "outside"),
+    ("skeleton ring.tif --export a.swc --min-length 5", "min_length"),
 ]
 
 
 @pytest.mark.parametrize(("line", "word"), BAD)
+@pytest.mark.usefixtures("volume")
 def test_bad_input_is_one_line_on_standard_error_and_nothing_is_written(image, command, monkeypatch, line, word):
     PIL.Image.new("L", (40, 40), 9).save(image.parent / "flat.png")
     monkeypatch.chdir(image.parent)

@@ -5,6 +5,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.ndimage import distance_transform_edt, label
 
+import cpm_core as cpm
+from cpm_core.contours.contour import Contour
 from cpm_core.contours.surface import Surface
 from cpm_core.formats.meshes.swc import write_swc
 from cpm_core.medial_axis.space.centerlines import centerlines
@@ -130,3 +132,81 @@ def test_center_lines_are_written_as_a_tree(tmp_path):
     assert steps.sum() == pytest.approx(found.lengths.sum(), rel=1e-3)
     assert rows[:, 4] == pytest.approx(2.0 * MIDDLE, abs=3.0)  # z is the plane
     assert rows[:, 5].max() == pytest.approx(max(branch.radii.max() for branch in found.branches), rel=1e-4)
+
+
+def gray(solid, noise=0.0):
+    """A volume of gray levels in which a solid is light, of blurred rim."""
+    return 20.0 + 100.0 * np.clip(0.5 + solid(grid()), 0.0, 1.0) + np.random.default_rng(0).normal(0, noise, (40,) * 3)
+
+
+def three_vessels():
+    middle = np.full(3, MIDDLE)
+    return union(
+        *[rod(middle, middle + 15 * np.array(way), 3) for way in ((0, 0, 1), (0, 0.87, -0.5), (0, -0.87, -0.5))]
+    )
+
+
+@pytest.mark.parametrize("values", [inside(ring(11, 3)), 7 * inside(ring(11, 3)), gray(ring(11, 3), 2.0)])
+def test_the_skeleton_of_a_torus_is_one_closed_line(values):
+    found = cpm.skeleton(values)
+    (line,), (radii,) = found.contours, found.radii
+    assert line.closed and line.junctions == (False, False) and line.area == 0.0
+    assert line.points.shape == (len(radii), 3)
+    assert not np.array_equal(line.points[0], line.points[-1])
+    away = line.points - MIDDLE
+    assert np.hypot(np.hypot(away[:, 1], away[:, 2]) - 11.0, away[:, 0]).max() < 1.0
+    assert radii.mean() == pytest.approx(3.0, abs=0.5)
+    assert line.length == pytest.approx(2.0 * np.pi * 11.0, rel=0.06)
+
+
+def test_the_skeleton_of_three_vessels_has_one_junction():
+    found = cpm.skeleton(gray(three_vessels(), 2.0))
+    assert len(found.contours) == 3
+    ends = [(line.points[k], line.junctions[k]) for line in found.contours for k in (0, -1)]
+    at = [point for point, joined in ends if joined]
+    assert len(at) == 3
+    assert np.ptp(at, axis=0) == pytest.approx(0.0)
+
+
+def test_the_skeleton_is_of_what_is_dark_if_asked():
+    found = cpm.skeleton(200.0 - gray(ring(11, 3)), of="dark")
+    assert [line.closed for line in found.contours] == [True]
+
+
+def test_a_mask_says_what_a_skeleton_in_a_volume_is_of():
+    found = cpm.skeleton(cpm.Image(gray(three_vessels()), (2.0, 1.0, 1.0), "mm", "y.nii"), within=inside(ring(11, 3)))
+    assert [line.closed for line in found.contours] == [True]
+    assert (found.spacing, found.unit, found.source) == ((2.0, 1.0, 1.0), "mm", "y.nii")
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"outside": True}, "outside is True but has no meaning in a volume"),
+        ({"max_width": 9.0}, r"max_width is 9\.0 but has no meaning in a volume"),
+        ({"within": np.ones((40, 40, 41))}, r"within has the shape \(40, 40, 41\)"),
+        ({"within": [Contour(np.zeros((3, 2)), True)]}, "within holds contours"),
+        ({"pruning": -1.0}, "pruning is -1"),
+        ({"params": cpm.Parameters(min_length=5.0)}, "min_length is 5 but has no meaning in a volume"),
+    ],
+)
+def test_what_has_no_meaning_for_a_skeleton_in_a_volume_is_refused(options, said):
+    with pytest.raises(ValueError, match=said):
+        cpm.skeleton(gray(ring(11, 3)), **options)
+
+
+def test_a_constant_volume_is_refused():
+    with pytest.raises(ValueError, match="constant"):
+        cpm.skeleton(np.full((9, 9, 9), 5.0))
+
+
+def test_center_lines_are_exported_as_swc_alone(tmp_path):
+    found = cpm.skeleton(inside(three_vessels()))
+    cpm.export(found, tmp_path / "a.swc")
+    write_swc(found, tmp_path / "b.swc")
+    assert (tmp_path / "a.swc").read_bytes() == (tmp_path / "b.swc").read_bytes()
+    with pytest.raises(ValueError, match="holds no center lines"):
+        cpm.export(found, tmp_path / "a.svg")
+    with pytest.raises(ValueError, match="has no center lines"):
+        cpm.export(cpm.skeleton(inside(three_vessels())[20]), tmp_path / "c.swc")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.swc", "b.swc"]

@@ -308,7 +308,7 @@ def test_an_image_without_an_object_has_an_empty_skeleton(values):
     [
         (np.ones((30, 30)), "constant"),
         (np.eye(5), "5 x 5 px"),
-        (np.ones((30, 30, 30)), "3 dimensions"),
+        (np.ones((9, 9, 9, 9)), "4 dimensions"),
         (np.full((30, 30), np.nan), "NaN"),
     ],
 )

@@ -1,0 +1,62 @@
+"""``cpm skeleton VOLUME``: finds the center lines of what lies in a volume."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from collections.abc import Sequence
+
+from cpm_core.cli.arguments import check_exports, parameters_of
+from cpm_core.cli.terminal import counted, say, written
+from cpm_core.cli.volume import part_of_volume
+from cpm_core.formats import FOR_CENTERLINES, export, load_volume, suffix_of
+from cpm_core.formats.printable import printable
+from cpm_core.medial_axis.skeletonize import skeleton
+from cpm_core.medial_axis.space.centerlines import Centerlines
+from cpm_core.parameters import PRESETS
+
+
+def find_centerlines(arguments: argparse.Namespace) -> None:
+    """Find the center lines in a volume; every check that needs no volume comes first."""
+    part = part_of_volume(arguments)
+    parameters = parameters_of(arguments, PRESETS["volume"])
+    check_exports(arguments.export, arguments.image)
+    for path in arguments.export:
+        if suffix_of(path) not in FOR_CENTERLINES:
+            raise ValueError(f"{path} holds no center lines in a volume: end its name in {', '.join(FOR_CENTERLINES)}.")
+    volume = load_volume(arguments.image, **part)
+    for note in volume.notes:
+        say(f"cpm: {volume.source}: {note}")
+    mask = None if arguments.within is None else load_volume(arguments.within).values > 0.0
+    started = time.perf_counter()
+    found = skeleton(volume, parameters, of=arguments.of, within=mask, outside=arguments.outside)
+    seconds = time.perf_counter() - started
+    assert isinstance(found, Centerlines)
+    export(found, *arguments.export)
+    with written("the files were written before" if arguments.export else ""):
+        _report(found, seconds, arguments.export, as_json=arguments.json)
+
+
+def _report(found: Centerlines, seconds: float, files: Sequence[str], *, as_json: bool) -> None:
+    closed = sum(branch.closed for branch in found.branches)
+    if as_json:
+        facts = {
+            "contours": len(found.branches),
+            "closed": closed,
+            "length": round(float(found.lengths.sum()), 3),
+            "largest_radius": round(max((float(radii.max()) for radii in found.radii), default=0.0), 3),
+            "unit": found.unit,
+            "seconds": round(seconds, 3),
+        }
+        print(json.dumps(facts))
+        return
+    unit = found.unit or "voxels"
+    lines = counted(len(found.branches), "center line")
+    print(f"{found.source}: {lines} ({closed} closed) in {seconds:.2f} s")
+    for number, (length, radii) in enumerate(zip(found.lengths[:10], found.radii, strict=False), start=1):
+        print(f"  {number}. length {length:.1f} {unit}, radius {radii.min():.1f} to {radii.max():.1f} {unit}")
+    if len(found.branches) > 10:
+        print(f"  ... and {len(found.branches) - 10} shorter ones")
+    for path in files:
+        print(printable(f"Wrote {path}"))
