@@ -2,8 +2,8 @@
 
 `coulomb_force` is the force itself, of particles anywhere: pair by pair (`direct_sum`), or by a fast multipole method
 (`fast_multipole`), which sorts the particles into a tree (`kd_tree`) and replaces groups that are far from one another
-by series (`expansions`). In a run, all particles lie in one image and hardly move from step to step: near pairs are
-summed (`pair_force`), and a mesh carries the rest (`mesh_force`).
+by series (`expansions`); in space, the same two ways (`space`, `space_tree`). In a run, all particles lie in one image
+and hardly move from step to step: near pairs are summed (`pair_force`), and a mesh carries the rest (`mesh_force`).
 
 Why there are two methods. The mesh of a run is used for several steps and may have errors that friction hides;
 `coulomb_force` keeps any tolerance, for particles anywhere. One mesh for both has been tried, with a pitch of an eighth

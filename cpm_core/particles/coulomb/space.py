@@ -16,32 +16,33 @@ _WORTH_A_THREAD = 100_000
 def space_sums(points: Array, targets: Index) -> Array:
     """Sums of eq. (9) for the particles `targets`, shape (M,), from all the others, shape (M, 3).
 
-    The time grows with the product of their numbers: 25,000 particles take some seconds.
+    The positions, shape (N, 3), are within some units from zero. The time grows with the product of the numbers.
     """
-    extent = float(np.ptp(points, axis=0).max())
-    if not np.isfinite(extent):
-        raise ValueError("positions must be finite numbers; there are others among them, or they lie too far apart.")
-    scale = float(2.0 ** np.floor(np.log2(extent))) if extent > 0.0 else 1.0
-    z, y, x = (np.ascontiguousarray(points[:, axis] / scale) for axis in range(3))
+    sites = np.ascontiguousarray(points.T)
     force = np.empty((len(targets), 3))
-    least = _WORTH_A_THREAD // max(len(z), 1) + 1
-    share(lambda first, last: _sum_pairs(z, y, x, targets, first, last, force), len(targets), least)
-    force /= scale
-    force /= scale
+    least = _WORTH_A_THREAD // max(len(points), 1) + 1
+    share(lambda first, last: _sum_pairs(sites, targets, first, last, force), len(targets), least)
     return force
 
 
 @reordered
-def _sum_pairs(z: Array, y: Array, x: Array, targets: Index, first: int, last: int, force: Array) -> None:
+def _sum_pairs(sites: Array, targets: Index, first: int, last: int, force: Array) -> None:
     for n in range(first, last):
         i = targets[n]
-        f_z, f_y, f_x = 0.0, 0.0, 0.0
-        for j in range(z.size):
-            d_z, d_y, d_x = z[i] - z[j], y[i] - y[j], x[i] - x[j]
-            squared = d_z * d_z + d_y * d_y + d_x * d_x
-            squared = squared if squared > SAME_SPOT else 1.0
-            weight = 1.0 / (squared * np.sqrt(squared))
-            f_z += weight * d_z
-            f_y += weight * d_y
-            f_x += weight * d_x
-        force[n, 0], force[n, 1], force[n, 2] = f_z, f_y, f_x
+        here = sites[0, i], sites[1, i], sites[2, i]
+        force[n, 0], force[n, 1], force[n, 2] = pairs_in_space(sites, 0, sites.shape[1], here[0], here[1], here[2])
+
+
+@reordered
+def pairs_in_space(sites: Array, first: int, last: int, z: float, y: float, x: float) -> tuple[float, float, float]:
+    """Eq. (9) for a particle at (z, y, x) and some of the others, shape (3, N), which may include itself."""
+    f_z, f_y, f_x = 0.0, 0.0, 0.0
+    for j in range(first, last):
+        d_z, d_y, d_x = z - sites[0, j], y - sites[1, j], x - sites[2, j]
+        squared = d_z * d_z + d_y * d_y + d_x * d_x
+        squared = squared if squared > SAME_SPOT else 1.0
+        weight = 1.0 / (squared * np.sqrt(squared))
+        f_z += weight * d_z
+        f_y += weight * d_y
+        f_x += weight * d_x
+    return f_z, f_y, f_x
