@@ -34,6 +34,9 @@ _LARGEST_RADIUS = 1e5
 _LONGEST_STROKE = 1e6
 """Largest length of a stroke, longer than anything that can be drawn [px]."""
 
+_FARTHEST = 1e9
+"""Largest coordinate of a stroke: squares of larger ones overflow in the end [px]."""
+
 _LEAST_DIVERGENCE = 0.15
 """Least divergence of the direction of the field at a center [1/px]."""
 
@@ -107,6 +110,9 @@ def stroke(points: ArrayLike, spacing: float = 2.0) -> Array:
     if not np.isfinite(corners).all():
         raise ValueError(f"{int((~np.isfinite(corners)).sum())} coordinates of the stroke are not finite.")
     _positive("spacing", spacing)
+    farthest = float(np.abs(corners).max())
+    if farthest > _FARTHEST:
+        raise ValueError(f"the stroke has a coordinate of {farthest:g} px but none may be over {_FARTHEST:g} px.")
     whole = float(lengths_along(corners)[-1])
     if not whole <= _LONGEST_STROKE:
         raise ValueError(f"the stroke is {whole:g} px long but must be at most {_LONGEST_STROKE:g} px.")

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from cpm_core.field.volume.volume_field import edge_strength, smoothed_volume
 from cpm_core.field.volume.volume_space import pitch_of
-from cpm_core.image.image import Image
+from cpm_core.image.image import Image, as_image
 from cpm_core.numerics.real_numbers import checked_number, real_numbers, three_numbers, voxel_sides
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import shown
@@ -136,8 +136,9 @@ def in_slice(
     return np.insert(drawn / np.delete(sides, across), across, place, axis=1)
 
 
-def everywhere(volume: Image, spacing: float = 8.0) -> Array:
+def everywhere(volume: Image | ArrayLike, spacing: float = 8.0) -> Array:
     """Particles evenly spread over a volume, at this distance [smallest sides of a voxel]; shape (N, 3) [voxels]."""
+    volume = _volume(volume)
     pitch = np.array(pitch_of(volume.spacing))
     extent = tuple(int(side) for side in np.ceil((np.array(volume.shape) - 1) * pitch) + 1)
     places = uniform_grid(extent, spacing)
@@ -145,13 +146,22 @@ def everywhere(volume: Image, spacing: float = 8.0) -> Array:
     return np.asarray((places - inset) / pitch)
 
 
-def on_strong_edges(volume: Image, fraction: float = STRONG, smoothing: float = 1.0) -> Array:
+def on_strong_edges(volume: Image | ArrayLike, fraction: float = STRONG, smoothing: float = 1.0) -> Array:
     """Particles on every voxel whose edge strength is above a fraction of the largest; shape (N, 3) [voxels].
 
     `smoothing` is the sigma of the Gaussian before the gradient [smallest sides of a voxel].
     """
     checked_number("fraction", fraction, lambda share: 0.0 <= share <= 1.0, "from 0 to 1")
     sigma = checked_number("smoothing", smoothing, lambda width: width >= 0.0, "0 or more")
+    volume = _volume(volume)
     pitch = pitch_of(volume.spacing)
     strength = edge_strength(smoothed_volume(volume.values, [sigma / side for side in pitch]), pitch)
     return np.argwhere(strength > fraction * strength.max()).astype(float)
+
+
+def _volume(values: Image | ArrayLike) -> Image:
+    """A volume from an image or from gray levels, whose voxels are cubes then."""
+    volume = as_image(values)
+    if len(volume.shape) != 3:
+        raise ValueError(f"{volume.source} has the shape {volume.shape} but must be a volume, (planes, rows, columns).")
+    return volume

@@ -30,7 +30,7 @@ def found(window: MainWindow, hand: Hand, tmp_path: Path) -> MainWindow:
     values = np.full(row.shape, 60.0)
     for center in DISCS:
         values += np.where(np.hypot(row - center[0], col - center[1]) < 14.0, 60.0, 0.0)
-    spots = (np.sin(0.55 * row) * np.sin(0.6 * col) > 0.0) & (row > 96)
+    spots = (np.sin(0.55 * row) * np.sin(0.6 * col) > 0.2) & (row > 96)  # with gaps, since a net is one contour
     path = tmp_path / "discs.npy"
     np.save(path, values + np.where(spots, 70.0, 0.0))
     session = window.session

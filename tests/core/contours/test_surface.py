@@ -60,3 +60,9 @@ def test_a_surface_cannot_be_changed():
 def test_what_is_no_surface_is_refused_in_a_sentence(vertices, faces, said):
     with pytest.raises(ValueError, match=said):
         Surface(vertices, faces)
+
+
+@pytest.mark.parametrize("spacing", [(1.0, 2.0), (1.0,), (), (1.0, 0.0, 1.0), (1.0, np.nan, 1.0), (1.0, -2.0, 1.0)])
+def test_the_spacing_of_a_surface_is_three_positive_numbers(spacing):
+    with pytest.raises(ValueError, match=r"spacing of a surface is .* but must be three positive numbers"):
+        Surface(np.eye(3), np.array([[0, 1, 2]]), spacing)

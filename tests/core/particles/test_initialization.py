@@ -103,6 +103,12 @@ def test_stroke_of_one_point_or_no_length_is_one_particle():
     np.testing.assert_array_equal(stroke([(3.0, 4.0)] * 3), [(3.0, 4.0)])
 
 
+@pytest.mark.parametrize("far", [1e10, 1e200, -1e300])
+def test_a_stroke_that_ends_beyond_all_numbers_is_refused_without_a_warning(far):
+    with pytest.raises(ValueError, match=r"coordinate of 1e\+\d+ px but none may be over 1e\+09 px"):
+        stroke([(far, 0.0), (2.0, 3.0)])
+
+
 def test_stroke_does_not_hold_on_to_its_points():
     corners = np.array([[3.0, 4.0]])
     stroke(corners)[0, 0] = 9.0

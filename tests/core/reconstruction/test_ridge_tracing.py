@@ -229,7 +229,8 @@ def sectors(*grays):
     [
         [(0.0, 40.0), (2.0, 120.0), (4.2, 220.0)],
         [(0.0, 40.0), (np.pi / 2, 120.0), (np.pi, 220.0)],
-        [(0.0, 20.0), (np.pi / 2, 120.0), (np.pi, 60.0), (1.5 * np.pi, 200.0)],
+        # Where the grays on both sides of the crossing have the same mean, the edges part into two arcs.
+        [(0.2, 20.0), (1.9, 200.0), (3.3, 60.0), (4.7, 160.0)],
     ],
     ids=["Y", "T", "saddle"],
 )

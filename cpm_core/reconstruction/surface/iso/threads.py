@@ -32,6 +32,9 @@ _SHORTEST, _LONGEST = 3.5, 18.0
 _RING, _DIRECTIONS = 2.5, 8
 """Distance at which one looks around a thread [widths of a smoothed step], and in how many directions."""
 
+_ASKEW = 1e-3
+"""Sine of the angle from which two directions differ."""
+
 _FALLS = 0.5
 """Least fall of the gray level in each direction, as a share of the mean of all."""
 
@@ -110,7 +113,7 @@ def _is_thread(outside: Array, surroundings: Surroundings, width: float, backgro
     steps = np.linalg.norm(np.diff(outside * size, axis=0), axis=1)
     if len(outside) <= _ALONG or not _SHORTEST * width <= steps.sum() <= _LONGEST * width:
         return False
-    falls = surroundings.sign * _falls(outside, surroundings, width)
+    falls = surroundings.sign * falls_around(outside, surroundings, width)
     near = np.asarray(scipy.spatial.KDTree(outside[[0, -1]] * size).query(surroundings.points * size)[0]) < _NEAR
     if not near.any():
         return False
@@ -120,7 +123,7 @@ def _is_thread(outside: Array, surroundings: Surroundings, width: float, backgro
     return bool(contrast.min() >= least and (falls.mean(0) >= _FALLS * falls.mean()).all())
 
 
-def _falls(way: Array, surroundings: Surroundings, width: float) -> Array:
+def falls_around(way: Array, surroundings: Surroundings, width: float) -> Array:
     """How much higher the volume is on a way, shape (K, 3), than around it, shape (K, directions)."""
     size = surroundings.size
     places = way * size
@@ -128,6 +131,8 @@ def _falls(way: Array, surroundings: Surroundings, width: float) -> Array:
     along /= np.linalg.norm(along, axis=1)[:, None]
     helper = np.eye(3)[np.abs(places[-1] - places[0]).argmin()]
     one = np.cross(along, helper)
+    askew = np.linalg.norm(one, axis=1) < _ASKEW  # a bend of the way runs along the axis that the whole way avoids
+    one[askew] = np.cross(along[askew], np.roll(helper, 1))
     one /= np.linalg.norm(one, axis=1)[:, None]
     other = np.cross(along, one)
     angles = 2.0 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS

@@ -1,8 +1,10 @@
 import numpy as np
 import pytest
-from scipy.ndimage import map_coordinates
+from scipy.ndimage import distance_transform_edt, map_coordinates
 
 from cpm_core.reconstruction.surface.components import Leaving
+from cpm_core.reconstruction.surface.iso.necks import Surroundings
+from cpm_core.reconstruction.surface.iso.threads import falls_around
 from tests.core.reconstruction.surface import solids
 from tests.core.reconstruction.surface.solids import ball, brick, ring, rod, scene, surface_of, union, without
 
@@ -138,3 +140,15 @@ def test_the_same_particles_give_the_same_surface():
     seen = scene(ring(11, 5), noise=20.0)
     one, other = surface_of(seen), surface_of(seen)
     assert np.array_equal(one.vertices, other.vertices) and np.array_equal(one.faces, other.faces)
+
+
+def test_gray_levels_fall_around_a_way_however_it_bends():
+    steps = np.repeat([(1, 0, 0), (0, 0, 1), (1, 1, 0), (0, 0, -1), (0, 1, 0)], 9, axis=0)
+    way = np.cumsum(np.concatenate([[(6, 6, 6)], steps]), axis=0).astype(float)
+    on = np.zeros((32, 32, 24), bool)
+    on[tuple(way.astype(int).T)] = True
+    volume = (100.0 - distance_transform_edt(~on)).astype(np.float32)
+    none = np.empty((0, 3))
+    falls = falls_around(way, Surroundings(volume, 1.0, none, none, np.empty(0), np.ones(3)), 1.0)
+    assert falls.shape[0] == len(way)
+    assert (falls.mean(1) > 1.0).all()
