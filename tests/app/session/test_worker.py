@@ -72,6 +72,8 @@ class FakeResult:
     steps: int
     contours: tuple[()] = ()
     spacing: tuple[float, ...] = (1.0, 1.0)
+    shape: tuple[int, ...] = (9, 9)
+    surface: None = None
     provenance: Provenance = field(default_factory=Provenance, compare=False)
 
 

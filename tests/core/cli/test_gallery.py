@@ -214,9 +214,10 @@ def test_noise_changes_the_given_percentage_of_pixels():
     assert (strong.min(), strong.max()) == (0.0, 255.0)
 
 
-@pytest.mark.parametrize("contrast", [20.0, 40.0])
+@pytest.mark.parametrize("contrast", [20.0, 40.0, 60.0])
 def test_more_damping_never_finds_more_objects(contrast):
-    found = recovery.count_over_damping(contrast, (0.0, 0.4, 1.0, 4.0))
+    """Without any damping particles swing on, and where they are at the end is chance."""
+    found = recovery.count_over_damping(contrast, (0.2, 0.4, 1.0, 4.0))
     assert found == sorted(found, reverse=True)
     assert found[0] == len(silhouettes.ACROSS)
     assert found[-1] < found[0]
