@@ -111,7 +111,7 @@ class Regions:
 def _lines(noun: str, lines: Iterable[Iterable[Sequence[float]]], least: int) -> tuple[Line, ...]:
     """Check lines, and convert them to tuples."""
     checked = []
-    if not isinstance(lines, Iterable):
+    if not isinstance(lines, Iterable) or (isinstance(lines, np.ndarray) and lines.ndim == 0):
         raise ValueError(f"each {noun} must be a sequence of points, not {shown(lines)}: give a list of them.")
     for number, line in enumerate(lines, start=1):
         what = f"{noun} {number}"

@@ -19,6 +19,9 @@ _GOLDEN = np.pi * (1.0 + 5.0**0.5)
 _LARGEST, _MOST = 1e5, 10_000_000
 """Largest radius, beyond any volume that can be processed [voxels], and the most particles."""
 
+_FARTHEST = 1e9
+"""Largest coordinate of a corner [voxels]."""
+
 
 def sphere(
     center: tuple[float, float, float],
@@ -85,6 +88,9 @@ def box(first: tuple[float, float, float], last: tuple[float, float, float], spa
         raise ValueError(
             f"the corners of the box are {shown(first)} and {shown(last)} but must differ along every axis."
         )
+    farthest = max(-float(low.min()), float(high.max()))
+    if farthest > _FARTHEST:
+        raise ValueError(f"a corner of the box lies at {farthest:g} voxels but must lie within {_FARTHEST:g}.")
     checked_number("spacing", spacing, lambda side: side > 0.0, "above 0")
     counts = np.maximum(1.0, np.round((high - low) / spacing))
     if np.prod(counts + 1.0) - np.prod(np.maximum(counts - 1.0, 0.0)) > _MOST:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -10,11 +9,13 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
-from cpm_core.numerics.real_numbers import checked_number, real_numbers
+from cpm_core.numerics.real_numbers import checked_number, real_numbers, voxel_sides
 from cpm_core.numerics.types import Array, Index
-from cpm_core.parameters.quotation import shown
 
 _WHOLE = "a whole number of at least 4"
+
+_FARTHEST = 1e9
+"""Largest coordinate of a vertex, beyond any volume that can be processed [voxels]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,13 +54,10 @@ class Surface:
         wrong = faces[(faces < 0) | (faces >= len(vertices))]
         if len(wrong):
             raise ValueError(f"A triangle names vertex {wrong[0]}, but there are {len(vertices)} vertices, from 0.")
-        spacing = tuple(np.ravel(real_numbers(self.spacing)).tolist())
-        if len(spacing) != 3 or not all(math.isfinite(size) and size > 0 for size in spacing):
-            raise ValueError(
-                f"The spacing of a surface is {shown(self.spacing)}, but must be three positive numbers, "
-                "the size of a voxel along plane, row and column."
-            )
-        object.__setattr__(self, "spacing", spacing)
+        farthest = float(np.abs(vertices).max(initial=0.0))
+        if farthest > _FARTHEST:
+            raise ValueError(f"A vertex lies at {farthest:g} voxels, but must lie within {_FARTHEST:g}: correct it.")
+        object.__setattr__(self, "spacing", tuple(voxel_sides("The spacing of a surface", self.spacing).tolist()))
         for name, values in (("vertices", vertices), ("faces", faces)):
             values.flags.writeable = False
             object.__setattr__(self, name, values)

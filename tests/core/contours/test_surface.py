@@ -62,7 +62,12 @@ def test_what_is_no_surface_is_refused_in_a_sentence(vertices, faces, said):
         Surface(vertices, faces)
 
 
-@pytest.mark.parametrize("spacing", [(1.0, 2.0), (1.0,), (), (1.0, 0.0, 1.0), (1.0, np.nan, 1.0), (1.0, -2.0, 1.0)])
-def test_the_spacing_of_a_surface_is_three_positive_numbers(spacing):
-    with pytest.raises(ValueError, match=r"spacing of a surface is .* but must be three positive numbers"):
+@pytest.mark.parametrize("spacing", [(1.0, 2.0), (1.0,), (), (1.0, 0.0, 1.0), (1.0, np.nan, 1.0), (1e-200, 1.0, 1.0)])
+def test_the_spacing_of_a_surface_is_that_of_voxels(spacing):
+    with pytest.raises(ValueError, match="The spacing of a surface"):
         Surface(np.eye(3), np.array([[0, 1, 2]]), spacing)
+
+
+def test_a_surface_beyond_any_volume_is_refused():
+    with pytest.raises(ValueError, match=r"A vertex lies at 1e\+300 voxels, but must lie within 1e\+09"):
+        Surface(1e300 * np.eye(3), np.array([[0, 1, 2]]))

@@ -133,6 +133,7 @@ def test_strong_edges_are_those_in_units_of_length():
         (lambda: in_slice([(1.0, 2.0)], np.inf), "at is inf but must be a finite number"),
         (lambda: in_slice([(1.0, 2.0)], 1.0, 0, (1.0, 0.0, 1.0)), "spacing is"),
         (lambda: everywhere(ball(), 0.0), "spacing is 0 but must be above 0"),
+        (lambda: box((1e300, -1e300, 0.0), (9.0, 9.0, 9.0)), r"lies at 1e\+300 voxels but must lie within 1e\+09"),
         (lambda: everywhere(np.eye(20)), r"shape \(20, 20\) but must be a volume"),
         (lambda: on_strong_edges(np.int64(3)), "0 dimensions"),
         (lambda: on_strong_edges(ball(), 2.0), "fraction is 2 but must be from 0 to 1"),
