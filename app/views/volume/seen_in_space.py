@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, TypeVar
-
 import numpy as np
 from PySide6.QtGui import QColor
 
@@ -16,6 +13,7 @@ from app.model.display.space.shown_parts import Contents
 from app.model.display.space.triangles import Mesh
 from app.model.display.space.view_in_space import Particles
 from app.session.exchange.messages import Reconstruction, Snapshot
+from app.session.features.volumes.made_once import MadeOnce
 from app.session.scene import Scene
 from app.views.canvas.layers.particles.color_legend import BEGIN, UNKNOWN
 from app.views.canvas.layers.particles.particles import ParticleLayer
@@ -23,39 +21,29 @@ from app.views.theme import color_maps, theme
 from app.views.theme.look import Ink, look
 from cpm_core.image.image import Image
 
-T = TypeVar("T")
-
 
 class SeenInSpace:
     """Makes the contents of the view in space of the scenes of a session."""
 
     def __init__(self) -> None:
-        self._made: dict[str, tuple[tuple[Any, ...], Any]] = {}
+        self._parts = MadeOnce()
 
     def of(self, scene: Scene, layer: ParticleLayer) -> Contents | None:
         """What a scene shows, with particles as a layer shows them on the canvas."""
         image, slices, snapshot, found = scene.image, scene.slices, scene.snapshot, scene.reconstruction
         if image is None or slices is None:
-            self._made.clear()
+            self._parts.forget()
             return None
         inks = tuple(look().color(ink) for ink in (theme.MOVING, theme.RESTING))
         given = snapshot, layer.word("colour"), layer.word("map"), layer.word("done"), inks
-        shaded = self._once("shaded", (image,), lambda: _shaded(image))
-        particles = self._once("particles", given, lambda: _particles(snapshot, layer))
-        mesh = self._once("mesh", (found,), lambda: _mesh(found))
-        return self._once(
+        shaded = self._parts.of("shaded", (image,), lambda: _shaded(image))
+        particles = self._parts.of("particles", given, lambda: _particles(snapshot, layer))
+        mesh = self._parts.of("mesh", (found,), lambda: _mesh(found))
+        return self._parts.of(
             "contents",
             (image, slices, particles, mesh),
             lambda: Contents(image, shaded, slices, particles, mesh),
         )
-
-    def _once(self, name: str, given: tuple[Any, ...], make: Callable[[], T]) -> T:
-        """What has been made of the same things before, or is made now."""
-        known = self._made.get(name)
-        if known is None or not all(one is other or one == other for one, other in zip(known[0], given, strict=True)):
-            known = self._made[name] = (given, make())
-        made: T = known[1]
-        return made
 
 
 def _shaded(image: Image) -> Shaded:

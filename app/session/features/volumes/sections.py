@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, TypeVar
 
 import numpy as np
 
@@ -14,12 +12,11 @@ from app.model.volume.slices import Slice
 from app.model.volume.surface_section import section as cut
 from app.model.volume.surface_section import unmeasured
 from app.session.exchange.messages import Reconstruction, Snapshot
+from app.session.features.volumes.made_once import MadeOnce
 from app.session.scene import NO_CONTOURS, Item, NearParticles, ReviewedContours, Scene
 from cpm_core.contours.review import ReviewedContour
 from cpm_core.image.image import Image
 from cpm_core.shapes.sections import section
-
-T = TypeVar("T")
 
 
 class Sections:
@@ -33,7 +30,7 @@ class Sections:
 
     def __init__(self, axis: int | None = None) -> None:
         self.axis = axis
-        self._made: dict[str, tuple[tuple[Any, ...], Any]] = {}
+        self._parts = MadeOnce()
 
     def of(self, scene: Scene) -> Scene:
         """The scene of a slice; any other scene is returned as it is."""
@@ -42,13 +39,15 @@ class Sections:
             return scene
         slices = slices if self.axis is None else slices.turned(self.axis)
         here = slices.current
-        image = self._once("image", (volume, here), lambda: _image(volume, here))
-        display = self._once("display", (image,), lambda: _display(image, volume))
-        document, places = self._once("document", (scene.document, here), lambda: _document(scene.document, here))
+        image = self._parts.of("image", (volume, here), lambda: _image(volume, here))
+        display = self._parts.of("display", (image,), lambda: _display(image, volume))
+        document, places = self._parts.of("document", (scene.document, here), lambda: _document(scene.document, here))
         reach = scene.document.parameters.d_min
-        near = self._once("near", (scene.snapshot, here, reach), lambda: _near(scene.snapshot, here, volume, reach))
-        snapshot = self._once("snapshot", (near,), lambda: _snapshot(scene.snapshot, near, here))
-        contours = self._once("contours", (scene.reconstruction, here), lambda: _contours(scene.reconstruction, here))
+        near = self._parts.of("near", (scene.snapshot, here, reach), lambda: _near(scene.snapshot, here, volume, reach))
+        snapshot = self._parts.of("snapshot", (near,), lambda: _snapshot(scene.snapshot, near, here))
+        contours = self._parts.of(
+            "contours", (scene.reconstruction, here), lambda: _contours(scene.reconstruction, here)
+        )
         return Scene(
             image,
             display,
@@ -62,14 +61,6 @@ class Sections:
             volume=volume,
             near=near,
         )
-
-    def _once(self, name: str, given: tuple[Any, ...], make: Callable[[], T]) -> T:
-        """What has been made of the same things before, or is made now."""
-        known = self._made.get(name)
-        if known is None or not all(one is other or one == other for one, other in zip(known[0], given, strict=True)):
-            known = self._made[name] = (given, make())
-        made: T = known[1]
-        return made
 
 
 def _image(volume: Image, here: Slice) -> Image:

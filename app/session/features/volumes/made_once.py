@@ -1,0 +1,27 @@
+"""Parts of what is shown, each made again only when what it depends on is another object."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+T = TypeVar("T")
+
+
+class MadeOnce:
+    """Keeps the newest part of each name, with what it was made of."""
+
+    def __init__(self) -> None:
+        self._made: dict[str, tuple[tuple[Any, ...], Any]] = {}
+
+    def of(self, name: str, given: tuple[Any, ...], make: Callable[[], T]) -> T:
+        """What has been made of the same things before, or is made now."""
+        known = self._made.get(name)
+        if known is None or not all(one is other or one == other for one, other in zip(known[0], given, strict=True)):
+            known = self._made[name] = (given, make())
+        made: T = known[1]
+        return made
+
+    def forget(self) -> None:
+        """Keep nothing."""
+        self._made.clear()
