@@ -111,6 +111,8 @@ def _run(arguments: argparse.Namespace) -> None:
     regions = _regions(arguments, session)
     path, notes = _image(arguments, session)
     check_exports(arguments.export, str(path), arguments.session)
+    if session.image is not None and arguments.image is None:
+        part = session.image.reading.arguments | part
     image = load_image(path, **part)
     small: tuple[str, ...] = ()
     if arguments.scales is None:
