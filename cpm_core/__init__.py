@@ -43,7 +43,8 @@ The model on one page
     of the charges, and the kinetic and potential **energy**, which the damping takes out of a run until it is at rest
     (`dynamics.energies`).
 
-`Engine` composes all of them, step by step (`segmentation.engine`); `segment` is a whole run in one call.
+`Engine` composes all of them, step by step (`segmentation.engine`); `segment` is a whole run in one call, and `follow`
+one on each page of a stack, from the contours of the page before (`segmentation.pages`).
 `contours.measurements` measures each contour and finds which lies in which. Where the **ground truth** is known, as a
 mask or as contours, `compare` measures the agreement with it (`contours.agreement`, `contours.ground_truth`).
 `formats` reads and writes files: `export` chooses the format of contours by the suffix, `encoded` returns the same
@@ -77,7 +78,7 @@ from cpm_core.dynamics.forces import Forces
 from cpm_core.field.edge_map import edge_map
 from cpm_core.field.electric_field import electric_field
 from cpm_core.field.placed_charges import PlacedCharge
-from cpm_core.formats import encoded, export, load_contours, load_image, load_volume
+from cpm_core.formats import encoded, export, load_contours, load_image, load_pages, load_volume
 from cpm_core.formats.animations.animation import write_animation
 from cpm_core.formats.animations.snapshot_strip import strip
 from cpm_core.formats.ground_truth_file import load_truth
@@ -109,6 +110,9 @@ from cpm_core.segmentation.methods import (
     moments,
     run_method,
 )
+from cpm_core.segmentation.pages.follow import follow
+from cpm_core.segmentation.pages.page import Page
+from cpm_core.segmentation.pages.tracks import TrackEvent
 from cpm_core.segmentation.segment import segment
 
 __version__ = VERSION
@@ -131,6 +135,7 @@ __all__ = [
     "Geometry",
     "Image",
     "Method",
+    "Page",
     "Parameters",
     "Particles",
     "Partition",
@@ -142,6 +147,7 @@ __all__ = [
     "Start",
     "State",
     "Surface",
+    "TrackEvent",
     "Truth",
     "VolumeRegions",
     "box",
@@ -157,10 +163,12 @@ __all__ = [
     "everywhere",
     "export",
     "facts_of",
+    "follow",
     "gradient_threshold",
     "in_slice",
     "load_contours",
     "load_image",
+    "load_pages",
     "load_truth",
     "load_volume",
     "measure",

@@ -24,7 +24,8 @@ from cpm_core.formats.images.decoded import LUMINANCE_NOTE, Decoded, UnreadableE
 from cpm_core.formats.images.medical import metaimage, nifti, nrrd
 from cpm_core.formats.images.medical.dicom import reader as dicom
 from cpm_core.formats.images.stacks import frames, tiff_stack
-from cpm_core.formats.images.stacks.stack import Stack, volume_of
+from cpm_core.formats.images.stacks.pages import Axis, Pages
+from cpm_core.formats.images.stacks.stack import Stack, plane_of, volume_of
 from cpm_core.formats.printable import printable
 from cpm_core.image.colors import CONTRAST, channel_of, most_contrast
 from cpm_core.image.image import MINIMUM_SIDE, Image
@@ -54,6 +55,8 @@ _HEAD = 512
 """Bytes that identify a format: the signatures of medical formats are at 128 (DICOM) and 344 (NIfTI)."""
 
 _COLORS = ("luminance", "red", "green", "blue", CONTRAST)
+
+_AXES: dict[str, Axis] = {"page": "z", "time": "t", "channel": "c"}
 
 _LOG = logging.getLogger(__name__)
 
@@ -109,7 +112,7 @@ def load_image(
     """
     file, choice = Path(path), Choice(page, channel, time, series)
     decoded = _in(_color(color), _read(file, lambda reader: reader.read(file, choice)))
-    return _image(decoded, file, go_on, spacing, unit)
+    return _image(decoded, file, _hash(file, go_on), spacing, unit)
 
 
 def load_volume(
@@ -148,7 +151,70 @@ def load_volume(
     choice = Choice(None, channel, time, series)
     file = Path(path)
     decoded = _in(_color(color), _read(file, lambda reader: volume_of(reader.stack(file, choice), choice)))
-    return _image(decoded, file, go_on, spacing, unit)
+    return _image(decoded, file, _hash(file, go_on), spacing, unit)
+
+
+def load_pages(
+    path: str | os.PathLike[str],
+    go_on: Callable[[], object] | None = None,
+    *,
+    channel: int | None = None,
+    time: int | None = None,
+    series: int | str | None = None,
+    color: str = "luminance",
+    spacing: ArrayLike | None = None,
+    unit: str | None = None,
+) -> Pages:
+    """Open a stack or a time series whose pages are images of their own.
+
+    Parameters
+    ----------
+    path, go_on, channel, time, series, color, spacing, unit
+        As for `load_image`.
+
+    Returns
+    -------
+    Pages
+        A sequence of `Image`, each read when it is asked for, and none kept: the planes at one time, of one plane the
+        points in time, and where there are only channels, these. A picture that stands still has one page.
+
+    Raises
+    ------
+    ValueError
+        When there is no such file, or it cannot be used; a page that cannot be used raises it when it is asked for.
+    """
+    file, wanted = Path(path), _color(color)
+    opened: Stack = _read(file, lambda reader: reader.stack(file, Choice(None, channel, time, series)))
+    sha256 = _hash(file, go_on)
+
+    axis, count = _paged(opened, time, channel)
+
+    def page(number: int) -> Image:
+        chosen: dict[str, Any] = {"page": None, "channel": channel, "time": time, "series": series, axis: number}
+        return _image(
+            _in(wanted, _read(file, lambda _: plane_of(opened, Choice(**chosen)))), file, sha256, spacing, unit
+        )
+
+    return Pages(
+        printable(file.name),
+        count,
+        page,
+        word="frame" if opened.word == "frame" else "page",
+        axis=_AXES[axis],
+        alone=sum(length > 1 for length in (opened.shape[0], opened.times, opened.channels)) < 2,
+        sha256=sha256,
+    )
+
+
+def _paged(stack: Stack, time: int | None, channel: int | None) -> tuple[str, int]:
+    """What the pages of a stack are, as `Choice` names it, and how many there are."""
+    if stack.shape[0] > 1:
+        return "page", stack.shape[0]
+    if stack.times > 1 and time is None:
+        return "time", stack.times
+    if stack.channels > 1 and channel is None:
+        return "channel", stack.channels
+    return "page", 1
 
 
 def holds_volume(path: str | os.PathLike[str], series: int | str | None = None) -> bool:
@@ -195,9 +261,7 @@ def _in(color: str, decoded: Decoded) -> Decoded:
     return replace(decoded, values=values, colors=None, notes=notes)
 
 
-def _image(
-    decoded: Decoded, file: Path, go_on: Callable[[], object] | None, spacing: ArrayLike | None, unit: str | None
-) -> Image:
+def _image(decoded: Decoded, file: Path, sha256: str, spacing: ArrayLike | None, unit: str | None) -> Image:
     """The image of what was read, with the size of a pixel that is given, if one is."""
     sizes, named, geometry = decoded.spacing, decoded.unit, decoded.geometry
     if spacing is None and unit is not None:
@@ -210,8 +274,12 @@ def _image(
         if geometry is not None and named and decoded.unit:
             geometry = geometry.scaled(resolution.factor(decoded.unit, named))
     name = printable(file.name)
-    sha256 = "" if file.is_dir() else fingerprint(file, go_on)
     return Image(decoded.values, sizes, named, name, decoded.notes, decoded.colors, sha256, geometry)
+
+
+def _hash(file: Path, go_on: Callable[[], object] | None) -> str:
+    """Hash of a file; none of a folder."""
+    return "" if file.is_dir() else fingerprint(file, go_on)
 
 
 def _unit(given: str | None) -> str | None:
