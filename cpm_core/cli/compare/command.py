@@ -15,7 +15,7 @@ from cpm_core.cli.compare.settings import add_settings, chosen_settings
 from cpm_core.cli.terminal import say
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.formats import load_image
-from cpm_core.formats.comparison import Tile, check_comparison, write_comparison
+from cpm_core.formats.animations.comparison import Tile, check_comparison, write_comparison
 from cpm_core.formats.ground_truth_file import load_truth
 from cpm_core.formats.printable import printable
 from cpm_core.formats.sessions.session_file import SessionFile, find_image, load_session

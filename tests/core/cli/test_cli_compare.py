@@ -58,7 +58,7 @@ def test_a_method_that_finds_nothing_is_told_as_well(image, mask, command):
     options = ("--methods", "snake", "--set", "snake.alpha=1", "--truth", mask)
     row = json.loads(command("compare", image, *CIRCLE, *options, "--json")[1])["methods"][0]
     assert (row["contours"], row["dice"], row["hausdorff"]) == (0, 0.0, None)
-    assert command("compare", image, *CIRCLE, *options)[1].splitlines()[1].split()[5:7] == ["0.000", "-"]
+    assert command("compare", image, *CIRCLE, *options)[1].splitlines()[1].split()[5:8] == ["0.000", "0.000", "-"]
 
 
 def test_all_methods_are_compared_unless_some_are_named(image, command):
