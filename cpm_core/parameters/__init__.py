@@ -178,7 +178,7 @@ class Parameters:
 
 def _check(info: ParameterInfo, value: object) -> None:
     """Raise a `ValueError` that names field, value and range unless `value` fits."""
-    if info.name in AUTOMATIC and value == "auto":
+    if info.name in AUTOMATIC and isinstance(value, str) and value == "auto":
         return
     whole = info.name == "scales"
     fits = isinstance(value, (int, float)) and not isinstance(value, bool) and info.low <= value <= info.high

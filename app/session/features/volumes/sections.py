@@ -9,6 +9,7 @@ import numpy as np
 
 from app.model.display.display_image import DisplayImage, IntensityWindow, apply_window
 from app.model.document.document import Document
+from app.model.volume.shape_sections import sections
 from app.model.volume.slices import Slice
 from app.model.volume.surface_section import section as lines_of
 from app.model.volume.surface_section import unmeasured
@@ -18,7 +19,6 @@ from app.session.scene import NO_CONTOURS, Item, NearParticles, ReviewedContours
 from cpm_core.contours.review import ReviewedContour
 from cpm_core.image.image import Image
 from cpm_core.shapes import Shape
-from cpm_core.shapes.sections import sections
 
 
 class Sections:
