@@ -208,3 +208,19 @@ def test_a_sphere_is_drawn_and_dragged_beside_the_canvas(volume, hand) -> None:
     assert sphere.radius == pytest.approx(5, abs=PIXEL)
     drag(columns, (10, 17), (10, 18), (10, 19))
     assert only(volume, Sphere).radius == pytest.approx(7, abs=2 * PIXEL)
+
+
+def test_starts_all_over_the_volume_are_shown_in_slices_and_run(volume, hand) -> None:
+    volume.actions_by_name["start_grid"].trigger()
+    hand.wait(lambda: bool(volume.session.scene.image_seeds) and volume.session.idle)
+    (whole,) = volume.session.scene.image_seeds.values()
+    assert whole.shape[1] == 3
+    reach = volume.session.document.parameters.d_min
+    for index in (0, 12):
+        volume.workspace.slices.at(index)
+        (shown,) = volume.canvas_area.canvas.drawn.image_seeds.values()
+        expected = whole[np.abs(whole[:, 0] - index) < reach][:, 1:]
+        np.testing.assert_array_equal(shown, expected)
+    hand.key(KEY.Key_Period)
+    hand.wait(lambda: volume.session.status.step == 1 and volume.session.idle)
+    assert len(volume.session.scene.snapshot.position) > 10
