@@ -15,6 +15,7 @@ from app.session.signals import OF_THE_PROGRAM, OPENING
 from app.session.workspace import Workspace
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.crosshair import Crosshair
+from app.views.canvas.layers.image.level_drag import LevelDrag
 from app.views.canvas.pointed import Pointed
 from app.views.canvas.selected_places import selected_places
 from app.views.canvas.strip.strip import Strip
@@ -79,6 +80,9 @@ class CanvasArea(QWidget):
         self._tools: dict[str, Tool] = {entry.name: entry.make(tools) for entry in TOOLS}
         self.canvas.grip = SelectTool(tools)
         self.canvas.installEventFilter(self)
+        self.level_drag = LevelDrag(self.canvas.layers.image, self)
+        """Takes drags that change the window of gray values; whatever shows the image may be watched by it."""
+        self.level_drag.watch(self.canvas.viewport())
         self.use_tool(FIRST_TOOL)
         session.said.connect(self.messages.say)
         session.attempted.connect(self.messages.attempt)

@@ -6,7 +6,6 @@ import numpy as np
 from PySide6.QtGui import QColor
 
 from app.model.display.coloring import QUANTITIES, SHADES, InsertionTimes, colored
-from app.model.display.display_image import IntensityWindow
 from app.model.display.space.picture import Colors
 from app.model.display.space.projection import Shaded
 from app.model.display.space.shown_parts import Contents
@@ -15,11 +14,11 @@ from app.model.display.space.view_in_space import Particles
 from app.session.exchange.messages import Reconstruction, Snapshot
 from app.session.features.volumes.made_once import MadeOnce
 from app.session.scene import Scene
+from app.views.canvas.layers import Layers
 from app.views.canvas.layers.particles.color_legend import BEGIN, UNKNOWN
 from app.views.canvas.layers.particles.particles import ParticleLayer
 from app.views.theme import color_maps, theme
 from app.views.theme.look import Ink, look
-from cpm_core.image.image import Image
 
 
 class SeenInSpace:
@@ -28,26 +27,23 @@ class SeenInSpace:
     def __init__(self) -> None:
         self._parts = MadeOnce()
 
-    def of(self, scene: Scene, layer: ParticleLayer) -> Contents | None:
-        """What a scene shows, with particles as a layer shows them on the canvas."""
+    def of(self, scene: Scene, layers: Layers) -> Contents | None:
+        """What a scene shows, with particles and gray values as layers show them on the canvas."""
         image, slices, snapshot, found = scene.image, scene.slices, scene.snapshot, scene.reconstruction
         if image is None or slices is None:
             self._parts.forget()
             return None
+        layer, window = layers.particles, layers.image.shown_window
         inks = tuple(look().color(ink) for ink in (theme.MOVING, theme.RESTING))
         given = snapshot, layer.word("colour"), layer.word("map"), layer.word("done"), inks
-        shaded = self._parts.of("shaded", (image,), lambda: _shaded(image))
+        shaded = self._parts.of("shaded", (image, window), lambda: Shaded(image.values, window))
         particles = self._parts.of("particles", given, lambda: _particles(snapshot, layer))
         mesh = self._parts.of("mesh", (found,), lambda: _mesh(found))
         return self._parts.of(
             "contents",
-            (image, slices, particles, mesh),
-            lambda: Contents(image, shaded, slices, particles, mesh),
+            (image, slices, shaded, particles, mesh, layers.image.word("map")),
+            lambda: Contents(image, shaded, slices, particles, mesh, layers.image.table),
         )
-
-
-def _shaded(image: Image) -> Shaded:
-    return Shaded(image.values, IntensityWindow(*image.gray_range))
 
 
 def _particles(snapshot: Snapshot | None, layer: ParticleLayer) -> Particles | None:

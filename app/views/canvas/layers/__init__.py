@@ -57,6 +57,7 @@ class Layers:
         self.forces = self._of(ForceLayer)
         self.contours = self._of(ContourLayer)
         self.drawing = self._of(DrawingLayer)
+        self.image = self._of(ImageLayer)
 
     def __getitem__(self, name: str) -> Layer:
         return self._layers[name]

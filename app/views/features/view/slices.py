@@ -112,6 +112,7 @@ class SlicesFeature(Feature):
         area.views.setColumnStretch(0, 2)
         for row, view in enumerate(made):
             view.hide()
+            area.level_drag.watch(view.viewport())
             area.views.addWidget(view, row, 1)
             view.went.connect(self._slices.through)
             view.passed.connect(self._slices.pass_on)

@@ -31,11 +31,13 @@ class SpaceFeature(Feature):
         super().__init__(context)
         self.panel = SpacePanel(context.session)
         self._seen = SeenInSpace()
-        self._layer = context.canvas_area.canvas.layers.particles
+        self._layers = context.canvas_area.canvas.layers
         context.session.scene_changed.connect(self._show)
         context.session.image_changed.connect(self._reveal)
         self.panel.view.picked.connect(context.workspace.slices.through)
-        self._layer.changed.connect(self._show)
+        context.canvas_area.level_drag.watch(self.panel.view)
+        for layer in (self._layers.particles, self._layers.image):
+            layer.changed.connect(self._show)
 
     def panels(self) -> Sequence[Panel]:
         """The view."""
@@ -127,4 +129,4 @@ class SpaceFeature(Feature):
             self.context.conceal(_NAME)
 
     def _show(self, *_: object) -> None:
-        self.panel.show_contents(self._seen.of(self.context.session.scene, self._layer))
+        self.panel.show_contents(self._seen.of(self.context.session.scene, self._layers))
