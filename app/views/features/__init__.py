@@ -10,6 +10,7 @@ from app.views.features.contours.skeletons import SkeletonsFeature
 from app.views.features.contours.truth import TruthFeature
 from app.views.features.edit.draw import DrawFeature
 from app.views.features.edit.modes import ModesFeature
+from app.views.features.edit.pixel_size import PixelSizeFeature
 from app.views.features.edit.undo_selection import HistoryFeature, UndoSelectionFeature
 from app.views.features.file.beginning import BeginningFeature
 from app.views.features.file.export import ClipboardFeature, ExportFeature
@@ -54,6 +55,7 @@ FEATURES: tuple[type[Feature], ...] = (
     BeginningFeature,
     LargeImageFeature,
     StackFeature,
+    PixelSizeFeature,
     ContoursFeature,
     LearningFeature,
     HandEditingFeature,

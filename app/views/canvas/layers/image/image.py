@@ -118,7 +118,7 @@ class ImageLayer(Layer):
         """Show another image, or the window or shades that were requested."""
         scene = self.scene
         if scene.image is not before.image and scene.image is not None and scene.display is not None:
-            if scene.whole is before.whole:  # another slice of the same volume, in the same window
+            if _same(scene.whole, before.whole):  # another slice of the same volume, or pixels of another size
                 self._shade()
             else:
                 self._use_image(scene.image, scene.display)
@@ -195,3 +195,8 @@ class ImageLayer(Layer):
             if self.scene.image is None
             else self.scene.image.channel(self.scene.document.parameters.channel)
         )
+
+
+def _same(one: Image | None, other: Image | None) -> bool:
+    """Whether two images have the same gray values, whatever the size of their pixels."""
+    return one is not None and other is not None and one.values is other.values
