@@ -67,22 +67,20 @@ class CanvasArea(QWidget):
         layout.addWidget(self.strip)
         self.crosshair = Crosshair(self.canvas, lambda: self.show_hint(self._hint))
         self._hint = ""
-        drawing = self.canvas.layers.drawing
         tools = ToolContext(
             session,
             review,
             workspace.hand_editing,
             workspace.object_selection,
             workspace.object_list,
-            drawing,
+            workspace.slices,
+            self.canvas.layers.drawing,
             advised=lambda: self.show_hint(self._hint),
         )
         self._tools: dict[str, Tool] = {entry.name: entry.make(tools) for entry in TOOLS}
-        self.canvas.grip = SelectTool(tools)
+        self.canvas.hold.grip = SelectTool(tools)
         self.canvas.installEventFilter(self)
-        self.level_drag = LevelDrag(self.canvas.layers.image, self)
-        """Takes drags that change the window of gray values; whatever shows the image may be watched by it."""
-        self.level_drag.watch(self.canvas.viewport())
+        self.level_drag = LevelDrag(self.canvas.layers.image, self.canvas.viewport())
         self.use_tool(FIRST_TOOL)
         session.said.connect(self.messages.say)
         session.attempted.connect(self.messages.attempt)

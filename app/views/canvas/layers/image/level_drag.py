@@ -28,15 +28,16 @@ def dragged(window: Window, ends: Window, right: float, down: float) -> Window:
 
 
 class LevelDrag(QObject):
-    """Takes such drags from the widgets that it watches, and moves the window of a layer."""
+    """Takes such drags from a widget, and others that it watches, and moves the window of a layer."""
 
     moved = Signal()
     """The window follows the pointer."""
     ended = Signal()
     """The button has been released."""
 
-    def __init__(self, layer: ImageLayer, parent: QObject) -> None:
-        super().__init__(parent)
+    def __init__(self, layer: ImageLayer, widget: QWidget) -> None:
+        super().__init__(widget)
+        self.watch(widget)
         self._layer = layer
         self._from: QPointF | None = None
         self._window: Window = (0.0, 1.0)
