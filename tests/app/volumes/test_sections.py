@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from skimage.measure import marching_cubes
 
+from app.model.volume.shape_sections import RegionElsewhere, sections
 from app.model.volume.shape_wires import wires
 from app.model.volume.slices import Slice, Slices
 from app.model.volume.surface_section import section as lines_of
@@ -28,7 +29,6 @@ from cpm_core.shapes import (
     Stroke,
     Wall,
 )
-from cpm_core.shapes.sections import RegionElsewhere, sections
 
 SQUARE = ((2.0, 3.0), (2.0, 9.0), (8.0, 9.0), (8.0, 3.0))
 IN_SPACE: tuple[Shape, ...] = (
@@ -227,8 +227,7 @@ def test_a_charge_is_seen_where_it_acts_and_held_where_it_lies() -> None:
 def test_shapes_move_in_space_with_their_lines_and_keep_their_handles_in_reach(shape) -> None:
     by = (3.0, -2.0, 1.5)
     before, after = wires(shape, (1.0, 1.0, 1.0)), wires(shape.moved(by), (1.0, 1.0, 1.0))
-    for one, other in zip(before, after, strict=True):
-        np.testing.assert_allclose(other, one + by)
-    place = tuple(before[0][0].tolist())
+    np.testing.assert_allclose(after, before + by)
+    place = tuple(before[0, 0].tolist())
     moved = tuple(np.add(place, by).tolist())
     assert shape.moved(by).distance(moved) == pytest.approx(shape.distance(place))

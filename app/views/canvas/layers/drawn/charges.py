@@ -9,13 +9,13 @@ import pyqtgraph as pg
 from PySide6.QtCore import QRectF
 from PySide6.QtGui import QPainterPath
 
+from app.model.volume.shape_sections import ChargeSection
 from app.views.canvas.coordinates import to_xy
 from app.views.canvas.items.curves import Curves
 from app.views.canvas.items.item import Markers
 from app.views.theme import theme
 from cpm_core.field.placed_charges import RADIUS, REACH
 from cpm_core.shapes import Charge, Circle
-from cpm_core.shapes.sections import ChargeSection
 
 _Z = 7.6
 _DISC, _STRONGER, _SIGN = 18.0, 2.0, 11.0

@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QGraphicsItem
 
 from app.model.document.document import Document
 from app.model.text.language import tr
+from app.model.volume.shape_sections import sections
 from app.session.scene import Scene
 from app.views.canvas.coordinates import to_xy
 from app.views.canvas.items.curves import Curves
@@ -38,7 +39,6 @@ from cpm_core.shapes import (
     Threshold,
 )
 from cpm_core.shapes.image_starts import ImageStart
-from cpm_core.shapes.sections import sections
 
 _Z = 7.0
 _FAINT, _LIGHT = 0.45, 0.55
