@@ -15,6 +15,8 @@ from cpm_core.formats.sessions.plain_values import shape_from_plain, shape_to_pl
 from cpm_core.shapes import Circle, Points, Sphere
 from cpm_core.shapes.sections import section
 
+pytestmark = pytest.mark.shared_window
+
 axes, places = st.integers(0, 2), st.floats(-50, 50)
 triples = st.tuples(places, places, places)
 

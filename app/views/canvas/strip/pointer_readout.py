@@ -25,7 +25,8 @@ class PointerReadout(QLabel):
         canvas.pointed.connect(self._show)
 
     def _show(self, position: Position | None) -> None:
-        text, image = "", self._session.image
+        drawn = self._canvas.drawn  # the session may have another image already, which is not under the pointer yet
+        text, image = "", drawn.image if drawn.volume is None else drawn.volume
         if position is not None and image is not None:
             pixel = tuple(map(round, self._canvas.placed(position)))
             if all(0 <= at < side for at, side in zip(pixel, image.shape, strict=True)):
