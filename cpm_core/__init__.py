@@ -43,7 +43,8 @@ The model on one page
     of the charges, and the kinetic and potential **energy**, which the damping takes out of a run until it is at rest
     (`dynamics.energies`).
 
-`Engine` composes all of them, step by step (`segmentation.engine`); `segment` is a whole run in one call.
+`Engine` composes all of them, step by step (`segmentation.engine`); `segment` is a whole run in one call, and `follow`
+one on each page of a stack, from the contours of the page before (`segmentation.pages`).
 `contours.measurements` measures each contour and finds which lies in which. Where the **ground truth** is known, as a
 mask or as contours, `compare` measures the agreement with it (`contours.agreement`, `contours.ground_truth`).
 `formats` reads and writes files: `export` chooses the format of contours by the suffix, `encoded` returns the same
@@ -53,6 +54,10 @@ The **skeleton** is the middle line of an object with the distance to its bounda
 reconstructed (`medial_axis`). It needs no seeds. In a volume it is the center lines
 of vessels (`medial_axis.space`). Contours and skeletons both come from a `Method`, which the same loop
 runs step by step; `METHODS` has them by name.
+
+The **classical methods** that the publication argues against, snakes and level sets, stand beside the charged particles
+in `CONTOUR_METHODS`: from the same image and the same drawn `Start` each gives the states of a run, one after the other
+(`segmentation.methods`).
 
 Words
 -----
@@ -73,7 +78,7 @@ from cpm_core.dynamics.forces import Forces
 from cpm_core.field.edge_map import edge_map
 from cpm_core.field.electric_field import electric_field
 from cpm_core.field.placed_charges import PlacedCharge
-from cpm_core.formats import encoded, export, load_contours, load_image, load_volume
+from cpm_core.formats import encoded, export, load_contours, load_image, load_pages, load_volume
 from cpm_core.formats.animations.animation import write_animation
 from cpm_core.formats.animations.snapshot_strip import strip
 from cpm_core.formats.ground_truth_file import load_truth
@@ -82,7 +87,7 @@ from cpm_core.formats.provenance import VERSION
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
-from cpm_core.image.volume_regions import VolumeRegions
+from cpm_core.image.volume_regions import Extrusion, VolumeRegions
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeletonize import skeleton
 from cpm_core.medial_axis.space.centerlines import Centerlines, centerlines
@@ -95,11 +100,25 @@ from cpm_core.particles.volume_starts import box, everywhere, in_slice, on_stron
 from cpm_core.reconstruction import reconstruct_curve, reconstruct_surface
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.method import METHODS, Method
+from cpm_core.segmentation.methods import (
+    CONTOUR_METHODS,
+    ContourMethod,
+    ContourState,
+    Facts,
+    Start,
+    facts_of,
+    moments,
+    run_method,
+)
+from cpm_core.segmentation.pages.follow import follow
+from cpm_core.segmentation.pages.page import Page
+from cpm_core.segmentation.pages.tracks import TrackEvent
 from cpm_core.segmentation.segment import segment
 
 __version__ = VERSION
 
 __all__ = [
+    "CONTOUR_METHODS",
     "METHODS",
     "PARAMETERS",
     "PRESETS",
@@ -107,12 +126,17 @@ __all__ = [
     "Centerlines",
     "Comparison",
     "Contour",
+    "ContourMethod",
+    "ContourState",
     "Energies",
     "Engine",
+    "Extrusion",
+    "Facts",
     "Forces",
     "Geometry",
     "Image",
     "Method",
+    "Page",
     "Parameters",
     "Particles",
     "Partition",
@@ -121,8 +145,10 @@ __all__ = [
     "Result",
     "Selection",
     "Skeleton",
+    "Start",
     "State",
     "Surface",
+    "TrackEvent",
     "Truth",
     "VolumeRegions",
     "box",
@@ -137,18 +163,23 @@ __all__ = [
     "encoded",
     "everywhere",
     "export",
+    "facts_of",
+    "follow",
     "gradient_threshold",
     "in_slice",
     "load_contours",
     "load_image",
+    "load_pages",
     "load_truth",
     "load_volume",
     "measure",
+    "moments",
     "objects_result",
     "on_strong_edges",
     "partition",
     "reconstruct_curve",
     "reconstruct_surface",
+    "run_method",
     "segment",
     "similar",
     "skeleton",

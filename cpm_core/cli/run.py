@@ -6,7 +6,7 @@ import argparse
 import json
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +31,7 @@ from cpm_core.cli.arguments import (
 )
 from cpm_core.cli.batch.jobs import facts_of as outcome_of
 from cpm_core.cli.objects import add_objects, check_objects, choose, facts_of_object, sentence
+from cpm_core.cli.pages import StackRun, add_pages, check_pages, run_pages
 from cpm_core.cli.terminal import Progress, counted, written
 from cpm_core.cli.volume import run_volume
 from cpm_core.contours.kept import with_kept
@@ -39,10 +40,10 @@ from cpm_core.contours.review import apply
 from cpm_core.field.edge_map import edge_map
 from cpm_core.formats import export, left_out, load_image, load_points, suffix_of
 from cpm_core.formats.printable import printable
-from cpm_core.formats.provenance import ENTRY, facts_of, with_shapes
+from cpm_core.formats.provenance import ENTRY, facts_of, plain_shapes, with_shapes
 from cpm_core.formats.sessions.session_file import SessionFile, find_image, load_session
 from cpm_core.image.image import Image
-from cpm_core.image.regions import Regions
+from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.objects import Selection
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.quotation import shown
@@ -62,7 +63,9 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     parser.description = "Let particles flow from a start to the contours of an image."
     add_image(parser, optional=True)
     add_session(parser)
-    add_part(parser.add_argument_group("part of a file"))
+    part = parser.add_argument_group("part of a file")
+    add_part(part)
+    add_pages(part)
     start = parser.add_argument_group("start (one at least, of a session or here; several add up)")
     place = parser.add_argument_group("place (each may be repeated)")
     line = "ROW,COL,ROW,COL,..."
@@ -95,11 +98,11 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     add_json(outcome)
 
 
-def _run(arguments: argparse.Namespace) -> None:
-    """Find the contours of an image; every check that needs no image comes first."""
+def _run(arguments: argparse.Namespace) -> int:
+    """Find the contours of an image, or of the pages of a stack; every check that needs no image comes first."""
     if arguments.sphere or arguments.volume or arguments.faces is not None:
         run_volume(arguments)
-        return
+        return 0
     session = load_session(Path(arguments.session)) if arguments.session else SessionFile()
     if arguments.image is None and session.image is None:
         raise ValueError("No IMAGE is given: name one, or with --session FILE a session that has one.")
@@ -110,23 +113,52 @@ def _run(arguments: argparse.Namespace) -> None:
     drawn = _drawn(arguments, session)
     regions = _regions(arguments, session)
     path, notes = _image(arguments, session)
-    check_exports(arguments.export, str(path), arguments.session)
+    if session.image is not None and arguments.image is None:
+        own = session.image.reading.arguments
+        part = {name: given for name, given in own.items() if name != "page" or arguments.pages is None} | part
+    check_pages(arguments, str(path))
+    if arguments.pages is None:
+        check_exports(arguments.export, str(path), arguments.session)
+        _tell_notes((*session.notes, *notes))
+        return _run_image(arguments, session, path, part, parameters, max_steps, drawn, regions)
+    if session.marks or session.hand_edits:
+        notes = (*notes, "The review and the edits of the session belong to one page and are not used for others.")
+    _tell_notes((*session.notes, *notes))
+    order = StackRun(
+        path,
+        part,
+        parameters,
+        lambda image: _seeds(arguments, session, image, parameters, drawn),
+        (*plain_shapes(session.shapes), *_plain_shapes(arguments)),
+        max_steps,
+        regions,
+        charges_of(session.shapes),
+    )
+    return run_pages(arguments, order)
+
+
+def _run_image(
+    arguments: argparse.Namespace,
+    session: SessionFile,
+    path: Path,
+    part: Mapping[str, Any],
+    parameters: Parameters,
+    max_steps: int | None,
+    drawn: list[NDArray[np.float64]],
+    regions: AnyRegions | None,
+) -> int:
+    """Find the contours of one image."""
     image = load_image(path, **part)
     small: tuple[str, ...] = ()
     if arguments.scales is None:
         parameters, small = with_room(parameters, image)
-    _tell_notes((*session.notes, *notes), image.source, (*notes_on(image, parameters), *small))
+    _tell_notes(f"{image.source}: {note}" for note in (*notes_on(image, parameters), *small))
     started = time.perf_counter()
     progress = Progress() if sys.stderr.isatty() else None
     try:
+        seeds, charges = _seeds(arguments, session, image, parameters, drawn), charges_of(session.shapes)
         found = segment(
-            image,
-            _seeds(arguments, session, image, parameters, drawn),
-            parameters,
-            max_steps=max_steps,
-            progress=progress,
-            regions=regions,
-            charges=charges_of(session.shapes),
+            image, seeds, parameters, max_steps=max_steps, progress=progress, regions=regions, charges=charges
         )
     finally:
         if progress is not None:
@@ -144,6 +176,7 @@ def _run(arguments: argparse.Namespace) -> None:
         _report(result, chosen, seconds, missing, as_json=arguments.json)
     if refused:
         raise ValueError(" ".join(refused.values()))
+    return 0
 
 
 def _edited(
@@ -160,8 +193,8 @@ def _edited(
     return close_contours(result, edges)
 
 
-def _tell_notes(notes: Sequence[str], source: str, of_image: Sequence[str]) -> None:
-    for note in (*notes, *(f"{source}: {note}" for note in of_image)):
+def _tell_notes(notes: Iterable[str]) -> None:
+    for note in notes:
         print(f"cpm: {note}", file=sys.stderr)
 
 
@@ -240,7 +273,7 @@ def _numbers(text: str) -> list[float]:
     return numbers if len(numbers) == len(parts) else []
 
 
-def _regions(arguments: argparse.Namespace, session: SessionFile) -> Regions | None:
+def _regions(arguments: argparse.Namespace, session: SessionFile) -> AnyRegions | None:
     """Regions of interest and barriers of the session and on the command line."""
     regions = [Region(_line("--region", text, 3)) for text in arguments.region]
     barriers = [Barrier(_line("--barrier", text, 2)) for text in arguments.barrier]

@@ -28,7 +28,7 @@ from cpm_core.particles.initialization import stroke
 from cpm_core.particles.volume_starts import everywhere, on_strong_edges, sphere
 from cpm_core.segmentation.segment import segment
 
-_OF_IMAGES = ("circle", "object", "session", "close")
+_OF_IMAGES = ("circle", "object", "session", "close", "pages", "follow", "resume")
 """Options that have a meaning for images only; ``--not`` follows ``--object``."""
 
 _FEWEST_FACES = 4

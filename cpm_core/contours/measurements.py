@@ -10,7 +10,7 @@ import numpy as np
 from cpm_core.contours.contour import Contour, numbers_of
 from cpm_core.numerics.polyline import inside, middles
 from cpm_core.numerics.real_numbers import real_numbers
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Position
 from cpm_core.parameters.quotation import shown
 
 _PROBES = 16
@@ -146,6 +146,19 @@ def measure(
         )
         for number, label, contour, outer, own in zip(numbers, labels, contours, around, net.tolist(), strict=True)
     )
+
+
+def centroid(contour: Contour) -> Position:
+    """Center (row, col) of the area that a closed contour encloses, or of the length of an open one [px]."""
+    path = contour.path
+    if contour.area > 0.0:
+        middle = path.mean(axis=0)  # so that squares of large coordinates do not cancel
+        one, other = path[:-1] - middle, path[1:] - middle
+        twice = one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
+        row, col = (middle + (one + other).T @ twice / (3.0 * twice.sum())).tolist()
+    else:
+        row, col = middles(path, _PROBES * len(path)).mean(axis=0).tolist()
+    return row, col
 
 
 def _check_spacing(spacing: Sequence[float]) -> None:

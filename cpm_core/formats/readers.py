@@ -23,8 +23,10 @@ from cpm_core.formats.images.choice import Choice
 from cpm_core.formats.images.decoded import LUMINANCE_NOTE, Decoded, UnreadableError
 from cpm_core.formats.images.medical import metaimage, nifti, nrrd
 from cpm_core.formats.images.medical.dicom import reader as dicom
+from cpm_core.formats.images.reading import LUMINANCE, checked_color, checked_unit
 from cpm_core.formats.images.stacks import frames, tiff_stack
-from cpm_core.formats.images.stacks.stack import Stack, volume_of
+from cpm_core.formats.images.stacks.pages import Axis, Pages
+from cpm_core.formats.images.stacks.stack import Stack, plane_of, volume_of
 from cpm_core.formats.printable import printable
 from cpm_core.image.colors import CONTRAST, channel_of, most_contrast
 from cpm_core.image.image import MINIMUM_SIDE, Image
@@ -53,7 +55,7 @@ _READERS: tuple[Reader, ...] = (dicom, tiff_stack, numpy_array, nifti, nrrd, met
 _HEAD = 512
 """Bytes that identify a format: the signatures of medical formats are at 128 (DICOM) and 344 (NIfTI)."""
 
-_COLORS = ("luminance", "red", "green", "blue", CONTRAST)
+_AXES: dict[str, Axis] = {"page": "z", "time": "t", "channel": "c"}
 
 _LOG = logging.getLogger(__name__)
 
@@ -108,8 +110,8 @@ def load_image(
         what to do.
     """
     file, choice = Path(path), Choice(page, channel, time, series)
-    decoded = _in(_color(color), _read(file, lambda reader: reader.read(file, choice)))
-    return _image(decoded, file, go_on, spacing, unit)
+    decoded = _in(checked_color(color), _read(file, lambda reader: reader.read(file, choice)))
+    return _image(decoded, file, _hash(file, go_on), spacing, unit)
 
 
 def load_volume(
@@ -147,15 +149,99 @@ def load_volume(
     """
     choice = Choice(None, channel, time, series)
     file = Path(path)
-    decoded = _in(_color(color), _read(file, lambda reader: volume_of(reader.stack(file, choice), choice)))
-    return _image(decoded, file, go_on, spacing, unit)
+    decoded = _in(checked_color(color), _read(file, lambda reader: volume_of(reader.stack(file, choice), choice)))
+    return _image(decoded, file, _hash(file, go_on), spacing, unit)
+
+
+def load_pages(
+    path: str | os.PathLike[str],
+    go_on: Callable[[], object] | None = None,
+    *,
+    channel: int | None = None,
+    time: int | None = None,
+    series: int | str | None = None,
+    color: str = "luminance",
+    spacing: ArrayLike | None = None,
+    unit: str | None = None,
+) -> Pages:
+    """Open a stack or a time series whose pages are images of their own.
+
+    Parameters
+    ----------
+    path, go_on, channel, time, series, color, spacing, unit
+        As for `load_image`.
+
+    Returns
+    -------
+    Pages
+        A sequence of `Image`, each read when it is asked for, and none kept: the planes at one time, of one plane the
+        points in time, and where there are only channels, these. A picture that stands still has one page.
+
+    Raises
+    ------
+    ValueError
+        When there is no such file, or it cannot be used; a page that cannot be used raises it when it is asked for.
+    """
+    file, wanted = Path(path), checked_color(color)
+    opened: Stack = _read(file, lambda reader: reader.stack(file, Choice(None, channel, time, series)))
+    sha256 = _hash(file, go_on)
+
+    axis, count = _paged(opened, time, channel)
+
+    def page(number: int) -> Image:
+        chosen: dict[str, Any] = {"page": None, "channel": channel, "time": time, "series": series, axis: number}
+        return _image(
+            _in(wanted, _read(file, lambda _: plane_of(opened, Choice(**chosen)))), file, sha256, spacing, unit
+        )
+
+    return Pages(
+        printable(file.name),
+        count,
+        page,
+        word="frame" if opened.word == "frame" else "page",
+        axis=_AXES[axis],
+        alone=sum(length > 1 for length in (opened.shape[0], opened.times, opened.channels)) < 2,
+        sha256=sha256,
+    )
+
+
+def _paged(stack: Stack, time: int | None, channel: int | None) -> tuple[str, int]:
+    """What the pages of a stack are, as `Choice` names it, and how many there are."""
+    if stack.shape[0] > 1:
+        return "page", stack.shape[0]
+    if stack.times > 1 and time is None:
+        return "time", stack.times
+    if stack.channels > 1 and channel is None:
+        return "channel", stack.channels
+    return "page", 1
 
 
 def holds_volume(path: str | os.PathLike[str], series: int | str | None = None) -> bool:
     """Whether a file holds enough planes for a volume; ValueError as for `load_volume`."""
+    return open_stack(path, series).shape[0] >= MINIMUM_SIDE
+
+
+def open_stack(path: str | os.PathLike[str], series: int | str | None = None) -> Stack:
+    """What a file holds, of whose planes none has been read yet.
+
+    Parameters
+    ----------
+    path, series
+        As for `load_volume`.
+
+    Returns
+    -------
+    Stack
+        How many planes, channels and points in time there are, the names of its series, and the size of a voxel.
+
+    Raises
+    ------
+    ValueError
+        As for `load_volume`; `UnchosenError` when an archive holds several images and none is chosen.
+    """
     file = Path(path)
     opened: Stack = _read(file, lambda reader: reader.stack(file, Choice(series=series)))
-    return opened.shape[0] >= MINIMUM_SIDE
+    return opened
 
 
 def _read(file: Path, do: Callable[[Reader], Any]) -> Any:
@@ -178,15 +264,9 @@ def _read(file: Path, do: Callable[[Reader], Any]) -> Any:
         ) from error
 
 
-def _color(given: str) -> str:
-    if given not in _COLORS:
-        raise ValueError(f"color is {shown(given)} but must be one of {', '.join(_COLORS)}.")
-    return given
-
-
 def _in(color: str, decoded: Decoded) -> Decoded:
     """What was read, in the gray levels of a channel of its colors."""
-    if color == _COLORS[0] or decoded.colors is None:
+    if color == LUMINANCE or decoded.colors is None:
         return decoded
     taken = most_contrast(decoded.colors) if color == CONTRAST else color
     values = channel_of(decoded.values, decoded.colors, taken)
@@ -195,9 +275,7 @@ def _in(color: str, decoded: Decoded) -> Decoded:
     return replace(decoded, values=values, colors=None, notes=notes)
 
 
-def _image(
-    decoded: Decoded, file: Path, go_on: Callable[[], object] | None, spacing: ArrayLike | None, unit: str | None
-) -> Image:
+def _image(decoded: Decoded, file: Path, sha256: str, spacing: ArrayLike | None, unit: str | None) -> Image:
     """The image of what was read, with the size of a pixel that is given, if one is."""
     sizes, named, geometry = decoded.spacing, decoded.unit, decoded.geometry
     if spacing is None and unit is not None:
@@ -206,19 +284,16 @@ def _image(
         given = real_numbers(spacing)
         if given.ndim == 0:
             given = np.full(decoded.values.ndim, given.item())
-        sizes, named = tuple(np.ravel(given).tolist()), _unit(unit)
+        sizes, named = tuple(np.ravel(given).tolist()), checked_unit(unit)
         if geometry is not None and named and decoded.unit:
             geometry = geometry.scaled(resolution.factor(decoded.unit, named))
     name = printable(file.name)
-    sha256 = "" if file.is_dir() else fingerprint(file, go_on)
     return Image(decoded.values, sizes, named, name, decoded.notes, decoded.colors, sha256, geometry)
 
 
-def _unit(given: str | None) -> str | None:
-    known = None if given is None else resolution.known_unit(str(given))
-    if given is not None and known is None:
-        raise ValueError(f"unit is {shown(given)} but must be nm, µm, mm, cm or m.")
-    return known
+def _hash(file: Path, go_on: Callable[[], object] | None) -> str:
+    """Hash of a file; none of a folder."""
+    return "" if file.is_dir() else fingerprint(file, go_on)
 
 
 def _head(file: Path) -> bytes:

@@ -8,7 +8,7 @@ from types import MappingProxyType
 from app.model.state.situation import Situation
 from app.model.text.language import tr
 
-_TOOL = tr("This tool draws on images; in a volume, start from spheres and points.")
+_AREA = tr("This tool fills an area of an image; in a volume, start from spheres, boxes, lines and points.")
 _START = tr("Starts that need no drawing are for images; in a volume, start from spheres and points.")
 _MODE = tr("This mode is for images; a volume is segmented from spheres and points.")
 _CONTOUR = tr("Contours are found in images; a run in a volume finds a surface.")
@@ -20,9 +20,7 @@ _FILM = tr("Pictures of many steps can be made of images only.")
 
 NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
     {
-        **dict.fromkeys(
-            ("eraser", "ellipse", "polygon", "stroke", "spray", "grid_area", "threshold", "region", "barrier",
-             "attract", "repel"), _TOOL),
+        **dict.fromkeys(("grid_area", "threshold"), _AREA),
         **dict.fromkeys(("start_grid", "start_gradient", "start_centers"), _START),
         **dict.fromkeys(("mode_automatic", "mode_skeleton"), _MODE),
         **dict.fromkeys(
@@ -48,10 +46,25 @@ OTHERWISE_IN_VOLUMES: Mapping[str, tuple[str, str]] = MappingProxyType(
             tr("Add sphere in the &middle"),
             tr("Add a sphere in the middle of the visible part of the slice."),
         ),
+        "ellipse": (
+            tr("Bo&x tool"),
+            tr("Drag from corner to corner to draw a box, as deep as its shorter side; Shift makes it a square."),
+        ),
         "points": (tr("&Point tool"), tr("Click to place a point in the slice.")),
+        "region": (
+            tr("Region of &interest tool"),
+            tr("Drag a box, or click corner by corner around what particles are to stay in, through all slices."),
+        ),
+        "barrier": (
+            tr("&Barrier tool"),
+            tr("Drag, or click corner by corner, where no particle is to cross, through all slices."),
+        ),
     }
 )
 """Names of actions that do something else in a volume -> their text and tip there."""
+
+ICONS_IN_VOLUMES: Mapping[str, str] = MappingProxyType({"ellipse": "box"})
+"""Names of actions with another icon in a volume -> its name."""
 
 
 def has_volume(situation: Situation) -> bool:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 from app.model.text.language import tr
 from cpm_core.numerics.types import Array, Place, Position
+
+T = TypeVar("T", int, float)
 
 AXES = (tr("plane"), tr("row"), tr("column"))
 """Names of the axes of a volume: a slice lies across one of them."""
@@ -45,9 +48,9 @@ class Slice:
         found: Array = values[(slice(None),) * self.axis + (self.index,)]
         return found
 
-    def sides(self, spacing: tuple[float, ...]) -> tuple[float, ...]:
-        """Those of three lengths that belong to the axes of the slice."""
-        return spacing[: self.axis] + spacing[self.axis + 1 :]
+    def sides(self, lengths: tuple[T, ...]) -> tuple[T, ...]:
+        """Those of three numbers that belong to the axes of the slice."""
+        return lengths[: self.axis] + lengths[self.axis + 1 :]
 
 
 @dataclass(frozen=True, slots=True)

@@ -73,11 +73,12 @@ class CanvasArea(QWidget):
             workspace.hand_editing,
             workspace.object_selection,
             workspace.object_list,
+            workspace.slices,
             drawing,
             advised=lambda: self.show_hint(self._hint),
         )
         self._tools: dict[str, Tool] = {entry.name: entry.make(tools) for entry in TOOLS}
-        self.canvas.grip = SelectTool(tools)
+        self.canvas.hold.grip = SelectTool(tools)
         self.canvas.installEventFilter(self)
         self.use_tool(FIRST_TOOL)
         session.said.connect(self.messages.say)

@@ -27,11 +27,22 @@ def encode(result: Result | Skeleton) -> bytes:
     found, unless it is the luminance. ``provenance`` is how they were found (`provenance.facts_of`). Of a
     skeleton the branches are contours with ``radii`` [px], and there is no run.
     """
+    content: dict[str, Any] = {"format": FORMAT, "version": 1, "image": image_of(result), ENTRY: facts_of(result)}
+    return text(content | found_in(result))
+
+
+def image_of(result: Result | Skeleton) -> dict[str, Any]:
+    """The image of a result: its name, its shape and the size of a pixel."""
     image: dict[str, Any] = {"name": result.source, "shape": list(result.shape)}
     image |= {"spacing": list(result.spacing), "unit": result.unit}
     if result.channel != "luminance":
         image["channel"] = result.channel
-    content: dict[str, Any] = {"format": FORMAT, "version": 1, "image": image, ENTRY: facts_of(result)}
+    return image
+
+
+def found_in(result: Result | Skeleton) -> dict[str, Any]:
+    """The run, the contours and the bridges; see `encode`."""
+    content: dict[str, Any] = {}
     if isinstance(result, Result):
         content["run"] = {
             "steps": result.steps,
@@ -45,7 +56,7 @@ def encode(result: Result | Skeleton) -> bytes:
             {"length": round(bridge.length, 4), "strength": round(bridge.strength, 6), "points": rounded(bridge.points)}
             for bridge in result.bridges
         ]
-    return text(content)
+    return content
 
 
 def _contours(result: Result | Skeleton) -> list[dict[str, Any]]:

@@ -26,12 +26,17 @@ def encode(result: Result | Skeleton) -> bytes:
     center of the first pixel at (0.5, 0.5). How they were found is an entry of the collection, a foreign member as the
     format allows.
     """
+    return text({"type": "FeatureCollection", ENTRY: facts_of(result), "features": features_of(result)})
+
+
+def features_of(result: Result | Skeleton) -> list[dict[str, Any]]:
+    """The features of a result; see `encode`."""
     rows = measure(result.contours, result.spacing)
     holes: dict[int, list[Contour]] = {}
     for contour, row in zip(result.contours, rows, strict=True):
         if row.inside and _areal(contour):
             holes.setdefault(row.inside, []).append(contour)
-    features = [
+    return [
         {
             "type": "Feature",
             "geometry": _geometry(contour, holes.get(row.number, [])),
@@ -48,7 +53,6 @@ def encode(result: Result | Skeleton) -> bytes:
         for contour, row in zip(result.contours, rows, strict=True)
         if not contour.hole
     ]
-    return text({"type": "FeatureCollection", ENTRY: facts_of(result), "features": features})
 
 
 def _measurements(row: Measures, unit: str | None) -> dict[str, float]:

@@ -30,7 +30,7 @@ def encode(result: Result | Skeleton) -> bytes:
             + ("export to .zip, which holds them all." if result.contours else "let it run on.")
         )
     (number,) = numbers_of(result.contours)
-    return _selection(result.contours[0], number, _properties(result))
+    return selection(result.contours[0], number, properties_of(result))
 
 
 def encode_set(result: Result | Skeleton) -> bytes:
@@ -42,19 +42,26 @@ def encode_set(result: Result | Skeleton) -> bytes:
     """
     if not result.contours:
         raise ValueError(f"{result.source} has no contours, and ImageJ opens no empty set: let it run on.")
-    stream, properties = io.BytesIO(), _properties(result)
+    stream, properties = io.BytesIO(), properties_of(result)
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
         each = zip(numbers_of(result.contours), result.contours, _names(result), strict=True)
         for number, contour, name in each:
-            entry = zipfile.ZipInfo(f"{name}.roi")  # without a date, because the result has none
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            entry.external_attr = 0o644 << 16
-            archive.writestr(entry, _selection(contour, number, properties))
+            add(archive, name, selection(contour, number, properties))
     return stream.getvalue()
 
 
-def _selection(contour: Contour, number: int, properties: str) -> bytes:
+def add(archive: zipfile.ZipFile, name: str, content: bytes) -> None:
+    """Add a selection to a set, without a date, because the result has none."""
+    entry = zipfile.ZipInfo(f"{name}.roi")
+    entry.compress_type = zipfile.ZIP_DEFLATED
+    entry.external_attr = 0o644 << 16
+    archive.writestr(entry, content)
+
+
+def selection(contour: Contour, number: int, properties: str, **place: int) -> bytes:
     """Write a contour as a polygon when it is closed, else as a polyline, or a point.
+
+    `place` is where it lies in a stack: `position`, or `c_position`, `z_position` and `t_position`.
 
     Coordinates have subpixel resolution. ImageJ counts those of a polygon from the corner of a pixel and those of lines
     and points from its center.
@@ -80,6 +87,7 @@ def _selection(contour: Contour, number: int, properties: str) -> bytes:
         stroke_color=bytes((255, *rgb(contour))),
         props=properties,
         name=name,
+        **place,  # type: ignore[arg-type]
     )
     wide = sum(ord(letter) > 0xFFFF for letter in name)
     if wide and ImagejRoi.frombytes(roi.tobytes()).name != name:
@@ -88,7 +96,7 @@ def _selection(contour: Contour, number: int, properties: str) -> bytes:
     return roi.tobytes()
 
 
-def _properties(result: Result | Skeleton) -> str:
+def properties_of(result: Result | Skeleton) -> str:
     """How contours were found, as properties of a selection: a key and a value in each line, in ASCII."""
     return "".join(f"cpm_{name}: {told}\n" for name, told in ascii_entries_of(facts_of(result)).items())
 

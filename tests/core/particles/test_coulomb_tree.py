@@ -8,68 +8,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import coulomb_force
+from cpm_core.numerics import parallel
+from tests.core.particles.crowds import PLANE, SPACE, even_sphere, relative_error, ring, rings
 
-
-def sum_of_all_pairs(points, some):
-    """Eq. (9) for some particles, on distances that are divided by the largest one, times its square."""
-    difference = points[some, None] - points[None]
-    extent = np.ptp(points, axis=0).max() or 1.0
-    difference = difference / extent
-    distance = np.hypot(difference[..., 0], difference[..., 1])
-    distance[distance == 0.0] = np.inf
-    return (difference / distance[..., None] ** 3).sum(axis=1), extent
-
-
-def relative_error(points, force, seed=0):
-    """Root of the sum of the squared errors of some hundred particles over that of their forces."""
-    some = np.random.default_rng(seed).choice(len(points), min(len(points), 150), replace=False)
-    exact, extent = sum_of_all_pairs(points, some)
-    size = np.abs(exact).max() or 1.0
-    return np.linalg.norm((force[some] * extent * extent - exact) / size) / (np.linalg.norm(exact / size) or 1.0)
-
-
-def ring(count, radius=1.0):
-    angle = 2.0 * np.pi * np.arange(count) / count
-    return radius * np.stack([np.sin(angle), np.cos(angle)], axis=1)
-
-
-def rings(count, rng, noise=0.1):
-    """Particles 1.5 px apart along circles that cross."""
-    centers = 140.0 * np.stack(np.divmod(np.arange(count // 400), 5), axis=1)
-    points = (centers[:, None] + ring(400, 600.0 / (2.0 * np.pi))[None]).reshape(-1, 2)
-    return points + rng.normal(0.0, noise, points.shape)
-
-
-def scenes():
-    rng = np.random.default_rng(7)
-    grid = np.stack(np.mgrid[:60, :60], axis=-1).reshape(-1, 2).astype(float)
-    line = np.stack([np.arange(4000) * 1.5, np.arange(4000) * 0.5], axis=1)
-    cluster = rng.normal(0.0, 1.0, (3000, 2))
-    angle = rng.uniform(0.0, 7.0, 4000)
-    return {
-        "curves": rings(6000, rng),
-        "cloud": rng.uniform(0.0, 500.0, (5000, 2)),
-        "grid": grid,
-        "grid far away": grid + 1e8,
-        "ring": ring(6000, 500.0),
-        "rings in rings": np.concatenate([ring(1500, radius) for radius in (100.0, 200.0, 300.0)]),
-        "line": line,
-        "column": line * (1.0, 0.0),
-        "row": line * (0.0, 1.0),
-        "clusters": rng.uniform(0.0, 1000.0, (20, 2))[rng.integers(0, 20, 4000)] + rng.normal(0.0, 0.5, (4000, 2)),
-        "cluster with outliers": np.concatenate([cluster, rng.uniform(-1e6, 1e6, (80, 2))]),
-        "some spots": np.round(rng.uniform(0.0, 40.0, (4000, 2))),
-        "two spots": np.array([(0.0, 0.0), (3.0, 4.0)])[rng.integers(0, 2, 3000)],
-        "many twins": np.repeat(rng.uniform(0.0, 500.0, (2000, 2)), 2, axis=0),
-        "near twins": np.repeat(rng.uniform(0.0, 500.0, (2000, 2)), 2, axis=0) + rng.normal(0.0, 1e-9, (4000, 2)),
-        "all scales": np.exp(rng.uniform(-25.0, 5.0, 4000))[:, None] * np.stack([np.sin(angle), np.cos(angle)], axis=1),
-        "one scale in another": np.concatenate([rng.normal(0.0, 1e-14, (1500, 2)), rng.normal(0.0, 1.0, (1500, 2))]),
-        "huge": rings(4000, rng) * 1e120,
-        "tiny": rings(4000, rng) * 1e-120,
-    }
-
-
-SCENES = scenes()
+SCENES = {f"{name}, plane": points for name, points in PLANE.items()}
+SCENES |= {f"{name}, space": points for name, points in SPACE.items()}
+_HARD = ["curves", "cloud", "ring", "rings in rings", "grid", "line", "clusters"]
+_HARD_IN_SPACE = ["sphere", "torus", "grid", "cloud", "line", "shell"]
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -79,15 +24,21 @@ def test_error_is_within_the_tolerance_however_the_particles_lie(name):
 
 
 @pytest.mark.parametrize("tolerance", [0.1, 1e-2, 1e-4, 1e-6, 1e-8])
-@pytest.mark.parametrize("name", ["curves", "cloud", "ring", "rings in rings", "grid", "line", "clusters"])
+@pytest.mark.parametrize("name", _HARD)
 def test_error_is_within_any_tolerance(name, tolerance):
     for method in ("tree", "auto"):
-        assert relative_error(SCENES[name], coulomb_force(SCENES[name], method, tolerance=tolerance)) <= tolerance
+        assert relative_error(PLANE[name], coulomb_force(PLANE[name], method, tolerance=tolerance)) <= tolerance
+
+
+@pytest.mark.parametrize("tolerance", [0.1, 1e-2, 1e-4, 1e-7])
+@pytest.mark.parametrize("name", _HARD_IN_SPACE)
+def test_error_is_within_any_tolerance_in_space(name, tolerance):
+    assert relative_error(SPACE[name], coulomb_force(SPACE[name], "tree", tolerance=tolerance)) <= tolerance
 
 
 def test_a_smaller_tolerance_gives_a_smaller_error():
     errors = [
-        relative_error(SCENES["curves"], coulomb_force(SCENES["curves"], "tree", tolerance=10.0**-k))
+        relative_error(PLANE["curves"], coulomb_force(PLANE["curves"], "tree", tolerance=10.0**-k))
         for k in (1, 3, 5, 7)
     ]
     assert all(later < earlier / 10.0 for earlier, later in itertools.pairwise(errors))
@@ -98,12 +49,12 @@ coordinate = st.one_of(
 )
 
 
-@settings(max_examples=50, deadline=None)
-@given(
-    st.lists(st.tuples(coordinate, coordinate), min_size=1, max_size=30), st.integers(1, 40), st.integers(0, 2**32 - 1)
-)
-def test_error_is_within_the_tolerance_around_any_spots(spots, copies, seed):
+@pytest.mark.parametrize("dimensions", [2, 3])
+@settings(max_examples=40, deadline=None)
+@given(data=st.data(), copies=st.integers(1, 40), seed=st.integers(0, 2**32 - 1))
+def test_error_is_within_the_tolerance_around_any_spots(dimensions, data, copies, seed):
     """Up to 1200 particles: a number of them around each of the spots."""
+    spots = data.draw(st.lists(st.tuples(*[coordinate] * dimensions), min_size=1, max_size=30))
     points = np.repeat(np.array(spots), copies, axis=0)
     points = points + np.random.default_rng(seed).normal(0.0, 0.3, points.shape)
     assert relative_error(points, coulomb_force(points, "tree"), seed) <= 1e-3
@@ -119,13 +70,14 @@ def test_few_particles_are_summed_like_many(count, seed, whole):
     assert not count or relative_error(points, force) <= 1e-3
 
 
-def test_particles_on_one_spot_do_not_act_on_each_other_however_many():
-    assert not coulomb_force(np.full((5000, 2), 7.3), "tree").any()
-    assert not coulomb_force(np.full((40, 2), 7.3), "tree").any()
+@pytest.mark.parametrize("dimensions", [2, 3])
+@pytest.mark.parametrize("count", [40, 5000])
+def test_particles_on_one_spot_do_not_act_on_each_other_however_many(count, dimensions):
+    assert not coulomb_force(np.full((count, dimensions), 7.3), "tree").any()
 
 
 def test_pairs_at_one_position_have_twice_the_force_of_single_particles():
-    points = SCENES["cloud"]
+    points = PLANE["cloud"]
     found = coulomb_force(np.concatenate([points, points]), "tree")
     exact = 2.0 * coulomb_force(points, "exact")
     for half in (found[: len(points)], found[len(points) :]):
@@ -150,14 +102,14 @@ def test_single_precision_is_not_chosen_where_it_is_not_enough():
 
 
 def test_few_targets_among_many_particles_are_summed_exactly():
-    points = SCENES["curves"]
+    points = PLANE["curves"]
     targets = np.arange(0, len(points), 40)
     chosen = coulomb_force(points, targets=targets)
     assert chosen.tobytes() == coulomb_force(points, "exact", targets=targets).tobytes()
 
 
 def test_force_on_many_targets_is_that_part_of_the_force_on_all():
-    points = SCENES["cloud"]
+    points = PLANE["cloud"]
     targets = np.random.default_rng(1).permutation(len(points))[:2000]
     assert coulomb_force(points, targets=targets).tobytes() == coulomb_force(points)[targets].tobytes()
     near = np.flatnonzero(np.linalg.norm(points - 100.0, axis=1) < 80.0)
@@ -165,8 +117,42 @@ def test_force_on_many_targets_is_that_part_of_the_force_on_all():
 
 
 def test_positions_are_left_as_they_are():
-    points = SCENES["cloud"].copy()
+    points = PLANE["cloud"].copy()
     coulomb_force(points, "tree")
-    np.testing.assert_array_equal(points, SCENES["cloud"])
+    np.testing.assert_array_equal(points, PLANE["cloud"])
     turned = np.asfortranarray(points)
     assert coulomb_force(turned, "tree").tobytes() == coulomb_force(points, "tree").tobytes()
+
+
+def test_a_large_crowd_is_summed_by_the_tree_and_a_small_one_exactly():
+    crowd = even_sphere(6000)
+    assert coulomb_force(crowd).tobytes() == coulomb_force(crowd, "tree").tobytes()
+    assert coulomb_force(crowd).tobytes() != coulomb_force(crowd, "exact").tobytes()
+    assert coulomb_force(crowd[:900]).tobytes() == coulomb_force(crowd[:900], "exact").tobytes()
+    few = np.arange(0, 6000, 40)
+    assert coulomb_force(crowd, targets=few).tobytes() == coulomb_force(crowd, "exact", targets=few).tobytes()
+
+
+def test_force_on_some_in_space_is_that_part_of_the_force_on_all():
+    """Bit for bit, in any order, and some of them twice."""
+    targets = np.random.default_rng(2).integers(0, 4000, 37)
+    whole = coulomb_force(SPACE["torus"], "tree")
+    assert coulomb_force(SPACE["torus"], "tree", targets=targets).tobytes() == whole[targets].tobytes()
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 64, 65, 3000])
+def test_same_bits_whatever_the_number_of_threads(count, monkeypatch):
+    points = SPACE["cloud"][:count]
+    first = coulomb_force(points, "tree")
+    for cores in (1, 3, 8):
+        monkeypatch.setattr(parallel, "cores", lambda cores=cores: cores)
+        assert coulomb_force(points, "tree").tobytes() == first.tobytes()
+
+
+@pytest.mark.parametrize("method", ["auto", "exact", "tree"])
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+def test_positions_that_are_no_numbers_are_refused(bad, method):
+    points = SPACE["cloud"][:10].copy()
+    points[3, 0] = bad
+    with pytest.raises(ValueError, match="positions must be finite numbers"):
+        coulomb_force(points, method)

@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from app.model.display.display_image import DisplayImage, IntensityWindow, apply_window
 from app.model.document.document import Document
+from app.model.volume.shape_sections import sections
 from app.model.volume.slices import Slice
-from app.model.volume.surface_section import section as cut
+from app.model.volume.surface_section import section as lines_of
 from app.model.volume.surface_section import unmeasured
 from app.session.exchange.messages import Reconstruction, Snapshot
 from app.session.features.volumes.made_once import MadeOnce
 from app.session.scene import NO_CONTOURS, Item, NearParticles, ReviewedContours, Scene
 from cpm_core.contours.review import ReviewedContour
 from cpm_core.image.image import Image
-from cpm_core.shapes.sections import section
+from cpm_core.shapes import Shape
 
 
 class Sections:
@@ -41,7 +43,8 @@ class Sections:
         here = slices.current
         image = self._parts.of("image", (volume, here), lambda: _image(volume, here))
         display = self._parts.of("display", (image,), lambda: _display(image, volume))
-        document, places = self._parts.of("document", (scene.document, here), lambda: _document(scene.document, here))
+        drawn = (scene.document, here, volume)
+        document, places = self._parts.of("document", drawn, lambda: _document(*drawn))
         reach = scene.document.parameters.d_min
         near = self._parts.of("near", (scene.snapshot, here, reach), lambda: _near(scene.snapshot, here, volume, reach))
         snapshot = self._parts.of("snapshot", (near,), lambda: _snapshot(scene.snapshot, near, here))
@@ -72,12 +75,22 @@ def _display(image: Image, volume: Image) -> DisplayImage:
     return DisplayImage.of(apply_window(image.values, IntensityWindow(*volume.gray_range)))
 
 
-def _document(document: Document, here: Slice) -> tuple[Document, dict[int | None, int]]:
-    """The document with the sections of its shapes, and their places by those of the shapes."""
-    cuts = [(index, section(shape, here.axis, here.index)) for index, shape in enumerate(document.shapes)]
-    seen = [(index, shape) for index, shape in cuts if shape is not None]
-    places: dict[int | None, int] = {index: place for place, (index, _) in enumerate(seen)}
-    return replace(document, shapes=tuple(shape for _, shape in seen)), places
+def sections_of(shapes: Iterable[Shape], here: Slice, volume: Image) -> Iterator[tuple[int, Shape]]:
+    """What a slice shows of shapes, each with the number of its shape."""
+    sides = tuple(side / min(volume.spacing) for side in volume.spacing)
+    for index, shape in enumerate(shapes):
+        for cut in sections(shape, here.axis, here.index, sides):
+            yield index, cut
+
+
+def _document(document: Document, here: Slice, volume: Image) -> tuple[Document, dict[int | None, int]]:
+    """The document with the sections of its shapes, and the place of the first section of each shape."""
+    places: dict[int | None, int] = {}
+    shapes: list[Shape] = []
+    for index, cut in sections_of(document.shapes, here, volume):
+        places.setdefault(index, len(shapes))
+        shapes.append(cut)
+    return replace(document, shapes=tuple(shapes)), places
 
 
 def _near(snapshot: Snapshot | None, here: Slice, volume: Image, reach: float) -> NearParticles | None:
@@ -102,7 +115,7 @@ def _contours(reconstruction: Reconstruction | None, here: Slice) -> ReviewedCon
     surface = getattr(reconstruction.result, "surface", None) if reconstruction is not None else None
     if surface is None:
         return NO_CONTOURS
-    found = enumerate(cut(surface, here))
+    found = enumerate(lines_of(surface, here))
     return ReviewedContours(
         tuple(
             Item(number, ReviewedContour(contour, None, number), unmeasured(contour, number + 1))

@@ -1,0 +1,1 @@
+"""Files of all pages of a stack; `files` chooses the writer."""

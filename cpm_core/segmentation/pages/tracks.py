@@ -1,0 +1,250 @@
+"""Tracks: contours on one page after the other that bound the same object.
+
+Two contours belong to one track where they overlap most: closed ones by the areas that they alone enclose, as in the
+label mask; open ones by the areas between them and the line that joins their ends, or by the length that runs beside
+the other. The measure is that of Dice, 0 to 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.measurements import containment
+from cpm_core.contours.rasterize import paint
+from cpm_core.contours.review import Neighborhood
+from cpm_core.numerics.polyline import sampled
+from cpm_core.numerics.types import Array, Index
+
+LEAST_OVERLAP = 0.2
+"""Least overlap of two contours of one track."""
+
+_PART = 0.5
+"""Share of an area that has to lie in another for it to be a part of that one."""
+
+_BESIDE = 6.0
+"""Distance up to which one line runs beside another [px]."""
+
+_SAMPLING = 1.0
+"""Distance between the samples of lines that are compared [px]."""
+
+_RIM = 3.0
+"""Distance from the border of the image up to which a contour touches it [px]."""
+
+EventKind = Literal["begins", "splits", "merges", "ends", "leaves"]
+"""What happens to a track."""
+
+_WORDS: dict[EventKind, str] = {
+    "begins": "track {track} begins",
+    "splits": "track {others} splits off track {track}",
+    "merges": "track {track} merges into track {others}",
+    "ends": "track {track} ends",
+    "leaves": "track {track} leaves the image",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class TrackEvent:
+    """What happens to a track from one page to the next.
+
+    Attributes
+    ----------
+    kind : {"begins", "splits", "merges", "ends", "leaves"}
+        What happens: the track begins; others split off it; it merges into another; it ends, inside the image or at its
+        border.
+    page : int
+        The page, from 1; for a track that is not there any more, the first one without it.
+    track : int
+        The track.
+    others : tuple of int
+        The tracks that split off it, or the one that it merges into.
+    """
+
+    kind: EventKind
+    page: int
+    track: int
+    others: tuple[int, ...] = ()
+
+    @property
+    def sentence(self) -> str:
+        """The event in words."""
+        several = len(self.others) > 1
+        others = " and ".join(map(str, self.others))
+        words = _WORDS[self.kind].format(track=self.track, others=others)
+        if several:
+            words = words.replace("track ", "tracks ", 1).replace("splits", "split")
+        return f"Page {self.page}: {words}."
+
+
+@dataclass(frozen=True, eq=False)
+class Overlaps:
+    """How much each contour of one page overlaps with each of another, shape (N, M).
+
+    `dice` is the measure by which contours belong to one track, `part` the share of the smaller area that lies in the
+    other; 0 for open contours.
+    """
+
+    dice: Array
+    part: Array
+
+
+class Tracker:
+    """Numbers the contours of one page after the other by their tracks."""
+
+    def __init__(self, contours: Sequence[Contour] = (), tracks: int = 0) -> None:
+        """`contours` are those of the page before, with their tracks as numbers; so many `tracks` are known."""
+        self._before = tuple(contours)
+        self._tracks = tracks
+        self._begun = tracks > 0
+
+    def follow(
+        self, page: int, contours: Sequence[Contour], shape: tuple[int, ...]
+    ) -> tuple[tuple[Contour, ...], tuple[TrackEvent, ...]]:
+        """Give the contours of a page of this shape [px] their tracks as numbers, and tell what happens to tracks.
+
+        A page without contours is passed over: what is found on the next one is compared with the page before.
+        """
+        if not contours:
+            return (), ()
+        before = self._before
+        overlaps = overlaps_of(before, contours, shape)
+        pairs = _pairs(overlaps.dice)
+        owner = {now: then for then, now in pairs.items()}
+        tracks = []
+        for now in range(len(contours)):
+            self._tracks += now not in owner
+            tracks.append(before[owner[now]].number if now in owner else self._tracks)
+        numbered = tuple(replace(one, number=track) for one, track in zip(contours, tracks, strict=True))
+        events = [*_gone(page, before, numbered, pairs, overlaps.part, shape)]
+        if self._begun:
+            events += _come(page, before, numbered, pairs, overlaps.part)
+        self._before, self._begun = numbered, True
+        return numbered, tuple(events)
+
+
+def overlaps_of(before: Sequence[Contour], now: Sequence[Contour], shape: tuple[int, ...]) -> Overlaps:
+    """Measure how contours of two pages overlap, on an image of this shape [px]."""
+    if not (before and now):
+        nothing = np.zeros((len(before), len(now)))
+        return Overlaps(nothing, nothing)
+    dice, part = _of_areas(before, now, shape)
+    lines = np.array([not one.closed for one in before])[:, None] | np.array([not one.closed for one in now])[None]
+    if lines.any():
+        part[lines] = 0.0
+        joined, _ = _of_areas([_joined(one) for one in before], [_joined(one) for one in now], shape)
+        dice[lines] = np.maximum(joined, _beside(before, now))[lines]
+    return Overlaps(dice, part)
+
+
+def _of_areas(before: Sequence[Contour], now: Sequence[Contour], shape: tuple[int, ...]) -> tuple[Array, Array]:
+    """Overlap of the areas of closed contours, as the measure of Dice and as a share of the smaller one."""
+    one, other = (_regions(contours, shape) for contours in (before, now))
+    shared = np.zeros((len(before) + 1, len(now) + 1))
+    pairs, count = np.unique(one * (len(now) + 1) + other, return_counts=True)
+    shared.ravel()[pairs] = count
+    common = shared[1:, 1:]
+    first, second = shared.sum(axis=1)[1:, None], shared.sum(axis=0)[1:][None]
+    least = np.minimum(first, second)
+    return 2.0 * common / np.maximum(first + second, 1.0), common / np.maximum(least, 1.0)
+
+
+def _regions(contours: Sequence[Contour], shape: tuple[int, ...]) -> Index:
+    """Which contour encloses each pixel, the innermost one, from 1; 0 for none."""
+    alone = [replace(contour, group=0, hole=False) for contour in contours]
+    places = np.array([0, *(index for index, one in enumerate(contours, 1) if one.closed)])
+    return np.asarray(places[paint(alone, shape)].ravel())
+
+
+def _joined(contour: Contour) -> Contour:
+    """A contour whose ends are joined, as those of an object that the border of the image cuts."""
+    return replace(contour, closed=len(contour.points) > 2)
+
+
+def _beside(before: Sequence[Contour], now: Sequence[Contour]) -> Array:
+    """Share of the length of two contours, taken together, that runs beside the other, shape (N, M)."""
+    then = [sampled(contour.path, _SAMPLING) for contour in before]
+    later = [sampled(contour.path, _SAMPLING) for contour in now]
+    shared = _samples_near(then, now) + _samples_near(later, before).T
+    lengths = np.array([len(one) for one in then])[:, None] + np.array([len(one) for one in later])[None]
+    return np.asarray(shared / lengths)
+
+
+def _samples_near(samples: Sequence[Array], contours: Sequence[Contour]) -> Array:
+    """Number of samples of each line that lie beside each contour."""
+    owner = np.repeat(np.arange(len(samples)), [len(one) for one in samples])
+    place, contour, _ = Neighborhood(contours).pairs(np.concatenate(samples), _BESIDE)
+    count = np.zeros((len(samples), len(contours)))
+    np.add.at(count, (owner[place], contour), 1.0)
+    return count
+
+
+def _pairs(dice: Array) -> dict[int, int]:
+    """Contours of the page before and those of this one that belong to one track, the largest overlap first."""
+    order = np.argsort(-dice, axis=None, kind="stable")
+    pairs: dict[int, int] = {}
+    taken: set[int] = set()
+    for place in order.tolist():
+        then, now = divmod(place, dice.shape[1])
+        if dice[then, now] < LEAST_OVERLAP:
+            break
+        if then not in pairs and now not in taken:
+            pairs[then] = now
+            taken.add(now)
+    return pairs
+
+
+def _come(
+    page: int, before: Sequence[Contour], now: Sequence[Contour], pairs: dict[int, int], part: Array
+) -> Iterable[TrackEvent]:
+    """The tracks that begin or split off others."""
+    around = containment(now)
+    fresh = [index for index in range(len(now)) if index not in pairs.values()]
+    split: dict[int, list[int]] = {}
+    for index in fresh:
+        origins = [then for then, heir in pairs.items() if part[then, index] >= _PART]
+        apart = [then for then in origins if not _nested(around, index, pairs[then])]
+        if apart:
+            split.setdefault(max(apart, key=lambda then: part[then, index]), []).append(index)
+        else:
+            yield TrackEvent("begins", page, now[index].number)
+    for then, parts in split.items():
+        yield TrackEvent("splits", page, before[then].number, tuple(now[index].number for index in parts))
+
+
+def _gone(
+    page: int,
+    before: Sequence[Contour],
+    now: Sequence[Contour],
+    pairs: dict[int, int],
+    part: Array,
+    shape: tuple[int, ...],
+) -> Iterable[TrackEvent]:
+    """The tracks that merge into others, end, or leave the image."""
+    around = containment(before)
+    heirs = {heir: then for then, heir in pairs.items()}
+    for index, contour in enumerate(before):
+        if index in pairs:
+            continue
+        into = [heir for heir, then in heirs.items() if part[index, heir] >= _PART and not _nested(around, index, then)]
+        if into:
+            heir = max(into, key=lambda one: part[index, one])
+            yield TrackEvent("merges", page, contour.number, (now[heir].number,))
+        else:
+            low, high = contour.box
+            outside = (low < _RIM).any() or (high > np.array(shape) - 1.0 - _RIM).any()
+            yield TrackEvent("leaves" if outside else "ends", page, contour.number)
+
+
+def _nested(around: Sequence[int | None], one: int, other: int) -> bool:
+    """Whether one of two contours lies in the other."""
+    for inner, outer in ((one, other), (other, one)):
+        at: int | None = inner
+        while at is not None:
+            at = around[at]
+            if at == outer:
+                return True
+    return False
