@@ -140,19 +140,13 @@ class Session(RunControl):
         self._asked_scales, self._used_scales = opened.scales, opened.parameters.scales
         self._generation = self._image_generation = self._next_generation()
         self.post(RunCall(None, Run.use, self._generation, opened.method, opened.parameters))
-        self.show(
-            Scene(
-                opened.image,
-                opened.display,
-                document=self.document,
-                selected=self.selected,
-                slices=Slices.of(opened.image.shape),
-            )
-        )
+        # With its own document from the first moment: the shapes of the former one may have another number of axes.
+        before, document = self.document, _document(opened, self.document.mode)
+        self.show(Scene(opened.image, opened.display, document=document, slices=Slices.of(opened.image.shape)))
         self.image_changed.emit()
         self._progress.forget()
         self.live.forget()
-        self.begin_document(_document(opened, self.document.mode))
+        self.begin_document(document, before)
         self._show_start()
         self.post(RunCall(None, Run.edit_by_hand, self.document.hand_edits))
         self.post(RunCall(None, Run.set_parameters, opened.parameters))
