@@ -34,7 +34,7 @@ NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
         **dict.fromkeys(
             tuple(f"layer_{name}" for name in ("trails", "forces", "objects", "ghost", "truth", "skeleton", "edge_map",
                                                "potential", "field")), _LAYER),
-        **dict.fromkeys(("wipe", "keep_result", "mosaic"), _COMPARE),
+        **dict.fromkeys(("wipe", "keep_result", "mosaic", "compare_methods"), _COMPARE),
         **dict.fromkeys(("export_animation", "export_strip"), _FILM),
     }
 )  # fmt: skip
