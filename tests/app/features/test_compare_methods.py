@@ -12,10 +12,10 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtWidgets import QFileDialog
 
 from app.model.document import edits
-from app.views.compare import CompareDialog
-from app.views.compare.dialog import FIRST
 from app.views.features.view.methods import MethodsFeature
 from app.views.main_window import MainWindow
+from app.views.mosaic.methods import CompareDialog
+from app.views.mosaic.methods.dialog import FIRST
 from cpm_core.contours.ground_truth import truth_of_mask
 from cpm_core.image.image import Image
 from cpm_core.segmentation.methods import CONTOUR_METHODS, Start, run_method

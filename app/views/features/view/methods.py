@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QWidget
 from app.model.state.situation import has_image
 from app.model.text.language import tr
 from app.session.features.side_by_side.method_comparison import ComparisonWritten
-from app.views.compare import CompareDialog
+from app.views.mosaic.methods import CompareDialog
 from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature, FeatureContext
 from app.views.window.file_dialogs import Files

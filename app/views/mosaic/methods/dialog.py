@@ -24,8 +24,8 @@ from app.model.display.display_image import DisplayImage
 from app.model.text.language import tr
 from app.session.features.side_by_side.method_comparison import PLACES, MethodComparison
 from app.session.session import Session
-from app.views.compare.pane import Pane
-from app.views.compare.settings_form import SettingsForm
+from app.views.mosaic.methods.pane import Pane
+from app.views.mosaic.methods.settings_form import SettingsForm
 from cpm_core.segmentation.methods import CONTOUR_METHODS
 from cpm_core.shapes.outlines import outlines_of
 
