@@ -14,9 +14,10 @@ _MODE = tr("This mode is for images; a volume is segmented from spheres and poin
 _CONTOUR = tr("Contours are found in images; a run in a volume finds a surface.")
 _OBJECT = tr("Objects are selected in images; a run in a volume finds a surface.")
 _TRUTH = tr("A ground truth can be compared with the contours of an image, not with a surface.")
-_LAYER = tr("This layer shows images only.")
-_COMPARE = tr("Results can be compared in images only.")
-_FILM = tr("Pictures of many steps can be made of images only.")
+_LAYER = tr("This layer shows what only a run in an image finds.")
+_FORCES = tr("Forces are shown as arrows in images only.")
+_FIELD = tr("The arrows need the force on every voxel, for which a volume is too large.")
+_MOSAIC = tr("A mosaic shows runs with different parameters side by side; in a volume each of them takes too long.")
 
 NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
     {
@@ -30,10 +31,10 @@ NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
         **dict.fromkeys(("objects", "object_skeleton", "all_objects", "fit_objects", "objects_alike"), _OBJECT),
         **dict.fromkeys(("load_truth", "worst_place", "next_place"), _TRUTH),
         **dict.fromkeys(
-            tuple(f"layer_{name}" for name in ("trails", "forces", "objects", "ghost", "truth", "skeleton", "edge_map",
-                                               "potential", "field")), _LAYER),
-        **dict.fromkeys(("wipe", "keep_result", "mosaic"), _COMPARE),
-        **dict.fromkeys(("export_animation", "export_strip"), _FILM),
+            tuple(f"layer_{name}" for name in ("objects", "truth", "skeleton")), _LAYER),
+        "layer_forces": _FORCES,
+        "layer_field": _FIELD,
+        "mosaic": _MOSAIC,
     }
 )  # fmt: skip
 """Names of actions and of tools -> why they are not offered while a volume is open."""
