@@ -123,8 +123,7 @@ def export(
 ) -> None:
     """Write contours, a skeleton, or center lines in a volume, in the format that each suffix names.
 
-    Everything is encoded before anything is written, and each file is replaced atomically, so that no incomplete file
-    is ever left behind.
+    Everything is encoded before anything is written, and no incomplete file is ever left behind.
 
     Parameters
     ----------
@@ -137,11 +136,9 @@ def export(
     image : path-like, optional
         File of the image, for files that refer to it (labelme); by default its name.
     space : {"LPS", "RAS"}
-        Where x, y and z of surfaces and center lines point: to the patient's left, back and head, or right, front and
-        head. The files say which.
+        Where x, y and z of surfaces and center lines point, which the files tell; see `Geometry`.
     tell : callable, optional
-        Called with a sentence for each file that leaves contours out, before anything is written; by default a warning
-        is logged.
+        Called first with a sentence for each file that leaves contours out; by default a warning is logged.
     refused : callable, optional
         Called with each file that the result holds nothing for, and a sentence; by default that is an error.
 
