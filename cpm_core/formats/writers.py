@@ -153,8 +153,7 @@ def export(
         check_export(file)
     contents = []
     for file in files:
-        missing = omission(result, suffix_of(file), outlines=outlines)
-        if missing:
+        if missing := omission(result, suffix_of(file), outlines=outlines):
             tell(f"{file}: {missing}")
         try:
             contents.append((file, _content(result, file, outlines, image, space)))
