@@ -21,6 +21,7 @@ from cpm_core.cli.arguments import (
     add_parameters,
     add_part,
     add_session,
+    add_space,
     as_number,
     as_steps,
     check_exports,
@@ -43,7 +44,7 @@ from cpm_core.formats.printable import printable
 from cpm_core.formats.provenance import ENTRY, facts_of, plain_shapes, with_shapes
 from cpm_core.formats.sessions.session_file import SessionFile, find_image, load_session
 from cpm_core.image.image import Image
-from cpm_core.image.regions import Regions
+from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.objects import Selection
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.quotation import shown
@@ -93,6 +94,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     outcome.add_argument(
         "--faces", metavar="N", type=as_number, help="triangles that are left of the surface in a volume"
     )
+    add_space(outcome)
     add_export(outcome, "contours")
     add_close(outcome)
     add_json(outcome)
@@ -100,7 +102,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
 
 def _run(arguments: argparse.Namespace) -> int:
     """Find the contours of an image, or of the pages of a stack; every check that needs no image comes first."""
-    if arguments.sphere or arguments.volume or arguments.faces is not None:
+    if arguments.sphere or arguments.volume or arguments.space or arguments.faces is not None:
         run_volume(arguments)
         return 0
     session = load_session(Path(arguments.session)) if arguments.session else SessionFile()
@@ -145,7 +147,7 @@ def _run_image(
     parameters: Parameters,
     max_steps: int | None,
     drawn: list[NDArray[np.float64]],
-    regions: Regions | None,
+    regions: AnyRegions | None,
 ) -> int:
     """Find the contours of one image."""
     image = load_image(path, **part)
@@ -273,7 +275,7 @@ def _numbers(text: str) -> list[float]:
     return numbers if len(numbers) == len(parts) else []
 
 
-def _regions(arguments: argparse.Namespace, session: SessionFile) -> Regions | None:
+def _regions(arguments: argparse.Namespace, session: SessionFile) -> AnyRegions | None:
     """Regions of interest and barriers of the session and on the command line."""
     regions = [Region(_line("--region", text, 3)) for text in arguments.region]
     barriers = [Barrier(_line("--barrier", text, 2)) for text in arguments.barrier]

@@ -72,8 +72,7 @@ class Geometry:
             raise ValueError(
                 f"The directions are {shown(self.directions)} and lie in one plane: give three that do not."
             )
-        if not isinstance(self.convention, str) or self.convention not in CONVENTIONS:
-            raise ValueError(f'The convention is {shown(self.convention)} but must be "LPS" or "RAS".')
+        _check_convention(self.convention)
         checked_number("depth", self.depth, lambda depth: depth > 0.0, "a number above 0")
         one = np.abs(lengths - 1.0) < 1e-12  # they stay as they are to the bit
         directions = directions / np.where(one, 1.0, lengths)[:, None]
@@ -89,11 +88,18 @@ class Geometry:
             Size of a voxel along (plane, row, col), or of a pixel along (row, col).
         convention : {"LPS", "RAS"}, optional
             Where x, y and z point; by default as in the file.
+
+        Raises
+        ------
+        ValueError
+            For another convention.
         """
         sides = np.array((self.depth, *spacing)[-3:])
         matrix = np.eye(4)
         matrix[:3, :3] = np.array(self.directions).T * sides
         matrix[:3, 3] = self.origin
+        if convention is not None:
+            _check_convention(convention)
         if convention not in (None, self.convention):
             matrix[:3] *= _FLIP[:, None]
         return matrix
@@ -111,13 +117,26 @@ class Geometry:
 
     @property
     def letters(self) -> tuple[str, str, str]:
-        """Direction of a patient that each axis (plane, row, col) leads to about: L, R, P, A, S (head) or I (feet)."""
+        """Direction of a patient that each axis (plane, row, col) leads to about: L, R, P, A, S (head) or I (feet).
+
+        Each axis has another one, the axis first that is nearest to one, also where two are nearest to the same.
+        """
         flip = _FLIP if self.convention == "RAS" else np.ones(3)
-        found = []
-        for direction in np.array(self.directions) * flip:
-            axis = int(np.abs(direction).argmax())
-            found.append(_ENDS[axis][int(direction[axis] < 0.0)])
+        left, _, right = np.linalg.svd((np.array(self.directions) * flip)[::-1])
+        upright = left @ right  # the nearest axes at right angles
+        found = ["", "", ""]
+        for axis in np.argsort(-np.max(upright**2, axis=1), kind="stable"):
+            end = int(np.abs(upright[axis]).argmax())
+            found[2 - axis] = _ENDS[end][int(upright[axis, end] < 0.0)]
+            upright[:, end] = 0.0
         return found[0], found[1], found[2]
+
+    @property
+    def ends(self) -> tuple[tuple[str, str], tuple[str, str], tuple[str, str]]:
+        """Where each axis (plane, row, col) begins and ends, by the letters of `letters`."""
+        other = {one: end for pair in _ENDS for one, end in (pair, pair[::-1])}
+        plane, row, col = ((other[letter], letter) for letter in self.letters)
+        return plane, row, col
 
     @property
     def oblique(self) -> float:
@@ -137,3 +156,9 @@ def from_affine(affine: Any, convention: Convention) -> tuple[Geometry, Triple]:
     along = matrix[:3, 2::-1].T
     plane, row, col = np.linalg.norm(along, axis=1).tolist()
     return Geometry(tuple(matrix[:3, 3].tolist()), along, convention), (plane, row, col)  # type: ignore[arg-type]
+
+
+def _check_convention(given: object) -> None:
+    """ValueError unless it is the name of a convention."""
+    if not isinstance(given, str) or given not in CONVENTIONS:
+        raise ValueError(f'The convention is {shown(given)} but must be "LPS" or "RAS".')

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.model.display.display_image import DisplayImage
+from app.model.display.display_image import DisplayImage, DisplayVolume
 from app.model.display.plots import RunMetrics
 from app.model.export.order import Account
 from app.model.state.surface_figures import SurfaceFigures
@@ -106,7 +106,7 @@ class Overlays:
     """
 
     generation: int
-    arrays: Mapping[str, NDArray[np.generic] | DisplayImage]
+    arrays: Mapping[str, NDArray[np.generic] | DisplayImage | DisplayVolume]
     trouble: str = ""
 
 

@@ -89,7 +89,7 @@ def test_chan_vese_gives_the_same_to_the_bit_and_ends_with_it():
 def test_the_random_walker_gives_the_same_to_the_bit():
     settings = RandomWalkerSettings(beta=90.0)
     own = run_method(CONTOUR_METHODS["random_walker"], IMAGE, START, settings).state
-    labels = seeds(START.mask(IMAGE.shape), settings)
+    labels = seeds(START, IMAGE.shape, settings)
     assert np.array_equal(own.values, skimage.segmentation.random_walker(unit_gray(IMAGE), labels, 90.0, "bf") == 1)
 
 
