@@ -12,7 +12,7 @@ from app.session.features.objects.object_selection import ObjectSelection
 from app.session.features.other_result import OtherResult
 from app.session.features.parameter_sweep import Sweep
 from app.session.features.skeleton import Skeletons
-from app.session.features.timeline_navigation import TimelineNavigation
+from app.session.features.timeline.navigation import TimelineNavigation
 from app.session.features.truth_comparison import GroundTruth
 from app.session.features.volumes.shown_slices import ShownSlices
 from app.session.session import Session
