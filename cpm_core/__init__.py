@@ -55,6 +55,10 @@ reconstructed (`medial_axis`). It needs no seeds. In a volume it is the center l
 of vessels (`medial_axis.space`). Contours and skeletons both come from a `Method`, which the same loop
 runs step by step; `METHODS` has them by name.
 
+The **classical methods** that the publication argues against, snakes and level sets, stand beside the charged particles
+in `CONTOUR_METHODS`: from the same image and the same drawn `Start` each gives the states of a run, one after the other
+(`segmentation.methods`).
+
 Words
 -----
 Positions are (row, col) in pixels, pixel centers at integers. *Idle* counts steps without newly covered cells. A
@@ -96,6 +100,16 @@ from cpm_core.particles.volume_starts import box, everywhere, in_slice, on_stron
 from cpm_core.reconstruction import reconstruct_curve, reconstruct_surface
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.method import METHODS, Method
+from cpm_core.segmentation.methods import (
+    CONTOUR_METHODS,
+    ContourMethod,
+    ContourState,
+    Facts,
+    Start,
+    facts_of,
+    moments,
+    run_method,
+)
 from cpm_core.segmentation.pages.follow import follow
 from cpm_core.segmentation.pages.page import Page
 from cpm_core.segmentation.pages.tracks import TrackEvent
@@ -104,6 +118,7 @@ from cpm_core.segmentation.segment import segment
 __version__ = VERSION
 
 __all__ = [
+    "CONTOUR_METHODS",
     "METHODS",
     "PARAMETERS",
     "PRESETS",
@@ -111,8 +126,11 @@ __all__ = [
     "Centerlines",
     "Comparison",
     "Contour",
+    "ContourMethod",
+    "ContourState",
     "Energies",
     "Engine",
+    "Facts",
     "Forces",
     "Geometry",
     "Image",
@@ -126,6 +144,7 @@ __all__ = [
     "Result",
     "Selection",
     "Skeleton",
+    "Start",
     "State",
     "Surface",
     "TrackEvent",
@@ -143,6 +162,7 @@ __all__ = [
     "encoded",
     "everywhere",
     "export",
+    "facts_of",
     "follow",
     "gradient_threshold",
     "in_slice",
@@ -152,11 +172,13 @@ __all__ = [
     "load_truth",
     "load_volume",
     "measure",
+    "moments",
     "objects_result",
     "on_strong_edges",
     "partition",
     "reconstruct_curve",
     "reconstruct_surface",
+    "run_method",
     "segment",
     "similar",
     "skeleton",

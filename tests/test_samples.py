@@ -7,11 +7,14 @@ from pathlib import Path
 import numpy as np
 import PIL.Image
 import pytest
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import KDTree
 
 import cpm_core as cpm
 from app.model.document.document import Document
 from app.model.document.samples import sample_called, samples
-from cpm_core.shapes import SHAPES, Circle, Everywhere, Stroke
+from cpm_core.shapes import SHAPES, Circle, Everywhere, Sphere, Stroke
 from cpm_core.shapes.image_starts import SeedCache
 
 SAMPLES = Path(__file__).parent.parent / "assets" / "samples"
@@ -23,6 +26,9 @@ OPEN_ENDED = {
     "hand.png": (((35, 173), (128, 26), (56, 260), (116, 328), (300, 253)), ((60, 60), (60, 350), (330, 60))),
 }
 """Samples whose objects leave the image, so that their contours are open."""
+VOLUME = "vessels.tif"
+ENDS = ((56, 96, 75), (22, 96, 17), (38, 86, 96), (72, 87, 38), (31, 39, 96), (69, 26, 84), (46, 33, 1), (63, 17, 22))
+"""Where the vessels end, or leave the volume (plane, row, col), in columns."""
 
 
 @pytest.fixture(scope="module")
@@ -38,8 +44,11 @@ def redrawn(tmp_path_factory):
 
 def test_every_sample_file_is_listed():
     assert (
-        {entry["file"] for entry in LISTED} == {path.name for path in SAMPLES.glob("*.png")} == {*OBJECTS, *OPEN_ENDED}
+        {entry["file"] for entry in LISTED}
+        == {*(path.name for path in SAMPLES.glob("*.png")), VOLUME} - {"vessels.png"}
+        == {*OBJECTS, *OPEN_ENDED, VOLUME}
     )
+    assert all(sample.picture.is_file() for sample in samples())
 
 
 def test_the_list_is_what_the_script_writes(redrawn):
@@ -55,10 +64,29 @@ def test_the_images_are_what_the_script_draws(redrawn, file):
     assert np.mean(kept != drawn) < 1e-3
 
 
+def test_the_volume_is_what_the_script_draws_and_tells_the_size_of_its_voxels(redrawn):
+    kept, drawn = (cpm.load_volume(folder / VOLUME) for folder in (SAMPLES, redrawn))
+    assert np.mean(kept.values != drawn.values) < 1e-3
+    assert kept.spacing == pytest.approx((0.6, 0.4, 0.4), rel=1e-4)
+    assert kept.unit == "mm"
+    assert (SAMPLES / VOLUME).stat().st_size < 150_000
+
+
+def test_the_sphere_of_the_volume_finds_the_whole_tree_in_one_piece():
+    surface = run(VOLUME).surface
+    edges = np.concatenate([surface.faces[:, :2], surface.faces[:, 1:]])
+    count = len(surface.vertices)
+    graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), (count, count))
+    assert connected_components(graph, directed=False)[0] == 1
+    assert count - len(surface.faces) / 2 == 2, "a tree without holes has the Euler characteristic of a sphere"
+    near = KDTree(surface.vertices * (1.5, 1.0, 1.0))
+    assert near.query(ENDS)[0].max() < 5.0
+
+
 def run(file):
     """What the sample of this name gives when it is run as it is opened."""
     sample = sample_called(file)
-    image = cpm.load_image(sample.path)
+    image = (cpm.load_volume if file == VOLUME else cpm.load_image)(sample.path)
     document = Document(shapes=sample.shapes, parameters=sample.parameters)
     seeds = document.seeds(
         SeedCache(image).seeds_for(document.image_starts, sample.parameters.smoothing, document.regions)
@@ -84,4 +112,4 @@ def test_the_start_of_a_sample_finds_every_limb_and_nothing_beside_it(file):
 
 def test_shapes_of_every_kind_can_be_listed():
     assert {entry["shape"] for sample in LISTED for entry in sample["shapes"]} <= set(SHAPES)
-    assert {type(shape) for sample in samples() for shape in sample.shapes} >= {Circle, Stroke, Everywhere}
+    assert {type(shape) for sample in samples() for shape in sample.shapes} >= {Circle, Stroke, Everywhere, Sphere}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 from cpm_core.formats import export, load_image, load_volume
@@ -19,15 +18,15 @@ from cpm_core.segmentation.method import METHODS, Method
 class Core:
     """The core's functions that run on the worker thread.
 
-    `load_image` and `load_volume` may call their second argument while they read, which raises when the image is no
-    longer wanted;
+    `load_image` and `load_volume` take a path, what they may call while they read, which raises when the image is no
+    longer wanted, and by name which part of the file is read;
     `methods` makes a method of an image, parameters and regions; `export` writes a result to a path, as
     `cpm_core.formats.export` does; `warm_up` compiles or loads the kernels until its argument returns True,
     `warm_up_volumes` those of volumes.
     """
 
-    load_image: Callable[[Path, Callable[[], object]], Image] = load_image
-    load_volume: Callable[[Path, Callable[[], object]], Image] = load_volume
+    load_image: Callable[..., Image] = load_image
+    load_volume: Callable[..., Image] = load_volume
     methods: Mapping[str, Callable[[Image, Parameters, AnyRegions | None], Method[Any]]] = field(
         default_factory=lambda: METHODS
     )

@@ -26,7 +26,9 @@ from app.session.tasks.opening import Opener, Wanted
 from app.session.worker.commands.run import Copy, Export, RunCall, WarmUp
 from app.session.worker.commands.stored_runs import RestoreRuns, RunsRestored
 from app.session.worker.run import Run
+from cpm_core.formats.images.reading import DEFAULT, Reading
 from cpm_core.parameters import Parameters
+from cpm_core.shapes import Sphere
 
 _PREPARING = tr("Preparing (longer the very first time)…")
 
@@ -74,17 +76,24 @@ class Session(RunControl):
         return replace(parameters, scales=self._asked_scales) if clamped else parameters
 
     def open(
-        self, path: str | Path, otherwise: Path | None = None, resumes: bool = False, as_volume: bool | None = None
+        self,
+        path: str | Path,
+        otherwise: Path | None = None,
+        resumes: bool = False,
+        as_volume: bool | None = None,
+        reading: Reading = DEFAULT,
     ) -> None:
         """Open an image or a session file, and `otherwise` when that file cannot be used.
 
         What is open stays until the new image is known to be usable. An image that `resumes` is opened with the session
-        beside it. A stack is opened `as_volume`, or one plane of it; None leaves that to its kind.
+        beside it. A stack is opened `as_volume`, or one plane of it; None leaves that to its kind. `reading` says which
+        part of the file is wanted.
         """
         path = Path(path)
         sample = sample_at(path)
         kept = self.wanted_parameters if self.keeps_parameters else fresh_parameters(self.document.mode)
-        self.begin(Wanted(path, sample.parameters if sample else kept, otherwise, resumes=resumes, as_volume=as_volume))
+        parameters = sample.parameters if sample else kept
+        self.begin(Wanted(path, parameters, otherwise, resumes=resumes, as_volume=as_volume, reading=reading))
 
     def begin(self, wanted: Wanted) -> None:
         """Open an image or a session; see `open`."""
@@ -143,6 +152,7 @@ class Session(RunControl):
         self._progress.forget()
         self.live.forget()
         self.begin_document(_document(opened, self.document.mode))
+        self._show_start()
         self.post(RunCall(None, Run.edit_by_hand, self.document.hand_edits))
         self.post(RunCall(None, Run.set_parameters, opened.parameters))
         if opened.image.ndim == 3:
@@ -151,6 +161,13 @@ class Session(RunControl):
         self._restore_runs(opened)
         if opened.notes:
             self.say(" ".join(opened.notes))
+
+    def _show_start(self) -> None:
+        """Show the slices through what is drawn first in a volume."""
+        slices = self.scene.slices
+        first = next((shape for shape in self.document.shapes if isinstance(shape, Sphere)), None)
+        if slices is not None and first is not None:
+            self.show(replace(self.scene, slices=slices.through(first.center)))
 
     def _restore_runs(self, opened: Opened) -> None:
         """Bring back the runs of a session if its image is still the same."""
@@ -183,7 +200,9 @@ def _document(opened: Opened, mode: Mode) -> Document:
     contrast = high - low
     if image.ndim == 3 and opened.saved is None and sample is None:
         mode = "shape"  # the only one that volumes have
-    reference = ImageReference(path.name, str(path), image.shape, contrast, opened.sha256, image.spacing, image.unit)
+    reference = ImageReference(
+        path.name, str(path), image.shape, contrast, opened.sha256, image.spacing, image.unit, opened.reading
+    )
     if opened.saved is not None:
         return restored(opened.saved.file, reference, opened.parameters)
     if sample is not None:

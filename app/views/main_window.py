@@ -201,7 +201,7 @@ class MainWindow(QMainWindow):
             use_theme=self.use_theme,
             refresh=self.refresh,
             open_file=lambda path, resumes: self.feature(OpenSaveFeature).take([path], resumes),
-            open_volume=lambda path, whole: self.feature(OpenSaveFeature).take([path], as_volume=whole),
+            open_part=lambda path, whole, reading: self.feature(OpenSaveFeature).take_part(path, whole, reading),
             open_menu=self._open_menu,
         )
 

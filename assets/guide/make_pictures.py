@@ -10,11 +10,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 from PySide6.QtCore import QDeadlineTimer, QEventLoop, Qt
+from PySide6.QtGui import QImage
 
 from app.model.document import edits
 from app.model.document.samples import sample_called
 from app.views.application import make_application, open_window
 from app.views.features.file.open_save import OpenSaveFeature
+from app.views.features.view.space import SpaceFeature
 from app.views.main_window import MainWindow
 from cpm_core.shapes import Region
 
@@ -55,7 +57,20 @@ def take(window: MainWindow, name: str) -> None:
     canvas_area.hint.hide()
     wait(lambda: window.session.idle)
     make_application().processEvents()
-    picture = canvas_area.canvas.grab().toImage()
+    keep(canvas_area.canvas.grab().toImage(), name)
+
+
+def take_in_space(window: MainWindow, name: str) -> None:
+    """Take a picture of the view in space."""
+    view = window.feature(SpaceFeature).panel.view
+    window.docks.reveal("space")
+    wait(lambda: window.session.idle)
+    wait(lambda: view.idle)
+    keep(view.grab().toImage(), name)
+
+
+def keep(picture: QImage, name: str) -> None:
+    """Write the middle of a picture."""
     side = min(picture.width(), picture.height())
     cut = picture.copy((picture.width() - side) // 2, (picture.height() - side) // 2, side, side)
     small = cut.scaledToWidth(WIDTH, Qt.TransformationMode.SmoothTransformation)
@@ -105,6 +120,12 @@ def main() -> None:
     session.edit("everywhere", lambda document: edits.toggle_everywhere(document, "grid"))
     run(window)
     take(window, "hand_finger")
+    show(window, "vessels.tif")
+    take(window, "vessels_start")
+    run(window, 40)
+    take_in_space(window, "vessels_midway")
+    run(window)
+    take_in_space(window, "vessels_end")
     window.feature(OpenSaveFeature).document_file.forget()
     window.close()
 

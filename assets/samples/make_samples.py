@@ -13,17 +13,21 @@ from pathlib import Path
 
 import numpy as np
 import PIL.Image
+import tifffile
 from numpy.typing import NDArray
 
 Grid = NDArray[np.float64]
 Shape = Callable[[Grid, Grid], NDArray[np.bool_]]
 Circle = tuple[float, float, float]
 Line = list[tuple[float, float]]
+Way = list[tuple[float, float, float]]
 Drawn = dict[str, object]
 """A shape as ``samples.json`` keeps it: the name of its kind, and its fields."""
 
 SIDE = 256
 OVERSAMPLING = 8
+VOLUME, VOXEL = (56, 96, 96), (0.6, 0.4, 0.4)
+"""Planes, rows and columns of the volume, and the size of a voxel [mm]."""
 
 
 def coverage(shape: Shape, side: int = SIDE) -> Grid:
@@ -68,7 +72,7 @@ def blur(values: Grid, sigma: float) -> Grid:
     reach = int(4 * sigma + 1)
     weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / sigma) ** 2)
     weights /= weights.sum()
-    for axis in (0, 1):
+    for axis in range(values.ndim):
         values = np.apply_along_axis(
             lambda line: np.convolve(np.pad(line, reach, mode="edge"), weights, mode="valid"), axis, values
         )
@@ -85,8 +89,8 @@ def circles(*wanted: Circle) -> list[Drawn]:
     return [{"shape": "circle", "center": [row, col], "radius": radius} for row, col, radius in wanted]
 
 
-def curve(corners: Line, count: int = 160) -> Grid:
-    """Points on a smooth line through corners: a Catmull-Rom spline, (row, col) each."""
+def curve(corners: Line | Way, count: int = 160) -> Grid:
+    """Points on a smooth line through corners: a Catmull-Rom spline; each is (row, col), or (plane, row, col)."""
     given = np.array([corners[0], *corners, corners[-1]], dtype=np.float64)
     places = np.linspace(0, len(corners) - 1, count, endpoint=False)
     whole = places.astype(int)
@@ -102,6 +106,16 @@ def tube(points: Grid, radii: Grid, side: int) -> Grid:
     for (r, c), radius in zip(points, radii, strict=True):
         depth = np.maximum(depth, radius**2 - (row - r) ** 2 - (col - c) ** 2)
     return 2 * np.sqrt(depth)
+
+
+def vessel(inside: Grid, points: Grid, radii: Grid) -> None:
+    """Raise `inside`, how far each voxel lies within vessels [columns], by one along points (plane, row, col)."""
+    places = [np.arange(count) * (side / VOXEL[2]) for count, side in zip(VOLUME, VOXEL, strict=True)]
+    for point, radius in zip(points, radii, strict=True):
+        near = [np.abs(along - at) <= radius + 2 for along, at in zip(places, point, strict=True)]
+        plane, row, col = np.ix_(*(along[part] - at for along, part, at in zip(places, near, point, strict=True)))
+        part = np.ix_(*near)
+        inside[part] = np.maximum(inside[part], radius - np.sqrt(plane**2 + row**2 + col**2))
 
 
 def u_shape() -> tuple[Grid, list[Drawn]]:
@@ -235,6 +249,32 @@ def hand() -> tuple[Grid, list[Drawn]]:
     return values + 2.5 * noise(42, side), circles((285, 200, 30))
 
 
+def vessels() -> tuple[Grid, list[Drawn]]:
+    """A tree of vessels filled with contrast medium, as magnetic resonance shows it: bright, with noise."""
+    trunk: Way = [(12, -12, 48), (17, 7, 46), (26, 27, 50), (38, 45, 46)]
+    branches: tuple[tuple[Way, float, float], ...] = (
+        (trunk, 6.8, 5.6),
+        ([(38, 45, 46), (48, 57, 57), (57, 72, 65), (63, 89, 72), (67, 108, 75)], 4.7, 3.6),
+        ([(38, 45, 46), (41, 57, 34), (38, 70, 26), (31, 86, 21), (27, 108, 17)], 4.5, 3.4),
+        ([(57, 72, 65), (53, 79, 77), (45, 82, 87), (38, 86, 108)], 3.2, 2.7),
+        ([(38, 70, 26), (50, 75, 31), (62, 81, 36), (72, 87, 38)], 3.1, 2.5),
+        ([(21, 17, 48), (17, 26, 63), (22, 34, 77), (29, 38, 87), (31, 39, 108)], 4.0, 2.9),
+        ([(22, 34, 77), (34, 31, 84), (50, 29, 86), (69, 26, 84), (94, 24, 84)], 2.9, 2.5),
+        ([(21, 17, 48), (31, 19, 34), (39, 26, 21), (45, 31, 7), (46, 33, -12)], 3.8, 2.9),
+        ([(39, 26, 21), (51, 22, 19), (63, 17, 22), (94, 12, 26)], 2.7, 2.4),
+    )
+    inside = np.full(VOLUME, -1.0)
+    for corners, first, last in branches:
+        points = curve(corners)
+        vessel(inside, points, np.linspace(first, last, len(points)))
+    plane, row, col = np.indices(VOLUME) / VOLUME[1]
+    tissue = 60 + 14 * np.sin(3 * row + col) + 10 * plane
+    grain = np.random.RandomState(51).standard_normal(VOLUME)
+    values = tissue + 120 * blur(np.clip(inside + 0.5, 0, 1), 0.7) + 9 * grain
+    # few gray levels pack well, and the noise hides the steps between them
+    return 16 * np.rint(values / 16), [{"shape": "sphere", "center": [16, 21, 49], "radius": 3}]
+
+
 SAMPLES = (
     ("u_shape.png", "U shape", u_shape, "shape", "A circle over one arm finds the whole U."),
     ("cells.png", "Cells", cells, "shape", "One circle in each cell; the background is uneven."),
@@ -267,6 +307,13 @@ SAMPLES = (
         "shape",
         "A radiograph of a hand; a circle in the palm finds its outline.",
     ),
+    (
+        "vessels.tif",
+        "Vessels",
+        vessels,
+        "volume",
+        "A volume with a tree of vessels under noise; a small sphere in the trunk finds all branches.",
+    ),
 )
 CHANGED = {
     "rings.png": {"reach": 300.0, "weakest_edge": 0.0},
@@ -276,13 +323,27 @@ CHANGED = {
 """What is set otherwise than in the preset, by file."""
 
 
+def write_image(gray: NDArray[np.uint8], path: Path) -> None:
+    """Write an image, or a volume with its brightest voxels from plane to plane as a picture beside it."""
+    if gray.ndim == 2:
+        PIL.Image.fromarray(gray).save(path, optimize=True)
+        return
+    plane, row, col = VOXEL
+    about = {"axes": "ZYX", "spacing": plane, "unit": "mm"}
+    tifffile.imwrite(
+        path, gray, imagej=True, compression="zlib", compressionargs={"level": 9}, predictor=False,
+        resolution=(1 / col, 1 / row), metadata=about,
+    )  # fmt: skip
+    PIL.Image.fromarray(gray.max(axis=0)).save(path.with_suffix(".png"), optimize=True)
+
+
 def write(folder: Path) -> None:
     """Write every image and ``samples.json``, the list of them, into `folder`."""
     entries = []
     for file, title, draw, preset, about in SAMPLES:
         values, shapes = draw()
         gray = np.clip(np.rint(values), 0, 255).astype(np.uint8)
-        PIL.Image.fromarray(gray).save(folder / file, optimize=True)
+        write_image(gray, folder / file)
         entry = {"title": title, "file": file, "about": about, "preset": preset, "shapes": shapes}
         entry |= {"mode": preset} if preset == "automatic" else {}
         entries.append(entry | ({"parameters": CHANGED[file]} if file in CHANGED else {}))

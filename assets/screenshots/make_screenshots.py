@@ -25,6 +25,7 @@ from app.views.application import make_application, open_window
 from app.views.features.contours.objects import ObjectsFeature
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.view.mosaic import MosaicFeature
+from app.views.features.view.space import SpaceFeature
 from app.views.main_window import MainWindow
 from app.views.theme import theme
 from cpm_core.shapes import Barrier, Charge
@@ -200,6 +201,15 @@ def skeleton(stand: Stand) -> None:
     stand.take("skeleton")
 
 
+def vessels(stand: Stand) -> None:
+    """A tree of vessels in slices and in space, its surface found."""
+    stand.open("vessels.tif")
+    stand.run()
+    view = stand.window.feature(SpaceFeature).panel.view
+    wait(lambda: view.idle)
+    stand.take("vessels")
+
+
 def mosaic(stand: Stand) -> None:
     """A sweep of smoothing and reach on the hand."""
     stand.open("hand.png")
@@ -225,6 +235,7 @@ PICTURES: Mapping[str, Callable[[Stand], None]] = {
     "branches": branches,
     "trust": trust,
     "skeleton": skeleton,
+    "vessels": vessels,
     "mosaic": mosaic,
 }
 

@@ -113,6 +113,9 @@ def _run(arguments: argparse.Namespace) -> int:
     drawn = _drawn(arguments, session)
     regions = _regions(arguments, session)
     path, notes = _image(arguments, session)
+    if session.image is not None and arguments.image is None:
+        own = session.image.reading.arguments
+        part = {name: given for name, given in own.items() if name != "page" or arguments.pages is None} | part
     check_pages(arguments, str(path))
     if arguments.pages is None:
         check_exports(arguments.export, str(path), arguments.session)

@@ -2,7 +2,7 @@
 
 from cpm_core.formats.contours.contour_files import CONTOURS_READABLE, load_contours
 from cpm_core.formats.contours.points_csv import load_points
-from cpm_core.formats.readers import READABLE, holds_volume, load_image, load_pages, load_volume
+from cpm_core.formats.readers import READABLE, holds_volume, load_image, load_pages, load_volume, open_stack
 from cpm_core.formats.writers import (
     FOR_CENTERLINES,
     FOR_SKELETONS,
@@ -36,5 +36,6 @@ __all__ = [
     "load_points",
     "load_volume",
     "omission",
+    "open_stack",
     "suffix_of",
 ]

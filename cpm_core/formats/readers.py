@@ -23,6 +23,7 @@ from cpm_core.formats.images.choice import Choice
 from cpm_core.formats.images.decoded import LUMINANCE_NOTE, Decoded, UnreadableError
 from cpm_core.formats.images.medical import metaimage, nifti, nrrd
 from cpm_core.formats.images.medical.dicom import reader as dicom
+from cpm_core.formats.images.reading import LUMINANCE, checked_color, checked_unit
 from cpm_core.formats.images.stacks import frames, tiff_stack
 from cpm_core.formats.images.stacks.pages import Axis, Pages
 from cpm_core.formats.images.stacks.stack import Stack, plane_of, volume_of
@@ -53,8 +54,6 @@ class Reader(Protocol):
 _READERS: tuple[Reader, ...] = (dicom, tiff_stack, numpy_array, nifti, nrrd, metaimage, foreign, frames)
 _HEAD = 512
 """Bytes that identify a format: the signatures of medical formats are at 128 (DICOM) and 344 (NIfTI)."""
-
-_COLORS = ("luminance", "red", "green", "blue", CONTRAST)
 
 _AXES: dict[str, Axis] = {"page": "z", "time": "t", "channel": "c"}
 
@@ -111,7 +110,7 @@ def load_image(
         what to do.
     """
     file, choice = Path(path), Choice(page, channel, time, series)
-    decoded = _in(_color(color), _read(file, lambda reader: reader.read(file, choice)))
+    decoded = _in(checked_color(color), _read(file, lambda reader: reader.read(file, choice)))
     return _image(decoded, file, _hash(file, go_on), spacing, unit)
 
 
@@ -150,7 +149,7 @@ def load_volume(
     """
     choice = Choice(None, channel, time, series)
     file = Path(path)
-    decoded = _in(_color(color), _read(file, lambda reader: volume_of(reader.stack(file, choice), choice)))
+    decoded = _in(checked_color(color), _read(file, lambda reader: volume_of(reader.stack(file, choice), choice)))
     return _image(decoded, file, _hash(file, go_on), spacing, unit)
 
 
@@ -183,7 +182,7 @@ def load_pages(
     ValueError
         When there is no such file, or it cannot be used; a page that cannot be used raises it when it is asked for.
     """
-    file, wanted = Path(path), _color(color)
+    file, wanted = Path(path), checked_color(color)
     opened: Stack = _read(file, lambda reader: reader.stack(file, Choice(None, channel, time, series)))
     sha256 = _hash(file, go_on)
 
@@ -219,9 +218,30 @@ def _paged(stack: Stack, time: int | None, channel: int | None) -> tuple[str, in
 
 def holds_volume(path: str | os.PathLike[str], series: int | str | None = None) -> bool:
     """Whether a file holds enough planes for a volume; ValueError as for `load_volume`."""
+    return open_stack(path, series).shape[0] >= MINIMUM_SIDE
+
+
+def open_stack(path: str | os.PathLike[str], series: int | str | None = None) -> Stack:
+    """What a file holds, of whose planes none has been read yet.
+
+    Parameters
+    ----------
+    path, series
+        As for `load_volume`.
+
+    Returns
+    -------
+    Stack
+        How many planes, channels and points in time there are, the names of its series, and the size of a voxel.
+
+    Raises
+    ------
+    ValueError
+        As for `load_volume`; `UnchosenError` when an archive holds several images and none is chosen.
+    """
     file = Path(path)
     opened: Stack = _read(file, lambda reader: reader.stack(file, Choice(series=series)))
-    return opened.shape[0] >= MINIMUM_SIDE
+    return opened
 
 
 def _read(file: Path, do: Callable[[Reader], Any]) -> Any:
@@ -244,15 +264,9 @@ def _read(file: Path, do: Callable[[Reader], Any]) -> Any:
         ) from error
 
 
-def _color(given: str) -> str:
-    if given not in _COLORS:
-        raise ValueError(f"color is {shown(given)} but must be one of {', '.join(_COLORS)}.")
-    return given
-
-
 def _in(color: str, decoded: Decoded) -> Decoded:
     """What was read, in the gray levels of a channel of its colors."""
-    if color == _COLORS[0] or decoded.colors is None:
+    if color == LUMINANCE or decoded.colors is None:
         return decoded
     taken = most_contrast(decoded.colors) if color == CONTRAST else color
     values = channel_of(decoded.values, decoded.colors, taken)
@@ -270,7 +284,7 @@ def _image(decoded: Decoded, file: Path, sha256: str, spacing: ArrayLike | None,
         given = real_numbers(spacing)
         if given.ndim == 0:
             given = np.full(decoded.values.ndim, given.item())
-        sizes, named = tuple(np.ravel(given).tolist()), _unit(unit)
+        sizes, named = tuple(np.ravel(given).tolist()), checked_unit(unit)
         if geometry is not None and named and decoded.unit:
             geometry = geometry.scaled(resolution.factor(decoded.unit, named))
     name = printable(file.name)
@@ -280,13 +294,6 @@ def _image(decoded: Decoded, file: Path, sha256: str, spacing: ArrayLike | None,
 def _hash(file: Path, go_on: Callable[[], object] | None) -> str:
     """Hash of a file; none of a folder."""
     return "" if file.is_dir() else fingerprint(file, go_on)
-
-
-def _unit(given: str | None) -> str | None:
-    known = None if given is None else resolution.known_unit(str(given))
-    if given is not None and known is None:
-        raise ValueError(f"unit is {shown(given)} but must be nm, µm, mm, cm or m.")
-    return known
 
 
 def _head(file: Path) -> bytes:

@@ -14,6 +14,7 @@ from app.model.text.language import tr
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark
 from cpm_core.field.placed_charges import PlacedCharge
+from cpm_core.formats.images.reading import DEFAULT, Reading
 from cpm_core.image.pyramid import most_scales
 from cpm_core.image.regions import Regions
 from cpm_core.medial_axis.outlines import Outlined
@@ -40,7 +41,8 @@ class ImageReference:
     """The image of a document without its gray values: name, file, shape, contrast and SHA-256 of the file.
 
     The contrast is the largest minus the smallest gray value; the hash is empty where it is not known. `spacing` is the
-    size of a pixel along rows and columns in `unit`, which is None where the image gives none.
+    size of a pixel along rows and columns in `unit`, which is None where the image gives none. `reading` says which
+    part of the file it is.
     """
 
     name: str
@@ -50,6 +52,7 @@ class ImageReference:
     sha256: str = ""
     spacing: tuple[float, ...] = (1.0, 1.0)
     unit: str | None = None
+    reading: Reading = DEFAULT
 
 
 @dataclass(frozen=True, slots=True)

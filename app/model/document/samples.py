@@ -27,6 +27,11 @@ class Sample:
     parameters: Parameters
     mode: Mode = "shape"
 
+    @property
+    def picture(self) -> Path:
+        """The file of its picture: itself, or that beside a volume."""
+        return self.path.with_suffix(".png")
+
 
 @cache
 def samples() -> tuple[Sample, ...]:

@@ -14,9 +14,11 @@ from app.model.display.display_image import DisplayImage
 from app.model.display.plots import RunMetrics
 from app.model.export.order import Account
 from app.model.state.surface_figures import SurfaceFigures
+from app.model.volume.parts import Parts
 from app.session.exchange.contour_tracking import ContourTracker, TrackedContours
 from app.session.timeline.outline import Outline
 from cpm_core.contours.result import Result
+from cpm_core.formats.images.reading import DEFAULT, Reading
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.image.image import Image
 from cpm_core.image.kind import Kind
@@ -136,7 +138,7 @@ class Opened(Report):
     `parameters` have as many of the requested `scales` as the image has room for. `folder` are the images beside it,
     itself among them, `beside` is a session of it that has not been opened with it, and `kind` what it looks like.
     `large` are settings for an image that is large. A volume has no `display`, which each view makes of the slice that
-    it shows. `stacked` is whether the file holds a volume, of which a plane may be open.
+    it shows. `parts` are what the file holds, None where that is not known, and `reading` says which of them is open.
     """
 
     image: Image
@@ -152,7 +154,8 @@ class Opened(Report):
     beside: Path | None = None
     kind: Kind | None = None
     large: LargeImageSettings | None = None
-    stacked: bool = False
+    parts: Parts | None = None
+    reading: Reading = DEFAULT
 
 
 @dataclass(frozen=True, eq=False, slots=True)

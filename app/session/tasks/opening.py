@@ -9,11 +9,13 @@ from pathlib import Path
 from app.model.display.display_image import display_of
 from app.model.document.modes import suited
 from app.model.text.language import tr
+from app.model.volume.parts import Parts
 from app.session.core_functions import Core
 from app.session.exchange.messages import ImageReady, NotOpened, Opened, Report, Saved
 from app.session.tasks.folder_images import images_beside, session_beside
 from app.session.tasks.tasks import Task, Tasks
-from app.session.tasks.volume_files import is_stacked, opens_as_volume
+from app.session.tasks.volume_files import opens_as_volume, parts_of
+from cpm_core.formats.images.reading import DEFAULT, Reading
 from cpm_core.formats.sessions.session_file import SUFFIX, find_image, load_session
 from cpm_core.image.image import Image
 from cpm_core.image.kind import guessed_kind
@@ -28,7 +30,8 @@ class Wanted:
 
     A session has its own parameters. Where `saved` gives its content, `path` only gives its place. The `notes` are
     shown once it is open. An image that `resumes` is opened with the session beside it, if there is one. A stack of
-    planes is opened `as_volume`, or one plane as an image; None leaves that to the kind of the file.
+    planes is opened `as_volume`, or one plane as an image; None leaves that to the kind of the file. `reading` says
+    which part of it is wanted.
     """
 
     path: Path
@@ -38,6 +41,7 @@ class Wanted:
     notes: tuple[str, ...] = ()
     resumes: bool = False
     as_volume: bool | None = None
+    reading: Reading = DEFAULT
 
 
 def is_session(path: Path) -> bool:
@@ -63,7 +67,11 @@ def prepare(core: Core, wanted: Wanted, go_on: Callable[[], None]) -> Opened:
             raise ValueError(tr("{name} names no image.").format(name=path.name))
         path, warnings = find_image(saved.file.image, path.absolute().parent, go_on)
         notes = (*notes, *warnings)
-    image = _read(core, wanted, path, saved, go_on)
+    reading = saved.file.image.reading if saved is not None and saved.file.image is not None else wanted.reading
+    parts, reading = parts_of(path, reading)
+    go_on()
+    image, refused = _read(core, replace(wanted, path=path, reading=reading, saved=saved), parts, go_on)
+    notes = (*refused, *notes)
     go_on()
     if saved is None:
         parameters = suited(parameters, image)
@@ -74,20 +82,33 @@ def prepare(core: Core, wanted: Wanted, go_on: Callable[[], None]) -> Opened:
     method = core.methods["cpm"](image, parameters, None)
     go_on()
     all_notes, sha256 = (*image.notes, *notes), image.file_sha256
-    opened = Opened(image, method, None, path, parameters, all_notes, sha256, saved, scales, stacked=is_stacked(path))
-    opened = replace(opened, folder=images_beside(path), beside=beside)
+    opened = Opened(image, method, None, path, parameters, all_notes, sha256, saved, scales)
+    opened = replace(opened, folder=images_beside(path), beside=beside, parts=parts, reading=reading)
     return opened if image.ndim == 3 else _of_plane(opened, go_on)
 
 
-def _read(core: Core, wanted: Wanted, path: Path, saved: Saved | None, go_on: Callable[[], None]) -> Image:
-    """The image or the volume of a file, of which the range of gray levels is known afterwards."""
+def _read(core: Core, wanted: Wanted, parts: Parts | None, go_on: Callable[[], None]) -> tuple[Image, tuple[str, ...]]:
+    """The image or the volume of a file, of which the range of gray levels is known afterwards.
+
+    Where nobody has asked for the volume that a file holds and it cannot be used, one plane of it is read, and the
+    sentence says why.
+    """
+    path, saved, chosen, refused = wanted.path, wanted.saved, wanted.reading.arguments, tuple[str, ...]()
     known = saved.file.image.shape if saved is not None and saved.file.image is not None else ()
-    as_volume = len(known) == 3 if known else wanted.as_volume
-    if as_volume is None:
-        as_volume = opens_as_volume(path)
-    image = core.load_volume(path, go_on) if as_volume else core.load_image(path, go_on)
+    asked = len(known) == 3 if known else wanted.as_volume
+    image: Image | None = None
+    if asked or (asked is None and opens_as_volume(parts)):
+        in_volume = {name: given for name, given in chosen.items() if name != "page"}
+        try:
+            image = core.load_volume(path, go_on, **in_volume)
+        except ValueError as error:
+            if asked:
+                raise
+            refused = (str(error),)
+    if image is None:
+        image = core.load_image(path, go_on, **chosen)
     image.gray_range  # noqa: B018 - found here, because the window asks for it
-    return image
+    return image, refused
 
 
 def _of_plane(opened: Opened, go_on: Callable[[], None]) -> Opened:

@@ -1,24 +1,38 @@
-"""Which files are opened as volumes, and which hold a volume of which a page is opened."""
+"""What a file holds, and which part of it is opened when nobody has chosen."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
-from cpm_core.formats import holds_volume
+from app.model.volume.parts import Parts
+from cpm_core.formats import open_stack
 from cpm_core.formats.images import raster
+from cpm_core.formats.images.choice import UnchosenError
+from cpm_core.formats.images.reading import Reading
 
 PAGED = frozenset({".tif", ".tiff", *raster.READS})
 """Suffixes of files whose pages are most often images of their own."""
 
 
-def is_stacked(path: Path) -> bool:
-    """Whether a file holds enough planes for a volume; what is wrong with a file is told when it is read."""
+def parts_of(path: Path, reading: Reading) -> tuple[Parts | None, Reading]:
+    """What a file holds, None where it cannot be read, and how it is read: of several images the first one.
+
+    What is wrong with a file is told when it is read.
+    """
+    paged = path.suffix.lower() in PAGED
     try:
-        return holds_volume(path)
+        try:
+            return Parts.of(open_stack(path, reading.series), paged), reading
+        except UnchosenError as error:
+            if not error.images:
+                raise
+            first = replace(reading, series=error.images[0] + 1)
+            return Parts.of(open_stack(path, first.series), paged), first
     except ValueError:
-        return False
+        return None, reading
 
 
-def opens_as_volume(path: Path) -> bool:
+def opens_as_volume(parts: Parts | None) -> bool:
     """Whether a file is opened as a volume unless a page of it is asked for."""
-    return path.suffix.lower() not in PAGED and is_stacked(path)
+    return parts is not None and parts.fit_a_volume and parts.deep

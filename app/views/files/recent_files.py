@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 from PySide6.QtWidgets import QMenu
 
 from app.model.preferences.preference import LONGEST_PATH
 from app.model.text.language import tr
+from app.session.exchange.messages import Opened
 from app.session.storage.preferences import Preferences
+from cpm_core.formats.images.reading import DEFAULT, Reading
 
 MOST = 12
 """Largest number of files in the list."""
 
 _KEY = "files/recent"
+_PARTS = "files/parts"
+"""For each file of which a part was chosen the path, whether it is a volume, and the reading, as JSON."""
 
 
 class RecentFiles:
@@ -37,6 +44,25 @@ class RecentFiles:
         others = [other for other in self.paths if other != path]
         self._preferences.put(_KEY, [str(each) for each in (path, *others)][:MOST])
 
+    def keep_part(self, opened: Opened) -> None:
+        """Keep which part of a file has been opened, where it holds several."""
+        if opened.saved is not None or opened.parts is None or not opened.parts.several:
+            return
+        path = str(opened.path.absolute())
+        others = [entry for entry in self._kept if entry["path"] != path and Path(entry["path"]) in self.paths]
+        plain = {"path": path, "volume": opened.image.ndim == 3, "reading": opened.reading.arguments}
+        self._preferences.put(_PARTS, [json.dumps(entry) for entry in (plain, *others)][:MOST])
+
+    def part_of(self, path: Path) -> tuple[bool | None, Reading]:
+        """Whether a file was opened as a volume last, None where that is not known, and its reading."""
+        entry = next((entry for entry in self._kept if entry["path"] == str(path.absolute())), None)
+        if entry is None:
+            return None, DEFAULT
+        try:
+            return bool(entry.get("volume")), Reading.of(entry.get("reading", {}))
+        except (ValueError, AttributeError, TypeError):
+            return None, DEFAULT
+
     def fill(self, menu: QMenu) -> None:
         """Fill a menu with the files; missing ones are disabled."""
         paths = self.paths
@@ -56,7 +82,19 @@ class RecentFiles:
         clear.setEnabled(bool(paths))
         clear.triggered.connect(self._clear)
 
+    @property
+    def _kept(self) -> list[dict[str, Any]]:
+        """What is kept of parts; what cannot be read is left out."""
+        found = []
+        for text in self._preferences.get(_PARTS, [""]):
+            with suppress(ValueError):
+                entry = json.loads(text)
+                if isinstance(entry, dict) and isinstance(entry.get("path"), str):
+                    found.append(entry)
+        return found
+
     def _clear(self) -> None:
         self._preferences.put(_KEY, [""])
+        self._preferences.put(_PARTS, [""])
         for follow in self.cleared:
             follow()

@@ -1,4 +1,4 @@
-"""The texts of the guide: first steps, three real tasks on sample images, and the use of the canvas.
+"""The texts of the guide: first steps, four real tasks on sample images, and the use of the canvas.
 
 A text may name an action in braces, as in ``{run}``, or a parameter, as in ``{=beta}``; the guide inserts the name in
 the menu and the key of the action, or the label and symbol of the parameter.
@@ -49,8 +49,8 @@ _FIRST = Page(
         Step(tr("<b>Export</b> the contours: {export}. A preview shows what the chosen format holds and what it leaves "
                 "out.")),
     ),
-    (tr("Three examples, step by step: <a href='page:artery'>an artery</a>, <a href='page:nuclei'>nuclei</a>, "
-        "<a href='page:hand'>a hand</a>."),),
+    (tr("Four examples, step by step: <a href='page:artery'>an artery</a>, <a href='page:nuclei'>nuclei</a>, "
+        "<a href='page:hand'>a hand</a>, <a href='page:vessels'>a vessel tree</a>."),),
 )  # fmt: skip
 
 _ARTERY = Page(
@@ -117,6 +117,31 @@ _HAND = Page(
     "hand.png",
 )  # fmt: skip
 
+_VESSELS = Page(
+    "vessels",
+    tr("A vessel tree"),
+    tr("A volume: vessels that branch in space, with noise. What is the surface of the whole tree?"),
+    (
+        Step(tr("<a href='sample:vessels.tif'>Open the vessels</a>. The canvas shows one slice; the slices across the "
+                "other two axes are beside it, and the view in space shows the volume. A small sphere lies in the "
+                "trunk."), "vessels_start.jpg"),
+        Step(tr("Look around: {previous_slice} and {next_slice} go through the slices, a click in a slice beside the "
+                "canvas moves the cross, and a drag turns the view in space.")),
+        Step(tr("{run}. The particles move along the wall of the trunk and into every branch."),
+             "vessels_midway.jpg"),
+        Step(tr("At rest the surface of the tree is found. The panel Run shows its volume and area, and that it is one "
+                "piece. In the slices its section is drawn as a line."), "vessels_end.jpg"),
+        Step(tr("Lower the opacity above the view in space, or cut the surface open with the list beside it, to look "
+                "inside.")),
+        Step(tr("{export}: the surface (PLY, STL) in the unit of the file, for a printer or another program. "
+                "{export_turntable} makes a film of a full turn.")),
+    ),
+    (tr("For your own volume: choose the tool {circle}, draw a sphere inside the vessel in any slice, and run. If "
+        "faint branches are missing, lower {=edge_floor}; if noise is found as well, raise it or {=smoothing}. Where "
+        "the file does not tell the size of a voxel, set it first."),),
+    "vessels.tif",
+)  # fmt: skip
+
 _CANVAS = Page(
     "canvas",
     tr("On the canvas"),
@@ -179,5 +204,5 @@ _FURTHER = Page(
     ),
 )  # fmt: skip
 
-PAGES = (_FIRST, _ARTERY, _NUCLEI, _HAND, _FURTHER, _CANVAS)
+PAGES = (_FIRST, _ARTERY, _NUCLEI, _HAND, _VESSELS, _FURTHER, _CANVAS)
 """The pages in the order of the table of contents."""

@@ -22,6 +22,7 @@ from app.views.widgets.preference_row import PreferenceRow
 from app.views.window.file_dialogs import FileDialogs
 from app.views.window.keys.areas import Areas
 from app.views.window.keys.shortcuts import Shortcuts
+from cpm_core.formats.images.reading import Reading
 
 Area = Literal["left", "right", "bottom"]
 
@@ -58,8 +59,8 @@ class FeatureContext:
         Updates the window after a change that the session does not report.
     open_file : callable
         Opens a file, or with True as second argument an image with the session beside it; asks about unsaved work.
-    open_volume : callable
-        Opens a stack, with True as one volume, with False one plane of it; asks about unsaved work.
+    open_part : callable
+        Opens a part of a file, with True a volume, with False an image; asks about unsaved work.
     open_menu : callable
         Opens the menu of what is chosen where the keyboard is.
     """
@@ -77,7 +78,7 @@ class FeatureContext:
     use_theme: Callable[[Theme], None]
     refresh: Callable[[], None]
     open_file: Callable[[Path, bool], None]
-    open_volume: Callable[[Path, bool], None]
+    open_part: Callable[[Path, bool, Reading], None]
     open_menu: Callable[[], None]
 
     @property

@@ -41,6 +41,23 @@ class Choice:
                 raise ValueError(f"{name} is {shown(given)} but must be a whole number from 1 up.")
 
 
+class UnchosenError(UnreadableError):
+    """A file holds several images, and none of them was chosen.
+
+    Attributes
+    ----------
+    names : tuple of str
+        All that it holds.
+    images : tuple of int
+        Which of them are images or volumes, from 0.
+    """
+
+    def __init__(self, message: str, names: tuple[str, ...], images: tuple[int, ...]) -> None:
+        super().__init__(message)
+        self.names = names
+        self.images = images
+
+
 FIRST = Choice()
 """What is read when nobody chooses."""
 

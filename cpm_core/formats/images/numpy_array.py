@@ -10,7 +10,7 @@ import numpy as np
 from numpy.lib import format as array_format
 from numpy.typing import NDArray
 
-from cpm_core.formats.images.choice import FIRST, Choice, series_of
+from cpm_core.formats.images.choice import FIRST, Choice, UnchosenError, series_of
 from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size, from_samples
 from cpm_core.formats.images.stacks.stack import Stack, as_planes, check_content, check_memory, plane_of
 from cpm_core.formats.printable import printable
@@ -49,7 +49,8 @@ def read(path: Path, choice: Choice = FIRST) -> Decoded:
 def stack(path: Path, choice: Choice = FIRST) -> Stack:
     """Open an array of two or three axes, with colors as a last one of 3 or 4; of an archive the one that is chosen."""
     name = printable(path.name)
-    shape, kind, member, notes = _header(path, choice, name)
+    shape, kind, names, number = _header(path, choice, name)
+    member = names[number] + _SUFFIX if names else ""
     if kind.kind not in "buif":
         raise UnreadableError(f"{name} holds values of type {str(kind)[:80]}, but gray levels must be real numbers.")
     count = len(shape)
@@ -76,15 +77,15 @@ def stack(path: Path, choice: Choice = FIRST) -> Stack:
     each = float(kind.itemsize * (shape[-1] if color else 1))
     if member:
         check_memory(tuple(shape), kind.itemsize, name)
-    return Stack(name, (planes, rows, columns), take, each, notes=notes, otherwise=planes // 2)
+    return Stack(name, (planes, rows, columns), take, each, otherwise=planes // 2, series=names, number=number)
 
 
-def _header(path: Path, choice: Choice, name: str) -> tuple[tuple[int, ...], np.dtype[Any], str, tuple[str, ...]]:
-    """Shape and type of the array that is meant, its name in an archive, and a note on what was left."""
+def _header(path: Path, choice: Choice, name: str) -> tuple[tuple[int, ...], np.dtype[Any], tuple[str, ...], int]:
+    """Shape and type of the array that is meant, and of an archive the names of all arrays and which of them it is."""
     with path.open("rb") as stream:
         if stream.read(4) != _ARCHIVE:
             stored: NDArray[Any] = np.load(path, mmap_mode="r", allow_pickle=False)
-            return stored.shape, stored.dtype, "", ()
+            return stored.shape, stored.dtype, (), 0
     with zipfile.ZipFile(path) as archive:
         members = [info for info in archive.infolist() if info.filename.endswith(_SUFFIX)]
         headers = []
@@ -97,14 +98,16 @@ def _header(path: Path, choice: Choice, name: str) -> tuple[tuple[int, ...], np.
     names = tuple(info.filename.removesuffix(_SUFFIX) for info in members)
     images = [at for at, (shape, kind) in enumerate(headers) if _is_image(shape, kind)]
     if choice.series is None and len(images) != 1:
-        raise UnreadableError(
+        raise UnchosenError(
             f"{name} holds {len(images)} images and volumes, of {len(names)} arrays: choose one by series, "
-            "a number or a name."
+            "a number or a name.",
+            names,
+            tuple(images),
         )
     at = series_of(choice.series, names, images[0] if images else 0, name)
     shape, kind = headers[at]
     check_content(path, float(np.prod(shape, dtype=float)) * kind.itemsize)
-    return shape, kind, members[at].filename, ()
+    return shape, kind, names, at
 
 
 def _is_image(shape: tuple[int, ...], kind: np.dtype[Any]) -> bool:

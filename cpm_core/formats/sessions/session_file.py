@@ -17,6 +17,7 @@ from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark
 from cpm_core.formats.atomic import check_place, write_together
 from cpm_core.formats.fingerprint import fingerprint_if_read
+from cpm_core.formats.images.reading import DEFAULT, Reading
 from cpm_core.formats.provenance import PROGRAM
 from cpm_core.formats.sessions.beside_document import TruthFile, beside_document, place_to_plain
 from cpm_core.formats.sessions.plain_values import (
@@ -72,12 +73,15 @@ class ImageFile:
         (rows, cols), or (planes, rows, cols); empty where it is not known.
     elsewhere : tuple of str
         Other paths where it may be.
+    reading : Reading
+        Which part of the file it is, and the size of a pixel where it was said by hand.
     """
 
     path: str
     sha256: str = ""
     shape: tuple[int, ...] = ()
     elsewhere: tuple[str, ...] = ()
+    reading: Reading = DEFAULT
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,9 +176,7 @@ def encode(session: SessionFile, folder: Path) -> bytes:
     if session.hand_edits:
         plain["hand_edits"] = [to_plain(edit) for edit in session.hand_edits]
     plain["mode"] = session.mode
-    plain["objects"] = to_plain(session.objects)
-    plain["outlined"] = to_plain(session.outlined)
-    plain["view"] = dict(session.view)
+    plain |= {"objects": to_plain(session.objects), "outlined": to_plain(session.outlined), "view": dict(session.view)}
     if session.truth is not None:
         plain["truth"] = {**to_plain(session.truth), **place_to_plain(session.truth.path, folder)}
     plain.update(session.extra)
@@ -303,19 +305,21 @@ def _image(plain: object) -> ImageFile:
     if sha256 and not re.fullmatch("[0-9a-f]{64}", sha256):
         raise ValueError(f"sha256 of image is {shown(sha256)} but must be 64 hexadecimal digits.")
     shape = given.get("shape", [])
-    if not isinstance(shape, list) or len(shape) not in (0, 2, 3):
+    listed = shape if isinstance(shape, list) else [0]
+    sides = tuple(int(number(side, "shape of image", _LARGEST_SIDE)) for side in listed)
+    if len(sides) not in (0, 2, 3) or any(side < 1 for side in sides):
         raise ValueError(f"shape of image is {shown(shape)} but must be rows and columns.")
-    sides = tuple(int(number(side, "shape of image", _LARGEST_SIDE)) for side in shape)
-    if any(side < 1 for side in sides):
-        raise ValueError(f"shape of image is {shown(shape)} but must be rows and columns.")
-    return ImageFile(path, sha256, sides, (absolute,) if absolute else ())
+    reading = Reading.of(mapping(given.get("reading", {}), "reading of image"))
+    return ImageFile(path, sha256, sides, (absolute,) if absolute else (), reading)
 
 
 def _image_to_plain(image: ImageFile, folder: Path) -> dict[str, Any]:
     plain = place_to_plain(image.path, folder)
     if not Path(image.path).is_absolute() and image.elsewhere:
         plain["absolute"] = image.elsewhere[0]
-    return {**plain, "sha256": image.sha256, "shape": list(image.shape)}
+    plain |= {"sha256": image.sha256, "shape": list(image.shape)}
+    chosen = {name: to_plain(given) for name, given in image.reading.arguments.items()}
+    return {**plain, "reading": chosen} if chosen else plain
 
 
 def _listed(plain: Plain, name: str) -> list[tuple[int, object]]:

@@ -24,6 +24,7 @@ from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.window import dialogs
 from app.views.window.feature import Feature, FeatureContext
 from app.views.window.file_dialogs import images_and_sessions, sessions
+from cpm_core.formats.images.reading import Reading
 
 POINTS = ".csv"
 
@@ -65,10 +66,11 @@ class OpenSaveFeature(Feature):
                        tip=tr("Quit the program."), gap=True),
         )  # fmt: skip
 
-    def take(self, paths: Sequence[Path], resumes: bool = False, as_volume: bool | None = None) -> None:
+    def take(self, paths: Sequence[Path], resumes: bool = False) -> None:
         """Open files by their kind: images and sessions, points (which are drawn), presets (which are imported).
 
-        An image that `resumes` is opened with the session beside it, a stack `as_volume` or a plane of it.
+        An image that `resumes` is opened with the session beside it. Of a recent file that part is opened which was
+        chosen last.
         """
         self.context.canvas_area.messages.keep_only(*OF_THE_PROGRAM)
         documents = [path for path in paths if path.suffix.lower() not in (POINTS, PRESET)]
@@ -78,10 +80,17 @@ class OpenSaveFeature(Feature):
             elif path.suffix.lower() == POINTS:
                 self._draw(path)
         if documents and self._may_open():
-            self.context.session.open(documents[0], resumes=resumes, as_volume=as_volume)
+            as_volume, reading = self.recent.part_of(documents[0])
+            self.context.session.open(documents[0], resumes=resumes, as_volume=as_volume, reading=reading)
             if len(documents) > 1:
                 message = tr("Only one image can be open at a time: of {count} files, {name} is opened.")
                 self.context.session.say(message.format(count=len(documents), name=documents[0].name), topic=OPENING)
+
+    def take_part(self, path: Path, as_volume: bool, reading: Reading) -> None:
+        """Open a part of a file, as a volume or as an image."""
+        self.context.canvas_area.messages.keep_only(*OF_THE_PROGRAM)
+        if self._may_open():
+            self.context.session.open(path, as_volume=as_volume, reading=reading)
 
     def take_dropped(self, urls: Sequence[QUrl]) -> None:
         """Open files that were dropped on the window."""
@@ -194,6 +203,7 @@ class OpenSaveFeature(Feature):
         path = opened.saved.path if opened.saved and opened.saved.path else opened.path
         if sample_at(opened.path) is None or opened.saved:
             self._remember(path)
+            self.recent.keep_part(opened)
 
     def _draw_points(self, read: PointsRead) -> None:
         name = tr("draw {name}").format(name=read.path.name)

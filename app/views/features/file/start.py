@@ -118,6 +118,6 @@ class StartFeature(Feature):
 
 def _samples() -> list[Entry]:
     return [
-        Entry(sample.path, middle(QImage(str(sample.path)), SIZE), sample.title, "", sample.about)
+        Entry(sample.path, middle(QImage(str(sample.picture)), SIZE), sample.title, "", sample.about)
         for sample in samples()
     ]

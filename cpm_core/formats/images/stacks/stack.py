@@ -55,6 +55,12 @@ class Stack:
         What a plane is called: plane, page or frame.
     otherwise : int
         Index of the plane that is read when nobody chooses.
+    series : tuple of str
+        Names of all series of the file, or of all arrays of an archive; empty where it has none.
+    number : int
+        Which of them this is, from 0.
+    deep : bool
+        Whether the file tells how far apart its planes are: they are then those of a volume.
     """
 
     name: str
@@ -72,6 +78,9 @@ class Stack:
     of_volume: tuple[str, ...] = ()
     word: str = "plane"
     otherwise: int = 0
+    series: tuple[str, ...] = ()
+    number: int = 0
+    deep: bool = False
 
 
 def plane_of(stack: Stack, choice: Choice) -> Decoded:

@@ -75,6 +75,9 @@ def stack(path: Path, choice: Choice = FIRST) -> Stack:
         notes=notes,
         of_volume=untold,
         word="page",
+        series=names,
+        number=number,
+        deep=depth is not None,
     )
 
 

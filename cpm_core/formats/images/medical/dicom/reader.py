@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -92,7 +93,8 @@ def stack(path: Path, choice: Choice = FIRST) -> Stack:
             raise ValueError("an image has no pixels")
     series = all_series(frames)
     sizes = [len(one.frames) * len(one.frames[0]) for one in series]
-    number = series_of(choice.series, tuple(one.title for one in series), int(np.argmax(sizes)), name)
+    titles = tuple(one.title for one in series)
+    number = series_of(choice.series, titles, int(np.argmax(sizes)), name)
     chosen = series[number]
     notes = []
     if len(series) > 1 and choice.series is None:
@@ -100,7 +102,7 @@ def stack(path: Path, choice: Choice = FIRST) -> Stack:
         notes.append(f"Of its {len(series)} series that with the most images was taken, {which}.")
     if damaged:
         notes.append(f"{damaged} of its files {'is' if damaged == 1 else 'are'} damaged and left out.")
-    return _stack(name, chosen, tuple(notes), pydicom)
+    return replace(_stack(name, chosen, tuple(notes), pydicom), series=titles, number=number)
 
 
 def _stack(name: str, series: Series, notes: tuple[str, ...], pydicom: Any) -> Stack:

@@ -1,0 +1,149 @@
+"""The dialog that asks which part of a file is opened: all pages as a volume or one of them, channel, time, series."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QComboBox, QDialog, QDialogButtonBox, QFormLayout, QLabel, QSpinBox, QVBoxLayout, QWidget
+
+from app.model.text.language import tr
+from app.model.volume.parts import Parts
+from cpm_core.formats.images.reading import COLORS, Reading
+
+_PAGE = {"plane": tr("Plane"), "page": tr("Page"), "frame": tr("Frame")}
+_COLORS = {
+    "luminance": tr("Brightness to the eye"),
+    "red": tr("Red"),
+    "green": tr("Green"),
+    "blue": tr("Blue"),
+    "contrast": tr("Channel that varies the most"),
+}
+
+
+class PartDialog(QDialog):
+    """Shows what a file holds, and takes one part of it.
+
+    Parameters
+    ----------
+    parent : QWidget
+        The window.
+    name : str
+        The file.
+    parts : Parts
+        What it holds.
+    reading : Reading
+        What is open.
+    as_volume : bool
+        Whether that is a volume.
+    colored : bool
+        Whether the file has colors.
+    """
+
+    asked = Signal(int)
+    """The user wants to know what another series holds: its number, from 1."""
+    chosen = Signal(bool, object)
+    """The user has chosen: whether a volume is opened, and the reading."""
+
+    def __init__(
+        self, parent: QWidget, name: str, parts: Parts, reading: Reading, as_volume: bool, colored: bool
+    ) -> None:
+        super().__init__(parent)
+        self.setWindowTitle(tr("Part of the file"))
+        self._reading = reading
+        self._parts = parts
+        self.series, self.kind, self.color = QComboBox(), QComboBox(), QComboBox()
+        self.page, self.channel, self.time = _number(), _number(), _number()
+        self._page_label = QLabel()
+        self._form = QFormLayout()
+        self._form.setHorizontalSpacing(16)
+        self.series.addItems([f"{number}: {title}" for number, title in enumerate(parts.series, start=1)])
+        self.series.setCurrentIndex(parts.number - 1)
+        self.kind.addItem(tr("All as one volume"), True)
+        self.kind.addItem(tr("One as an image"), False)
+        self.kind.setCurrentIndex(0 if as_volume else 1)
+        for color in COLORS:
+            self.color.addItem(_COLORS[color], color)
+        self.color.setCurrentIndex(COLORS.index(reading.color))
+        for label, field in (
+            (tr("Series"), self.series),
+            (tr("Open"), self.kind),
+            (self._page_label, self.page),
+            (tr("Channel"), self.channel),
+            (tr("Time"), self.time),
+            (tr("Gray levels of colors"), self.color),
+        ):
+            self._form.addRow(label, field)
+        self._colored = colored
+        self._lay_out(name)
+        for field, number in ((self.page, reading.page), (self.channel, reading.channel), (self.time, reading.time)):
+            field.setMaximum(max(field.maximum(), number or 1))
+            field.setValue(number or 1)
+        self.show_parts(parts)
+        self.page.setValue(reading.page or parts.usual)
+        self.series.currentIndexChanged.connect(self._ask)
+        self.kind.currentIndexChanged.connect(self._enable)
+
+    def show_parts(self, parts: Parts) -> None:
+        """Show what a series holds."""
+        self._parts = parts
+        self._page_label.setText(_PAGE[parts.word])
+        for field, count in ((self.page, parts.pages), (self.channel, parts.channels), (self.time, parts.times)):
+            field.setRange(1, count)
+            field.setSuffix(tr(" of {count}").format(count=count))
+            self._form.setRowVisible(field, count > 1)
+        self._form.setRowVisible(self.series, len(parts.series) > 1)
+        self._form.setRowVisible(self.kind, parts.fit_a_volume)
+        if not parts.fit_a_volume:
+            self.kind.setCurrentIndex(1)
+        self.open_button.setEnabled(True)
+        self._enable()
+
+    @property
+    def as_volume(self) -> bool:
+        """Whether a volume is chosen."""
+        return bool(self.kind.currentData())
+
+    @property
+    def reading(self) -> Reading:
+        """What is chosen; what can be no other is left to the reader."""
+        parts, as_volume = self._parts, self.as_volume
+        several = len(parts.series) > 1
+        return replace(
+            self._reading,
+            series=self.series.currentIndex() + 1 if several else self._reading.series,
+            page=self.page.value() if parts.pages > 1 and not as_volume else None,
+            channel=self.channel.value() if parts.channels > 1 else None,
+            time=self.time.value() if parts.times > 1 else None,
+            color=self.color.currentData() if as_volume else COLORS[0],
+        )
+
+    def _lay_out(self, name: str) -> None:
+        heading = QLabel(tr("{name} holds several images. Which of them is opened?").format(name=name))
+        buttons = QDialogButtonBox()
+        self.open_button = buttons.addButton(tr("Open"), QDialogButtonBox.ButtonRole.AcceptRole)
+        buttons.addButton(tr("Cancel"), QDialogButtonBox.ButtonRole.RejectRole)
+        buttons.accepted.connect(self.accept)
+        buttons.rejected.connect(self.reject)
+        self.accepted.connect(lambda: self.chosen.emit(self.as_volume, self.reading))
+        layout = QVBoxLayout(self)
+        layout.setSpacing(12)
+        layout.addWidget(heading)
+        layout.addLayout(self._form)
+        layout.addWidget(buttons)
+
+    def _ask(self, index: int) -> None:
+        """Wait for what another series holds."""
+        self.open_button.setEnabled(False)
+        self.asked.emit(index + 1)
+
+    def _enable(self) -> None:
+        """A volume has all pages, and an image its colors as a parameter."""
+        self.page.setEnabled(not self.as_volume)
+        self._form.setRowVisible(self.color, self._colored and self.as_volume)
+
+
+def _number() -> QSpinBox:
+    field = QSpinBox()
+    field.setRange(1, 1)
+    return field

@@ -1,0 +1,95 @@
+"""Reading: how a file is read: which part of it, and what was said by hand where the file does not tell."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from cpm_core.formats.images import resolution
+from cpm_core.formats.images.choice import Choice
+from cpm_core.image.colors import CONTRAST
+from cpm_core.numerics.real_numbers import checked_number
+from cpm_core.parameters.quotation import shown
+
+LUMINANCE = "luminance"
+COLORS = (LUMINANCE, "red", "green", "blue", CONTRAST)
+"""What gray levels are made of color as a file is read."""
+
+
+def checked_color(given: object) -> str:
+    """What gray levels are made of color; ValueError for what is none of `COLORS`."""
+    if not isinstance(given, str) or given not in COLORS:
+        raise ValueError(f"color is {shown(given)} but must be one of {', '.join(COLORS)}.")
+    return given
+
+
+def checked_unit(given: object) -> str | None:
+    """A unit of length by one of its names, None for None; ValueError for any other."""
+    known = None if given is None else resolution.known_unit(str(given))
+    if given is not None and known is None:
+        raise ValueError(f"unit is {shown(given)} but must be nm, µm, mm, cm or m.")
+    return known
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How a file is read, by the arguments of `load_image` and `load_volume`; what is None is left to the reader.
+
+    Attributes
+    ----------
+    page, channel, time, series
+        Which part of the file; see `Choice`.
+    color : str
+        One of `COLORS`.
+    spacing : tuple of float or None
+        Size of a pixel along each axis, in place of what the file tells.
+    unit : str or None
+        Unit of `spacing`.
+
+    Raises
+    ------
+    ValueError
+        When one of them is no such thing.
+    """
+
+    page: int | None = None
+    channel: int | None = None
+    time: int | None = None
+    series: int | str | None = None
+    color: str = LUMINANCE
+    spacing: tuple[float, ...] | None = None
+    unit: str | None = None
+
+    def __post_init__(self) -> None:
+        Choice(self.page, self.channel, self.time, self.series)
+        checked_color(self.color)
+        if self.spacing is not None:
+            for side in self.spacing:
+                checked_number("spacing", side, lambda number: number > 0.0, "numbers above 0")
+        if checked_unit(self.unit) is not None and self.spacing is None:
+            raise ValueError(f"unit is {shown(self.unit)} but there is no spacing: give the size of a pixel as well.")
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """What is chosen, by name."""
+        fields = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
+        return {name: given for name, given in fields.items() if given is not None and given != _DEFAULTS[name]}
+
+    @classmethod
+    def of(cls, given: Mapping[str, Any]) -> Reading:
+        """A reading from plain JSON; ValueError when it is not valid."""
+        unknown = sorted(str(name) for name in given if name not in _DEFAULTS)
+        if unknown:
+            raise ValueError(f"reading has a value {shown(unknown[0])}, but only {', '.join(_DEFAULTS)} are known.")
+        spacing = given.get("spacing")
+        if spacing is not None and not (isinstance(spacing, list | tuple) and 1 <= len(spacing) <= 3):
+            raise ValueError(f"spacing is {shown(spacing)} but must be one to three numbers.")
+        return cls(**{**given, "spacing": None if spacing is None else tuple(spacing)})
+
+
+DEFAULT = Reading()
+"""All is left to the reader."""
+
+_DEFAULTS = {field.name: field.default for field in dataclasses.fields(Reading)}

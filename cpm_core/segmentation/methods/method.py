@@ -1,0 +1,136 @@
+"""What methods that are compared have in common: the start, the states of a run, and a description.
+
+A method is a function that takes image, start and settings and gives the states of a run, one after the other. It is
+described by a `ContourMethod`, which is all that the command line, the benchmark and the window know of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Generic, Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+from skimage.draw import polygon2mask
+
+from cpm_core.contours.contour import Contour
+from cpm_core.image.image import Image
+from cpm_core.numerics.polyline import resampled
+from cpm_core.numerics.types import Array, Mask
+from cpm_core.parameters.quotation import shown
+
+SPACING = 2.0
+"""Distance of the points that a start gives along its outlines [px]."""
+
+_LEAST_CORNERS = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """Closed outlines that a person has drawn: from these very lines every method begins.
+
+    Attributes
+    ----------
+    outlines : tuple of ndarray, each of shape (K, 2)
+        Corners (row, col) [px]; the last is joined to the first, which is not repeated.
+
+    Raises
+    ------
+    ValueError
+        When there is no outline, or one of fewer than three corners.
+    """
+
+    outlines: tuple[Array, ...]
+
+    def __post_init__(self) -> None:
+        made = tuple(np.asarray(outline, dtype=float) for outline in self.outlines)
+        if not made:
+            raise ValueError("There is no start: draw a circle, an ellipse or a polygon, from which all methods begin.")
+        for outline in made:
+            if outline.ndim != 2 or outline.shape[1] != 2 or len(outline) < _LEAST_CORNERS:
+                raise ValueError(
+                    f"An outline of the start has the shape {shown(outline.shape)} but must have three or more corners "
+                    "(row, col)."
+                )
+        object.__setattr__(self, "outlines", made)
+
+    @cached_property
+    def points(self) -> Array:
+        """Points every `SPACING` along the outlines, shape (N, 2) [px]."""
+        return np.concatenate(self.curves(SPACING))
+
+    def curves(self, spacing: float) -> tuple[Array, ...]:
+        """Each outline with corners at equal distances of about `spacing` [px]."""
+        closed = (np.concatenate([outline, outline[:1]]) for outline in self.outlines)
+        return tuple(resampled(outline, spacing)[:-1] for outline in closed)
+
+    def mask(self, shape: tuple[int, ...]) -> Mask:
+        """The pixels inside one outline at least, shape (H, W)."""
+        found: NDArray[np.bool_] = np.zeros(shape, dtype=bool)
+        for outline in self.outlines:
+            found |= polygon2mask(shape, outline)  # type: ignore[no-untyped-call]
+        return found
+
+
+class ContourState(Protocol):
+    """A moment of the run of any method."""
+
+    @property
+    def step(self) -> int:
+        """Number of steps so far."""
+
+    @property
+    def stop_reason(self) -> str:
+        """Why the run ended, in words; empty while it continues."""
+
+    @property
+    def converged(self) -> bool:
+        """Whether it ended because nothing moved any more."""
+
+    @property
+    def contours(self) -> tuple[Contour, ...]:
+        """The contours [px], computed when they are asked for."""
+
+    @property
+    def points(self) -> Array:
+        """Particles, shape (N, 2) [px]; empty for a method that has none."""
+
+
+S = TypeVar("S")
+
+
+@dataclass(frozen=True)
+class ContourMethod(Generic[S]):
+    """A method that finds contours from a start, as those see it who compare methods.
+
+    Attributes
+    ----------
+    name : str
+        Key in `CONTOUR_METHODS`, and name on the command line.
+    title : str
+        Name for the user.
+    about : str
+        One or two sentences: what moves it.
+    reference : str
+        Where it was published.
+    settings : type
+        Its parameters: a frozen dataclass whose defaults are the values that were tuned.
+    evolve : callable
+        ``evolve(image, start, settings)`` gives the states of a run, the first being the start itself, until one has a
+        `stop_reason`. A later state never changes an earlier one.
+    most_steps : int
+        Steps after which a run that is not at rest is ended.
+    """
+
+    name: str
+    title: str
+    about: str
+    reference: str
+    settings: type[S]
+    evolve: Callable[[Image, Start, S], Iterator[ContourState]]
+    most_steps: int
+
+
+AnyMethod = ContourMethod[Any]

@@ -1,0 +1,1 @@
+"""Methods of scikit-image that divide the image into regions, step by step where they have steps."""

@@ -1,0 +1,39 @@
+"""All methods that can be compared. A new one is a module and a line here."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from cpm_core.parameters.quotation import shown
+from cpm_core.segmentation.methods.charged_particles import PARTICLES
+from cpm_core.segmentation.methods.level_sets.geodesic import GEODESIC
+from cpm_core.segmentation.methods.level_sets.geometric_gvf import GEOMETRIC_GVF
+from cpm_core.segmentation.methods.method import AnyMethod
+from cpm_core.segmentation.methods.parametric.gvf_snake import GVF_SNAKE
+from cpm_core.segmentation.methods.parametric.snake import SNAKE
+from cpm_core.segmentation.methods.regions.chan_vese import CHAN_VESE
+from cpm_core.segmentation.methods.regions.morphological import MORPHOLOGICAL_CHAN_VESE, MORPHOLOGICAL_GAC
+from cpm_core.segmentation.methods.regions.random_walker import RANDOM_WALKER
+
+_ALL: tuple[AnyMethod, ...] = (
+    PARTICLES,
+    SNAKE,
+    GVF_SNAKE,
+    GEODESIC,
+    GEOMETRIC_GVF,
+    CHAN_VESE,
+    MORPHOLOGICAL_GAC,
+    MORPHOLOGICAL_CHAN_VESE,
+    RANDOM_WALKER,
+)
+
+CONTOUR_METHODS: Mapping[str, AnyMethod] = MappingProxyType({method.name: method for method in _ALL})
+"""All methods that can be compared, by name."""
+
+
+def method_named(name: str) -> AnyMethod:
+    """The method of a name; ValueError with the names that there are when there is none."""
+    if name not in CONTOUR_METHODS:
+        raise ValueError(f"{shown(name)} is no method: choose among {', '.join(CONTOUR_METHODS)}.")
+    return CONTOUR_METHODS[name]

@@ -1,0 +1,109 @@
+"""Whole runs of methods, with the time that their steps take."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+from cpm_core.contours.agreement import Comparison, compare
+from cpm_core.contours.ground_truth import Truth
+from cpm_core.image.image import Image
+from cpm_core.segmentation.methods.method import AnyMethod, ContourState, Start
+
+
+@dataclass(frozen=True, eq=False)
+class Moment:
+    """A state of a run, and the time that it took to come there.
+
+    Attributes
+    ----------
+    method : ContourMethod
+        The method.
+    state : ContourState
+        The state.
+    seconds : float
+        Time for the preparation and all steps so far, without that of whoever looks at the states [s].
+    """
+
+    method: AnyMethod
+    state: ContourState
+    seconds: float
+
+
+def moments(method: AnyMethod, image: Image, start: Start, settings: Any = None) -> Iterator[Moment]:
+    """Run a method step by step; `settings` are the defaults of the method unless given."""
+    states = method.evolve(image, start, method.settings() if settings is None else settings)
+    seconds = 0.0
+    while True:
+        began = time.perf_counter()
+        state = next(states, None)
+        seconds += time.perf_counter() - began
+        if state is None:
+            return
+        yield Moment(method, state, seconds)
+
+
+def run_method(
+    method: AnyMethod, image: Image, start: Start, settings: Any = None, max_steps: int | None = None
+) -> Moment:
+    """The last moment of a whole run, or that after `max_steps`; the time includes that for the contours."""
+    last = None
+    for last in moments(method, image, start, settings):
+        if last.state.step == max_steps:
+            break
+    if last is None:
+        raise ValueError(f"{method.title} gave no state.")
+    began = time.perf_counter()
+    _ = last.state.contours
+    return Moment(method, last.state, last.seconds + time.perf_counter() - began)
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What a comparison says of one run; the last four are None where no ground truth is known.
+
+    Attributes
+    ----------
+    method : str
+        Name of the method.
+    steps : int
+        Number of steps.
+    seconds : float
+        Time of the run [s].
+    converged : bool
+        Whether it came to rest.
+    stop_reason : str
+        Why it ended.
+    contours : int
+        Number of contours.
+    dice, f : float or None
+        Overlap of the areas, and agreement of the boundaries up to a tolerance.
+    hausdorff, mean_distance : float or None
+        Largest and mean distance of the boundaries [px].
+    """
+
+    method: str
+    steps: int
+    seconds: float
+    converged: bool
+    stop_reason: str
+    contours: int
+    dice: float | None = None
+    f: float | None = None
+    hausdorff: float | None = None
+    mean_distance: float | None = None
+
+
+def facts_of(moment: Moment, truth: Truth | None = None) -> Facts:
+    """What is said of a moment of a run, beside a ground truth where one is known."""
+    state = moment.state
+    plain = Facts(
+        moment.method.name, state.step, moment.seconds, state.converged, state.stop_reason, len(state.contours)
+    )
+    return plain if truth is None else _beside(plain, compare(state.contours, truth))
+
+
+def _beside(facts: Facts, seen: Comparison) -> Facts:
+    return replace(facts, dice=seen.dice, f=seen.f, hausdorff=seen.hausdorff, mean_distance=seen.mean_boundary_distance)

@@ -1,0 +1,106 @@
+"""States of the runs of methods: closed curves, and functions on the pixels whose level is the contour."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+import skimage
+from numpy.typing import NDArray
+
+from cpm_core.contours.contour import Contour
+from cpm_core.numerics.types import Array
+
+_NONE = np.empty((0, 2))
+_LEAST_CORNERS = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Stoppable:
+    """Step and end of a run; no particles.
+
+    Attributes
+    ----------
+    step : int
+        Number of steps so far.
+    stop_reason : str
+        Why the run ended, in words; empty while it continues.
+    converged : bool
+        Whether it ended because nothing moved any more.
+    """
+
+    step: int = 0
+    stop_reason: str = ""
+    converged: bool = False
+
+    @property
+    def points(self) -> Array:
+        """No particles, shape (0, 2)."""
+        return _NONE
+
+
+@dataclass(frozen=True, eq=False)
+class CurveState(Stoppable):
+    """Closed curves: `curves`, each of shape (K, 2) [px]."""
+
+    curves: tuple[Array, ...] = ()
+
+    @cached_property
+    def contours(self) -> tuple[Contour, ...]:
+        """The curves."""
+        return tuple(Contour(curve, closed=True) for curve in self.curves)
+
+
+@dataclass(frozen=True, eq=False)
+class LevelSetState(Stoppable):
+    """A function on the pixels: the contours run where `values`, shape (H, W), cross `level` and are higher inside."""
+
+    values: NDArray[np.generic] = field(default_factory=lambda: np.zeros((0, 0)))
+    level: float = 0.0
+
+    @cached_property
+    def contours(self) -> tuple[Contour, ...]:
+        """Closed contours, the longest first; those of a region at the border of the image run along the border."""
+        return level_contours(self.values, self.level)
+
+
+def level_contours(values: NDArray[np.generic], level: float) -> tuple[Contour, ...]:
+    """Closed contours around the pixels of a function, shape (H, W), that lie above a level, the longest first."""
+    inside = np.asarray(values, dtype=float) - level
+    rim = np.pad(inside, 1, constant_values=-max(float(np.abs(inside).max(initial=0.0)), 1e-9))
+    found = skimage.measure.find_contours(rim, 0.0)  # type: ignore[no-untyped-call]
+    lines = [np.clip(line[:-1] - 1.0, -0.5, np.array(inside.shape) - 0.5) for line in found]
+    made = (Contour(line, closed=True) for line in lines if len(line) >= _LEAST_CORNERS)
+    return tuple(sorted(made, key=lambda contour: -contour.length))
+
+
+def until_at_rest(
+    states: Iterator[LevelSetState], every: int, least: float, most_steps: int
+) -> Iterator[LevelSetState]:
+    """States of a front until it is at rest, vanishes, or has done `most_steps`.
+
+    It is at rest when within `every` steps the pixels that have changed sides are fewer than `least` of those on the
+    front.
+    """
+    before: NDArray[np.bool_] | None = None
+    for state in states:
+        inside = np.asarray(state.values, dtype=float) > state.level
+        if not inside.any() or inside.all():
+            yield replace(state, stop_reason="the contour has left the image" if inside.all() else "nothing is left")
+            return
+        if state.step >= most_steps:
+            yield replace(state, stop_reason=f"stopped after {state.step} steps")
+            return
+        if state.step % every == 0:
+            if before is not None and (inside != before).sum() <= least * _front(inside):
+                yield replace(state, stop_reason="the contour is at rest", converged=True)
+                return
+            before = inside
+        yield state
+
+
+def _front(inside: NDArray[np.bool_]) -> int:
+    """Number of pairs of neighboring pixels of which one is inside."""
+    return int(sum(np.diff(inside, axis=axis).sum() for axis in range(2)))

@@ -1,0 +1,95 @@
+"""What the publication says of the classical methods (Fig. 1 to 3), and the charged particles on the same images."""
+
+import numpy as np
+import pytest
+
+from cpm_core.contours.contour import sampled
+from cpm_core.segmentation.methods import CONTOUR_METHODS, facts_of, run_method
+from cpm_core.segmentation.methods.level_sets.geodesic import GeodesicSettings
+from cpm_core.segmentation.methods.level_sets.geometric_gvf import GeometricGvfSettings
+from cpm_core.segmentation.methods.parametric.gvf_snake import GvfSnakeSettings
+
+from .published import (
+    AROUND,
+    BAY_END,
+    BAY_MOUTH,
+    COL,
+    ROW,
+    depth_in_bay,
+    drawing_with_gap,
+    fading_disk,
+    long_bay,
+    two_objects,
+)
+
+DEPTH = BAY_END - BAY_MOUTH
+
+
+def end_of(name, image, start, settings=None):
+    return run_method(CONTOUR_METHODS[name], image, start, settings)
+
+
+@pytest.mark.parametrize("mu", [0.02, 0.2, 2.0])
+def test_the_gvf_snake_stops_in_the_mouth_of_a_long_thin_bay(mu):
+    image, _ = long_bay()
+    end = end_of("gvf", image, AROUND, GvfSnakeSettings(mu=mu))
+    assert end.state.converged
+    assert 0.0 < depth_in_bay(end.state.contours) < 0.3 * DEPTH
+
+
+def test_the_particles_reach_the_end_of_the_same_bay():
+    image, truth = long_bay()
+    end = end_of("cpm", image, AROUND)
+    assert depth_in_bay(end.state.contours) > DEPTH - 1.0
+    assert facts_of(end, truth).f > 0.99
+
+
+def test_the_geometric_gvf_contour_does_not_part_between_two_objects():
+    image, _ = two_objects()
+    end = end_of("geometric_gvf", image, AROUND, GeometricGvfSettings(pressure=0.0, curvature=0.05))
+    assert end.state.converged
+    assert len(end.state.contours) == 1
+
+
+def test_with_pressure_the_geometric_gvf_contour_parts_between_two_objects():
+    image, truth = two_objects()
+    end = end_of("geometric_gvf", image, AROUND, GeometricGvfSettings(pressure=-0.3, curvature=0.05))
+    assert len(end.state.contours) == 2
+    assert facts_of(end, truth).f > 0.95
+
+
+@pytest.mark.parametrize(("pressure", "leaks"), [(0.0, False), (-0.3, True)])
+def test_with_pressure_the_geometric_gvf_contour_leaks_through_a_gap(pressure, leaks):
+    image, _ = drawing_with_gap()
+    settings = GeometricGvfSettings(pressure=pressure, curvature=0.05, evenness=0.0)
+    end = end_of("geometric_gvf", image, AROUND, settings)
+    core = np.hypot(ROW - 48, COL - 48) < 15
+    covered = (np.asarray(end.state.values)[core] > 0.0).mean()
+    assert covered == (0.0 if leaks else 1.0)
+
+
+def test_the_particles_find_both_objects_and_do_not_pass_the_gap():
+    image, truth = two_objects()
+    end = end_of("cpm", image, AROUND)
+    assert len(end.state.contours) == 2
+    assert facts_of(end, truth).f > 0.99
+    image, away = drawing_with_gap()
+    points = np.rint(sampled(end_of("cpm", image, AROUND).state.contours)).astype(int)
+    assert away[tuple(points.T)].max() < 3.0
+
+
+def test_the_geodesic_contour_leaks_with_a_small_exponent_and_sticks_with_a_large_one():
+    image, start, truth = fading_disk()
+    area = (truth.labels > 0).sum()
+    inside = {}
+    for exponent in (2.0, 8.0):
+        settings = GeodesicSettings(exponent=exponent, balloon=1.0, curvature=0.05, pull=1.0, contrast=0.1)
+        state = end_of("gac", image, start, settings).state
+        inside[exponent] = (np.asarray(state.values) > 0.0).sum()
+    assert inside[2.0] == image.values.size  # it has left the image
+    assert inside[8.0] < 0.6 * area
+
+
+def test_the_particles_find_the_fading_disk():
+    image, start, truth = fading_disk()
+    assert facts_of(end_of("cpm", image, start), truth).f > 0.99
