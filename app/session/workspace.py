@@ -10,6 +10,7 @@ from app.session.features.objects.object_fitting import ObjectFitting
 from app.session.features.objects.object_list import ObjectList
 from app.session.features.objects.object_selection import ObjectSelection
 from app.session.features.other_result import OtherResult
+from app.session.features.pages.stack_pages import StackPages
 from app.session.features.parameter_sweep import Sweep
 from app.session.features.skeleton import Skeletons
 from app.session.features.timeline.navigation import TimelineNavigation
@@ -35,9 +36,12 @@ class Workspace:
         self.other_result = OtherResult(self.session, self.navigation)
         self.slices = ShownSlices(self.session)
         self.sweep = Sweep(self.session, self.truth)
+        self.pages = StackPages(self.session, core or Core())
+        self.object_selection.offers_for = self.pages.is_drawn
 
     def close(self) -> None:
         """Stop everything and wait for the threads to end."""
+        self.pages.close()
         self.learning.close()
         self.truth.close()
         self.object_list.close()

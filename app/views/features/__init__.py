@@ -31,6 +31,7 @@ from app.views.features.view.comparing import ComparingFeature
 from app.views.features.view.keyboard import KeyboardFeature
 from app.views.features.view.layers import LayersFeature
 from app.views.features.view.mosaic import MosaicFeature
+from app.views.features.view.pages import PagesFeature
 from app.views.features.view.slices import SlicesFeature
 from app.views.features.view.space import SpaceFeature
 from app.views.window.feature import Feature
@@ -64,6 +65,7 @@ FEATURES: tuple[type[Feature], ...] = (
     LayersFeature,
     ComparingFeature,
     SlicesFeature,
+    PagesFeature,
     SpaceFeature,
     KeyboardFeature,
     AppearanceFeature,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -87,6 +88,8 @@ class ObjectSelection(QObject):
         session.document_changed.connect(lambda _: self._follow())
         session.scene_changed.connect(self._withdraw)
         session.image_changed.connect(self._forget)
+        self.offers_for: Callable[[Document], bool] = lambda document: True
+        """Whether the objects of the starts of a document are offered while the tool is not in use."""
 
     # State
 
@@ -184,6 +187,8 @@ class ObjectSelection(QObject):
     @property
     def _starts(self) -> tuple[Array, ...]:
         """Seeds of the starts drawn on the image whose objects are offered; none when they were dismissed."""
+        if not (self._in_use or self.offers_for(self._session.document)):
+            return ()
         return seeds_of_starts(self._session.document, self._result, self._in_use, self._dismissed)
 
     @property
