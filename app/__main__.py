@@ -8,7 +8,7 @@ from collections.abc import Sequence
 CANNOT_OPEN = 2
 INTERRUPTED = 130
 
-_COMMANDS = frozenset({"run", "info", "batch", "skeleton", "bench", "figures"})
+_COMMANDS = frozenset({"run", "info", "batch", "skeleton", "compare", "bench", "figures"})
 
 
 def main(argv: Sequence[str] | None = None) -> int:

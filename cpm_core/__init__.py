@@ -87,7 +87,7 @@ from cpm_core.formats.provenance import VERSION
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
-from cpm_core.image.volume_regions import VolumeRegions
+from cpm_core.image.volume_regions import Extrusion, VolumeRegions
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeletonize import skeleton
 from cpm_core.medial_axis.space.centerlines import Centerlines, centerlines
@@ -130,6 +130,7 @@ __all__ = [
     "ContourState",
     "Energies",
     "Engine",
+    "Extrusion",
     "Facts",
     "Forces",
     "Geometry",

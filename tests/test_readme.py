@@ -32,7 +32,7 @@ def table_line(name):
     info = PARAMETERS[name]
     unit = f" {info.unit}" if info.unit else ""
     allowed = f"{info.low:g} or more" if info.high >= 1e9 else f"{info.low:g} to {info.high:g}"
-    default = f"{DEFAULTS[name]:g}"
+    default = "auto" if DEFAULTS[name] == "auto" else f"{DEFAULTS[name]:g}"
     return f"| `{name}`: {info.title.lower()} | {info.symbol} | {default}{unit} | {allowed} | {info.more} |"
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.model.display.differences import Difference
-from app.model.display.display_image import DisplayImage
+from app.model.display.display_image import DisplayImage, DisplayVolume
 from app.model.document.document import Document
 from app.model.text.language import tr
 from app.model.volume.slices import Slices
@@ -196,7 +196,7 @@ class Scene:
         Keys of the selected contours.
     hovered_contour : int or None
         Key of the contour under the pointer.
-    overlays : mapping of str to ndarray or DisplayImage
+    overlays : mapping of str to ndarray, DisplayImage or DisplayVolume
         The requested overlays by name; see `app.session.worker.overlays`.
     probed : Probed or None
         Forces on a particle.
@@ -228,7 +228,7 @@ class Scene:
     contours: ReviewedContours = NO_CONTOURS
     selected_contours: frozenset[int] = frozenset()
     hovered_contour: int | None = None
-    overlays: Mapping[str, NDArray[np.generic] | DisplayImage] = field(default_factory=dict)
+    overlays: Mapping[str, NDArray[np.generic] | DisplayImage | DisplayVolume] = field(default_factory=dict)
     probed: Probed | None = None
     compared: Compared | None = None
     truth: Truth | None = None

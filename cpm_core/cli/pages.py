@@ -22,7 +22,7 @@ from cpm_core.formats.contours.pages.stack_json import load_stack_result
 from cpm_core.formats.images.stacks.pages import Pages
 from cpm_core.formats.printable import printable
 from cpm_core.image.image import Image
-from cpm_core.image.regions import Regions
+from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
@@ -67,7 +67,7 @@ class StackRun:
     seeds: Callable[[Image], Array]
     drawn: Sequence[Mapping[str, Any]] = ()
     max_steps: int | None = None
-    regions: Regions | None = None
+    regions: AnyRegions | None = None
     charges: Sequence[PlacedCharge] = ()
 
 

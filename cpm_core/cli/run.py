@@ -43,7 +43,7 @@ from cpm_core.formats.printable import printable
 from cpm_core.formats.provenance import ENTRY, facts_of, plain_shapes, with_shapes
 from cpm_core.formats.sessions.session_file import SessionFile, find_image, load_session
 from cpm_core.image.image import Image
-from cpm_core.image.regions import Regions
+from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.objects import Selection
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.quotation import shown
@@ -145,7 +145,7 @@ def _run_image(
     parameters: Parameters,
     max_steps: int | None,
     drawn: list[NDArray[np.float64]],
-    regions: Regions | None,
+    regions: AnyRegions | None,
 ) -> int:
     """Find the contours of one image."""
     image = load_image(path, **part)
@@ -273,7 +273,7 @@ def _numbers(text: str) -> list[float]:
     return numbers if len(numbers) == len(parts) else []
 
 
-def _regions(arguments: argparse.Namespace, session: SessionFile) -> Regions | None:
+def _regions(arguments: argparse.Namespace, session: SessionFile) -> AnyRegions | None:
     """Regions of interest and barriers of the session and on the command line."""
     regions = [Region(_line("--region", text, 3)) for text in arguments.region]
     barriers = [Barrier(_line("--barrier", text, 2)) for text in arguments.barrier]

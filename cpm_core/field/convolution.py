@@ -96,13 +96,16 @@ def _convolved(
         yield back
 
 
-def convolved_potential(edge_map: NDArray[np.floating], pitch: tuple[float, ...] | None = None) -> Array:
+def convolved_potential(
+    edge_map: NDArray[np.floating], pitch: tuple[float, ...] | None = None, exponent: float | None = None
+) -> Array:
     r"""Potential of the fixed charges of an image, shape (\*shape), whose slope is the field of eq. (8).
 
-    ``V(r) = sum_k -f_k / ((D - 1) |r - R_k|^(D - 1))``, which is eq. (7) in the plane: below zero everywhere, and
-    lowest on edges. No pixel acts on itself. `edge_map` is the edge strength ``f`` of every pixel [gray levels / px],
-    of at least two axes, `pitch` the distance of two pixels along each, by default one. The transforms are done in
-    single precision, with an error of 1e-6 of the largest value.
+    ``V(r) = sum_k -f_k / ((n - 1) |r - R_k|^(n - 1))`` with the exponent ``n`` of the field, by default the dimension
+    ``D``; in the plane this is eq. (7). For ``n = 1`` it is ``sum_k f_k log(|r - R_k| / R)``, where no two pixels are
+    as far apart as ``R``. Below zero everywhere, and lowest on edges. No pixel acts on itself. `edge_map` is the edge
+    strength ``f`` of every pixel [gray levels / px], of at least two axes, `pitch` the distance of two pixels along
+    each, by default one. The transforms are done in single precision, with an error of 1e-6 of the largest value.
     """
     dimension, last = edge_map.ndim, edge_map.ndim - 1
     padded = tuple(scipy.fft.next_fast_len(2 * n - 1, axis == last) for axis, n in enumerate(edge_map.shape))
@@ -112,7 +115,11 @@ def convolved_potential(edge_map: NDArray[np.floating], pitch: tuple[float, ...]
     away = reduce(np.hypot, offsets).astype(np.float32)
     away[(0,) * dimension] = np.inf
     spectrum = scipy.fft.rfftn(edge_map.astype(np.float32), padded, workers=-1)
-    spectrum *= scipy.fft.rfftn(1.0 / ((dimension - 1) * away ** (dimension - 1)), workers=-1).real  # it is even
+    power = (dimension if exponent is None else exponent) - 1.0
+    if power == 0.0:
+        away[(0,) * dimension] = away.max(where=np.isfinite(away), initial=1.0)
+    depth = np.log(away.max() / away) if power == 0.0 else away**-power / power
+    spectrum *= scipy.fft.rfftn(depth, workers=-1).real  # it is even
     inner = tuple(slice(n) for n in edge_map.shape)
     potential: Array = scipy.fft.irfftn(spectrum, padded, workers=-1)[inner].astype(float)
     return -potential

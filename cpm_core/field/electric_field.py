@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from cpm_core.field.convolution import convolved_field
 from cpm_core.field.pppm import pppm_field
 from cpm_core.field.volume.volume_field import block_means
-from cpm_core.numerics.real_numbers import grid_of_numbers
+from cpm_core.numerics.real_numbers import checked_number, grid_of_numbers
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import shown
 
@@ -77,9 +77,9 @@ def electric_field(
     if not isinstance(method, str) or method != "pppm":
         names = " or ".join(f'"{name}"' for name in METHODS)
         raise ValueError(f"method is {shown(method)} but must be {names}.")
-    if exponent not in (None, 2):
-        wanted = 'must be 2 for method "pppm", which solves Poisson\'s equation: use method "convolution".'
-        raise ValueError(f"exponent is {shown(exponent)} but {wanted}")
+    if exponent is not None:
+        wanted = '2 for method "pppm", which solves Poisson\'s equation: use method "convolution"'
+        checked_number("exponent", exponent, lambda number: number == 2, wanted)
     return pppm_field(edge_map, cutoff, iterations)
 
 

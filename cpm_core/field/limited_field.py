@@ -31,9 +31,10 @@ def limited_to(scale_field: ScaleField, ridge: Mask) -> ScaleField:
     same = scale_field.fixed_charges is scale_field.edge_map
     charged = strength if same else scale_field.fixed_charges * kept
     strongest = float(strength.max(initial=0.0))
+    made_of = charged, scale_field.gradient, strength, strongest, scale_field.exponent
     return replace(
         scale_field,
-        force=PackedForce(partial(packed_force, charged, scale_field.gradient, strength, strongest)),
+        force=PackedForce(partial(packed_force, *made_of)),
         edge_map=strength,
         strongest=strongest,
         fixed_charges=charged,

@@ -101,6 +101,8 @@ class ScaleField:
         Least edge strength for edge contact.
     smoothing : float
         Sigma of the Gaussian [px].
+    exponent : float or None
+        Power of the distance with which the force of a fixed charge decays; None for the number of dimensions.
     barrier_map : BarrierMap
         Barriers, which particles do not cross.
     reached : ndarray of bool, shape (\*shape), or None
@@ -115,6 +117,7 @@ class ScaleField:
     fixed_charges: Array
     floor: float
     smoothing: float
+    exponent: float | None = None
     barrier_map: BarrierMap = NO_BARRIERS
     reached: Mask | None = None
 
@@ -153,7 +156,7 @@ class ScaleField:
     @cached_property
     def potential(self) -> Array:
         r"""Potential of the fixed charges, shape (\*shape) [gray levels]."""
-        return convolved_potential(self.fixed_charges)
+        return convolved_potential(self.fixed_charges, exponent=self.exponent)
 
     @cached_property
     def slope(self) -> float:
@@ -182,6 +185,7 @@ def build_scale_field(
     regions: Regions | None = None,
     max_border: float = 0.0,
     known: ScaleField | None = None,
+    exponent: float | None = None,
 ) -> ScaleField:
     r"""Fields of one scale.
 
@@ -201,6 +205,8 @@ def build_scale_field(
         Width up to which an image border is searched, as a fraction of the shortest side; 0 for none.
     known : ScaleField, optional
         A field for the same regions: its barriers are taken over, and its gradient if image and smoothing are the same.
+    exponent : float, optional
+        Power of the distance with which the force of a fixed charge decays; by default the number of dimensions.
     """
     same = known is not None and known.values is values and known.smoothing == smoothing
     precision = np.float32 if values.size > LARGE else np.float64
@@ -213,24 +219,26 @@ def build_scale_field(
     if regions is not None and regions.interest:
         inside &= regions.pixels(values.shape)
     strongest = float(strength.max(where=inside, initial=0.0))
-    everywhere = bool(inside.all())
-    charged = strength
+    everywhere, charged = bool(inside.all()), strength
     if edge_floor > 0.0 or not everywhere:
         charged = np.where(inside & (strength >= edge_floor * strongest), strength, strength.dtype.type(0))
     if not everywhere:
         strength[~within(inside, _MARGIN)] = 0.0
-    force = PackedForce(partial(packed_force, charged, grad, strength, strongest, None if everywhere else grad))
+    made_of = charged, grad, strength, strongest, exponent, None if everywhere else grad
+    force = PackedForce(partial(packed_force, *made_of))
     floor = _weakest_edge(strength if everywhere else strength[inside], strongest, edge_floor)
-    return ScaleField(force, grad, strength, values, strongest, charged, floor, smoothing, barrier_map)
+    return ScaleField(force, grad, strength, values, strongest, charged, floor, smoothing, exponent, barrier_map)
 
 
-def packed_force(charged: Array, grad: Array, strength: Array, strongest: float, whole: Array | None = None) -> Single:
-    """`ScaleField.packed` of fixed charges, image gradient, edge map and largest edge strength.
+def packed_force(
+    charged: Array, grad: Array, strength: Array, strongest: float, exponent: float | None, whole: Array | None = None
+) -> Single:
+    """`ScaleField.packed` of fixed charges, image gradient, edge map, largest edge strength, and exponent.
 
     Where the edge map has been cut, the force is that of the uncut one, the magnitude of the gradient `whole`.
     """
     felt = strength if whole is None else magnitude(whole)
-    force = lorentz_force(convolved_field(charged, precision=FIELD_PRECISION), grad, felt, strongest)
+    force = lorentz_force(convolved_field(charged, exponent, FIELD_PRECISION), grad, felt, strongest)
     return np.stack([*force, *grad, strength], axis=-1, dtype=np.float32)
 
 

@@ -20,7 +20,7 @@ from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 
-_Key = tuple[int, str, str, float | str, float | str, float, float]
+_Key = tuple[int, str, str, float | str, float | str, float, float, float]
 
 _SOURCE = 5
 """Entries of a key that say where and what the edges are taken from."""
@@ -108,7 +108,10 @@ class ScaleSpace:
         source = self._sources.at(scale, parameters)
         floor = max(parameters.edge_floor, source.floor)
         known = self._similar(scale, parameters)
-        return build_scale_field(source.values, source.smoothing, floor, regions, parameters.max_border, known)
+        exponent = parameters.exponent_in(self._image.ndim)
+        return build_scale_field(
+            source.values, source.smoothing, floor, regions, parameters.max_border, known, exponent
+        )
 
     def _barriers(self, scale: int) -> BarrierMap:
         regions = self._regions and self._regions.at_scale(scale, self._image.shape)
@@ -129,4 +132,4 @@ def _interest(regions: Regions | None) -> tuple[Line, ...]:
 def _key(scale: int, parameters: Parameters) -> _Key:
     """What a scale field depends on."""
     own = parameters.channel, parameters.edges, parameters.gamma, parameters.smoothing
-    return scale, *own, parameters.edge_floor, parameters.max_border
+    return scale, *own, parameters.edge_floor, parameters.max_border, parameters.exponent_in(2)

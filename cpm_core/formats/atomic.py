@@ -46,6 +46,7 @@ def write_together(contents: Sequence[tuple[Path, bytes]]) -> None:
             moves.append((draft, target))
             with draft.open("xb") as stream:
                 stream.write(content)
+                stream.flush()  # what is still in the buffer would not be brought to the disk
                 _finish(stream.fileno(), target)
         with _interrupts_put_off(len(moves)):
             for draft, target in moves:

@@ -15,7 +15,7 @@ from typing import Any
 from cpm_core.contours.result import Result
 from cpm_core.formats.printable import printable
 from cpm_core.image.regions import Regions
-from cpm_core.image.volume_regions import Voxels
+from cpm_core.image.volume_regions import Extrusion, Voxels
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.shapes import SHAPES, Shape
@@ -122,12 +122,14 @@ def _limits(result: Result | Skeleton) -> list[dict[str, Any]]:
     regions = result.regions if isinstance(result, Result) else None
     known = regions or Regions()
     limits = [*(("region", limit) for limit in known.interest), *(("barrier", limit) for limit in known.barriers)]
-    return [
-        {"shape": shape, "voxels": int(limit.mask.sum())}
-        if isinstance(limit, Voxels)
-        else {"shape": shape, "points": limit}
-        for shape, limit in limits
-    ]
+    return [{"shape": shape, **_limit(limit)} for shape, limit in limits]
+
+
+def _limit(limit: Any) -> dict[str, Any]:
+    """What a region of interest or a barrier consists of."""
+    if isinstance(limit, Extrusion):
+        return {"points": limit.line, "axis": limit.axis, "first": limit.first, "last": limit.last}
+    return {"voxels": int(limit.mask.sum())} if isinstance(limit, Voxels) else {"points": limit}
 
 
 def _shortened(shape: Mapping[str, Any]) -> dict[str, Any]:

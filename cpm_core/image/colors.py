@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from skimage.color import rgb2hed
 
 from cpm_core.numerics.types import Array
+from cpm_core.parameters.choices import CHOICES, check_choice
 
 _PRIMARIES = ("red", "green", "blue")
 CONTRAST = "contrast"
@@ -52,7 +53,13 @@ def channel_of(luminance: Array, colors: Colors | None, channel: str) -> Array:
     -------
     ndarray of float64
         In the range of the file, computed from the colors for display: 8 bits each, also where the file has 16.
+
+    Raises
+    ------
+    ValueError
+        When there is no channel of this name.
     """
+    check_choice(CHOICES["channel"], channel)
     if colors is None or channel == "luminance":
         return luminance
     if channel in _PRIMARIES:

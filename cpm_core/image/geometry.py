@@ -72,8 +72,7 @@ class Geometry:
             raise ValueError(
                 f"The directions are {shown(self.directions)} and lie in one plane: give three that do not."
             )
-        if not isinstance(self.convention, str) or self.convention not in CONVENTIONS:
-            raise ValueError(f'The convention is {shown(self.convention)} but must be "LPS" or "RAS".')
+        _check_convention(self.convention)
         checked_number("depth", self.depth, lambda depth: depth > 0.0, "a number above 0")
         one = np.abs(lengths - 1.0) < 1e-12  # they stay as they are to the bit
         directions = directions / np.where(one, 1.0, lengths)[:, None]
@@ -89,11 +88,18 @@ class Geometry:
             Size of a voxel along (plane, row, col), or of a pixel along (row, col).
         convention : {"LPS", "RAS"}, optional
             Where x, y and z point; by default as in the file.
+
+        Raises
+        ------
+        ValueError
+            For another convention.
         """
         sides = np.array((self.depth, *spacing)[-3:])
         matrix = np.eye(4)
         matrix[:3, :3] = np.array(self.directions).T * sides
         matrix[:3, 3] = self.origin
+        if convention is not None:
+            _check_convention(convention)
         if convention not in (None, self.convention):
             matrix[:3] *= _FLIP[:, None]
         return matrix
@@ -137,3 +143,9 @@ def from_affine(affine: Any, convention: Convention) -> tuple[Geometry, Triple]:
     along = matrix[:3, 2::-1].T
     plane, row, col = np.linalg.norm(along, axis=1).tolist()
     return Geometry(tuple(matrix[:3, 3].tolist()), along, convention), (plane, row, col)  # type: ignore[arg-type]
+
+
+def _check_convention(given: object) -> None:
+    """ValueError unless it is the name of a convention."""
+    if not isinstance(given, str) or given not in CONVENTIONS:
+        raise ValueError(f'The convention is {shown(given)} but must be "LPS" or "RAS".')

@@ -1,8 +1,8 @@
-"""Regions of interest and barriers of volumes: boxes, planes, and voxels of a mask.
+"""Regions of interest and barriers of volumes: boxes, planes, lines drawn through slices, and voxels of a mask.
 
 A region of interest is a set of voxels, each a cube around its center: those of a mask, or those whose centers lie in a
-box. Particles stay inside the cubes of all regions together. A barrier is a plane without thickness, or the cubes of
-painted voxels, which no particle enters.
+box, or in what a line in a slice encloses. Particles stay inside the cubes of all regions together. A barrier is a
+plane without thickness, or the cubes of painted voxels or of those on a line, which no particle enters.
 """
 
 from __future__ import annotations
@@ -16,10 +16,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cpm_core.image.regions import Regions
+from cpm_core.image.regions import Line, Regions
 from cpm_core.image.volume_barriers import OFF, Walls, signed_distances
+from cpm_core.numerics import polyline
 from cpm_core.numerics.real_numbers import real_numbers
-from cpm_core.numerics.types import Array, Mask
+from cpm_core.numerics.types import Array, Index, Mask, Position
 from cpm_core.parameters.quotation import shown
 
 Place = tuple[float, float, float]
@@ -31,6 +32,9 @@ MOST_PLANES = 40
 
 _KEPT = 2
 """Regions whose walls are cached: several scales and steps ask for the same."""
+
+_FINE = 0.25
+"""Distance between places on a line by which the voxels that it passes through are found [voxels]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,12 +54,101 @@ class Voxels:
     def __hash__(self) -> int:
         return hash((self.mask.shape, int(np.count_nonzero(self.mask))))
 
+    def fill(self, filled: Mask) -> None:
+        """Mark them in a volume."""
+        filled |= self.mask
+
     def hold(self, voxels: Array) -> Mask:
         """Which of voxels, shape (N, 3), are among them."""
         last = np.array(self.mask.shape) - 1
         within = ((voxels >= 0) & (voxels <= last)).all(axis=1)
         found: Mask = within & self.mask[tuple(np.clip(voxels, 0, last).astype(np.int64).T)]
         return found
+
+
+@dataclass(frozen=True, slots=True)
+class Extrusion:
+    """A line in the slices across an axis of a volume, from one of them to another.
+
+    Attributes
+    ----------
+    line : tuple of tuple of float
+        Corners along the two other axes, in their order [voxels].
+    axis : int
+        The axis across the slices: 0, 1 or 2.
+    first, last : float
+        Where along the axis it begins and ends [voxels].
+    closed : bool
+        Whether the voxels are those that the line encloses, or those that it passes through.
+    """
+
+    line: tuple[Position, ...]
+    axis: int
+    first: float
+    last: float
+    closed: bool = True
+
+    def __post_init__(self) -> None:
+        kind = {"interest": (self.line,)} if self.closed else {"barriers": (self.line,)}
+        checked = Regions(**kind)
+        object.__setattr__(self, "line", (checked.interest or checked.barriers)[0])
+        if self.axis not in (0, 1, 2):
+            raise ValueError(f"the axis across the slices is {shown(self.axis)} but must be 0, 1 or 2.")
+        if not np.isfinite([self.first, self.last]).all():
+            raise ValueError(
+                f"the line reaches from slice {self.first:g} to slice {self.last:g}, which must be numbers."
+            )
+
+    def fill(self, filled: Mask) -> None:
+        """Mark its voxels in a volume."""
+        slices = np.moveaxis(filled, self.axis, 0)
+        begin, end = np.clip([np.ceil(self.first), np.floor(self.last) + 1], 0, len(slices)).astype(int)
+        slices[begin:end] |= _drawn(self.line, self.closed, slices.shape[1:])
+
+    def hold(self, voxels: Array) -> Mask:
+        """Which of voxels, shape (N, 3), are among its own."""
+        along, places = voxels[:, self.axis], np.delete(voxels, self.axis, axis=1)
+        found = np.asarray((along >= self.first) & (along <= self.last))
+        if self.closed:
+            found[found] = polyline.inside(self.line, places[found])
+        elif found.any():
+            pixels = _passed(self.line)
+            low, sides = pixels.min(axis=0), np.ptp(pixels, axis=0) + 1
+            off = places[found].astype(np.int64) - low
+            near = ((off >= 0) & (off < sides)).all(axis=1)
+            at, on = np.where(near[:, None], off, 0) @ [sides[1], 1], (pixels - low) @ [sides[1], 1]
+            found[found] = near & np.isin(at, on)
+        return found
+
+
+@lru_cache(maxsize=_KEPT)
+def _drawn(line: Line, closed: bool, shape: tuple[int, ...]) -> Mask:
+    """The pixels of a slice that a line encloses, or passes through."""
+    filled = np.zeros(shape, np.bool_)
+    if closed:
+        corners = polyline.corners_of(line)
+        low = np.clip(np.ceil(corners.min(axis=0)), 0, shape).astype(int)
+        high = np.clip(np.floor(corners.max(axis=0)) + 1, low, shape).astype(int)
+        part = filled[low[0] : high[0], low[1] : high[1]]
+        centers = np.indices(part.shape).reshape(2, -1).T + low
+        part[:] = polyline.inside(line, centers.astype(float)).reshape(part.shape)
+    else:
+        pixels = _passed(line)
+        pixels = pixels[((pixels >= 0) & (pixels < shape)).all(axis=1)]
+        filled[tuple(pixels.T)] = True
+    return filled
+
+
+@lru_cache(maxsize=_KEPT)
+def _passed(line: Line) -> Index:
+    """The pixels that a line passes through, shape (N, 2); neighbors have a common side or corner."""
+    return np.unique(np.rint(polyline.resampled(polyline.corners_of(line), _FINE)).astype(np.int64), axis=0)
+
+
+_Painted = Voxels | Extrusion
+"""Limits that are voxels."""
+
+Limit = Pair | Voxels | Extrusion
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,11 +161,11 @@ class VolumeRegions:
     Parameters
     ----------
     interest : sequence of boxes and masks
-        Each is a box, given by two opposite corners (plane, row, col) [voxels], or a mask, an array of truth values in
-        the shape of the volume. Without any, the whole volume is of interest.
+        Each is a box, given by two opposite corners (plane, row, col) [voxels], a closed `Extrusion`, or a mask, an
+        array of truth values in the shape of the volume. Without any, the whole volume is of interest.
     barriers : sequence of planes and masks
-        Each is a plane, given by one of its points (plane, row, col) [voxels] and the direction across it in voxels, or
-        a mask of painted voxels.
+        Each is a plane, given by one of its points (plane, row, col) [voxels] and the direction across it in voxels, an
+        open `Extrusion`, or a mask of painted voxels.
 
     Raises
     ------
@@ -80,18 +173,18 @@ class VolumeRegions:
         For anything else, for values that are not finite, and for a direction without length.
     """
 
-    interest: tuple[Pair | Voxels, ...] = ()
-    barriers: tuple[Pair | Voxels, ...] = ()
+    interest: tuple[Limit, ...] = ()
+    barriers: tuple[Limit, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "interest", _limits("region of interest", "box of two corners", self.interest))
         object.__setattr__(self, "barriers", _limits("barrier", "plane of a point and a direction", self.barriers))
         for number, limit in enumerate(self.barriers, start=1):
-            if not isinstance(limit, Voxels) and not np.linalg.norm(limit[1]) > 0.0:
+            if not isinstance(limit, _Painted) and not np.linalg.norm(limit[1]) > 0.0:
                 raise ValueError(
                     f"the direction across barrier {number} is {shown(limit[1])} but must have a length above 0."
                 )
-        planes = sum(not isinstance(limit, Voxels) for limit in self.barriers)
+        planes = sum(not isinstance(limit, _Painted) for limit in self.barriers)
         if planes > MOST_PLANES:
             raise ValueError(
                 f"{planes} planes are barriers but at most {MOST_PLANES} may be: paint them into one mask."
@@ -123,7 +216,7 @@ class VolumeRegions:
     def allows(self, points: Array) -> Mask:
         """Where of points, shape (N, 3) [voxels], a particle may be: in a region of interest, and on no barrier."""
         allowed = np.ones(len(points), np.bool_)
-        painted = tuple(limit for limit in self.barriers if isinstance(limit, Voxels))
+        painted = tuple(limit for limit in self.barriers if isinstance(limit, _Painted))
         for corner in product((-OFF, OFF), repeat=3):  # on the faces between two voxels it must be allowed in both
             beside = points + corner
             allowed &= self.contains(beside) & ~_hold(painted, np.rint(beside))
@@ -136,7 +229,7 @@ class VolumeRegions:
 
     def planes(self) -> Array:
         """The planes among the barriers: unit vector across each, and its distance from the origin, shape (K, 4)."""
-        pairs = [limit for limit in self.barriers if not isinstance(limit, Voxels)]
+        pairs = [limit for limit in self.barriers if not isinstance(limit, _Painted)]
         points, across = (np.array([pair[k] for pair in pairs], dtype=float).reshape(-1, 3) for k in (0, 1))
         normals = across / np.linalg.norm(across, axis=1, keepdims=True)
         return np.column_stack([normals, np.einsum("ki,ki->k", normals, points)])
@@ -153,20 +246,20 @@ AnyRegions = Regions | VolumeRegions
 def _walls(regions: VolumeRegions, shape: tuple[int, ...]) -> Walls:
     closed = np.zeros(shape, np.bool_)
     for limit in regions.barriers:
-        if isinstance(limit, Voxels):
-            closed |= limit.mask
+        if isinstance(limit, _Painted):
+            limit.fill(closed)
     interest = regions.voxels(shape)
     if interest is not None:
         closed |= ~interest
     return Walls(closed, regions.planes(), np.ones(3), np.zeros(3))
 
 
-def _filled(limits: tuple[Pair | Voxels, ...], shape: tuple[int, ...]) -> Mask:
+def _filled(limits: tuple[Limit, ...], shape: tuple[int, ...]) -> Mask:
     """Which voxels of a volume lie in boxes and masks."""
     filled = np.zeros(shape, np.bool_)
     for limit in limits:
-        if isinstance(limit, Voxels):
-            filled |= limit.mask
+        if isinstance(limit, _Painted):
+            limit.fill(filled)
         else:
             low, high = np.sort(limit, axis=0)
             first = np.clip(np.ceil(low), 0, shape).astype(int)
@@ -175,11 +268,11 @@ def _filled(limits: tuple[Pair | Voxels, ...], shape: tuple[int, ...]) -> Mask:
     return filled
 
 
-def _hold(limits: tuple[Pair | Voxels, ...], voxels: Array) -> Mask:
+def _hold(limits: tuple[Limit, ...], voxels: Array) -> Mask:
     """Which of voxels, shape (N, 3), lie in boxes and masks."""
     found = np.zeros(len(voxels), np.bool_)
     for limit in limits:
-        if isinstance(limit, Voxels):
+        if isinstance(limit, _Painted):
             found |= limit.hold(voxels)
         else:
             low, high = np.sort(limit, axis=0)
@@ -187,15 +280,15 @@ def _hold(limits: tuple[Pair | Voxels, ...], voxels: Array) -> Mask:
     return found
 
 
-def _limits(noun: str, form: str, given: Any) -> tuple[Pair | Voxels, ...]:
+def _limits(noun: str, form: str, given: Any) -> tuple[Limit, ...]:
     """Check limits, and convert them to pairs of places and to voxels."""
     if isinstance(given, np.ndarray) or not isinstance(given, Iterable):
         raise ValueError(f"the limits of one kind must be a list, not {shown(given)}: give a list of every {noun}.")
     return tuple(_limit(f"{noun} {number}", form, limit) for number, limit in enumerate(given, start=1))
 
 
-def _limit(what: str, form: str, given: ArrayLike | Voxels) -> Pair | Voxels:
-    if isinstance(given, Voxels):
+def _limit(what: str, form: str, given: ArrayLike | Voxels | Extrusion) -> Limit:
+    if isinstance(given, _Painted):
         return given
     try:
         array = np.asarray(given)

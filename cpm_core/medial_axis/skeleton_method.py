@@ -24,7 +24,7 @@ from cpm_core.medial_axis.polarity import DARK
 from cpm_core.medial_axis.skeleton import Skeleton, branches
 from cpm_core.medial_axis.structure import Structure, find_structure, with_axis
 from cpm_core.numerics.types import Array
-from cpm_core.parameters import OF_STARTS, PRESETS, Parameters, invalidating
+from cpm_core.parameters import OF_CHARGES, OF_STARTS, PRESETS, Parameters, invalidating
 from cpm_core.parameters.provenance import Provenance, taken
 from cpm_core.particles.initialization import inside_image
 from cpm_core.particles.state import Particles
@@ -127,7 +127,7 @@ class SkeletonMethod(ImageFields):
     name: ClassVar[str] = "skeleton"
     title: ClassVar[str] = "Skeleton"
     parameters: ClassVar[tuple[str, ...]] = tuple(
-        name for name in invalidating("field", "contours") if name not in OF_STARTS
+        name for name in invalidating("field", "contours") if name not in (*OF_STARTS, *OF_CHARGES)
     )
     seeded: ClassVar[bool] = False
 

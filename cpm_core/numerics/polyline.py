@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import operator
 from collections.abc import Sequence
 
 import numpy as np
@@ -88,10 +90,14 @@ def distance(path: Array | Sequence[Position], position: Position) -> float:
 
 
 def distances(path: Array | Sequence[Position], positions: Array) -> Array:
-    """Distances of positions, shape (N, 2), from the nearest place on a path of one corner or more, shape (N,)."""
+    """Distances of positions, shape (N, D), from the nearest place on a path of one corner or more, shape (N,)."""
     corners = corners_of(path)
     if len(corners) == 1:
         corners = corners[[0, 0]]
+    if corners.shape[1] != 2:
+        places = np.asarray(positions, dtype=float)
+        away = [_distances_to(places, begin, end - begin) for begin, end in itertools.pairwise(corners)]
+        return np.asarray(np.min(away, axis=0))
     sides = np.concatenate([corners[:-1], corners[1:]], axis=1)
     return nearest_distances(np.ascontiguousarray(positions, dtype=float), sides)
 
@@ -120,12 +126,21 @@ def thinned(path: Sequence[Position]) -> tuple[Position, ...]:
     stretches = [(0, len(corners) - 1)]
     while stretches:
         first, last = stretches.pop()
-        off = distances_to_segments(corners[first + 1 : last], corners[first], corners[last] - corners[first])
+        off = _distances_to(corners[first + 1 : last], corners[first], corners[last] - corners[first])
         if len(off) and off.max() > _TOLERANCE:
             farthest = first + 1 + int(off.argmax())
             kept.add(farthest)
             stretches += [(first, farthest), (farthest, last)]
-    return tuple((float(row), float(col)) for row, col in corners[sorted(kept)])
+    return tuple(map(tuple, corners[sorted(kept)].tolist()))
+
+
+def _distances_to(points: Array, begin: Array, along: Array) -> Array:
+    """Distances of points, shape (N, D), from one segment, shape (N,)."""
+    if points.shape[1] == 2:
+        return distances_to_segments(points, begin, along)
+    offset, square = points - begin, float(along @ along)
+    share = np.clip(offset @ along / square, 0.0, 1.0) if square > 0.0 else np.zeros(len(points))
+    return np.asarray(np.linalg.norm(offset - share[:, None] * along, axis=1))
 
 
 def coarser(paths: Sequence[Array], off: float) -> list[Array]:
@@ -153,11 +168,11 @@ def coarser(paths: Sequence[Array], off: float) -> list[Array]:
 
 
 def moved(path: Sequence[Position], by: Position) -> tuple[Position, ...]:
-    """Path displaced by (rows, cols)."""
-    return tuple((row + by[0], col + by[1]) for row, col in path)
+    """Path displaced by so much along each axis."""
+    return tuple(tuple(map(operator.add, corner, by)) for corner in path)
 
 
 def with_handle_at(path: Sequence[Position], corner: Position, to: Position) -> tuple[Position, ...]:
     """Path with the corner nearest to a position moved to another position."""
-    nearest = int(np.hypot(*(corners_of(path) - corner).T).argmin())
+    nearest = int(np.linalg.norm(corners_of(path) - corner, axis=1).argmin())
     return (*path[:nearest], to, *path[nearest + 1 :])

@@ -12,13 +12,15 @@ from typing import Literal, cast
 
 import numpy as np
 
-from cpm_core.parameters.choices import CHOICES, Channel, Edges, check_choice
+from cpm_core.parameters.choices import CHOICES, Accuracy, Channel, Edges, check_choice
 from cpm_core.parameters.quotation import shown
 from cpm_core.parameters.table import (
     AUTOMATIC,
+    OF_CHARGES,
     OF_PLANES,
     OF_SKELETONS,
     OF_STARTS,
+    OF_VOLUMES,
     PARAMETERS,
     UNLIMITED_REACH,
     ParameterInfo,
@@ -29,9 +31,11 @@ __all__ = [
     "AUTOMATIC",
     "DEFAULTS",
     "FORMER_NAMES",
+    "OF_CHARGES",
     "OF_PLANES",
     "OF_SKELETONS",
     "OF_STARTS",
+    "OF_VOLUMES",
     "PARAMETERS",
     "PLANE_PRESETS",
     "PRESETS",
@@ -65,14 +69,13 @@ class Parameters:
         Weight of the Lorentz force, eq. (12); larger than `w1`, since the repulsion on a curved contour has unit size
         outward and only a stronger attraction holds the particles on the edge.
     annealing : float
-        Annealing factor a: ``d_max`` is multiplied by it at every step; without a meaning in a volume.
+        Annealing factor a: ``d_max`` is multiplied by it at every step.
     time_step : float
         Δt of eq. (14).
     d_min : float
         Spacing of particles [px]; of two nearer than half of it, one is deleted.
     d_max : float
-        Range beyond `d_min` in which a gap is filled, at the start of each scale [px]; without a meaning in a volume,
-        where every gap between particles of a surface is filled.
+        Range beyond `d_min` in which a gap between two neighbors is filled, at the start of each scale [px].
     smoothing : float or "auto"
         Standard deviation σ of the Gaussian before the gradient [px], or ``"auto"`` to choose it from the image's
         noise.
@@ -83,6 +86,9 @@ class Parameters:
         Number of scales.
     edge_floor : float
         Fraction of the largest edge strength below which no fixed charge is placed.
+    exponent : float or "auto"
+        Power of the distance with which the force of a fixed charge decays, eq. (8), or ``"auto"`` for the number of
+        dimensions: the paper's inverse square in an image, 3 in a volume. The repulsion of particles keeps its own.
     max_border : float
         Largest width of the image border, as a fraction of the shorter side; 0 for no border.
     max_gap : float
@@ -105,6 +111,9 @@ class Parameters:
         How far a shape may extend beyond the one that its skeleton represents [px].
     edges : {"gradient", "vessels"}
         What the edges are taken from: the gray levels, or a vessel measure.
+    accuracy : {"standard", "exact"}
+        How exactly the field of the fixed charges of a volume is computed: from blocks of two voxels, or from every
+        voxel; that of an image is always exact. `cpm_core.field.electric_field` tells the error of blocks.
     channel : {"luminance", "red", "green", "blue", "hematoxylin", "eosin", "dab"}
         What gives the gray levels of a color image; of no effect on a gray one.
 
@@ -127,6 +136,7 @@ class Parameters:
     gamma: float | Literal["auto"] = 1.0
     scales: int = 3
     edge_floor: float = 0.0
+    exponent: float | Literal["auto"] = "auto"
     max_border: float = 0.0
     max_gap: float = 0.0
     min_strength: float = 0.0
@@ -137,6 +147,7 @@ class Parameters:
     max_width: float = 0.0
     pruning: float = 1.0
     edges: Edges = "gradient"
+    accuracy: Accuracy = "standard"
     channel: Channel = "luminance"
 
     def __post_init__(self) -> None:
@@ -160,10 +171,14 @@ class Parameters:
         """Values that the motion of the particles depends on: all but those for the start and the contours."""
         return tuple(getattr(self, name) for name in invalidating("nothing", "field"))
 
+    def exponent_in(self, dimension: int) -> float:
+        """`exponent` in an image with so many axes."""
+        return float(dimension) if self.exponent == "auto" else float(self.exponent)
+
 
 def _check(info: ParameterInfo, value: object) -> None:
     """Raise a `ValueError` that names field, value and range unless `value` fits."""
-    if info.name in AUTOMATIC and value == "auto":
+    if info.name in AUTOMATIC and isinstance(value, str) and value == "auto":
         return
     whole = info.name == "scales"
     fits = isinstance(value, (int, float)) and not isinstance(value, bool) and info.low <= value <= info.high
@@ -194,7 +209,7 @@ PRESETS: dict[str, Parameters] = {
     "ultrasound": Parameters(
         w1=0.6, w2=0.7, beta=0.4, smoothing=6.0, gamma="auto", edge_floor=0.2, max_border=0.08, sure_edge=0.7
     ),
-    "volume": Parameters(w1=0.6, w2=0.7, beta=0.4, d_min=1.75, smoothing="auto", edge_floor=0.16, scales=1),
+    "volume": Parameters(w1=0.6, w2=0.7, beta=0.4, smoothing="auto", edge_floor=0.16, scales=1),
 }
 """Named settings: shape recovery (section 4.1), automatic segmentation (section 5.2), vessels and noisy images,
 automatic segmentation of kinds of images whose boundaries other settings find better, and volumes (section 5.4)."""

@@ -142,6 +142,13 @@ _TABLE = (
         "", "field", False,
     ),
     ParameterInfo(
+        "exponent", "n", "", 1.0, 8.0, 1.0, 6.0, 0.1, "Exponent",
+        "Power of the distance with which the force of a fixed charge decays; by itself the number of dimensions, 2 in "
+        "an image and 3 in a volume.",
+        "More of it draws particles to the nearest edges, less of it to where many edges are, however far away.",
+        "eq. (8)", "field", True,
+    ),
+    ParameterInfo(
         "max_border", "m_max", "", 0.0, 0.25, 0.0, 0.2, 0.01, "Maximum border",
         "A dark or bright rim of the image up to this width, as a fraction of its shorter side, counts as its border; "
         "its edge is left out.",
@@ -209,13 +216,19 @@ OF_SKELETONS: tuple[str, ...] = ("polarity", "max_width", "pruning")
 OF_STARTS: tuple[str, ...] = ("reach", "weakest_edge")
 """Parameters on which nothing without a start depends."""
 
+OF_CHARGES: tuple[str, ...] = ("exponent", "accuracy")
+"""Parameters on which nothing without particles depends: they act on the field of the fixed charges alone."""
+
 OF_PLANES: tuple[str, ...] = (
     *("reach", "weakest_edge", "max_border", "max_gap", "min_strength", "sure_edge", "min_contrast", "min_length"),
-    *("annealing", "d_max", "edges"),
+    "edges",
 )
 """Parameters that have a meaning in the plane only, and must have their default value in a volume."""
 
-AUTOMATIC = ("smoothing", "gamma")
+OF_VOLUMES: tuple[str, ...] = ("accuracy",)
+"""Parameters that change nothing in an image."""
+
+AUTOMATIC = ("smoothing", "gamma", "exponent")
 """Parameters whose value may also be ``"auto"``: it is then chosen from the image."""
 
 

@@ -14,19 +14,24 @@ from types import MappingProxyType
 from typing import get_args
 
 from cpm_core.shapes.areas import Grid, Threshold
+from cpm_core.shapes.box import Box, BoxRegion
 from cpm_core.shapes.charge import Charge
 from cpm_core.shapes.circle import SMALLEST_RADIUS, Circle
 from cpm_core.shapes.ellipse import Ellipse
 from cpm_core.shapes.everywhere import KINDS, Everywhere, Kind
+from cpm_core.shapes.extruded import PrismRegion, Wall
 from cpm_core.shapes.lines import Barrier, Polygon, Region, Stroke
 from cpm_core.shapes.points import Points
 from cpm_core.shapes.sphere import Sphere
 
-Start = Circle | Ellipse | Polygon | Stroke | Points | Grid | Threshold | Everywhere | Sphere
-"""Shapes that give particles; a sphere lies in a volume, points lie in an image or in a volume."""
+Start = Circle | Ellipse | Polygon | Stroke | Points | Grid | Threshold | Everywhere | Sphere | Box
+"""Shapes that give particles; spheres and boxes lie in volumes, polygons, strokes and points in images or volumes."""
 
-Limit = Region | Barrier
-"""Shapes that hold particles back."""
+Interest = Region | BoxRegion | PrismRegion
+"""Regions of interest, the first in images."""
+
+Limit = Region | Barrier | BoxRegion | PrismRegion | Wall
+"""Shapes that hold particles back; the first two in images."""
 
 Shape = Start | Limit | Charge
 
@@ -38,19 +43,24 @@ __all__ = [
     "SHAPES",
     "SMALLEST_RADIUS",
     "Barrier",
+    "Box",
+    "BoxRegion",
     "Charge",
     "Circle",
     "Ellipse",
     "Everywhere",
     "Grid",
+    "Interest",
     "Kind",
     "Limit",
     "Points",
     "Polygon",
+    "PrismRegion",
     "Region",
     "Shape",
     "Sphere",
     "Start",
     "Stroke",
     "Threshold",
+    "Wall",
 ]

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+import operator
 from dataclasses import dataclass
 
 from cpm_core.field.placed_charges import STRONGEST, PlacedCharge
-from cpm_core.numerics.types import Position
+from cpm_core.numerics.types import Place
 from cpm_core.shapes.path import WithoutOutline, check_number
 
 WEAKEST, _STEP = 0.5, 0.5
@@ -20,12 +21,12 @@ class Charge(WithoutOutline):
     Attributes
     ----------
     position : tuple of float
-        (row, col) in px of the image.
+        (row, col) [px], or (plane, row, col) in a volume [voxels].
     strength : float
         Above zero it attracts particles, below it repels them; see `cpm_core.field.placed_charges`.
     """
 
-    position: Position
+    position: Place
     strength: float = 2.0
 
     def __post_init__(self) -> None:
@@ -41,15 +42,15 @@ class Charge(WithoutOutline):
         """The charge as the engine takes it."""
         return PlacedCharge(self.position, self.strength)
 
-    def moved(self, by: Position) -> Charge:
-        """The same charge displaced by (rows, cols)."""
-        return Charge((self.position[0] + by[0], self.position[1] + by[1]), self.strength)
+    def moved(self, by: Place) -> Charge:
+        """The same charge displaced by so much along each axis."""
+        return Charge(tuple(map(operator.add, self.position, by)), self.strength)
 
     def resized(self, by: float) -> Charge:
         """The charge with its absolute strength raised by so many steps of a half."""
         size = min(max(abs(self.strength) + _STEP * by, WEAKEST), STRONGEST)
         return Charge(self.position, math.copysign(size, self.strength))
 
-    def distance(self, position: Position) -> float:
+    def distance(self, position: Place) -> float:
         """Distance of a position from the charge [px]."""
         return math.dist(self.position, position)

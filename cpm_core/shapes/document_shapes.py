@@ -11,8 +11,9 @@ import numpy as np
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Line, Regions
+from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
 from cpm_core.numerics.types import Array
-from cpm_core.shapes import Barrier, Charge, Region, Shape, Start
+from cpm_core.shapes import Barrier, BoxRegion, Charge, PrismRegion, Region, Shape, Start, Wall
 from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds, ImageStart, SeedCache
 
 
@@ -21,9 +22,14 @@ def starts_of(shapes: Iterable[Shape]) -> tuple[Start, ...]:
     return tuple(shape for shape in shapes if isinstance(shape, Start))
 
 
-def regions_of(shapes: Iterable[Shape], barriers: tuple[Line, ...] = ()) -> Regions | None:
+def regions_of(shapes: Iterable[Shape], barriers: tuple[Line, ...] = ()) -> AnyRegions | None:
     """Regions of interest, and barriers with those that are given besides; None when there are none."""
     drawn = tuple(shapes)
+    if any(isinstance(shape, BoxRegion | PrismRegion | Wall) for shape in drawn):
+        boxes = [shape.limit for shape in drawn if isinstance(shape, BoxRegion)]
+        prisms = [shape.limit for shape in drawn if isinstance(shape, PrismRegion)]
+        walls = [shape.limit for shape in drawn if isinstance(shape, Wall)]
+        return VolumeRegions(interest=(*boxes, *prisms), barriers=tuple(walls))
     interest = tuple(shape.points for shape in drawn if isinstance(shape, Region))
     barriers = (*(shape.points for shape in drawn if isinstance(shape, Barrier)), *barriers)
     return _regions(interest, barriers) if interest or barriers else None

@@ -7,7 +7,7 @@ from types import MappingProxyType
 
 from cpm_core.field.edge_map import automatic_smoothing, edge_map
 from cpm_core.image.image import Image
-from cpm_core.image.regions import Regions
+from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.types import Array
 from cpm_core.shapes import Everywhere, Threshold
 
@@ -34,7 +34,7 @@ class SeedCache:
         self,
         starts: Iterable[ImageStart],
         smoothing: float | str,
-        regions: Regions | None = None,
+        regions: AnyRegions | None = None,
         channel: str = "luminance",
     ) -> ImageSeeds:
         """Positions for each of the starts, only those in the regions of interest.

@@ -1,11 +1,14 @@
-"""Shapes that are a line: strokes and polygons give particles, barriers and regions of interest hold them back."""
+"""Shapes that are a line: strokes and polygons give particles, barriers and regions of interest hold them back.
+
+Strokes and polygons lie in an image, or in a volume, where each corner may lie in another slice.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import ClassVar
 
-from cpm_core.numerics.types import Array, Position
+from cpm_core.numerics.types import Array, Place, Position
 from cpm_core.particles import initialization
 from cpm_core.shapes.path import ClosedPath, OpenPath
 
@@ -17,10 +20,10 @@ class Stroke(OpenPath):
     title: ClassVar[str] = "stroke"
     least: ClassVar[int] = 1
 
-    points: tuple[Position, ...]
+    points: tuple[Place, ...]
 
     def seeds(self) -> Array:
-        """Positions of the particles, shape (N, 2)."""
+        """Positions of the particles, shape (N, 2), or (N, 3) in a volume."""
         return initialization.stroke(self.points)
 
 
@@ -30,10 +33,10 @@ class Polygon(ClosedPath):
 
     title: ClassVar[str] = "polygon"
 
-    points: tuple[Position, ...]
+    points: tuple[Place, ...]
 
     def seeds(self) -> Array:
-        """Positions of the particles, shape (N, 2)."""
+        """Positions of the particles, shape (N, 2), or (N, 3) in a volume."""
         return initialization.loop(self.points)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from cpm_core.numerics import polyline
 from cpm_core.numerics.polyline import MOST_HANDLES
-from cpm_core.numerics.types import Array, Position
+from cpm_core.numerics.types import Array, Place
 
 SMALLEST, LARGEST = 0.5, 1e5
 """Bounds of radii and of distances between particles [px]."""
@@ -22,7 +22,7 @@ def check_number(name: str, value: float, low: float = SMALLEST, high: float = L
         raise ValueError(f"{name} is {value:g} but must be a number from {low:g} to {high:g}.")
 
 
-def check_positions(name: str, positions: Sequence[Position], least: int) -> None:
+def check_positions(name: str, positions: Sequence[Place], least: int) -> None:
     """Check that enough corners or points of a shape differ, else raise ValueError."""
     different = len(set(positions))
     if different < least:
@@ -43,15 +43,15 @@ class WithoutOutline:
         """The same shape."""
         return self
 
-    def handles(self) -> tuple[Position, ...]:
+    def handles(self) -> tuple[Place, ...]:
         """Empty: the shape is dragged as a whole."""
         return ()
 
-    def with_handle_at(self, handle: Position, to: Position) -> Self:
+    def with_handle_at(self, handle: Place, to: Place) -> Self:
         """The same shape."""
         return self
 
-    def encloses(self, position: Position) -> bool:
+    def encloses(self, position: Place) -> bool:
         """Always false."""
         return False
 
@@ -62,7 +62,7 @@ class OpenPath:
     Attributes
     ----------
     points : tuple of tuple of float
-        Corners (row, col) in px of the image.
+        Corners (row, col) in px of the image; of some lines also (plane, row, col) [voxels].
     least : int
         How many of them must differ; with fewer, ValueError is raised.
     """
@@ -71,41 +71,43 @@ class OpenPath:
 
     least: ClassVar[int] = 2
 
-    points: tuple[Position, ...]
+    points: tuple[Place, ...]
 
     def __post_init__(self) -> None:
         check_positions("points", self.points, self.least)
+        if len(set(map(len, self.points))) > 1:
+            raise ValueError("points in an image and in a volume are mixed: give all of them as many numbers.")
 
     @property
     def outline(self) -> Array:
-        """Vertices of the line, shape (K, 2)."""
+        """Vertices of the line, shape (K, D)."""
         return polyline.corners_of(self.points)
 
-    def moved(self, by: Position) -> Self:
-        """The same shape displaced by (rows, cols)."""
+    def moved(self, by: Place) -> Self:
+        """The same shape displaced by so much along each axis."""
         return self._with_points(polyline.moved(self.points, by))
 
     def resized(self, by: float) -> Self:
         """The same shape: an open line is reshaped by its corners only."""
         return self
 
-    def handles(self) -> tuple[Position, ...]:
+    def handles(self) -> tuple[Place, ...]:
         """The corners; empty where there are so many that they would hide the line."""
         return self.points if len(self.points) <= MOST_HANDLES else ()
 
-    def with_handle_at(self, handle: Position, to: Position) -> Self:
+    def with_handle_at(self, handle: Place, to: Place) -> Self:
         """The shape with the corner nearest to a handle moved; unchanged where too few corners would differ."""
         return self._with_points(polyline.with_handle_at(self.points, handle, to))
 
-    def distance(self, position: Position) -> float:
+    def distance(self, position: Place) -> float:
         """Distance of a position from the line [px]."""
         return polyline.distance(self.points, position)
 
-    def encloses(self, position: Position) -> bool:
+    def encloses(self, position: Place) -> bool:
         """Always false: an open line is selected at the line only."""
         return False
 
-    def _with_points(self, points: tuple[Position, ...]) -> Self:
+    def _with_points(self, points: tuple[Place, ...]) -> Self:
         return replace(self, points=points) if len(set(points)) >= self.least else self  # type: ignore[type-var]
 
 
@@ -118,7 +120,7 @@ class ClosedPath(OpenPath):
 
     @property
     def outline(self) -> Array:
-        """Vertices of the line, shape (K, 2), the first repeated at the end."""
+        """Vertices of the line, shape (K, D), the first repeated at the end."""
         corners = polyline.corners_of(self.points)
         return np.concatenate([corners, corners[:1]])
 
@@ -126,14 +128,14 @@ class ClosedPath(OpenPath):
         """The shape enlarged around its center, so that its farthest corner moves outward by so many px."""
         off = polyline.corners_of(self.points)
         center = off.mean(axis=0)
-        farthest = float(np.hypot(*(off - center).T).max())
+        farthest = float(np.linalg.norm(off - center, axis=1).max())
         corners = (center + max(farthest + by, 1.0) / farthest * (off - center)).tolist()
-        return self._with_points(tuple((row, col) for row, col in corners))
+        return self._with_points(tuple(map(tuple, corners)))
 
-    def distance(self, position: Position) -> float:
+    def distance(self, position: Place) -> float:
         """Distance of a position from the line [px]."""
         return polyline.distance(self.outline, position)
 
-    def encloses(self, position: Position) -> bool:
-        """Whether the line winds around a position."""
-        return bool(polyline.inside(self.points, np.array([position]))[0])
+    def encloses(self, position: Place) -> bool:
+        """Whether the line winds around a position; no line in a volume encloses any."""
+        return len(position) == 2 and bool(polyline.inside(self.points, np.array([position]))[0])

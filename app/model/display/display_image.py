@@ -72,6 +72,13 @@ class DisplayImage:
         return next((level for level in reversed(self.levels) if max(level.shape[:2]) >= side), self.shades)
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class DisplayVolume:
+    """Shades of a volume, shape (P, R, C), of which a slice at a time is shown."""
+
+    shades: Shades
+
+
 def _halved(shades: Shades) -> Shades:
     """Means of two by two pixels; the last row or column of an odd number counts twice."""
     rows, cols = shades.shape[:2]
@@ -154,9 +161,10 @@ def percentile_window(values: Array, percent: float) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def display_of_edge_map(edge_map: Array) -> Shades:
+def display_of_edge_map(edge_map: Array, strongest: float | None = None) -> Shades:
     """Edge strengths from zero, 0, to the largest, 255; the square root makes weak edges visible."""
-    return _bytes(255.0 * np.sqrt(np.clip(edge_map / max(float(edge_map.max()), 1e-300), 0.0, 1.0)))
+    top = float(edge_map.max()) if strongest is None else strongest
+    return _bytes(255.0 * np.sqrt(np.clip(edge_map / max(top, 1e-300), 0.0, 1.0)))
 
 
 def _bytes(values: Array) -> Shades:
@@ -165,6 +173,23 @@ def _bytes(values: Array) -> Shades:
 
 _OUTLIERS = 0.5
 """Percentage of the pixels at either end that the display image of a potential leaves out."""
+
+
+def volume_of_edge_map(edge_map: Array) -> DisplayVolume:
+    """`display_of_edge_map` of a volume, plane by plane."""
+    strongest = float(edge_map.max())
+    return DisplayVolume(np.stack([display_of_edge_map(plane, strongest) for plane in edge_map]))
+
+
+_COARSE = 2
+"""Every so manieth voxel along each axis tells the range of a volume."""
+
+
+def volume_of_potential(potential: Array) -> DisplayVolume:
+    """`display_of_potential` of a volume, plane by plane."""
+    some = potential[::_COARSE, ::_COARSE, ::_COARSE]
+    window = IntensityWindow(*percentile_window(some, _OUTLIERS))
+    return DisplayVolume(np.stack([apply_window(plane, window) for plane in potential]))
 
 
 def display_of_potential(potential: Array) -> Shades:

@@ -12,9 +12,11 @@ from app.model.document.naming import describe
 from app.model.parameters.choices import choice_controls
 from app.model.parameters.controls import Control, controls, value_of
 from app.model.text.language import tr
-from cpm_core.numerics.types import Position
+from cpm_core.numerics.types import Place
 from cpm_core.shapes import (
     Barrier,
+    Box,
+    BoxRegion,
     Charge,
     Circle,
     Ellipse,
@@ -22,18 +24,21 @@ from cpm_core.shapes import (
     Grid,
     Points,
     Polygon,
+    PrismRegion,
     Region,
     Shape,
     Sphere,
     Stroke,
     Threshold,
+    Wall,
 )
 
 _ICONS: Mapping[type, str] = MappingProxyType(
     {
         Barrier: "barrier", Charge: "attract", Circle: "circle", Ellipse: "ellipse", Everywhere: "everywhere",
         Grid: "grid_area", Points: "points", Polygon: "polygon", Region: "region", Stroke: "stroke",
-        Sphere: "circle", Threshold: "threshold",
+        Sphere: "circle", Threshold: "threshold", Box: "box", BoxRegion: "region", PrismRegion: "region",
+        Wall: "barrier",
     }
 )  # fmt: skip
 """Icons of shapes, those of their tools."""
@@ -117,15 +122,20 @@ def _size(shape: Shape) -> object:
         return shape.radius
     if isinstance(shape, Ellipse):
         return shape.radii, shape.angle
+    if isinstance(shape, Box | BoxRegion):
+        return tuple(round(high - low, 6) for low, high in zip(shape.first, shape.last, strict=True))
     return shape.strength if isinstance(shape, Charge) else None
 
 
-def _place(shape: Shape) -> Position | None:
+def _place(shape: Shape) -> Place | None:
     """Row and column of the center, or of the first corner; None for what is all over the image."""
-    if isinstance(shape, Circle | Ellipse | Sphere):
+    if isinstance(shape, Circle | Ellipse | Sphere | Box | BoxRegion):
         return shape.center
     if isinstance(shape, Charge):
         return shape.position
     if isinstance(shape, Everywhere):
         return None
+    if isinstance(shape, PrismRegion | Wall):
+        plane, row, col = shape.outline[0].tolist()
+        return plane, row, col
     return (shape.positions if isinstance(shape, Points) else shape.points)[0]

@@ -18,11 +18,11 @@ from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats.images.reading import DEFAULT, Reading
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import most_scales
-from cpm_core.image.regions import Regions
+from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.medial_axis.outlines import Outlined
 from cpm_core.objects.segmented.segmented_object import Line, SegmentedObjects
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
-from cpm_core.shapes import Points, Region, Shape, Start
+from cpm_core.shapes import Interest, Points, Shape, Start
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_of, starts_of
 from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds, ImageStart
 
@@ -34,7 +34,7 @@ NOTHING_TO_START_FROM = tr(
 )
 
 NOTHING_TO_START_FROM_IN_VOLUME = tr(
-    "There is nothing to start from: draw a sphere or points in a slice of the volume first."
+    "There is nothing to start from: draw a sphere, a box, a stroke or points in a slice of the volume first."
 )
 
 
@@ -114,7 +114,7 @@ class Document:
         """Everything that the seeds of `image_starts` depend on; empty if there are none."""
         if not self.image_starts:
             return ()
-        limits = tuple(shape for shape in self.shapes if isinstance(shape, Region))
+        limits = tuple(shape for shape in self.shapes if isinstance(shape, Interest))
         followed = any(start.follows_smoothing for start in self.image_starts)
         barriers = self.objects.barriers
         smoothing = self.parameters.smoothing if followed else None
@@ -126,7 +126,7 @@ class Document:
         return replace(parameters, scales=most) if parameters.scales > most else parameters
 
     @property
-    def regions(self) -> Regions | None:
+    def regions(self) -> AnyRegions | None:
         """Regions of interest and barriers, boundaries of frozen objects among them; None if there are none."""
         return regions_of(self.shapes, self.objects.barriers)
 

@@ -12,7 +12,7 @@ import numpy as np
 from app.model.document.document import Document
 from app.model.parameters import controls
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Position
+from cpm_core.numerics.types import Array, Place
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Everywhere, Kind, Points, Shape
 
@@ -29,8 +29,8 @@ def replace_shape(document: Document, index: int, shape: Shape) -> Document:
     return replace(document, shapes=tuple(shapes))
 
 
-def move_shape(document: Document, index: int, by: Position) -> Document:
-    """The document with one shape displaced by (rows, cols)."""
+def move_shape(document: Document, index: int, by: Place) -> Document:
+    """The document with one shape displaced by so much along each axis."""
     return replace_shape(document, index, document.shapes[index].moved(by))
 
 
@@ -47,19 +47,20 @@ def toggle_everywhere(document: Document, kind: Kind) -> Document:
     return add_shape(document, start)
 
 
-def erase(document: Document, path: Sequence[Position], radius: float) -> Document:
-    """The document without what lies within `radius` of an eraser's path (row, col) [px].
+def erase(document: Document, path: Sequence[Place], radius: float) -> Document:
+    """The document without what lies within `radius` of an eraser's path [px].
 
-    Points are erased one by one, and other shapes as a whole.
+    Points are erased one by one, and other shapes as a whole. In a volume the radius is in sides of the smallest voxel.
     """
-    left = [_erased(shape, path, radius) for shape in document.shapes]
+    spacing = document.image.spacing if document.image is not None and len(path[0]) == 3 else (1.0,)
+    left = [_erased(shape, path, radius, np.array(spacing) / min(spacing)) for shape in document.shapes]
     return replace(document, shapes=tuple(shape for shape in left if shape is not None))
 
 
-def _erased(shape: Shape, path: Sequence[Position], radius: float) -> Shape | None:
+def _erased(shape: Shape, path: Sequence[Place], radius: float, sides: Array) -> Shape | None:
     """The rest of a shape after erasing."""
     if isinstance(shape, Points):
-        near = polyline.distances(path, shape.seeds()) <= radius
+        near = polyline.distances(np.array(path) * sides, shape.seeds() * sides) <= radius
         if not near.any():
             return shape
         left = tuple(point for point, gone in zip(shape.positions, near.tolist(), strict=True) if not gone)
@@ -67,13 +68,13 @@ def _erased(shape: Shape, path: Sequence[Position], radius: float) -> Shape | No
     return None if any(shape.distance(at) <= radius for at in _stops(path, 0.5 * radius)) else shape
 
 
-def _stops(path: Sequence[Position], apart: float) -> list[Position]:
-    """Positions on a path no farther apart than `apart`."""
-    stops = [path[0]]
+def _stops(path: Sequence[Place], apart: float) -> list[Place]:
+    """Places on a path no farther apart than `apart`."""
+    stops: list[Place] = [path[0]]
     for begin, end in pairwise(path):
         count = max(1, math.ceil(math.dist(begin, end) / apart))
         share = np.arange(1, count + 1)[:, None] / count
-        stops += [(row, col) for row, col in (np.array(begin) + share * np.subtract(end, begin)).tolist()]
+        stops += map(tuple, (np.array(begin) + share * np.subtract(end, begin)).tolist())
     return stops
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 from cpm_core.numerics.types import Position
@@ -14,10 +14,11 @@ Part = Literal["handle", "body"]
 
 @dataclass(frozen=True, slots=True)
 class Hit:
-    """Index of the shape that was hit, and its part: a handle reshapes, the body moves."""
+    """Index of the shape that was hit, and its part: a handle, which is at a place, reshapes, the body moves."""
 
     index: int
     part: Part
+    at: Position | None = field(default=None, compare=False)
 
 
 def hit(shapes: tuple[Shape, ...], position: Position, tolerance: float, selected: int | None = None) -> Hit | None:
@@ -27,8 +28,9 @@ def hit(shapes: tuple[Shape, ...], position: Position, tolerance: float, selecte
     shows handles.
     """
     handles = shapes[selected].handles() if selected is not None and selected < len(shapes) else ()
-    if selected is not None and any(math.dist(handle, position) <= tolerance for handle in handles):
-        return Hit(selected, "handle")
+    near = min(handles, key=lambda handle: math.dist(handle, position), default=None)
+    if selected is not None and near is not None and math.dist(near, position) <= tolerance:
+        return Hit(selected, "handle", near)
     for index in _front_first(len(shapes), selected):
         if shapes[index].distance(position) <= tolerance:
             return Hit(index, "body")

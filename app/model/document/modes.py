@@ -12,7 +12,7 @@ from app.model.parameters.controls import RATIO
 from app.model.text.language import tr
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.outlines import Outlined
-from cpm_core.parameters import PRESETS, Parameters
+from cpm_core.parameters import OF_PLANES, OF_VOLUMES, PRESETS, Parameters
 from cpm_core.segmentation.method import METHODS
 from cpm_core.shapes import Everywhere, Limit, Shape
 
@@ -90,9 +90,11 @@ def needs_start(mode: Mode) -> bool:
     return METHODS[MODES[mode].method].seeded
 
 
-def acting_in(mode: Mode) -> frozenset[str]:
-    """Names of the controls that have an effect in a mode."""
-    return frozenset(RATIO if name == "w1" else name for name in METHODS[MODES[mode].method].parameters)
+def acting_in(mode: Mode, dimension: int = 2) -> frozenset[str]:
+    """Names of the controls that have an effect in a mode, on an image with so many axes."""
+    lacking = OF_PLANES if dimension == 3 else OF_VOLUMES
+    acting = (name for name in METHODS[MODES[mode].method].parameters if name not in lacking)
+    return frozenset(RATIO if name == "w1" else name for name in acting)
 
 
 def mode_called(name: object) -> Mode:

@@ -14,6 +14,8 @@ CHANNEL = "channel"
 _TITLES = {
     "gradient": tr("gray levels"),
     "vessels": tr("vessels"),
+    "standard": tr("standard"),
+    "exact": tr("exact"),
     "luminance": tr("luminance"),
     "red": tr("red"),
     "green": tr("green"),

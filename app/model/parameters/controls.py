@@ -21,6 +21,7 @@ _FULL_CONTRAST = 255.0
 
 _BY_ITSELF = {
     "smoothing": tr("Set the smoothing from the noise of the image."),
+    "exponent": tr("Set the exponent to the number of dimensions: 2 in an image, 3 in a volume."),
     "gamma": tr("Set gamma from the background of the image: below 1 where it is dark or bright, else 1."),
 }
 
@@ -53,6 +54,8 @@ class Control:
         Whether it takes only whole numbers.
     moves : bool
         Whether it only changes how particles move.
+    by_hand : float or None
+        Value with which it begins where the program no longer chooses it by default.
     words : tuple of (float, str)
         Words for some of its values, shown in their place.
     """
@@ -75,6 +78,7 @@ class Control:
     automatic: bool = False
     whole: bool = False
     moves: bool = False
+    by_hand: float | None = None
     words: tuple[tuple[float, str], ...] = ()
 
     @property
@@ -124,6 +128,9 @@ class Control:
         """Symbol, equation, range and default in one line."""
         return " · ".join(part for part in (self.symbol, self.equation, self.span) if part)
 
+
+_BY_HAND: Mapping[str, float] = MappingProxyType({"exponent": 2.0})
+"""Values for `Control.by_hand` by the names of their controls."""
 
 _WORDS: Mapping[str, tuple[tuple[float, str], ...]] = MappingProxyType(
     {
@@ -206,6 +213,7 @@ def _from_core(name: str) -> Control:
         automatic=name in AUTOMATIC,
         whole=name == "scales",
         moves=info.invalidates == "nothing",
+        by_hand=_BY_HAND.get(name),
         words=_WORDS.get(name, ()),
     )
 

@@ -8,21 +8,20 @@ from types import MappingProxyType
 from app.model.state.situation import Situation
 from app.model.text.language import tr
 
-_TOOL = tr("This tool draws on images; in a volume, start from spheres and points.")
+_AREA = tr("This tool fills an area of an image; in a volume, start from spheres, boxes, lines and points.")
 _START = tr("Starts that need no drawing are for images; in a volume, start from spheres and points.")
 _MODE = tr("This mode is for images; a volume is segmented from spheres and points.")
 _CONTOUR = tr("Contours are found in images; a run in a volume finds a surface.")
 _OBJECT = tr("Objects are selected in images; a run in a volume finds a surface.")
 _TRUTH = tr("A ground truth can be compared with the contours of an image, not with a surface.")
-_LAYER = tr("This layer shows images only.")
-_COMPARE = tr("Results can be compared in images only.")
-_FILM = tr("Pictures of many steps can be made of images only.")
+_LAYER = tr("This layer shows what only a run in an image finds.")
+_FORCES = tr("Forces are shown as arrows in images only.")
+_FIELD = tr("The arrows need the force on every voxel, for which a volume is too large.")
+_MOSAIC = tr("A mosaic shows runs with different parameters side by side; in a volume each of them takes too long.")
 
 NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
     {
-        **dict.fromkeys(
-            ("eraser", "ellipse", "polygon", "stroke", "spray", "grid_area", "threshold", "region", "barrier",
-             "attract", "repel"), _TOOL),
+        **dict.fromkeys(("grid_area", "threshold"), _AREA),
         **dict.fromkeys(("start_grid", "start_gradient", "start_centers"), _START),
         **dict.fromkeys(("mode_automatic", "mode_skeleton"), _MODE),
         **dict.fromkeys(
@@ -32,10 +31,10 @@ NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
         **dict.fromkeys(("objects", "object_skeleton", "all_objects", "fit_objects", "objects_alike"), _OBJECT),
         **dict.fromkeys(("load_truth", "worst_place", "next_place"), _TRUTH),
         **dict.fromkeys(
-            tuple(f"layer_{name}" for name in ("trails", "forces", "objects", "ghost", "truth", "skeleton", "edge_map",
-                                               "potential", "field")), _LAYER),
-        **dict.fromkeys(("wipe", "keep_result", "mosaic"), _COMPARE),
-        **dict.fromkeys(("export_animation", "export_strip"), _FILM),
+            tuple(f"layer_{name}" for name in ("objects", "truth", "skeleton")), _LAYER),
+        "layer_forces": _FORCES,
+        "layer_field": _FIELD,
+        "mosaic": _MOSAIC,
     }
 )  # fmt: skip
 """Names of actions and of tools -> why they are not offered while a volume is open."""
@@ -48,10 +47,25 @@ OTHERWISE_IN_VOLUMES: Mapping[str, tuple[str, str]] = MappingProxyType(
             tr("Add sphere in the &middle"),
             tr("Add a sphere in the middle of the visible part of the slice."),
         ),
+        "ellipse": (
+            tr("Bo&x tool"),
+            tr("Drag from corner to corner to draw a box, as deep as its shorter side; Shift makes it a square."),
+        ),
         "points": (tr("&Point tool"), tr("Click to place a point in the slice.")),
+        "region": (
+            tr("Region of &interest tool"),
+            tr("Drag a box, or click corner by corner around what particles are to stay in, through all slices."),
+        ),
+        "barrier": (
+            tr("&Barrier tool"),
+            tr("Drag, or click corner by corner, where no particle is to cross, through all slices."),
+        ),
     }
 )
 """Names of actions that do something else in a volume -> their text and tip there."""
+
+ICONS_IN_VOLUMES: Mapping[str, str] = MappingProxyType({"ellipse": "box"})
+"""Names of actions with another icon in a volume -> its name."""
 
 
 def has_volume(situation: Situation) -> bool:

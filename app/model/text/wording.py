@@ -47,6 +47,7 @@ FORMULAS: Mapping[str, str] = MappingProxyType(
                         "<i>s</i> = <i>S</i> − 1, …, 0",
         "edge_floor": tr("charge {charge} only where {law}").format(
             charge="−<i>f</i>", law="<i>f</i> ≥ <i>f</i><sub>min</sub> · max <i>f</i>"),
+        "exponent": tr("force of a charge: {law}").format(law="<i>f</i> / <i>r</i><sup>n</sup>"),
         "max_border": tr("a border no wider than {law}").format(
             law="<i>m</i><sub>max</sub> · min(<i>H</i>, <i>W</i>)"),
         "max_gap": tr("loose ends joined where {law}").format(

@@ -3,9 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 from app.model.text.language import tr
 from cpm_core.numerics.types import Array, Place, Position
+
+T = TypeVar("T", int, float)
+V = TypeVar("V", bound=np.generic)
 
 AXES = (tr("plane"), tr("row"), tr("column"))
 """Names of the axes of a volume: a slice lies across one of them."""
@@ -40,14 +47,14 @@ class Slice:
         """Positions in the slice, shape (N, 2), nearest to those in the volume, shape (N, 3)."""
         return places[:, [axis for axis in range(3) if axis != self.axis]]
 
-    def of(self, values: Array) -> Array:
+    def of(self, values: NDArray[V]) -> NDArray[V]:
         """The slice of an array, without a copy."""
-        found: Array = values[(slice(None),) * self.axis + (self.index,)]
+        found: NDArray[V] = values[(slice(None),) * self.axis + (self.index,)]
         return found
 
-    def sides(self, spacing: tuple[float, ...]) -> tuple[float, ...]:
-        """Those of three lengths that belong to the axes of the slice."""
-        return spacing[: self.axis] + spacing[self.axis + 1 :]
+    def sides(self, lengths: tuple[T, ...]) -> tuple[T, ...]:
+        """Those of three numbers that belong to the axes of the slice."""
+        return lengths[: self.axis] + lengths[self.axis + 1 :]
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,8 +18,8 @@ from app.session.document.editing import Editing
 from app.session.updates import Progress
 from app.session.worker.commands.run import Command, FindSeeds, RunCall
 from app.session.worker.run import Run
-from cpm_core.numerics.types import Position
-from cpm_core.shapes import Points, Region, Shape, Start
+from cpm_core.numerics.types import Place
+from cpm_core.shapes import Interest, Points, Shape, Start
 
 
 class Live:
@@ -120,7 +120,7 @@ class Live:
             self._executed = self._executed + new
             self._post(RunCall(self._session.generation, Run.join, _only(document, new)))
 
-    def erase(self, path: tuple[Position, ...], radius: float) -> Document:
+    def erase(self, path: tuple[Place, ...], radius: float) -> Document:
         """Remove the particles near a path, and return the document without the shapes near it.
 
         Run and document stay consistent, so that the run is not out of date afterwards.
@@ -137,5 +137,5 @@ def _only(document: Document, sources: Counter[Hashable]) -> Document:
     """The document with only these sources, in its regions of interest."""
     points = tuple(source for source in sources.elements() if isinstance(source, tuple))
     starts = [source for source in sources.elements() if isinstance(source, Start)]
-    regions = [shape for shape in document.shapes if isinstance(shape, Region)]
+    regions = [shape for shape in document.shapes if isinstance(shape, Interest)]
     return replace(document, shapes=(*starts, *([Points(points)] if points else []), *regions))

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.model.display.display_image import DisplayImage
+from app.model.display.display_image import DisplayImage, DisplayVolume
 from app.model.display.plots import RunMetrics
 from app.model.document.document import Document
 from app.model.export.order import Account
@@ -107,7 +107,7 @@ class Overlays:
     """
 
     generation: int
-    arrays: Mapping[str, NDArray[np.generic] | DisplayImage]
+    arrays: Mapping[str, NDArray[np.generic] | DisplayImage | DisplayVolume]
     trouble: str = ""
 
 

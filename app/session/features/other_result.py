@@ -68,7 +68,7 @@ class OtherResult(QObject):
     @property
     def choices(self) -> tuple[Other, ...]:
         """All that can be compared, the most telling first."""
-        if self._session.document.image is None or self._session.scene.slices is not None:
+        if self._session.document.image is None:
             return ()
         here = self._navigation.place[0]
         branches = [branch for branch in self._navigation.outline.branches if branch.identity != here]
@@ -144,7 +144,8 @@ class OtherResult(QObject):
             speed = np.linalg.norm(state.particles.velocity, axis=1) * 2.0**state.scale
             snapshot = replace(shown, state=state, position=compared.position, resting=speed < RESTING_SPEED)
         contours, reconstruction = NO_CONTOURS, None
-        if isinstance(compared.result, Skeleton):
+        if isinstance(compared.result, Skeleton) or getattr(compared.result, "surface", None) is not None:
+            assert compared.result is not None
             reconstruction = Reconstruction(scene.snapshot.generation if scene.snapshot else 0, compared.result, None)
         elif compared.result is not None:
             contours = self._contours(scene, compared.result, compared.result.contours, with_marks=True)

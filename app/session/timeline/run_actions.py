@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Position
+from cpm_core.numerics.types import Array, Place
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.method import Method, Steerable
 
@@ -43,29 +43,40 @@ class Stepped:
 
 @dataclass(frozen=True, slots=True)
 class Joined:
-    """Particles added at seeds, shape (N, 2), whose bytes are stored so that actions can be compared."""
+    """Particles added at seeds, shape (N, `axes`), whose bytes are stored so that actions can be compared."""
 
     seeds: bytes
     regions: AnyRegions | None = None
+    axes: int = 2
+
+    @classmethod
+    def at(cls, seeds: Array, regions: AnyRegions | None) -> Joined:
+        """Particles added at seeds, shape (N, D)."""
+        return cls(seeds.tobytes(), regions, seeds.shape[1])
+
+    @property
+    def places(self) -> Array:
+        """The seeds."""
+        return np.frombuffer(self.seeds).reshape(-1, self.axes)
 
     def apply(self, method: Method[Any], state: Any) -> Any:
         """Add the particles; a method without moving particles leaves its state as it is."""
-        seeds = np.frombuffer(self.seeds).reshape(-1, 2)
-        return method.joined(state, seeds) if isinstance(method, Steerable) else state
+        return method.joined(state, self.places) if isinstance(method, Steerable) else state
 
 
 @dataclass(frozen=True, slots=True)
 class Erased:
-    """Particles removed that are no farther from a path than a radius."""
+    """Particles removed that are no farther from a path than a radius, in sides of the smallest pixel or voxel."""
 
-    path: tuple[Position, ...]
+    path: tuple[Place, ...]
     radius: float
     regions: AnyRegions | None = None
 
     def apply(self, method: Method[Any], state: Any) -> Any:
         """Remove the particles; a method without moving particles leaves its state as it is."""
+        sides = np.array(method.image.spacing) / min(method.image.spacing) if len(self.path[0]) == 3 else 1.0
 
         def inside(places: Array) -> ArrayLike:
-            return polyline.distances(self.path, places) <= self.radius
+            return polyline.distances(np.array(self.path) * sides, places * sides) <= self.radius
 
         return method.erased(state, inside) if isinstance(method, Steerable) else state

@@ -12,7 +12,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.model.display.display_image import DisplayImage, display_of_edge_map, display_of_potential
+from app.model.display.display_image import (
+    DisplayImage,
+    DisplayVolume,
+    display_of_edge_map,
+    display_of_potential,
+    volume_of_edge_map,
+    volume_of_potential,
+)
 from app.model.display.iso_lines import iso_lines
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.mailbox import Mailbox
@@ -21,20 +28,35 @@ from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.parameters import Parameters, invalidating
 from cpm_core.segmentation.method import Method
 
-Overlay = Callable[[Method[Any], Parameters, Sequence[PlacedCharge]], NDArray[np.generic] | DisplayImage]
+Drawn = NDArray[np.generic] | DisplayImage | DisplayVolume
+Overlay = Callable[[Method[Any], Parameters, Sequence[PlacedCharge]], Drawn]
+
+
+def _edge_map(method: Method[Any], parameters: Parameters, charges: Sequence[PlacedCharge]) -> Drawn:
+    found = method.edge_map(parameters)
+    return volume_of_edge_map(found) if found.ndim == 3 else DisplayImage.of(display_of_edge_map(found))
+
+
+def _potential(method: Method[Any], parameters: Parameters, charges: Sequence[PlacedCharge]) -> Drawn:
+    found = method.potential(parameters, charges)
+    return volume_of_potential(found) if found.ndim == 3 else DisplayImage.of(display_of_potential(found))
+
+
+def _iso_lines(method: Method[Any], parameters: Parameters, charges: Sequence[PlacedCharge]) -> Drawn:
+    """Lines of equal potential; a volume has none."""
+    return np.empty((0, 2)) if method.image.ndim == 3 else iso_lines(method.potential(parameters, charges))
+
 
 OVERLAYS: Mapping[str, Overlay] = MappingProxyType(
     {
-        "edge_map": lambda method, parameters, _: DisplayImage.of(display_of_edge_map(method.edge_map(parameters))),
+        "edge_map": _edge_map,
         "field": lambda method, parameters, charges: method.field(parameters, 0, charges),
-        "potential": lambda method, parameters, charges: DisplayImage.of(
-            display_of_potential(method.potential(parameters, charges))
-        ),
-        "iso_lines": lambda method, parameters, charges: iso_lines(method.potential(parameters, charges)),
+        "potential": _potential,
+        "iso_lines": _iso_lines,
     }
 )
-"""Display images of the edge map and of the potential, shape (H, W); electric field of edges and placed charges, shape
-(2, H, W); lines of equal potential, shape (M, 2), with a row of NaN after each."""
+"""Display images of the edge map and of the potential, shape (H, W), or (P, R, C) of a volume; electric field of edges
+and placed charges, shape (2, H, W); lines of equal potential, shape (M, 2), with a row of NaN after each."""
 
 
 class OverlayMaker:

@@ -19,7 +19,7 @@ from app.session.worker.recorded_run import Begun
 from app.session.worker.stepper import Stepper
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.numerics.types import Position
+from cpm_core.numerics.types import Place
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.method import Method, Steerable
 from cpm_core.shapes.image_starts import ImageSeeds
@@ -109,10 +109,10 @@ class Run(Stepper):
         if not isinstance(self.method, Steerable) or self.state is None:
             return False
         ended = bool(self.state.stop_reason)
-        self._do(Joined(self._prepared.seeds(document).tobytes(), self.method.regions))
+        self._do(Joined.at(self._prepared.seeds(document), self.method.regions))
         return ended and self._keep_going()
 
-    def erase(self, path: tuple[Position, ...], radius: float) -> None:
+    def erase(self, path: tuple[Place, ...], radius: float) -> None:
         """Remove the particles near a path."""
         if isinstance(self.method, Steerable) and self.state is not None:
             self._do(Erased(path, radius, self.method.regions))

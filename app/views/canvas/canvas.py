@@ -10,10 +10,8 @@ from app.model.text.language import tr
 from app.views.canvas.image_view import ImageView
 from app.views.canvas.layers.layer import Requests
 from app.views.canvas.tools.tool import Tool
+from app.views.canvas.tools.tool_in_use import ToolInUse
 from cpm_core.numerics.types import Position
-
-REACH = 8.0
-"""Distance from a line or handle within which the pointer takes hold of it [px of the screen]."""
 
 ZOOM = 1.2
 
@@ -70,6 +68,9 @@ class Canvas(ImageView):
     pointed = Signal(object)
     """Position (row, col) under the pointer, or None when it has left."""
 
+    placed_at = Signal(object)
+    """Place under the pointer, in the image or in the volume, in whichever view it is, or None when it has left."""
+
     taken = Signal()
     """A button of the pointer has been pressed."""
 
@@ -85,10 +86,8 @@ class Canvas(ImageView):
         self.setAcceptDrops(False)
         self.setMinimumSize(320, 240)
         self.setAccessibleName(tr("Image"))
-        self.tool: Tool | None = None
-        self.grip: Tool | None = None
+        self.hold = ToolInUse()
         self.led_by_keys = False
-        self._dragged: Tool | None = None
         self._pointer: Position | None = None
         self._over: QPointF | None = None
         self._panning = Panning()
@@ -96,14 +95,19 @@ class Canvas(ImageView):
         self.view.sigRangeChanged.connect(self.point_again)
 
     @property
+    def tool(self) -> Tool | None:
+        """The tool in use."""
+        return self.hold.tool
+
+    @property
     def gesturing(self) -> bool:
         """Whether a tool has an unfinished gesture or draft."""
-        return self._dragged is not None or (self.tool is not None and self.tool.drafting)
+        return self.hold.gesturing
 
     @property
     def dragging(self) -> bool:
         """Whether the button is down for a tool."""
-        return self._dragged is not None
+        return self.hold.dragging
 
     def use_image(self) -> None:
         """Cancel what was begun on another image."""
@@ -113,21 +117,13 @@ class Canvas(ImageView):
 
     def cancel(self) -> None:
         """Cancel the gesture or draft of the tool."""
-        tool = self._dragged or (self.tool if self.gesturing else None)
-        self._dragged = None
-        if tool is not None:
-            tool.cancel()
+        self.hold.cancel()
 
     def use(self, tool: Tool) -> None:
         """Pass the left button to another tool."""
-        if self.dragging or not (self.tool is not None and self.tool.lasting):
-            self.cancel()
-        if self.tool is not None:
-            self.tool.put_away()
-            self.tool.set_in_use(False)
-        self.tool = tool
-        tool.set_in_use(True)
+        self.hold.take(tool)
         if self._pointer is not None:
+            tool.here = self.here
             tool.hover(self.placed(self._pointer))
         self.viewport().setCursor(tool.cursor(self.placed((-1e9, -1e9)), 0.0))
 
@@ -135,42 +131,37 @@ class Canvas(ImageView):
 
     def press_at(self, at: Position, reach: float | None = None) -> None:
         """Press the left button over a position; `reach` is the tolerance for hits [px of the image]."""
-        if self.tool is not None and self.shape is not None:
-            self._dragged = self._tool_at(at)
-            self._dragged.press(self.placed(at), self.reach() if reach is None else reach)
+        if self.shape is not None:
+            self.hold.press(self, at, reach)
 
     def lead_to(self, at: Position) -> None:
         """Move the pointer to a position."""
         self._pointer = at
-        if self._dragged is not None:
-            self._dragged.drag(self.placed(at))
-        elif self.tool is not None:
-            self.tool.hover(self.placed(at))
-            self.viewport().setCursor(self._tool_at(at).cursor(self.placed(at), self.reach()))
-        self.pointed.emit(at)
+        self.hold.move(self, at)
+        self.tell(at)
 
     def let_go(self) -> None:
         """Release the left button."""
-        if self._dragged is not None:
-            tool, self._dragged = self._dragged, None
-            tool.release()
+        self.hold.let_go()
 
     def bend(self, modifiers: Qt.KeyboardModifier) -> None:
         """Pass the modifier keys that are held to the tool; they may constrain the shape."""
-        tool = self._dragged or self.tool
-        if tool is not None:
-            tool.bend(modifiers)
+        self.hold.bend(modifiers)
 
     def leave(self) -> None:
         """Take the pointer off the canvas."""
         self._pointer = self._over = None
-        if self.tool is not None:
-            self.tool.put_away()
-        self.pointed.emit(None)
+        self.hold.leave()
+        self.tell(None)
+
+    def tell(self, at: Position | None) -> None:
+        """Tell over which position the pointer is."""
+        self.pointed.emit(at)
+        self.placed_at.emit(None if at is None else self.placed(at))
 
     def grips(self, at: Position) -> bool:
         """Whether a handle at a position has priority over the tool in use."""
-        return self._tool_at(at) is not self.tool
+        return self.hold.at(self, at) is not self.tool
 
     # Called by Qt
 
@@ -194,7 +185,7 @@ class Canvas(ImageView):
             if not moved.isNull():
                 self.viewport().setCursor(Qt.CursorShape.ClosedHandCursor)
                 self.pan(moved.x(), moved.y())
-                self.pointed.emit(at)
+                self.tell(at)
         elif not self.led_by_keys:
             self.bend(event.modifiers())
             self.lead_to(at)
@@ -202,14 +193,12 @@ class Canvas(ImageView):
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """End it."""
         event.accept()
-        if event.button() == Qt.MouseButton.LeftButton and self._dragged is not None:
+        if event.button() == Qt.MouseButton.LeftButton and self.dragging:
             self.let_go()
         elif self._panning.active:
             if self._panning.end() and event.button() == Qt.MouseButton.RightButton and not self.dragging:
                 self.menu_wanted.emit(event.globalPosition().toPoint())
-            if self.tool is not None:
-                at = self.position(event.position())
-                self.viewport().setCursor(self._tool_at(at).cursor(self.placed(at), self.reach()))
+            self.hold.show_cursor(self, self.position(event.position()))
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """Treat the second click like any other."""
@@ -243,23 +232,12 @@ class Canvas(ImageView):
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
         """Cancel the drag when the window loses the focus."""
-        if self._dragged is not None and event.reason() == Qt.FocusReason.ActiveWindowFocusReason:
+        if self.dragging and event.reason() == Qt.FocusReason.ActiveWindowFocusReason:
             self.cancel()
         super().focusOutEvent(event)
-
-    def _tool_at(self, at: Position) -> Tool:
-        """The tool that receives a press: one that takes hold of a handle has priority over the tool in use."""
-        assert self.tool is not None
-        if self.grip is not None and not self.tool.drafting and self.grip.grips(self.placed(at), self.reach()):
-            return self.grip
-        return self.tool
 
     def point_again(self) -> None:
         """The pointer rests, and another place of the image, of a slice or of another image has moved under it."""
         if self._over is not None and not self.led_by_keys:
             self._pointer = self.position(self._over)
-            self.pointed.emit(self._pointer)
-
-    def reach(self) -> float:
-        """Distance at which the pointer takes hold of something [px of the image]."""
-        return REACH * float(self.view.viewPixelSize()[0])
+            self.tell(self._pointer)

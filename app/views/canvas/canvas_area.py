@@ -73,11 +73,12 @@ class CanvasArea(QWidget):
             workspace.hand_editing,
             workspace.object_selection,
             workspace.object_list,
+            workspace.slices,
             drawing,
             advised=lambda: self.show_hint(self._hint),
         )
         self._tools: dict[str, Tool] = {entry.name: entry.make(tools) for entry in TOOLS}
-        self.canvas.grip = SelectTool(tools)
+        self.canvas.hold.grip = SelectTool(tools)
         self.canvas.installEventFilter(self)
         self.use_tool(FIRST_TOOL)
         session.said.connect(self.messages.say)
@@ -144,10 +145,15 @@ class CanvasArea(QWidget):
         self.strip.say_next(text)
 
     def zoom_to_selection(self) -> None:
-        """Show what is selected as large as possible."""
+        """Show what is selected as large as possible; in a volume, in the slices through its middle."""
         places = selected_places(self._workspace)
         if places:
             corners = np.concatenate(places)
+            if corners.shape[1] == 3:
+                middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
+                self._workspace.slices.through(tuple(middle.tolist()))
+                here = self.canvas.here
+                corners = corners if here is None else here.flattened(corners)
             (top, left), (bottom, right) = corners.min(axis=0), corners.max(axis=0)
             self.canvas.show_part(QRectF(left, top, right - left, bottom - top))
 

@@ -10,6 +10,7 @@ import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QResizeEvent
 
+from app.model.volume.slices import Slice
 from app.session.features.volumes.sections import Sections
 from app.session.scene import Scene
 from app.views.canvas.coordinates import image_rectangle, to_position
@@ -19,6 +20,9 @@ from app.views.theme import theme
 from cpm_core.numerics.types import Place, Position
 
 _MARGIN = 0.04
+
+REACH = 8.0
+"""Distance from a line or handle within which the pointer takes hold of it [px of the screen]."""
 
 LEAST, MOST = 0.01, 64.0
 """Bounds of the magnification."""
@@ -137,10 +141,18 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
         if getattr(self, "_fitted", False):
             self.fit()
 
+    @property
+    def here(self) -> Slice | None:
+        """The slice that is shown; None for an image."""
+        return None if self._scene.slices is None else self._scene.slices.current
+
     def placed(self, position: Position) -> Place:
         """Place in the image, or in the volume, of a position in what is shown."""
-        slices = self._scene.slices
-        return position if slices is None else slices.current.lifted(position)
+        return position if self.here is None else self.here.lifted(position)
+
+    def reach(self) -> float:
+        """Distance at which the pointer takes hold of something [px of the image]."""
+        return REACH * float(self.view.viewPixelSize()[0])
 
     def _place(self) -> dict[str, object]:
         """The visible part, empty while the whole image is visible."""

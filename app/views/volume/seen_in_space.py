@@ -11,15 +11,18 @@ from app.model.display.space.picture import Colors
 from app.model.display.space.projection import Shaded
 from app.model.display.space.shown_parts import Contents
 from app.model.display.space.triangles import Mesh
-from app.model.display.space.view_in_space import Particles
+from app.model.display.space.view_in_space import Particles, Wires
+from app.model.volume.shape_wires import wires
 from app.session.exchange.messages import Reconstruction, Snapshot
 from app.session.features.volumes.made_once import MadeOnce
 from app.session.scene import Scene
+from app.views.canvas.layers.layer import Layer
 from app.views.canvas.layers.particles.color_legend import BEGIN, UNKNOWN
 from app.views.canvas.layers.particles.particles import ParticleLayer
 from app.views.theme import color_maps, theme
 from app.views.theme.look import Ink, look
 from cpm_core.image.image import Image
+from cpm_core.shapes import Charge, Interest, Limit, Shape
 
 
 class SeenInSpace:
@@ -28,8 +31,8 @@ class SeenInSpace:
     def __init__(self) -> None:
         self._parts = MadeOnce()
 
-    def of(self, scene: Scene, layer: ParticleLayer) -> Contents | None:
-        """What a scene shows, with particles as a layer shows them on the canvas."""
+    def of(self, scene: Scene, layer: ParticleLayer, drawing: Layer) -> Contents | None:
+        """What a scene shows, with particles and what is drawn as their layers show them on the canvas."""
         image, slices, snapshot, found = scene.image, scene.slices, scene.snapshot, scene.reconstruction
         if image is None or slices is None:
             self._parts.forget()
@@ -39,10 +42,12 @@ class SeenInSpace:
         shaded = self._parts.of("shaded", (image,), lambda: _shaded(image))
         particles = self._parts.of("particles", given, lambda: _particles(snapshot, layer))
         mesh = self._parts.of("mesh", (found,), lambda: _mesh(found))
+        drawn = (scene.document.shapes if drawing.shown else (), scene.selected, image)
+        lines = self._parts.of("wires", drawn, lambda: _wires(*drawn))
         return self._parts.of(
             "contents",
-            (image, slices, particles, mesh),
-            lambda: Contents(image, shaded, slices, particles, mesh),
+            (image, slices, particles, mesh, lines),
+            lambda: Contents(image, shaded, slices, particles, mesh, lines),
         )
 
 
@@ -66,6 +71,21 @@ def _particles(snapshot: Snapshot | None, layer: ParticleLayer) -> Particles | N
 def _mesh(found: Reconstruction | None) -> Mesh | None:
     surface = getattr(found.result, "surface", None) if found is not None else None
     return None if surface is None or not len(surface.faces) else Mesh(surface)
+
+
+def _wires(shapes: tuple[Shape, ...], selected: int | None, image: Image) -> Wires | None:
+    sides = tuple(side / min(image.spacing) for side in image.spacing)
+    ends = [wires(shape, sides) for shape in shapes]
+    if not any(map(len, ends)):
+        return None
+    inks = [_rgb(theme.CHOSEN if index == selected else _ink(shape)) for index, shape in enumerate(shapes)]
+    return Wires(np.concatenate(ends), np.repeat(np.array(inks), list(map(len, ends)), axis=0))
+
+
+def _ink(shape: Shape) -> Ink | str:
+    if isinstance(shape, Charge):
+        return theme.ATTRACTING if shape.strength > 0.0 else theme.REPELLING
+    return theme.REGION if isinstance(shape, Interest) else theme.BARRIER if isinstance(shape, Limit) else theme.MOVING
 
 
 def _rgb(ink: Ink | str) -> Colors:

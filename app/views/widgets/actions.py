@@ -9,7 +9,7 @@ from PySide6.QtGui import QAction, QActionGroup, QKeySequence
 from PySide6.QtWidgets import QWidget
 
 from app.model.state.situation import Situation, always
-from app.model.state.volume_limits import NOT_IN_VOLUMES, OTHERWISE_IN_VOLUMES, has_volume
+from app.model.state.volume_limits import ICONS_IN_VOLUMES, NOT_IN_VOLUMES, OTHERWISE_IN_VOLUMES, has_volume
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
 from app.views.widgets.action_spec import STATE, TOGGLE, ActionSpec
@@ -75,6 +75,9 @@ class Actions:
             action.setText(told.text)
             action.setStatusTip(told.tip)
             action.setToolTip(tooltip(told.text, told))
+            if name in ICONS_IN_VOLUMES:
+                self._icons[name] = ICONS_IN_VOLUMES[name] if volume else spec.icon
+                self._tint(name)
         for name in NOT_IN_VOLUMES.keys() & self._actions.keys():
             action, spec = self._actions[name], self._specs[name]
             if volume:

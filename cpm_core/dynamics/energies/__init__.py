@@ -10,6 +10,11 @@ before they are normalized, scaled to match:
   to the distance ``R = d_min + d_max`` of neighbors, and in a volume, where the force decays with the third power, as
   ``0.25 w1 d_min^3 (1/r^2 - 1/R^2)``, up to the distance of those that repel each other there. Farther pairs make
   little difference, since the force on a particle is scaled by the distance to its neighbors.
+
+So the energy of particles that are neither inserted nor deleted falls as long as they are on their way. On an edge they
+are drawn to its ridge, which is not quite where the potential of the fixed charges is lowest: where a surface is
+curved, that is nearer to the center of the curvature. On a ball with a radius of 20 voxels it is 0.3 voxels inside the
+ridge and 0.7 % deeper, and while 150 particles settle there their energy rises by 2 %; on a torus by 0.1 %.
 """
 
 from __future__ import annotations

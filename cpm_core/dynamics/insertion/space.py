@@ -1,8 +1,11 @@
-"""Insertion of particles on a surface in a volume: hexagonal fronts in its tangent plane.
+"""Insertion of particles on a surface in a volume: between two, and hexagonal fronts in the tangent plane.
 
-A seated particle sorts its neighbors on the same sheet by their direction in the tangent plane. A gap between two of
-them is divided into steps of about 60 degrees, and each step is a place for a new particle, ``0.9 d_min`` ahead, pulled
-to the ridge of the edge map: there must be an edge that is strong enough, not turned to another sheet, and room.
+Between: two seated particles of one sheet at ``d_min < d <= d_min + d_max``, with no other one of it in the ball whose
+diameter they are, get one at their midpoint, pulled to the ridge of the edge map. Annealing ends this rule.
+
+Ahead: a seated particle sorts its neighbors on the same sheet by their direction in the tangent plane. A gap between
+two of them is divided into steps of about 60 degrees, and each step is a place for a new particle, ``0.9 d_min`` ahead,
+pulled to the ridge of the edge map: there must be an edge that is strong enough, not turned to another sheet, and room.
 """
 
 from __future__ import annotations
@@ -54,6 +57,9 @@ _TURNED = -0.5
 _ROUNDS, _RIDGE = 6, 0.7
 """Steps to the ridge, and the distance at which the edge must be weaker on both sides."""
 
+_ROUNDING_ERROR = 1e-9
+"""What rounding may take of half the distance of two particles [units]."""
+
 _SAME_PLACE = 0.5
 """Distance up to which two particles are in each other's way on any sheets [units]."""
 
@@ -61,7 +67,14 @@ _WORTH_A_THREAD = 100
 """Particles from which a second thread makes the search faster."""
 
 
-class Fronts(NamedTuple):
+_Sheets = tuple[Array, Array, Mask, Array]
+"""Positions of the particles, normals, which are seated, and edge strengths."""
+
+_Edge = tuple[Single, Single, Vector, float]
+"""Smoothed volume, edge map, sides of a voxel, and least edge strength."""
+
+
+class Births(NamedTuple):
     """New particles: positions and normals, shape (M, 3), and edge strengths, shape (M,)."""
 
     position: Array
@@ -69,69 +82,142 @@ class Fronts(NamedTuple):
     strength: Array
 
 
-def fronts(
-    particles: Particles, cells: Cells, turn: Index, field: VolumeField, d_min: float, placed: Placed = NOTHING_PLACED
-) -> Fronts:
-    """Places ahead of the seated particles that have their turn, in the order of these.
+def insertion(
+    particles: Particles,
+    cells: Cells,
+    turn: Index,
+    field: VolumeField,
+    d_min: float,
+    d_max: float = 0.0,
+    placed: Placed = NOTHING_PLACED,
+) -> Births:
+    """Places that the seated particles offer that have their turn, in the order of these.
 
-    They are where the placed charges leave particles on the edge.
+    `d_max` is the annealed insertion range [units]. They are where the placed charges leave particles on the edge.
     """
     contact = particles.contact
     assert contact is not None
-    looking = turn[contact.seated[turn]]
+    looking, looks = turn[contact.seated[turn]], np.zeros(len(particles), np.bool_)
+    looks[looking] = True
     found, count = np.empty((len(looking), _MOST, 7)), np.zeros(len(looking), np.int64)
     sheets = (particles.position, contact.normal, contact.seated, contact.strength)
-    find = partial(_fronts, looking, cells, *sheets, field.smoothed, field.edge_map, field.pitch, field.floor)
-    share(lambda first, last: find(d_min, found, count, first, last), len(looking), _WORTH_A_THREAD)
+    edge = (field.smoothed, field.edge_map, field.pitch, field.floor)
+    search = partial(_search, looking, looks, cells, sheets, edge, d_min, d_min + d_max, found, count)
+    share(search, len(looking), _WORTH_A_THREAD)
     places, parents = found[np.arange(_MOST) < count[:, None]], np.repeat(looking, count)
     places = places[~field.crossed(particles.position[parents], places[:, :3])]
     places = places[~torn_off(placed, places[:, :3], places[:, 3:6])]
     some = places[apart(places, ROOM * d_min, cells)]
-    return Fronts(some[:, :3].copy(), some[:, 3:6].copy(), some[:, 6].copy())
+    return Births(some[:, :3].copy(), some[:, 3:6].copy(), some[:, 6].copy())
 
 
 @compiled
-def _fronts(
+def _search(
     looking: Index,
+    looks: Mask,
     cells: Cells,
-    position: Array,
-    normals: Array,
-    seated: Mask,
-    strength: Array,
-    smoothed: Single,
-    edges: Single,
-    pitch: Vector,
-    floor: float,
+    sheets: _Sheets,
+    edge: _Edge,
     d_min: float,
+    reach: float,
     found: Array,
     count: Index,
     first: int,
     last: int,
 ) -> None:
-    """Find the places ahead of some particles."""
+    """Find the places that some particles offer, up to `_MOST` each."""
     angles = np.empty(_MOST_NEIGHBORS)
-    stride, room = STRIDE * d_min, ROOM * d_min
     for q in range(first, last):
-        i = looking[q]
-        place, normal = row_of(position, i), row_of(normals, i)
-        one, other = tangents(normal)
-        start, gap, steps = _widest_gap(cells, place, i, normals, seated, one, other, _NEIGHBORS * stride, angles)
-        for step in range(1, steps):
-            angle = start + gap * step / steps
-            ahead = moved(moved(place, stride * np.cos(angle), one), stride * np.sin(angle), other)
-            ahead = on_ridge(smoothed, edges, pitch, ahead, _ROUNDS)
-            away = length(difference(ahead, place))
-            here = sampled(edges, pitch, ahead)
-            turned = normal_at(smoothed, pitch, ahead)
-            fits = room <= away <= _FARTHEST * stride and here >= max(floor, FAINTEST * strength[i])
-            fits = fits and dot(turned, normal) >= _TURNED and _inside(ahead, edges.shape, pitch)
-            fits = fits and count[q] < _MOST and is_ridge(smoothed, edges, pitch, ahead, _RIDGE)
-            if fits and not _is_taken(cells, ahead, turned, normals, room):
-                entry = found[q, count[q]]
-                for axis in range(3):
-                    entry[axis], entry[3 + axis] = ahead[axis], turned[axis]
-                entry[6] = here
-                count[q] += 1
+        if reach > d_min:
+            _look_between(q, looking[q], looks, cells, sheets, edge, d_min, reach, found, count)
+        _look_ahead(q, looking[q], cells, sheets, edge, d_min, angles, found, count)
+
+
+@compiled
+def _look_between(
+    q: int,
+    i: int,
+    looks: Mask,
+    cells: Cells,
+    sheets: _Sheets,
+    edge: _Edge,
+    d_min: float,
+    reach: float,
+    found: Array,
+    count: Index,
+) -> None:
+    """Offer the midpoints of a particle and others of its sheet, with nothing between the two."""
+    position, normals, seated, _ = sheets
+    place, normal = row_of(position, i), row_of(normals, i)
+    top, bottom, front, back, left, right = cells_around(cells, place[0], place[1], place[2], reach)
+    for plane in range(top, bottom + 1):
+        for row in range(front, back + 1):
+            start, end = row_of_cells(cells, plane, row, left, right)
+            for k in range(start, end):
+                j = cells.order[k]
+                if not seated[j] or (looks[j] and j <= i) or not faces_alike(normal, row_of(normals, j)):
+                    continue
+                away = difference((cells.z[k], cells.y[k], cells.x[k]), place)
+                distance = length(away)
+                if d_min < distance <= reach:
+                    middle, room = moved(place, 0.5, away), 0.5 * distance - _ROUNDING_ERROR
+                    if not _is_taken(cells, middle, normal, normals, room):
+                        _offer(q, i, middle, 0.0, distance, room, cells, sheets, edge, found, count)
+
+
+@compiled
+def _look_ahead(
+    q: int,
+    i: int,
+    cells: Cells,
+    sheets: _Sheets,
+    edge: _Edge,
+    d_min: float,
+    angles: Array,
+    found: Array,
+    count: Index,
+) -> None:
+    """Offer the places a stride ahead of a particle, in the widest gap between its neighbors."""
+    position, normals, seated, _ = sheets
+    place, stride, room = row_of(position, i), STRIDE * d_min, ROOM * d_min
+    one, other = tangents(row_of(normals, i))
+    start, gap, steps = _widest_gap(cells, place, i, normals, seated, one, other, _NEIGHBORS * stride, angles)
+    for step in range(1, steps):
+        angle = start + gap * step / steps
+        ahead = moved(moved(place, stride * np.cos(angle), one), stride * np.sin(angle), other)
+        _offer(q, i, ahead, room, _FARTHEST * stride, room, cells, sheets, edge, found, count)
+
+
+@compiled
+def _offer(
+    q: int,
+    i: int,
+    place: Vector,
+    nearest: float,
+    farthest: float,
+    room: float,
+    cells: Cells,
+    sheets: _Sheets,
+    edge: _Edge,
+    found: Array,
+    count: Index,
+) -> None:
+    """Pull a place to the ridge, and offer it if the edge of the particle goes on there and there is room."""
+    position, normals, _, strength = sheets
+    smoothed, edges, pitch, floor = edge
+    place = on_ridge(smoothed, edges, pitch, place, _ROUNDS)
+    away = length(difference(place, row_of(position, i)))
+    here = sampled(edges, pitch, place)
+    turned = normal_at(smoothed, pitch, place)
+    fits = nearest <= away <= farthest and here >= max(floor, FAINTEST * strength[i])
+    fits = fits and dot(turned, row_of(normals, i)) >= _TURNED and _inside(place, edges.shape, pitch)
+    fits = fits and count[q] < _MOST and is_ridge(smoothed, edges, pitch, place, _RIDGE)
+    if fits and not _is_taken(cells, place, turned, normals, room):
+        entry = found[q, count[q]]
+        for axis in range(3):
+            entry[axis], entry[3 + axis] = place[axis], turned[axis]
+        entry[6] = here
+        count[q] += 1
 
 
 @compiled

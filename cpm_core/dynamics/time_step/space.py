@@ -14,7 +14,7 @@ import numpy as np
 from cpm_core.dynamics.barrier_contact.space import held_back
 from cpm_core.dynamics.deletion.space import thinned
 from cpm_core.dynamics.equilibrium import STILL, epsilon
-from cpm_core.dynamics.insertion.space import ROOM, Fronts, fronts
+from cpm_core.dynamics.insertion.space import ROOM, Births, insertion
 from cpm_core.dynamics.integrator.space import REACH, move
 from cpm_core.field.placed_charges import radius_at
 from cpm_core.field.volume.placed_charges import Placed
@@ -60,6 +60,7 @@ def stepped(state: State, field: VolumeField, parameters: Parameters) -> State:
     placed = Placed(state.placed, radius_at(state.scale))
     moved = move(before, cells.order[awake[cells.order]], cells, idle, field, parameters, placed)
     after, motion = moved.particles, moved.motion
+    after.velocity[~awake] = 0.0
     stays = _inside(after.position, extent, space) & (_contact(before).seated | (idle < _PATIENCE))
     if field.walls is not None:
         after = held_back(field.walls, before, after)
@@ -69,7 +70,8 @@ def stepped(state: State, field: VolumeField, parameters: Parameters) -> State:
     particles, stay, cells = _thinned(after, stays, awake, cells, extent, d_min)
     awake, arrived = awake[stay], arrived[stay]
     deleted = len(before) - len(particles)
-    births = fronts(particles, cells, cells.order[awake[cells.order]], field, d_min, placed)
+    d_max = state.annealed * parameters.d_max
+    births = insertion(particles, cells, cells.order[awake[cells.order]], field, d_min, d_max, placed)
     particles, covered, new = _joined(state, particles, births, cells, arrived, d_min)
     few = new <= max(1.0, _FEW_NEW * len(particles))
     idle_steps = state.idle + 1 if few else 0
@@ -79,6 +81,7 @@ def stepped(state: State, field: VolumeField, parameters: Parameters) -> State:
         state,
         particles=particles,
         space=replace(space, covered=covered),
+        annealed=state.annealed * parameters.annealing,
         step=state.step + 1,
         step_of_scale=step + 1,
         next_identity=state.next_identity + len(births.position),
@@ -137,7 +140,7 @@ def _thinned(
 
 
 def _joined(
-    state: State, particles: Particles, births: Fronts, cells: Cells, arrived: Mask, d_min: float
+    state: State, particles: Particles, births: Births, cells: Cells, arrived: Mask, d_min: float
 ) -> tuple[Particles, SurfaceCoverage, int]:
     """The particles with the new ones, those near new ground awake; the coverage; how many have found new ground."""
     contact, step = _contact(particles), state.step_of_scale + 1

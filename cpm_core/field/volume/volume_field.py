@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal, NamedTuple, TypeVar
 
@@ -20,11 +20,9 @@ from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.numerics.vectors import Vector
+from cpm_core.parameters.choices import Accuracy
 
 _Grid = TypeVar("_Grid", Single, Array)
-
-Accuracy = Literal["half", "exact"]
-"""How the far field is computed: from blocks of two units, or from every voxel."""
 
 BLOCK = 2.0
 """Side of the blocks of the far field [units]."""
@@ -39,9 +37,12 @@ _MAXWELL_QUARTILE, _DEVIATIONS = 1.1010, 4.2
 """Lower quartile of the Maxwell distribution of unit width, and the deviations of a component of the gradient that
 noise rarely exceeds: one in two thousand voxels, which are no ridge that a front could follow."""
 
-_SERIES, _CLEAR = (0.7, 1.0, 1.4, 2.0, 3.0), (0.1, 0.25, 0.25, 0.25, 1.0)
+_SERIES, _CLEAR = (0.7, 1.0, 1.2, 1.4, 2.0, 3.0), (0.1, 0.22, 0.22, 0.25, 0.25, 1.0)
 """Sigmas that the automatic smoothing tries [units], and the background, as a fraction of the largest edge strength, up
 to which each is enough. The first one keeps thin vessels that nearly touch apart."""
+
+_USABLE = 0.25
+"""The same up to which a sigma is taken if the next one is not enough: a volume full of edges has them everywhere."""
 
 _TURN = 0.7
 """Scalar product of the normals of two voxels of the edge map, from which on they belong to one surface."""
@@ -58,6 +59,15 @@ class FarField(NamedTuple):
 
     force: Single
     block: Vector
+
+
+class _Edges(NamedTuple):
+    """Sigma of the smoothing, the smoothed volume, its edge map, and the edge strength of its background."""
+
+    sigma: float
+    smoothed: Single
+    strength: Single
+    background: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,8 +90,8 @@ class VolumeField:
         Sigma of the Gaussian [units].
     exponent : float
         Power of the distance with which the force of a fixed charge decays.
-    accuracy : {"half", "exact"}
-        How the far field is computed.
+    accuracy : {"standard", "exact"}
+        How the far field is computed: from blocks of two units, or from every voxel.
     noisy : bool
         Whether noise decides on the floor; the normals of single voxels then tell little.
     walls : Walls or None
@@ -95,7 +105,7 @@ class VolumeField:
     floor: float
     smoothing: float
     exponent: float = 3.0
-    accuracy: Accuracy = "half"
+    accuracy: Accuracy = "standard"
     noisy: bool = False
     walls: Walls | None = None
 
@@ -118,7 +128,7 @@ class VolumeField:
     @cached_property
     def far(self) -> FarField:
         """Field of the fixed charges; computed on first use."""
-        wanted = BLOCK if self.accuracy == "half" else 1.0
+        wanted = BLOCK if self.accuracy == "standard" else 1.0
         block = [max(1, round(wanted / side)) for side in self.pitch]
         charges = block_means(np.where(self.edge_map < _CHARGED * self.floor, np.float32(0), self.edge_map), block)
         sides = tuple(n * side for n, side in zip(block, self.pitch, strict=True))
@@ -136,13 +146,20 @@ class VolumeField:
     @cached_property
     def potential(self) -> Array:
         """Potential of the fixed charges, shape (P, R, C), exact."""
-        return convolved_potential(self.edge_map, self.pitch)
+        return convolved_potential(self.edge_map, self.pitch, self.exponent)
 
     @cached_property
     def slope(self) -> float:
         """Mean slope of the potential [gray levels / unit]; 1 where it is flat."""
         slope = float(edge_strength(self.potential.astype(np.float32), self.pitch).mean(dtype=float))
         return slope if slope > 0.0 else 1.0
+
+    def with_far_field(self, exponent: float, accuracy: Accuracy) -> VolumeField:
+        """The same edges with another field of their charges, with all that is known of the edges."""
+        other = replace(self, exponent=exponent, accuracy=accuracy)
+        if "ridges" in self.__dict__:
+            other.__dict__["ridges"] = self.ridges
+        return other
 
     def with_walls(self, walls: Walls | None) -> VolumeField:
         """The same fields with other walls, with all that is known of them."""
@@ -174,19 +191,39 @@ def build_volume_field(
     `edge_floor` is the fraction of the largest edge strength below which there is no edge, 0 for what the background
     decides alone; outside `interest` there are no edges, and `walls` are what no particle crosses.
     """
-    for sigma, clear in zip(_SERIES, _CLEAR, strict=True) if smoothing == "auto" else ((float(smoothing), 1.0),):
-        smoothed = smoothed_volume(values, [sigma / side for side in pitch])
-        edges = edge_strength(smoothed, pitch)
-        background = _background(edges, interest)
-        if interest is not None:
-            edges[~interest] = 0.0
-        strongest = float(edges.max())
-        if background <= clear * strongest:
-            break
+    if smoothing == "auto":
+        sigma, smoothed, edges, background = _automatic_edges(values, pitch, interest)
+    else:
+        sigma, smoothed, edges, background = _edges(values, pitch, float(smoothing), interest)
+    strongest = float(edges.max())
     least = max(WEAKEST_EDGE, edge_floor) * strongest
     noise = min(background, _MOST_BACKGROUND * strongest)
     floor = max(least, noise) if strongest > 0.0 else math.inf
     return VolumeField(smoothed, edges, pitch, strongest, floor, sigma, noisy=noise > least, walls=walls)
+
+
+def _automatic_edges(values: Array, pitch: Vector, interest: Mask | None) -> _Edges:
+    """Edges after the least smoothing that raises them above the noise."""
+    usable: float | None = None
+    for sigma, clear in zip(_SERIES, _CLEAR, strict=True):
+        found = _edges(values, pitch, sigma, interest)
+        strongest = float(found.strength.max())
+        if found.background <= clear * strongest:
+            return found
+        if usable is not None:
+            return _edges(values, pitch, usable, interest)
+        usable = sigma if found.background <= _USABLE * strongest else None
+    return found
+
+
+def _edges(values: Array, pitch: Vector, sigma: float, interest: Mask | None) -> _Edges:
+    """Edges of a volume after a Gaussian of this sigma [units]; there are none outside `interest`."""
+    smoothed = smoothed_volume(values, [sigma / side for side in pitch])
+    edges = edge_strength(smoothed, pitch)
+    background = _background(edges, interest)
+    if interest is not None:
+        edges[~interest] = 0.0
+    return _Edges(sigma, smoothed, edges, background)
 
 
 def _background(edges: Single, interest: Mask | None) -> float:

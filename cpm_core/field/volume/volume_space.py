@@ -19,7 +19,11 @@ from cpm_core.numerics.types import Mask
 from cpm_core.numerics.vectors import Vector
 from cpm_core.parameters import DEFAULTS, OF_PLANES, Parameters
 
-_Key = tuple[int, float | str, float | str, float]
+_Key = tuple[int, float | str, float | str, float, float, str]
+"""Scale, gamma, smoothing and edge floor, from which the edges follow, and exponent and accuracy of their field."""
+
+_EDGES = 4
+"""Entries of a key that the edges depend on."""
 
 _KEPT_SETTINGS = 1
 """Settings whose fields are kept: those of a volume take much memory."""
@@ -70,12 +74,17 @@ class VolumeSpace:
     def at(self, scale: int, parameters: Parameters) -> VolumeField:
         """Fields of a scale; ValueError for parameters that have no meaning in a volume."""
         check_parameters(parameters)
-        key = scale, parameters.gamma, parameters.smoothing, parameters.edge_floor
+        far = parameters.exponent_in(len(self._shape)), parameters.accuracy
+        key = scale, parameters.gamma, parameters.smoothing, parameters.edge_floor, *far
         with self._lock:
-            if key not in self._kept:
+            known = next((field for of, field in self._kept.items() if of[:_EDGES] == key[:_EDGES]), None)
+            if key not in self._kept and known is not None:
+                self._kept[key] = known.with_far_field(*far)
+            elif key not in self._kept:
                 values = self._sources.at(scale, replace(parameters, smoothing=0.0)).values  # not cleaned
                 own = parameters.smoothing, parameters.edge_floor, self._voxels(scale), self._walls(scale)
-                self._kept[key] = build_volume_field(values, self._pitch, *own)
+                built = build_volume_field(values, self._pitch, *own)
+                self._kept[key] = built.with_far_field(*far)
             self._kept.move_to_end(key)
             while len(self._kept) > _KEPT_SETTINGS * len(self):
                 self._kept.popitem(last=False)

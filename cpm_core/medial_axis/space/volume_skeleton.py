@@ -18,6 +18,7 @@ from cpm_core.medial_axis.space.centerlines import Centerlines, centerlines
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters import Parameters
+from cpm_core.parameters.quotation import shown
 from cpm_core.reconstruction.surface.inside import inside_of
 from cpm_core.reconstruction.surface.iso.pipeline import find_surface
 
@@ -36,7 +37,7 @@ def volume_skeleton(
     check_parameters(parameters)
     for name, value in (("outside", outside), ("max_width", parameters.max_width)):
         if value:
-            raise ValueError(f"{name} is {value!r} but has no meaning in a volume: leave it out.")
+            raise ValueError(f"{name} is {shown(value)} but has no meaning in a volume: leave it out.")
     inside = _inside(image, parameters, parameters.polarity < 0.0) if within is None else _mask(within, image)
     found = centerlines(inside, image.spacing, image.unit, parameters.pruning)
     return replace(found, source=image.source, geometry=image.geometry)

@@ -62,8 +62,8 @@ def coulomb_force(
     Raises
     ------
     ValueError
-        For positions of another shape or that are no finite numbers, an unknown method, targets that are no particles,
-        or a tolerance out of range.
+        For positions of another shape, that are no finite numbers, or whose forces would be none, an unknown method,
+        targets that are no particles, or a tolerance out of range.
     """
     points = real_numbers(positions)
     if points.ndim != 2 or points.shape[1] not in (2, 3):
@@ -76,9 +76,7 @@ def coulomb_force(
         return np.zeros((0, points.shape[1]))
     unit, scale = _in_unit_of_extent(points)
     force = (_unit_force_in_space if points.shape[1] == 3 else _unit_force)(unit, method, wanted, tolerance)
-    force /= scale
-    force /= scale
-    return force
+    return _in_pixels(force, scale)
 
 
 def _in_unit_of_extent(points: Array) -> tuple[Array, float]:
@@ -90,6 +88,19 @@ def _in_unit_of_extent(points: Array) -> tuple[Array, float]:
     extent = float(sides.max())
     scale = float(2.0 ** np.floor(np.log2(extent))) if extent > 0.0 else 1.0
     return points / scale, scale
+
+
+def _in_pixels(force: Array, scale: float) -> Array:
+    """Force between positions in a unit of length as that between the positions themselves; `force` is changed."""
+    with np.errstate(over="ignore"):
+        force /= scale
+        force /= scale
+    if not np.isfinite(force).all():
+        raise ValueError(
+            f"positions lie within {scale:.2g} px, so near to each other that forces have no number: give them in "
+            "another unit."
+        )
+    return force
 
 
 def _unit_force_in_space(points: Array, method: str, wanted: Index | None, tolerance: float) -> Array:

@@ -26,7 +26,7 @@ class Leaving:
     """
 
     fewest: int = 12
-    share: float = 0.02
+    share: float = 0.003
     supported: float = 0.25
 
 

@@ -89,6 +89,7 @@ def _with_launched(state: State, field: VolumeField, ridges: Ridges, d_min: floa
         next_identity=state.next_identity + len(chosen),
         reseedings=state.reseedings + 1 if worthwhile else LAUNCHES,
         born=state.born + len(chosen),
+        annealed=1.0,
         reactivated=step,
         idle=0,
         quiet=0,

@@ -35,6 +35,8 @@ class Start:
     ----------
     outlines : tuple of ndarray, each of shape (K, 2)
         Corners (row, col) [px]; the last is joined to the first, which is not repeated.
+    around : bool
+        Whether the outlines lie around the objects, so that what drives a contour on must drive it inwards.
 
     Raises
     ------
@@ -43,6 +45,7 @@ class Start:
     """
 
     outlines: tuple[Array, ...]
+    around: bool = False
 
     def __post_init__(self) -> None:
         made = tuple(np.asarray(outline, dtype=float) for outline in self.outlines)
@@ -55,6 +58,11 @@ class Start:
                     "(row, col)."
                 )
         object.__setattr__(self, "outlines", made)
+
+    @property
+    def onward(self) -> float:
+        """Sign of a pressure that drives a contour on: 1 outwards, from inside the objects, -1 inwards."""
+        return -1.0 if self.around else 1.0
 
     @cached_property
     def points(self) -> Array:

@@ -11,7 +11,7 @@ from cpm_core.contours.result import Result
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image, as_plane
 from cpm_core.image.pyramid import most_scales
-from cpm_core.image.regions import Regions
+from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
 from cpm_core.segmentation.pages.page import Page, StartingLine, seeds_along, starts_after, without_image
@@ -30,7 +30,7 @@ def follow(
     numbers: Sequence[int] | None = None,
     fresh: bool = False,
     max_steps: int | None = None,
-    regions: Regions | None = None,
+    regions: AnyRegions | None = None,
     charges: Sequence[PlacedCharge] = (),
     known: Sequence[Page] = (),
 ) -> Iterator[Page]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QLabel
+from PySide6.QtWidgets import QCheckBox, QLabel
 
 from app.model.parameters.controls import controls
 from app.model.preferences.table import MOTION, WORDING
@@ -71,7 +71,8 @@ def test_the_explanation_follows_the_focus_and_fits_its_panel(window, hand, size
     for wording in ("symbol", "name"):
         window.actions_by_name[f"wording_{wording}"].trigger()
         for name, row in panel.rows.items():
-            row.slider.setFocus(Qt.FocusReason.TabFocusReason)
+            field = row.slider if row.slider.isEnabled() else row.findChild(QCheckBox)
+            field.setFocus(Qt.FocusReason.TabFocusReason)
             hand.wait(lambda row=row: panel.explanation.control is row.control)
             shown = panel.explanation.head.text() + panel.explanation.body.text()
             assert row.control.more in shown

@@ -6,9 +6,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PySide6.QtCore import QEvent, QPointF, Qt
+from PySide6.QtGui import QMouseEvent
+from PySide6.QtWidgets import QApplication
 
+from app.views.canvas.image_view import ImageView
 from app.views.main_window import MainWindow
 from tests.app.conftest import Hand
+
+Button = Qt.MouseButton
 
 SHAPE = (24, 28, 32)
 
@@ -25,6 +31,37 @@ def volume_file(tmp_path: Path) -> Path:
     path = tmp_path / "ball.npy"
     np.save(path, ball().astype(np.uint8))
     return path
+
+
+def send(view: ImageView, kind: QEvent.Type, at: tuple[float, float], button: Button, held: Button, *,
+         keys: Qt.KeyboardModifier = Qt.KeyboardModifier.NoModifier) -> None:  # fmt: skip
+    """A mouse event over a position of a view."""
+    to = view.point(at)
+    event = QMouseEvent(kind, to, QPointF(view.viewport().mapToGlobal(to.toPoint())), button, held, keys)
+    QApplication.sendEvent(view.viewport(), event)
+
+
+def press(view: ImageView, at: tuple[float, float], button: Button = Button.LeftButton) -> None:
+    """A button of the mouse goes down over a position of a view."""
+    send(view, QEvent.Type.MouseButtonPress, at, button, button)
+
+
+def move(view: ImageView, at: tuple[float, float], held: Button = Button.LeftButton) -> None:
+    """The pointer moves to a position of a view."""
+    send(view, QEvent.Type.MouseMove, at, Button.NoButton, held)
+
+
+def release(view: ImageView, at: tuple[float, float], button: Button = Button.LeftButton) -> None:
+    """The button goes up again."""
+    send(view, QEvent.Type.MouseButtonRelease, at, button, Button.NoButton)
+
+
+def drag(view: ImageView, *places: tuple[float, float]) -> None:
+    """A drag of the left button in a view."""
+    press(view, places[0])
+    for at in places[1:]:
+        move(view, at)
+    release(view, places[-1])
 
 
 def open_file(window: MainWindow, hand: Hand, path: Path) -> None:

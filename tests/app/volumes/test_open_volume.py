@@ -109,7 +109,7 @@ def test_what_volumes_lack_is_gray_with_a_sentence_and_returns_with_an_image(vol
         assert actions[name].toolTip().endswith(sentence)
     assert actions["circle"].text().replace("&", "") == "Sphere tool"
     open_file(volume, hand, image_file)
-    assert actions["polygon"].isEnabled()
+    assert actions["grid_area"].isEnabled()
     assert actions["mode_automatic"].isEnabled()
     assert not any(actions[name].toolTip().endswith(sentence) for name, sentence in NOT_IN_VOLUMES.items())
     assert actions["circle"].text().replace("&", "") == "Circle tool"
@@ -117,8 +117,8 @@ def test_what_volumes_lack_is_gray_with_a_sentence_and_returns_with_an_image(vol
 
 
 def test_a_tool_that_volumes_lack_gives_way_to_the_sphere(window, hand, volume_file) -> None:
-    hand.key(KEY.Key_L)
-    assert window.canvas_area.canvas.tool.name == "ellipse"
+    hand.key(KEY.Key_G)
+    assert window.canvas_area.canvas.tool.name == "grid_area"
     open_file(window, hand, volume_file)
     assert window.canvas_area.canvas.tool.name == "circle"
     assert window.actions_by_name["circle"].isChecked()

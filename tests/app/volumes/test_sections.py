@@ -8,12 +8,39 @@ from hypothesis import given
 from hypothesis import strategies as st
 from skimage.measure import marching_cubes
 
+from app.model.volume.shape_sections import RegionElsewhere, sections
+from app.model.volume.shape_wires import wires
 from app.model.volume.slices import Slice, Slices
 from app.model.volume.surface_section import section as lines_of
 from cpm_core.contours.surface import Surface
 from cpm_core.formats.sessions.plain_values import shape_from_plain, shape_to_plain
-from cpm_core.shapes import Circle, Points, Sphere
-from cpm_core.shapes.sections import section
+from cpm_core.shapes import (
+    Barrier,
+    Box,
+    BoxRegion,
+    Charge,
+    Circle,
+    Points,
+    Polygon,
+    PrismRegion,
+    Region,
+    Shape,
+    Sphere,
+    Stroke,
+    Wall,
+)
+
+SQUARE = ((2.0, 3.0), (2.0, 9.0), (8.0, 9.0), (8.0, 3.0))
+IN_SPACE: tuple[Shape, ...] = (
+    Box((1.0, 2.0, 3.0), (7.0, 9.0, 12.0)),
+    BoxRegion((1.0, 2.0, 3.0), (7.0, 9.0, 12.0)),
+    PrismRegion(SQUARE, 1, 2.0, 11.0),
+    Wall(SQUARE[:3], 2, 4.0, 10.0),
+    Stroke(((1.0, 2.0, 3.0), (4.0, 8.0, 6.0), (9.0, 9.0, 9.0))),
+    Polygon(((5.0, 2.0, 3.0), (5.0, 8.0, 6.0), (5.0, 2.0, 9.0))),
+    Charge((5.0, 6.0, 7.0), -2.0),
+)
+"""One shape of each kind that a volume has besides spheres and points."""
 
 axes, places = st.integers(0, 2), st.floats(-50, 50)
 triples = st.tuples(places, places, places)
@@ -38,7 +65,7 @@ def test_slices_stay_in_the_volume(axis, index) -> None:
 @given(triples, st.floats(1, 40), st.tuples(*[st.floats(1, 4)] * 3), axes, st.integers(-60, 60))
 def test_the_section_of_a_sphere_lies_on_the_sphere(center, radius, sides, axis, index) -> None:
     sphere = Sphere(center, radius, sides)
-    found = section(sphere, axis, index)
+    found = next(iter(sections(sphere, axis, index)), None)
     if found is None:
         assert abs(index - center[axis]) * sides[axis] >= radius
         return
@@ -61,7 +88,7 @@ def test_a_sphere_moves_with_its_particles(center, by, radius) -> None:
 
 
 @pytest.mark.parametrize("shape", [Sphere((1.0, 2.0, 3.0), 4.0, (2.0, 1.0, 1.0)), Points(((1.0, 2.0, 3.0),)),
-                                   Points(((1.0, 2.0),)), Circle((1.0, 2.0), 3.0)])  # fmt: skip
+                                   Points(((1.0, 2.0),)), Circle((1.0, 2.0), 3.0), *IN_SPACE])  # fmt: skip
 def test_shapes_of_images_and_of_volumes_are_read_as_they_were_written(shape) -> None:
     assert shape_from_plain(shape_to_plain(shape), "shape 1") == shape
 
@@ -73,7 +100,11 @@ def test_shapes_of_images_and_of_volumes_are_read_as_they_were_written(shape) ->
         {"shape": "circle", "center": [1.0, 2.0, 3.0], "radius": 3.0},
         {"shape": "points", "positions": [[1.0, 2.0, 3.0, 4.0]]},
         {"shape": "points", "positions": [[1.0, 2.0], [1.0, 2.0, 3.0]]},
-        {"shape": "polygon", "points": [[1.0, 2.0, 0.0], [3.0, 4.0, 0.0], [5.0, 0.0, 0.0]]},
+        {"shape": "polygon", "points": [[1.0, 2.0], [3.0, 4.0, 0.0], [5.0, 0.0, 0.0]]},
+        {"shape": "region", "points": [[1.0, 2.0, 0.0], [3.0, 4.0, 0.0], [5.0, 0.0, 0.0]]},
+        {"shape": "box", "first": [1.0, 2.0, 3.0], "last": [1.0, 5.0, 9.0]},
+        {"shape": "wall", "points": [[1.0, 2.0], [3.0, 4.0]], "axis": 3, "first": 0.0, "last": 4.0},
+        {"shape": "wall", "points": [[1.0, 2.0]], "axis": 0, "first": 0.0, "last": 4.0},
     ],
 )
 def test_a_shape_with_too_few_or_too_many_numbers_is_refused(plain) -> None:
@@ -112,3 +143,91 @@ def test_vertices_in_the_slice_leave_no_gap() -> None:
     corners += [(i * 5 + j + 1, (i + 1) * 5 + j + 1, (i + 1) * 5 + j) for i in range(4) for j in range(4)]
     (line,) = lines_of(Surface(upright, np.array(corners)), Slice(0, 2))
     assert line.length == pytest.approx(4.0)
+
+
+@given(axes, triples, triples, st.integers(-60, 60))
+def test_a_slice_shows_of_a_box_the_rectangle_between_its_faces(axis, one, other, index) -> None:
+    low, high = np.sort([one, other], axis=0)
+    high = np.maximum(high, low + 1.0)
+    for kind in (Box, BoxRegion):
+        found = sections(kind(tuple(low), tuple(high)), axis, index)
+        if low[axis] <= index <= high[axis]:
+            (cut,) = found
+            expected = np.delete([low, high], axis, axis=1)
+            np.testing.assert_allclose([np.min(cut.points, axis=0), np.max(cut.points, axis=0)], expected)
+        elif not low[axis] - 1 <= index <= high[axis] + 1:
+            assert all(isinstance(cut, RegionElsewhere) for cut in found)
+            assert len(found) == (kind is BoxRegion), "a region that the slice does not cut leaves nothing of it"
+
+
+@pytest.mark.parametrize("kind", [Box, BoxRegion])
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_the_handles_of_a_box_move_the_faces_that_they_lie_on(kind, axis) -> None:
+    box = kind((10.0, 20.0, 30.0), (16.0, 28.0, 40.0))
+    here = Slice(axis, (12, 25, 36)[axis])
+    (cut,) = sections(box, here.axis, here.index)
+    for handle in cut.handles():
+        for by in ((3.0, 0.0), (-2.0, 5.0), (50.0, -50.0)):
+            place, to = here.lifted(handle), here.lifted(tuple(np.add(handle, by).tolist()))
+            changed = box.with_handle_at(place, to)
+            moved = set()
+            for name in ("first", "last"):
+                for along in np.flatnonzero(np.subtract(getattr(changed, name), getattr(box, name))).tolist():
+                    moved.add(along)
+            assert axis not in moved, "a slice moves only what it shows"
+            ends = zip(place, box.first, box.last, strict=True)
+            held = {along for along, (at, low, high) in enumerate(ends) if min(abs(at - low), abs(at - high)) < 1e-9}
+            assert moved <= held
+            assert min(np.subtract(changed.last, changed.first)) >= 1.0
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_what_is_drawn_through_slices_is_a_line_in_its_own_and_strips_in_the_others(axis) -> None:
+    others = [other for other in range(3) if other != axis]
+    region, wall = PrismRegion(SQUARE, axis, 2.0, 11.0), Wall(SQUARE[:3], axis, 2.0, 11.0)
+    (cut,), (line,) = sections(region, axis, 5), sections(wall, axis, 5)
+    assert cut.points == SQUARE
+    assert line == Barrier(SQUARE[:3])
+    assert sections(wall, axis, 14) == ()
+    assert isinstance(sections(region, axis, 14)[0], RegionElsewhere)
+    for along, across in (others, others[::-1]):
+        at = 5.0  # where both are cut
+        (strip,) = sections(region, along, at)
+        assert isinstance(strip, Region)
+        low, high = np.min(strip.points, axis=0), np.max(strip.points, axis=0)
+        expected = {axis: (2.0, 11.0), across: (3.0, 9.0) if across == others[1] else (2.0, 8.0)}
+        shown = sorted((axis, across))
+        np.testing.assert_allclose(np.stack([low, high], axis=1), [expected[one] for one in shown])
+        here = Slice(along, int(at))
+        handle = here.lifted(strip.handles()[1])
+        to = tuple(7.0 if one == axis else value for one, value in enumerate(handle))
+        assert region.with_handle_at(handle, to).last == 7.0
+
+
+def test_what_is_not_convex_is_cut_in_several_strips() -> None:
+    fork = ((0.0, 0.0), (9.0, 0.0), (9.0, 3.0), (3.0, 3.0), (3.0, 6.0), (9.0, 6.0), (9.0, 9.0), (0.0, 9.0))
+    assert len(sections(PrismRegion(fork, 0, 0.0, 5.0), 1, 6)) == 2
+    assert len(sections(PrismRegion(fork, 0, 0.0, 5.0), 1, 2)) == 1
+
+
+def test_a_charge_is_seen_where_it_acts_and_held_where_it_lies() -> None:
+    charge = Charge((20.0, 30.0, 40.0), 2.0)
+    (here,), (near,) = sections(charge, 0, 20), sections(charge, 0, 26)
+    assert here.in_slice
+    assert not near.in_slice
+    assert here.distance((30.0, 40.0)) == 0.0
+    assert near.distance((30.0, 40.0)) == np.inf
+    assert np.hypot(*(near.ring(16.0) - (30, 40)).T) == pytest.approx(np.sqrt(16.0**2 - 6.0**2))
+    assert sections(charge, 0, 40) == ()
+    (flat,) = sections(charge, 1, 30, (2.0, 1.0, 1.0))
+    assert np.ptp(flat.ring(16.0), axis=0) == pytest.approx([16.0, 32.0], rel=1e-3)
+
+
+@pytest.mark.parametrize("shape", IN_SPACE, ids=lambda shape: type(shape).__name__)
+def test_shapes_move_in_space_with_their_lines_and_keep_their_handles_in_reach(shape) -> None:
+    by = (3.0, -2.0, 1.5)
+    before, after = wires(shape, (1.0, 1.0, 1.0)), wires(shape.moved(by), (1.0, 1.0, 1.0))
+    np.testing.assert_allclose(after, before + by)
+    place = tuple(before[0, 0].tolist())
+    moved = tuple(np.add(place, by).tolist())
+    assert shape.moved(by).distance(moved) == pytest.approx(shape.distance(place))

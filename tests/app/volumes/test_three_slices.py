@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
-from PySide6.QtGui import QMouseEvent, QWheelEvent
+from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtGui import QWheelEvent
 from PySide6.QtWidgets import QApplication
 
 from app.views.features.view.slices import SlicesFeature
 from cpm_core.shapes import Sphere
-from tests.app.volumes.conftest import ball, open_file
+from tests.app.volumes.conftest import ball, move, open_file, press, release
 
 LEFT, SHIFT = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.ShiftModifier
 
@@ -35,17 +35,21 @@ def test_the_other_axes_are_shown_beside_the_canvas(volume, hand) -> None:
             assert lines(view) == list(here.within(volume.session.scene.slices.voxel))
 
 
-def test_a_click_beside_the_canvas_moves_the_cross_and_with_it_the_slice(volume, hand) -> None:
+@pytest.mark.parametrize("button", [Qt.MouseButton.RightButton, Qt.MouseButton.MiddleButton, LEFT])
+def test_a_click_beside_the_canvas_moves_the_cross_and_with_it_the_slice(volume, hand, button) -> None:
+    if button == LEFT:
+        hand.key(Qt.Key.Key_S)
     rows, _ = sides(volume)  # across the rows: planes run down, columns to the right
-    hand.qtbot.mouseClick(rows.viewport(), LEFT, pos=rows.point((5.0, 20.0)).toPoint())
+    press(rows, (5.0, 20.0), button)
     assert volume.session.scene.slices.voxel == (5, 14, 20)
     assert volume.session.scene.slices.axis == 0
     np.testing.assert_array_equal(hand.canvas.drawn.image.values, ball()[5])
-    to = rows.point((9.0, 11.0)).toPoint()
-    moved = QMouseEvent(QEvent.Type.MouseMove, QPointF(to), QPointF(rows.viewport().mapToGlobal(to)), LEFT, LEFT,
-                        Qt.KeyboardModifier.NoModifier)  # fmt: skip
-    QApplication.sendEvent(rows.viewport(), moved)
+    move(rows, (9.0, 11.0), button)
     assert volume.session.scene.slices.voxel == (9, 14, 11)
+    release(rows, (9.0, 11.0), button)
+    move(rows, (3.0, 3.0), Qt.MouseButton.NoButton)
+    assert volume.session.scene.slices.voxel == (9, 14, 11)
+    assert not volume.session.document.shapes
 
 
 def test_the_wheel_beside_the_canvas_goes_through_the_slices_there(volume) -> None:

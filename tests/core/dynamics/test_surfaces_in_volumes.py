@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from cpm_core import PRESETS
 from cpm_core.dynamics.deletion.space import thinned
-from cpm_core.dynamics.insertion.space import apart, fronts
+from cpm_core.dynamics.insertion.space import apart, insertion
 from cpm_core.dynamics.integrator.space import move
 from cpm_core.dynamics.time_step.space import _wake
 from cpm_core.field.volume.volume_field import VolumeField, build_volume_field
@@ -164,7 +164,7 @@ def seated(points, side=1.0):
 
 def test_around_a_single_particle_there_are_six(edge):
     some = seated([[10.0, 12.0]])
-    born = fronts(some, cells_for(some.position), np.array([0]), edge, 2.0)
+    born = insertion(some, cells_for(some.position), np.array([0]), edge, 2.0)
     assert len(born.position) == 6
     np.testing.assert_allclose(np.linalg.norm(born.position[:, :2] - (10.0, 12.0), axis=1), STRIDE * 2.0, atol=1e-6)
     np.testing.assert_allclose(born.position[:, 2], EDGE, atol=0.15)
@@ -179,7 +179,7 @@ def test_new_particles_lie_on_the_edge_a_stride_ahead_and_keep_their_room(edge, 
     rng = np.random.default_rng(seed)
     points = rng.uniform((0.0, 0.0), (19.0, 23.0), (rng.integers(1, 40), 2))
     some, turn = seated(points), np.flatnonzero(rng.uniform(size=len(points)) < 0.7)
-    born = fronts(some, cells_for(some.position), turn, edge, d_min).position
+    born = insertion(some, cells_for(some.position), turn, edge, d_min).position
     from_all, among = distances(born, some.position), distances(born, born)
     np.fill_diagonal(among, np.inf)
     assert np.abs(born[:, 2] - EDGE).max(initial=0.0) < 0.15
@@ -195,7 +195,7 @@ def test_fronts_go_on_until_the_whole_edge_is_covered_and_no_denser(edge):
     points, d_min = np.array([[10.0, 12.0]]), 1.75
     for _ in range(40):
         some = seated(points)
-        born = fronts(some, cells_for(some.position), np.arange(len(some)), edge, d_min).position
+        born = insertion(some, cells_for(some.position), np.arange(len(some)), edge, d_min).position
         if not len(born):
             break
         points = np.concatenate([points, born[:, :2]])
@@ -207,6 +207,54 @@ def test_fronts_go_on_until_the_whole_edge_is_covered_and_no_denser(edge):
     assert between.min() >= ROOM * d_min
 
 
+def between(edge, points, d_max, d_min=2.0):
+    """Particles born between others on an upright edge, each too surrounded to be one of a front."""
+    some = seated(points)
+    ahead = insertion(some, cells_for(some.position), np.arange(len(some)), edge, d_min).position
+    both = insertion(some, cells_for(some.position), np.arange(len(some)), edge, d_min, d_max).position
+    gap = distances(both, ahead).min(axis=1, initial=np.inf)
+    return both[gap > 1e-6]
+
+
+@pytest.mark.parametrize("gap", [1.9, 2.1, 3.0, 3.4, 3.6])
+def test_two_at_rest_within_range_get_one_at_their_midpoint(edge, gap):
+    pair = [[9.0, 10.0], [9.0, 10.0 + gap]]
+    born = between(edge, pair, 1.5)
+    if not 2.0 < gap <= 3.5:
+        assert not len(born)
+        return
+    assert len(born) == 1
+    np.testing.assert_allclose(born[0], (9.0, 10.0 + 0.5 * gap, EDGE), atol=0.15)
+    assert not len(between(edge, [*pair, [9.2, 10.0 + 0.5 * gap]], 1.5))
+    assert not len(between(edge, pair, 0.0))
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=seeds, d_max=st.sampled_from([0.3, 1.0, 3.0]))
+def test_those_between_halve_a_pair_that_no_other_one_of_the_sheet_is_inside_of(edge, seed, d_max):
+    rng = np.random.default_rng(seed)
+    points = rng.uniform((1.0, 1.0), (18.0, 22.0), (rng.integers(2, 60), 2))
+    flat = seated(points).position
+    some = seated(points)
+    for place in insertion(some, cells_for(flat), np.arange(len(flat)), edge, 2.0, d_max).position:
+        away = np.linalg.norm(flat - place, axis=1)
+        one, other = np.sort(away)[:2]
+        halves = 1.9 < one + other < 2.1 + d_max and other - one < 0.05
+        assert halves or np.abs(away - STRIDE * 2.0).min() < 0.1
+
+
+def test_two_on_different_walls_get_none_between_them(edge):
+    some, other = seated([[10.0, 12.0]]), seated([[10.0, 15.0]], side=-1.0)
+    both = particles(
+        np.concatenate([some.position, other.position]),
+        np.concatenate([some.contact.normal, other.contact.normal]),
+        np.ones(2, bool),
+        np.full(2, 9.0),
+    )
+    born = insertion(both, cells_for(both.position), np.arange(2), edge, 2.0, 3.0).position
+    assert np.linalg.norm(born - (10.0, 13.5, EDGE), axis=1).min(initial=np.inf) > 0.1
+
+
 def test_particles_of_the_other_wall_of_a_thin_object_take_no_room(edge):
     some = seated([[10.0, 12.0]])
     other = seated([[10.0, 12.9], [11.0, 12.0], [8.2, 11.0], [11.8, 13.0]], side=-1.0)
@@ -216,6 +264,6 @@ def test_particles_of_the_other_wall_of_a_thin_object_take_no_room(edge):
         np.ones(5, bool),
         np.full(5, 9.0),
     )
-    alone = fronts(some, cells_for(some.position), np.array([0]), edge, 2.0)
-    beside = fronts(both, cells_for(both.position), np.array([0]), edge, 2.0)
+    alone = insertion(some, cells_for(some.position), np.array([0]), edge, 2.0)
+    beside = insertion(both, cells_for(both.position), np.array([0]), edge, 2.0)
     np.testing.assert_array_equal(beside.position, alone.position)

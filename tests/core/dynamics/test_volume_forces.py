@@ -1,12 +1,15 @@
 """Forces and energies of particles in volumes: what a step applies, and sums over all pairs by brute force."""
 
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
 import cpm_core as cpm
 from cpm_core.dynamics.equations import damping, repulsion_left
+from cpm_core.dynamics.insertion.space import Births
+from cpm_core.dynamics.time_step import space as time_step
 from cpm_core.field.convolution import convolved_potential
 from cpm_core.field.interpolation import interpolate
 
@@ -131,18 +134,23 @@ def test_the_energy_is_the_sum_over_all_pairs_and_charges():
         assert energies.kinetic == pytest.approx(0.5 * (state.particles.velocity**2).sum())
 
 
-def test_the_potential_has_the_field_as_its_slope_between_edges():
+@pytest.mark.parametrize("exponent", [None, 1.0, 2.0, 3.5])
+def test_the_potential_has_the_field_as_its_slope_between_edges(exponent):
     """Without a normalization: the potential and the field of the same charges."""
     f = np.random.default_rng(3).uniform(0.0, 9.0, (7, 8, 9))
     places = np.argwhere(f >= 0.0)
     away = np.linalg.norm(places[:, None] - places, axis=-1)
     away[away == 0.0] = np.inf
-    wanted = -(0.5 * f.ravel() / away**2).sum(axis=1).reshape(f.shape)
-    np.testing.assert_allclose(convolved_potential(f), wanted, rtol=3e-6)
+    if exponent != 1.0:
+        power = 2.0 if exponent is None else exponent - 1.0
+        wanted = -(f.ravel() / power / away**power).sum(axis=1).reshape(f.shape)
+        np.testing.assert_allclose(convolved_potential(f, exponent=exponent), wanted, rtol=3e-6)
     single = np.zeros((21, 21, 21))
     single[10, 10, 10] = 1.0
-    field = cpm.electric_field(single)
-    slope = -np.stack(np.gradient(convolved_potential(single)))
+    field = cpm.electric_field(single, exponent=exponent)
+    potential = convolved_potential(single, exponent=exponent)
+    assert potential.max() <= 1e-6
+    slope = -np.stack(np.gradient(potential))
     far = np.linalg.norm(np.indices(single.shape) - 10.0, axis=0) > 5.0
     far[[0, -1]] = far[:, [0, -1]] = far[:, :, [0, -1]] = False
     np.testing.assert_allclose(slope[:, far], field[:, far], atol=0.1 * np.abs(field[:, far]).max())
@@ -158,10 +166,43 @@ def test_energies_are_finite_and_fall():
     each = potential / [state.count for state in found]
     flying = [k for k, state in enumerate(found) if state.next_identity == 60]
     assert len(flying) > 5
-    assert (np.diff(each[flying]) < 0.01).all()
-    assert each[-1] < each[flying[-1]] + 1.5 < each[0]
+    assert (np.diff(each[flying]) < 0.05).all()
+    assert each[flying[-1]] + 1.5 < each[0]
+    assert each[-1] < each[flying[-1]] + 3.0
     assert kinetic.max() > 50.0
-    assert kinetic[-1] < 0.01 * kinetic.max()
+    assert kinetic[-1] < 0.001 * kinetic.max()
+
+
+def test_sleeping_particles_have_no_motion_and_no_kinetic_energy():
+    found = states(())
+    slept = 0
+    for before, after in pairwise(found[:-1]):
+        contact = before.particles.contact
+        asleep = before.particles.identity[contact.seated & (before.step_of_scale - contact.woken >= 12)]
+        still = np.isin(after.particles.identity, asleep)
+        assert not after.particles.velocity[still].any()
+        slept += int(still.sum())
+    assert slept > 100
+
+
+def test_the_energy_of_particles_that_stay_the_same_falls_until_they_settle(monkeypatch):
+    """On the ridge of a curved edge the potential is a little higher than beside it, as the module tells."""
+    nothing = Births(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
+    monkeypatch.setattr(time_step, "insertion", lambda *_: nothing)
+    state = engine().start(cpm.sphere(tuple(CENTER), 4.0, 20, spacing=SPACING))
+    energies, seated = [], []
+    while state.step < 70:
+        state = time_step.stepped(state, engine().scale_field(VOLUME), VOLUME)
+        found = engine().energies(state, VOLUME)
+        energies.append((found.kinetic + found.potential) / state.count)
+        seated.append(state.particles.contact.seated.mean())
+    on_the_way = np.flatnonzero(np.array(seated) > 0.0)[0]
+    assert on_the_way > 5
+    assert (np.diff(energies[:on_the_way]) < 1e-9).all()
+    fallen = energies[0] - min(energies)
+    assert seated[-1] == 1.0
+    assert energies[-1] - min(energies) < 0.15 * fallen
+    assert energies[-1] == energies[-2]
 
 
 def test_a_state_without_particles_has_no_forces_and_no_energy():

@@ -16,7 +16,7 @@ from cpm_core.field import source_images as source_images_module
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.field.scale_space import ScaleSpace
 from cpm_core.image.regions import Regions
-from cpm_core.parameters import OF_STARTS, PARAMETERS, Parameters, invalidating
+from cpm_core.parameters import OF_STARTS, OF_VOLUMES, PARAMETERS, Parameters, invalidating
 from cpm_core.parameters.choices import CHOICES
 
 from ..scenes import disk
@@ -97,10 +97,10 @@ def test_what_acts_at_the_next_step_rebuilds_nothing(calls, name):
 
 def test_every_parameter_that_invalidates_the_field_builds_a_scale_field():
     space = UsedScaleSpace(IMAGE, 1)
-    names = [name for name in invalidating("field") if name not in OF_STARTS]
-    assert len(names) == 6
+    names = [name for name in invalidating("field") if name not in (*OF_STARTS, *OF_VOLUMES)]
+    assert len(names) == 7
     built = [space.at(0, START), *(space.at(0, changed(name)) for name in names)]
-    assert len({id(scale_field) for scale_field in built}) == 7
+    assert len({id(scale_field) for scale_field in built}) == 8
 
 
 def test_another_smoothing_leaves_pyramid_and_barriers(calls):
@@ -120,6 +120,17 @@ def test_another_edge_floor_or_border_leaves_the_gradient_too(calls, change):
     calls.clear()
     space.at(0, replace(START, **change))
     assert others(calls) == dict.fromkeys(("build_scale_field", "convolved_field", "inside_border"), 1)
+
+
+def test_another_exponent_leaves_the_edges(calls):
+    space = UsedScaleSpace(IMAGE, 2, REGIONS)
+    before = space.at(0, START)
+    calls.clear()
+    after = space.at(0, replace(START, exponent=3.0))
+    assert others(calls) == dict.fromkeys(("build_scale_field", "convolved_field", "inside_border"), 1)
+    np.testing.assert_array_equal(after.edge_map, before.edge_map)
+    assert not np.allclose(after.lorentz, before.lorentz, atol=0.01)
+    assert space.at(0, replace(START, exponent=2.0)) is before
 
 
 def test_going_back_costs_nothing(calls):

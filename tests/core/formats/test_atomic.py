@@ -122,6 +122,22 @@ def test_a_move_that_fails_after_others_tells_how_many_were_written(tmp_path, mo
     assert names_in(tmp_path) == ["a.svg", "b.svg"]
 
 
+@WAYS
+@pytest.mark.parametrize("content", [b"new", b"n" * 10**6])
+def test_all_of_the_content_is_on_the_disk_before_it_replaces_the_old(tmp_path, monkeypatch, write, content):
+    brought, fsync, target = [], os.fsync, tmp_path / "a.svg"
+    target.write_bytes(b"old")
+
+    def seen(descriptor):
+        brought.append((os.fstat(descriptor).st_size, target.read_bytes()))
+        fsync(descriptor)
+
+    monkeypatch.setattr(os, "fsync", seen)
+    write(target, content)
+    assert brought == [(len(content), b"old")]
+    assert target.read_bytes() == content
+
+
 @posix
 def test_an_interrupt_while_files_are_moved_waits_until_all_are_and_says_so(tmp_path, interrupts_heeded):
     program = (

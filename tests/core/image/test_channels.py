@@ -61,6 +61,14 @@ def test_a_gray_image_has_its_own_gray_levels_in_every_channel(channel):
     assert image.channel(channel) == "luminance"
 
 
+@pytest.mark.parametrize("channel", ["ultraviolet", "x\n" * 10**5, None, 1j, ["red"]])
+def test_a_channel_of_another_name_is_refused_in_a_sentence(image, channel):
+    for given in (image, Image(two_discs()[..., 0])):
+        with pytest.raises(ValueError, match=r'^channel is .{2,40} but must be "luminance" or "red" or') as refused:
+            given.gray(channel)
+        assert str(refused.value).isprintable()
+
+
 @pytest.mark.parametrize(("stain", "name"), list(enumerate(("hematoxylin", "eosin", "dab"))))
 def test_a_stain_darkens_its_own_channel_and_no_other(stain, name):
     amounts = np.zeros((SIDE, SIDE, 3))

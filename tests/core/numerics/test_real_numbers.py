@@ -3,7 +3,18 @@
 import numpy as np
 import pytest
 
-from cpm_core import circle, coulomb_force, edge_map, electric_field, gradient_threshold, measure, stroke, uniform_grid
+from cpm_core import (
+    Geometry,
+    Parameters,
+    circle,
+    coulomb_force,
+    edge_map,
+    electric_field,
+    gradient_threshold,
+    measure,
+    stroke,
+    uniform_grid,
+)
 from cpm_core.numerics.real_numbers import checked_number
 from cpm_core.parameters.quotation import shown
 
@@ -36,6 +47,11 @@ def test_a_value_is_shown_on_one_printable_line(value):
         (lambda: edge_map(np.eye(9), None), "smoothing is None"),
         (lambda: electric_field(np.full((9, 9), np.inf)), "NaN, infinite or far too large"),
         (lambda: electric_field(np.eye(9), exponent=[1.0]), r"exponent is \[1.0\]"),
+        (lambda: electric_field(np.eye(9), "pppm", np.ones((3, 2))), "exponent is array.* must be 2"),
+        (lambda: Parameters(gamma=np.ones((3, 2))), "gamma is array"),
+        (lambda: Parameters(smoothing=np.ones(2)), "smoothing is array"),
+        (lambda: Geometry().affine((1.0, 1.0), "LPI"), 'convention is "LPI" but must be'),
+        (lambda: Geometry().affine((1.0, 1.0), np.ones((3, 2))), "convention is array"),
         (lambda: gradient_threshold(np.zeros((0, 0))), "shape"),
         (lambda: uniform_grid((10**6, 10**6), 1e-6), "choose a larger spacing"),
         (lambda: uniform_grid((16.5, 3)), "whole numbers"),
@@ -49,3 +65,4 @@ def test_bad_input_of_the_library_is_refused_in_one_sentence(call, said):
     with pytest.raises(ValueError, match=said) as caught:
         call()
     assert str(caught.value).endswith(".")
+    assert str(caught.value).isprintable()

@@ -103,3 +103,9 @@ def test_json_and_coco_tell_objects(result):
 def test_names_are_one_for_each_object():
     with pytest.raises(ValueError, match="2 names for 1 objects"):
         objects_result([selection(ring((20, 20), -1, 5))], Image(np.zeros((40, 60))), ["a", "b"])
+
+
+@pytest.mark.parametrize("names", [None, 1j, "a", ["\n", 2], np.array(["a"]), np.zeros((2, 2)), {"a": 1}, {"a"}])
+def test_names_of_another_kind_are_refused_in_a_sentence(names):
+    with pytest.raises(ValueError, match=r"^names is .* but must be a list of names, .* left out\.$"):
+        objects_result([selection(ring((20, 20), -1, 5))], Image(np.zeros((40, 60))), names)

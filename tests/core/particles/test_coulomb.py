@@ -159,6 +159,23 @@ def test_positions_that_are_no_numbers_are_refused(bad, column, method):
         coulomb_force(points, method)
 
 
+@pytest.mark.parametrize("axes", [2, 3])
+@pytest.mark.parametrize("method", METHODS)
+def test_forces_that_are_no_numbers_are_refused_in_a_sentence(axes, method):
+    with pytest.raises(ValueError, match=r"positions lie within .* so near to each other"):
+        coulomb_force(np.eye(4, axes) * 1e-300, method)
+    with pytest.raises(ValueError, match=r"positions lie within .* so near to each other"):
+        coulomb_force(np.eye(2, axes) * 5e-324, method)
+
+
+@pytest.mark.parametrize("axes", [2, 3])
+@pytest.mark.parametrize("unit", [1e-140, 1e150, 1e300])
+def test_forces_are_numbers_in_any_unit_that_has_them(axes, unit):
+    points = np.eye(4, axes)
+    expected = coulomb_force(points) / unit / unit
+    np.testing.assert_allclose(coulomb_force(points * unit), expected, rtol=1e-12)
+
+
 @pytest.mark.parametrize("tolerance", [0.0, -1e-3, 0.2, np.nan])
 def test_tolerance_out_of_range_is_refused(tolerance):
     with pytest.raises(ValueError, match=r"tolerance is .* but must be from 1e-12 to 0\.1"):

@@ -46,7 +46,8 @@ def test_description_says_what_it_is_and_what_more_of_it_does(name):
 @pytest.mark.parametrize("name", NAMES)
 def test_slider_stays_within_what_is_allowed_and_reaches_the_default(name):
     info = PARAMETERS[name]
-    assert info.low <= info.slider_low <= DEFAULTS[name] <= info.slider_high <= info.high
+    assert info.low <= info.slider_low < info.slider_high <= info.high
+    assert DEFAULTS[name] == "auto" or info.slider_low <= DEFAULTS[name] <= info.slider_high
     assert 0 < info.step <= info.slider_high - info.slider_low
 
 
@@ -99,8 +100,8 @@ def test_a_choice_takes_its_names_alone_and_the_first_by_itself(name):
 
 
 def test_only_some_parameters_can_be_left_to_the_image():
-    assert AUTOMATIC == ("smoothing", "gamma")
-    assert [getattr(Parameters(**{name: "auto"}), name) for name in AUTOMATIC] == ["auto", "auto"]
+    assert AUTOMATIC == ("smoothing", "gamma", "exponent")
+    assert [getattr(Parameters(**{name: "auto"}), name) for name in AUTOMATIC] == ["auto"] * 3
     with pytest.raises(ValueError, match='beta is "auto"'):
         Parameters(beta="auto")
 

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from app.model.document import edits
+from app.session.storage.autosave import Journal
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.file.recovery import RecoveryFeature
 from app.views.main_window import MainWindow
@@ -35,8 +36,11 @@ def trials(folder: Path, seconds: float, every: int, seed: int) -> tuple[int, li
     until(lambda: window.session.status.step > 0 and window.session.idle)
     end, count, failures = time.monotonic() + seconds, 0, []
     for work in (_save, _export, _journal):
+        if not window.feature(OpenSaveFeature).document_file.unsaved:
+            _change(window)
         with injected(Faults(folder)) as known:
             work(window, folder)
+        assert known.operations, f"{work.__name__[1:]} touches no file"
         planned = [
             (number, error, lasting)
             for number, operation in enumerate(known.operations, start=1)
@@ -75,6 +79,7 @@ def _tried(window: MainWindow, folder: Path, work: Callable[[MainWindow, Path], 
         assert kept in (0, len(window.session.document.shapes)), "the journal is not written later"
         return
     whole = target.read_bytes() != OLD
+    _journal_of(window).flush()  # which is written meanwhile, and has drafts of its own until then
     assert not list(folder.rglob("*.part")) or faults.lasting, "a draft stays"
     for draft in folder.rglob("*.part"):
         draft.unlink()
@@ -113,11 +118,16 @@ def _export(window: MainWindow, folder: Path) -> Path:
 
 
 def _journal(window: MainWindow, folder: Path) -> Path:
-    journal = window.feature(RecoveryFeature).journal
-    assert journal is not None
+    journal = _journal_of(window)
     journal.write()
     journal.flush()
     return journal.path
+
+
+def _journal_of(window: MainWindow) -> Journal:
+    journal = window.feature(RecoveryFeature).journal
+    assert journal is not None
+    return journal
 
 
 def _shapes(path: Path) -> int:

@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 import cpm_core
 from cpm_core import Centerlines, Contour, Image, Parameters, PlacedCharge, Regions, Result, Skeleton, Surface, Truth
 from cpm_core.formats.writers import FOR_VOLUMES
+from cpm_core.image.colors import Colors
 from cpm_core.objects.warm_up import warm_up
 from tests.core.formats.drawn import RESULT
 
@@ -29,6 +30,8 @@ DISC = np.where(np.hypot(_ROW - 7.5, _COL - 8.5) < 4.5, 200.0, 20.0)
 BALL = np.where(np.linalg.norm(np.indices((12, 13, 14)) - 6.0, axis=0) < 4.0, 200.0, 20.0)
 """A volume."""
 _SEEDS = np.array([[4.0, 8.0], [7.5, 8.5], [11.0, 9.0]])
+_COLORED = Image(DISC, colors=Colors(np.stack([DISC, DISC[:, ::-1], DISC * 0.5], -1).astype(np.uint8), 255.0))
+"""An image with colors."""
 _FRAME = np.zeros((4, 6, 3), np.uint8)
 
 _NUMBERS: tuple[Any, ...] = (
@@ -103,6 +106,7 @@ _IMAGES: tuple[Any, ...] = (
     DISC.astype(complex),
     np.stack([DISC] * 9),
     Image(DISC),
+    _COLORED,
     np.zeros((0, 0)),
     np.asfortranarray(DISC),
     DISC[::-1, ::-1],
@@ -147,6 +151,8 @@ _PARAMETERS: tuple[Any, ...] = (
     Parameters(scales=1),
     Parameters(scales=2, smoothing="auto"),
     Parameters(scales=8),
+    Parameters(scales=1, channel="red"),
+    Parameters(scales=1, channel="dab"),
     cpm_core.PRESETS["volume"],
 )
 
@@ -180,7 +186,7 @@ def sound() -> Mapping[str, tuple[Any, ...]]:
         "first": _CORNERS,
         "last": _CORNERS,
         "branches": (lines.branches, ()),
-        "image": (Image(DISC),),
+        "image": (Image(DISC), _COLORED),
         "points": _POINTS,
         "positions": _POINTS,
         "seeds": _POINTS,

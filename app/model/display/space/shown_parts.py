@@ -11,7 +11,7 @@ from app.model.display.space.picture import Colors
 from app.model.display.space.projection import Shaded
 from app.model.display.space.slices import ShownSlice
 from app.model.display.space.triangles import Cut, Mesh
-from app.model.display.space.view_in_space import Particles, ViewInSpace
+from app.model.display.space.view_in_space import Particles, ViewInSpace, Wires
 from app.model.volume.slices import Slices
 from cpm_core.image.image import Image
 
@@ -47,6 +47,8 @@ class Contents:
         The slices that are shown beside the view.
     particles, mesh
         What a run has found, None before it has.
+    wires : Wires or None
+        What is drawn.
     table : ndarray of uint8, shape (256, 3)
         Color of each shade.
     """
@@ -56,6 +58,7 @@ class Contents:
     slices: Slices
     particles: Particles | None = None
     mesh: Mesh | None = None
+    wires: Wires | None = None
     table: Colors = field(default_factory=lambda: GRAY)
 
     def view(self, shown: ShownParts) -> ViewInSpace:
@@ -71,6 +74,7 @@ class Contents:
             shown.opacity,
             self._cut(shown),
             shown.box,
+            self.wires,
         )
 
     def _slice(self, axis: int) -> ShownSlice:

@@ -43,6 +43,14 @@ class Particles:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
+class Wires:
+    """Ends of straight lines, shape (N, 2, 3) [voxels], and their colors, shape (N, 3)."""
+
+    ends: Array
+    colors: Colors
+
+
+@dataclass(frozen=True, eq=False, slots=True)
 class ViewInSpace:
     """All that is seen of a volume.
 
@@ -62,6 +70,8 @@ class ViewInSpace:
         Plane beyond which nothing of surface and particles is shown.
     box : bool
         Whether the edges of the volume and its axes are shown.
+    wires : Wires or None
+        What is drawn in the volume.
     """
 
     shape: tuple[int, ...]
@@ -74,6 +84,7 @@ class ViewInSpace:
     opacity: float = 1.0
     cut: Cut | None = None
     box: bool = True
+    wires: Wires | None = None
 
     @property
     def lengths(self) -> tuple[float, ...]:
@@ -89,6 +100,9 @@ class ViewInSpace:
             draw_slice(picture, shown, camera, self.spacing)
         if self.box:
             self._draw_box(picture, camera, look)
+        if self.wires is not None:
+            places = self.wires.ends.reshape(-1, 3) * np.array(self.spacing)
+            draw_lines(picture, camera.seen(places, size), self.wires.colors)
         if self.particles is not None:
             self._draw_particles(picture, self.particles, camera, look)
         if self.mesh is not None and self.opacity > 0.0:

@@ -16,7 +16,7 @@ from app.session.session import Session
 from app.session.tasks.tasks import Task
 from cpm_core.contours.result import Result
 from cpm_core.image.image import Image
-from cpm_core.image.regions import Regions
+from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.objects.partition import EVERYWHERE, Partition, partition
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.particles.initialization import uniform_grid
@@ -32,7 +32,7 @@ class Everywhere:
 
     image: Image
     parameters: Parameters
-    regions: Regions | None
+    regions: AnyRegions | None
 
     def same(self, other: Everywhere | None) -> bool:
         """Whether the run would find the same."""

@@ -2,21 +2,33 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from app.model.document.hit_testing import Hit, hit
+from app.model.volume.slices import Slice
+from app.session.features.volumes.sections import sections_of
 from app.session.scene import Scene
 from cpm_core.numerics.types import Place
-from cpm_core.shapes.sections import section
 
 
-def hit_in(scene: Scene, place: Place, tolerance: float) -> Hit | None:
-    """The shape of a scene under a place; of a volume only what the current slice shows can be hit."""
+def hit_in(scene: Scene, place: Place, tolerance: float, here: Slice | None = None) -> Hit | None:
+    """The shape of a scene under a place; of a volume only what a slice shows can be hit.
+
+    The slice is by default the one that is worked on.
+    """
     shapes, selected = scene.document.shapes, scene.selected
-    if scene.slices is None:
+    if scene.slices is None or scene.whole is None:
         return hit(shapes, place, tolerance, selected)
-    here = scene.slices.current
-    cuts = [(index, section(shape, here.axis, here.index)) for index, shape in enumerate(shapes)]
-    seen = [(index, shape) for index, shape in cuts if shape is not None]
-    numbers = [index for index, _ in seen]
-    chosen = numbers.index(selected) if selected in numbers else None
-    found = hit(tuple(shape for _, shape in seen), here.within(place), tolerance, chosen)
-    return None if found is None else Hit(numbers[found.index], found.part)
+    here = scene.slices.current if here is None else here
+    seen = list(sections_of(shapes, here, scene.whole))
+    chosen: list[int | None] = [number for number, (index, _) in enumerate(seen) if index == selected]
+    cuts = tuple(section for _, section in seen)
+    found = None
+    for number in chosen or [None]:  # a shape may have several sections, each with handles
+        found = hit(cuts, here.within(place), tolerance, number)
+        if found is not None and found.part == "handle":
+            break
+    if found is None:
+        return None
+    at = None if found.at is None else here.lifted(found.at)
+    return replace(found, index=seen[found.index][0], at=at)

@@ -17,7 +17,7 @@ class MadeOnce:
     def of(self, name: str, given: tuple[Any, ...], make: Callable[[], T]) -> T:
         """What has been made of the same things before, or is made now."""
         known = self._made.get(name)
-        if known is None or not all(one is other or one == other for one, other in zip(known[0], given, strict=True)):
+        if known is None or not _same(known[0], given):
             known = self._made[name] = (given, make())
         made: T = known[1]
         return made
@@ -25,3 +25,9 @@ class MadeOnce:
     def forget(self) -> None:
         """Keep nothing."""
         self._made.clear()
+
+
+def _same(known: tuple[Any, ...], given: tuple[Any, ...]) -> bool:
+    return len(known) == len(given) and all(
+        one is other or one == other for one, other in zip(known, given, strict=True)
+    )

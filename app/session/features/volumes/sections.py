@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
-from app.model.display.display_image import DisplayImage, IntensityWindow, apply_window
+from app.model.display.display_image import DisplayImage, DisplayVolume, IntensityWindow, apply_window
 from app.model.document.document import Document
+from app.model.volume.shape_sections import sections
 from app.model.volume.slices import Slice
-from app.model.volume.surface_section import section as cut
+from app.model.volume.surface_section import section as lines_of
 from app.model.volume.surface_section import unmeasured
 from app.session.exchange.messages import Reconstruction, Snapshot
 from app.session.features.volumes.made_once import MadeOnce
 from app.session.scene import NO_CONTOURS, Item, NearParticles, ReviewedContours, Scene
+from app.session.worker.commands.timeline import Compared
+from cpm_core.contours.result import Result
 from cpm_core.contours.review import ReviewedContour
 from cpm_core.image.image import Image
-from cpm_core.shapes.sections import section
+from cpm_core.numerics.types import Array, Index
+from cpm_core.shapes import Shape
 
 
 class Sections:
@@ -41,7 +47,8 @@ class Sections:
         here = slices.current
         image = self._parts.of("image", (volume, here), lambda: _image(volume, here))
         display = self._parts.of("display", (image,), lambda: _display(image, volume))
-        document, places = self._parts.of("document", (scene.document, here), lambda: _document(scene.document, here))
+        drawn = (scene.document, here, volume)
+        document, places = self._parts.of("document", drawn, lambda: _document(*drawn))
         reach = scene.document.parameters.d_min
         near = self._parts.of("near", (scene.snapshot, here, reach), lambda: _near(scene.snapshot, here, volume, reach))
         snapshot = self._parts.of("snapshot", (near,), lambda: _snapshot(scene.snapshot, near, here))
@@ -57,10 +64,42 @@ class Sections:
             places.get(scene.selected),
             snapshot=snapshot,
             contours=contours,
+            overlays=self._overlays(scene, here),
+            compared=self._compared(scene.compared, here, volume, reach),
             slices=slices,
             volume=volume,
             near=near,
         )
+
+    def _overlays(self, scene: Scene, here: Slice) -> Mapping[str, DisplayImage]:
+        """The slices of the overlays."""
+        volumes = {name: drawn for name, drawn in scene.overlays.items() if isinstance(drawn, DisplayVolume)}
+        found = {
+            name: self._parts.of(name, (drawn, here), partial(_overlay, drawn, here)) for name, drawn in volumes.items()
+        }
+        return self._parts.of("overlays", (*found.values(),), lambda: found)
+
+    def _compared(self, compared: Compared | None, here: Slice, volume: Image, reach: float) -> Compared | None:
+        """What the slice shows of a compared branch."""
+        return self._parts.of("compared", (compared, here, reach), lambda: _compared(compared, here, volume, reach))
+
+
+def _overlay(drawn: DisplayVolume, here: Slice) -> DisplayImage:
+    return DisplayImage.of(here.of(drawn.shades))
+
+
+def _compared(compared: Compared | None, here: Slice, volume: Image, reach: float) -> Compared | None:
+    if compared is None:
+        return None
+    surface = getattr(compared.result, "surface", None)
+    lines = () if surface is None else lines_of(surface, here)
+    position = (
+        None
+        if compared.position is None
+        else here.flattened(compared.position[_index(compared.position, here, volume, reach)[0]])
+    )
+    result = replace(compared.result, contours=lines, surface=None) if isinstance(compared.result, Result) else None
+    return replace(compared, position=position, result=result)
 
 
 def _image(volume: Image, here: Slice) -> Image:
@@ -72,22 +111,37 @@ def _display(image: Image, volume: Image) -> DisplayImage:
     return DisplayImage.of(apply_window(image.values, IntensityWindow(*volume.gray_range)))
 
 
-def _document(document: Document, here: Slice) -> tuple[Document, dict[int | None, int]]:
-    """The document with the sections of its shapes, and their places by those of the shapes."""
-    cuts = [(index, section(shape, here.axis, here.index)) for index, shape in enumerate(document.shapes)]
-    seen = [(index, shape) for index, shape in cuts if shape is not None]
-    places: dict[int | None, int] = {index: place for place, (index, _) in enumerate(seen)}
-    return replace(document, shapes=tuple(shape for _, shape in seen)), places
+def sections_of(shapes: Iterable[Shape], here: Slice, volume: Image) -> Iterator[tuple[int, Shape]]:
+    """What a slice shows of shapes, each with the number of its shape."""
+    sides = tuple(side / min(volume.spacing) for side in volume.spacing)
+    for index, shape in enumerate(shapes):
+        for cut in sections(shape, here.axis, here.index, sides):
+            yield index, cut
+
+
+def _document(document: Document, here: Slice, volume: Image) -> tuple[Document, dict[int | None, int]]:
+    """The document with the sections of its shapes, and the place of the first section of each shape."""
+    places: dict[int | None, int] = {}
+    shapes: list[Shape] = []
+    for index, cut in sections_of(document.shapes, here, volume):
+        places.setdefault(index, len(shapes))
+        shapes.append(cut)
+    return replace(document, shapes=tuple(shapes)), places
 
 
 def _near(snapshot: Snapshot | None, here: Slice, volume: Image, reach: float) -> NearParticles | None:
     """The particles within `reach` of the slice, in sides of the smallest voxel."""
     if snapshot is None:
         return None
+    return NearParticles(*_index(snapshot.position, here, volume, reach))
+
+
+def _index(position: Array, here: Slice, volume: Image, reach: float) -> tuple[Index, Array]:
+    """Which of positions, shape (N, 3), are near a slice, and how far they are from it, 1 at the reach."""
     side = volume.spacing[here.axis] / min(volume.spacing)
-    away = np.abs(snapshot.position[:, here.axis] - here.index) * (side / reach)
+    away = np.abs(position[:, here.axis] - here.index) * (side / reach)
     index = np.flatnonzero(away < 1.0)
-    return NearParticles(index, away[index])
+    return index, away[index]
 
 
 def _snapshot(snapshot: Snapshot | None, near: NearParticles | None, here: Slice) -> Snapshot | None:
@@ -102,7 +156,7 @@ def _contours(reconstruction: Reconstruction | None, here: Slice) -> ReviewedCon
     surface = getattr(reconstruction.result, "surface", None) if reconstruction is not None else None
     if surface is None:
         return NO_CONTOURS
-    found = enumerate(cut(surface, here))
+    found = enumerate(lines_of(surface, here))
     return ReviewedContours(
         tuple(
             Item(number, ReviewedContour(contour, None, number), unmeasured(contour, number + 1))

@@ -14,12 +14,18 @@ from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats.sessions.plain_arrays import array_from_plain, array_to_plain
 from cpm_core.formats.sessions.plain_values import from_plain, mapping, parameters_from_plain, to_plain
 from cpm_core.image.regions import Regions
-from cpm_core.numerics.types import Position
+from cpm_core.image.volume_regions import AnyRegions, Extrusion, Pair, VolumeRegions
+from cpm_core.image.volume_regions import Place as Corner
+from cpm_core.numerics.types import Place
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
 
 MOST_STEPS = 200_000
 """Most steps of a branch that are read."""
+
+_VOLUME = "volume_regions"
+_LIMITS = ("regions", _VOLUME)
+"""Where the particles may be, in volumes and in either."""
 
 Steps = tuple[tuple[RunAction, ...], ...]
 
@@ -28,8 +34,15 @@ Steps = tuple[tuple[RunAction, ...], ...]
 class _Rub:
     """What an eraser goes over."""
 
-    erase: tuple[Position, ...]
+    erase: tuple[Place, ...]
     radius: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Pair:
+    """Two corners of a box, or a point of a plane and a direction across it."""
+
+    places: tuple[Corner, Corner]
 
 
 class ActionTable:
@@ -55,11 +68,11 @@ class ActionTable:
             plain["step"] = {name: value for name, value in taken.items() if value != usual[name]}
             plain["charges"] = [to_plain(charge) for charge in action.charges]
         elif isinstance(action, Joined):
-            plain["join"] = array_to_plain(np.frombuffer(action.seeds).reshape(-1, 2))
+            plain["join"] = array_to_plain(action.places)
         elif isinstance(action, Erased):
             plain |= {"erase": to_plain(action.path), "radius": action.radius}
         if action.regions is not None:
-            plain["regions"] = to_plain(action.regions)
+            plain[_VOLUME if isinstance(action.regions, VolumeRegions) else "regions"] = to_plain(action.regions)
         return plain
 
 
@@ -98,16 +111,42 @@ def items(plain: object) -> list[Any]:
 
 def _action(plain: Mapping[str, Any], usual: Parameters, number: int) -> RunAction:
     where = f"action {number}"
-    regions = from_plain(Regions, plain["regions"], f"regions of {where}") if "regions" in plain else None
+    regions = _regions(plain, f"regions of {where}")
     if "step" in plain:
         values = {field.name: getattr(usual, field.name) for field in fields(Parameters)}
         parameters, _ = parameters_from_plain({**values, **mapping(plain["step"], where)})
         charges = tuple(from_plain(PlacedCharge, one, f"charge of {where}") for one in items(plain.get("charges", [])))
         return Stepped(parameters, charges, regions)
     if "join" in plain:
-        seeds = array_from_plain(plain["join"], float, (None, 2), f"particles of {where}")
+        axes = 3 if _has_three_axes(plain["join"]) else 2
+        seeds = array_from_plain(plain["join"], float, (None, axes), f"particles of {where}")
         if not np.isfinite(seeds).all():
             raise ValueError(f"particles of {where} hold a value that is not a number.")
-        return Joined(seeds.tobytes(), regions)
-    rub = from_plain(_Rub, {name: value for name, value in plain.items() if name != "regions"}, where)
+        return Joined.at(seeds, regions)
+    rub = from_plain(_Rub, {name: value for name, value in plain.items() if name not in _LIMITS}, where)
     return Erased(rub.erase, rub.radius, regions)
+
+
+def _has_three_axes(plain: object) -> bool:
+    shape = plain.get("shape") if isinstance(plain, Mapping) else None
+    return isinstance(shape, list) and len(shape) == 2 and shape[1] == 3
+
+
+def _regions(plain: Mapping[str, Any], where: str) -> AnyRegions | None:
+    """Where the particles may be, in an image or in a volume; None for no limits."""
+    if "regions" in plain:
+        return from_plain(Regions, plain["regions"], where)
+    if _VOLUME not in plain:
+        return None
+    kinds = mapping(plain[_VOLUME], where)
+    interest, barriers = (
+        tuple(_limit(one, where) for one in items(kinds.get(kind, []))) for kind in ("interest", "barriers")
+    )
+    return VolumeRegions(interest, barriers)
+
+
+def _limit(plain: object, where: str) -> Pair | Extrusion:
+    """A box or a plane as two places, or a line through slices."""
+    if isinstance(plain, Mapping):
+        return from_plain(Extrusion, plain, where)
+    return from_plain(_Pair, {"places": plain}, where).places

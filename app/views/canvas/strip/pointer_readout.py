@@ -9,7 +9,7 @@ from app.model.text.language import tr
 from app.session.session import Session
 from app.views.canvas.canvas import Canvas
 from cpm_core.image.image import Image
-from cpm_core.numerics.types import Position
+from cpm_core.numerics.types import Place
 
 
 class PointerReadout(QLabel):
@@ -21,13 +21,12 @@ class PointerReadout(QLabel):
     def __init__(self, session: Session, canvas: Canvas) -> None:
         super().__init__()
         self._session = session
-        self._canvas = canvas
-        canvas.pointed.connect(self._show)
+        canvas.placed_at.connect(self._show)
 
-    def _show(self, position: Position | None) -> None:
+    def _show(self, place: Place | None) -> None:
         text, image = "", self._session.image
-        if position is not None and image is not None:
-            pixel = tuple(map(round, self._canvas.placed(position)))
+        if place is not None and image is not None and len(place) == image.ndim:
+            pixel = tuple(map(round, place))
             if all(0 <= at < side for at, side in zip(pixel, image.shape, strict=True)):
                 text = self._text(image, pixel, self._session.document.parameters.channel)
         self.setText(text)

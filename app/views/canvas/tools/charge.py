@@ -7,7 +7,7 @@ import math
 from app.model.document.naming import describe
 from app.model.text.language import tr
 from app.views.canvas.tools.tool import ShapeTool
-from cpm_core.numerics.types import Position
+from cpm_core.numerics.types import Place
 from cpm_core.shapes import Charge
 
 
@@ -18,7 +18,7 @@ class ChargeTool(ShapeTool):
     strength: float
     """Strength of the charges, above zero for attracting ones."""
 
-    def press(self, at: Position, reach: float) -> None:
+    def press(self, at: Place, reach: float) -> None:
         """Take hold of the charge under the pointer, or place one."""
         self.used = True
         self._begin(self._found(at, reach))
@@ -26,7 +26,7 @@ class ChargeTool(ShapeTool):
             self._place(Charge(at, self.strength))
         self._session.select(self._index)
 
-    def drag(self, at: Position) -> None:
+    def drag(self, at: Place) -> None:
         """Move the charge to the pointer."""
         charge = self._drawn
         if isinstance(charge, Charge):
@@ -36,7 +36,7 @@ class ChargeTool(ShapeTool):
         verb = tr("drop {charge}") if self._before is None else tr("move {charge}")
         self._put(verb.format(charge=describe(charge)), charge)
 
-    def _found(self, at: Position, reach: float) -> int | None:
+    def _found(self, at: Place, reach: float) -> int | None:
         """Index of the charge nearest to the pointer, the topmost of equally near ones."""
         near = [
             (math.dist(shape.position, at), -index)

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import math
+import operator
 
 from PySide6.QtCore import Qt
 
 from app.model.text.language import tr
 from app.session.signals import EDITING
+from app.views.canvas.tools.box_depth import box_between
 from app.views.canvas.tools.tool import ShapeTool, ToolContext
 from cpm_core.numerics.types import Position
-from cpm_core.shapes import SMALLEST_RADIUS, Circle, Ellipse, Points, Shape, Sphere
+from cpm_core.shapes import SMALLEST_RADIUS, Box, Circle, Ellipse, Points, Shape, Sphere
 from cpm_core.shapes.sphere import SMALLEST
-
-SLIP_IN_VOLUME = tr("Keep the button down and drag to draw a sphere from its center.")
-"""Message when the pointer has not been moved in a volume."""
 
 
 class DraggedTool(ShapeTool):
@@ -24,6 +23,9 @@ class DraggedTool(ShapeTool):
     """Name of the edit, as shown after "Undo"."""
     slip: str
     """Message when the pointer has not been moved."""
+    activity_in_volume: str
+    slip_in_volume: str
+    """The same in a volume."""
 
     def __init__(self, context: ToolContext) -> None:
         super().__init__(context)
@@ -42,14 +44,13 @@ class DraggedTool(ShapeTool):
         """Extend the shape to the pointer."""
         if self._index is not None and (self._drawn or math.dist(self._start, at) >= SMALLEST_RADIUS):
             shape = self.shape(self._start, at)
-            self._put(tr("draw sphere") if isinstance(shape, Sphere) else self.activity, shape)
+            self._put(self.activity if self.volume is None else self.activity_in_volume, shape)
             self._session.select(self._index)
 
     def release(self) -> None:
         """Keep the shape."""
         if self._index is not None and self._drawn is None:
-            in_volume = self._session.scene.slices is not None
-            self._session.say(SLIP_IN_VOLUME if in_volume else self.slip, topic=EDITING)
+            self._session.say(self.slip if self.volume is None else self.slip_in_volume, topic=EDITING)
         self.used = True
         super().release()
 
@@ -61,23 +62,29 @@ class CircleTool(DraggedTool):
     tip = tr("Drag from the center to draw a circle.")
     activity = tr("draw circle")
     slip = tr("Keep the button down and drag to draw a circle from its center.")
+    activity_in_volume = tr("draw sphere")
+    slip_in_volume = tr("Keep the button down and drag to draw a sphere from its center.")
     by_keys = tr("Enter begins at the center, arrow keys move the rim, Enter ends.")
 
     def shape(self, begin: Position, at: Position) -> Circle | Sphere:
         """The circle around `begin` through the pointer, in a volume the sphere."""
-        image = self._session.document.image
-        if image is not None and len(image.shape) == 3:
-            return Sphere.round(begin, SMALLEST, image.spacing).with_handle_at(begin, at)
+        if self.volume is not None:
+            return Sphere.round(begin, SMALLEST, self.volume.spacing).with_handle_at(begin, at)
         return Circle(begin, max(math.dist(begin, at), SMALLEST_RADIUS))
 
 
 class EllipseTool(DraggedTool):
-    """Draws an ellipse from corner to corner of its box; with Ctrl from its center, with Shift as a circle."""
+    """Draws an ellipse from corner to corner of its box; with Ctrl from its center, with Shift as a circle.
+
+    In a volume it draws the box itself, as deep as its shorter side.
+    """
 
     name = "ellipse"
     tip = tr("Drag a box to draw an ellipse; Shift makes it round, Ctrl draws it from its center.")
     activity = tr("draw ellipse")
     slip = tr("Keep the button down and drag to draw an ellipse.")
+    activity_in_volume = tr("draw box")
+    slip_in_volume = tr("Keep the button down and drag from corner to corner to draw a box.")
     guidance = tr("Drag a box around the ellipse; Shift makes it round, Ctrl draws it from its center.")
     by_keys = tr("Enter begins at a corner of its box, arrow keys move the opposite one, Enter ends.")
     _held = Qt.KeyboardModifier.NoModifier
@@ -86,15 +93,20 @@ class EllipseTool(DraggedTool):
         """Remember the modifier keys."""
         self._held = modifiers
 
-    def shape(self, begin: Position, at: Position) -> Ellipse:
-        """The ellipse in the box; its first radius lies along the row."""
-        down, right = at[0] - begin[0], at[1] - begin[1]
+    def shape(self, begin: Position, at: Position) -> Ellipse | Box:
+        """The ellipse in the box, whose first radius lies along the row; in a volume the box."""
+        (top, left), (down, right) = self.flat(begin), map(operator.sub, self.flat(at), self.flat(begin))
+        high, wide = self.sides
         if self._held & Qt.KeyboardModifier.ShiftModifier:
-            size = max(abs(down), abs(right))
-            down, right = math.copysign(size, down), math.copysign(size, right)
+            size = max(abs(down) * high, abs(right) * wide)
+            down, right = math.copysign(size / high, down), math.copysign(size / wide, right)
+        centered = bool(self._held & Qt.KeyboardModifier.ControlModifier)
+        if self.volume is not None and self.here is not None:
+            one = (top - down, left - right) if centered else (top, left)
+            return Box(*box_between(one, (top + down, left + right), self.here, self.volume))
         share, center = 1.0, begin
-        if not self._held & Qt.KeyboardModifier.ControlModifier:
-            share, center = 0.5, (begin[0] + 0.5 * down, begin[1] + 0.5 * right)
+        if not centered:
+            share, center = 0.5, (top + 0.5 * down, left + 0.5 * right)
         return Ellipse(center, (max(share * abs(right), SMALLEST_RADIUS), max(share * abs(down), SMALLEST_RADIUS)))
 
 

@@ -10,12 +10,14 @@ from PySide6.QtCore import Qt
 
 from app.model.document import edits
 from app.model.text.language import tr
+from app.model.volume.slices import Slice
 from app.session.signals import EDITING
+from app.views.canvas.tools.box_depth import box_between
 from app.views.canvas.tools.tool import Tool, ToolContext
 from app.views.theme import theme
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Position
-from cpm_core.shapes import Barrier, Grid, Polygon, Region, Shape, Stroke, Threshold
+from cpm_core.numerics.types import Place, Position
+from cpm_core.shapes import Barrier, BoxRegion, Grid, Polygon, PrismRegion, Region, Shape, Stroke, Threshold, Wall
 
 _FINEST = 1.0
 """Least distance between two corners of a freehand path [px]."""
@@ -40,21 +42,27 @@ class PathKind:
         Color of the draft.
     closed : bool
         Whether the last corner is joined to the first.
+    extruded : callable or None
+        In a volume: corners in a slice, its axis, and the first and last slice, to shape; None for a path in space.
+    boxed : callable or None
+        In a volume: two corners of a box to shape, for a drag; None where a drag draws freehand there too.
     """
 
     name: str
-    make: Callable[[tuple[Position, ...]], Shape]
+    make: Callable[[tuple[Place, ...]], Shape]
     title: str
     tip: str
     color: str = theme.DRAWING
     closed: bool = True
+    extruded: Callable[[tuple[Position, ...], int, float, float], Shape] | None = None
+    boxed: Callable[[Place, Place], Shape] | None = None
 
     @property
     def least(self) -> int:
         """Fewest corners that make a shape."""
         return 3 if self.closed else 2
 
-    def is_slip(self, path: tuple[Position, ...]) -> bool:
+    def is_slip(self, path: tuple[Place, ...]) -> bool:
         """Whether a path is too small to be intended."""
         if len(path) < self.least:
             return True
@@ -85,6 +93,8 @@ REGION = PathKind(
     tr("region of interest"),
     tr("Drag, or click corner by corner, around what particles are to stay in."),
     theme.REGION,
+    extruded=PrismRegion,
+    boxed=BoxRegion,
 )
 BARRIER = PathKind(
     "barrier",
@@ -93,6 +103,7 @@ BARRIER = PathKind(
     tr("Drag, or click corner by corner, where no particle is to cross."),
     theme.BARRIER,
     closed=False,
+    extruded=Wall,
 )
 
 
@@ -109,11 +120,13 @@ class PathTool(Tool):
         super().__init__(context)
         self.kind, self.name = kind, kind.name
         self._context = context
-        self._corners: list[Position] = []
-        self._pointer: Position | None = None
-        self._pressed: Position | None = None
+        self._corners: list[Place] = []
+        self._pointer: Place | None = None
+        self._pressed: Place | None = None
         self._first = False
         self._freehand = False
+        self._begun: Slice | None = None
+        self._boxed = False
         self._reach = 0.0
         self._bent = False
 
@@ -123,12 +136,12 @@ class PathTool(Tool):
         return bool(self._corners)
 
     @property
-    def corners(self) -> tuple[Position, ...]:
+    def corners(self) -> tuple[Place, ...]:
         """Corners of the path so far."""
         return tuple(self._corners)
 
     @property
-    def path(self) -> tuple[Position, ...]:
+    def path(self) -> tuple[Place, ...]:
         """The path as a click at the pointer would continue it."""
         return (*self._corners, *([self._pointer] if self._corners and self._pointer else []))
 
@@ -146,7 +159,7 @@ class PathTool(Tool):
         )
         return ends + " " + tr("Shift keeps to eight directions; Backspace takes the last corner back; Esc cancels.")
 
-    def press(self, at: Position, reach: float) -> None:
+    def press(self, at: Place, reach: float) -> None:
         """Place a corner; a press on the last corner, or on the first one of a closed path, finishes it."""
         ends = (self._corners[-1], *([self._corners[0]] if self.kind.closed else [])) if self._corners else ()
         if any(math.dist(at, end) <= reach for end in ends):
@@ -155,17 +168,21 @@ class PathTool(Tool):
             return
         at = self._straight(at)
         self._first = not self._corners
+        self._begun = self.here if self._first else self._begun
         self._pressed, self._reach, self._freehand = at, reach, False
         self._pointer = None
         self._corners.append(at)
         self._changed()
 
-    def drag(self, at: Position) -> None:
+    def drag(self, at: Place) -> None:
         """Draw freehand after the pointer has left the place of the press."""
         if self._pressed is None:
             return
         self._freehand = self._freehand or math.dist(self._pressed, at) > self._reach
-        if self._freehand and math.dist(self._corners[-1], at) >= max(_FINEST, 0.25 * self._reach):
+        if self._freehand and self._first and self._begun is not None and self.kind.boxed is not None:
+            self._corners, self._boxed = self._rectangle(self._pressed, at), True
+            self._changed()
+        elif self._freehand and math.dist(self._corners[-1], at) >= max(_FINEST, 0.25 * self._reach):
             self._corners.append(at)
             self._changed()
 
@@ -176,7 +193,7 @@ class PathTool(Tool):
         if whole:
             self.finish()
 
-    def hover(self, at: Position) -> None:
+    def hover(self, at: Place) -> None:
         """Extend the path to the pointer."""
         if self._corners:
             self._pointer = self._straight(at)
@@ -190,18 +207,33 @@ class PathTool(Tool):
         """Make a shape from the path."""
         if not self._corners:
             return
-        path, kind = polyline.thinned(self._corners), self.kind
+        kind, boxed, begun = self.kind, self._boxed, self._begun
+        path = tuple(self._corners) if boxed else polyline.thinned(self._corners)
         self._forget()
-        if kind.is_slip(path):
+        flat = begun if kind.closed or kind.extruded is not None else None
+        if kind.is_slip(path if flat is None else tuple(map(flat.within, path))):
             self._session.say(
                 tr("That is too small for a {shape}. {advice}").format(shape=kind.title, advice=kind.tip), topic=EDITING
             )
             return
-        shape = kind.make(path)
+        shape = kind.make(path) if begun is None else self._in_volume(path, begun, boxed)
         self._session.edit(
             tr("draw {shape}").format(shape=kind.title), lambda document: edits.add_shape(document, shape)
         )
         self._session.select(len(self._session.document.shapes) - 1)
+
+    def _rectangle(self, one: Place, other: Place) -> list[Place]:
+        (top, left), (bottom, right) = self.flat(one), self.flat(other)
+        return [self.lifted(at) for at in ((top, left), (top, right), (bottom, right), (bottom, left))]
+
+    def _in_volume(self, path: tuple[Place, ...], begun: Slice, boxed: bool) -> Shape:
+        """A path in space, a box around a rectangle, or what is drawn in a slice through all slices."""
+        kind, volume = self.kind, self.volume
+        if boxed and kind.boxed is not None and volume is not None:
+            return kind.boxed(*box_between(begun.within(path[0]), begun.within(path[2]), begun, volume))
+        if kind.extruded is None or volume is None:
+            return kind.make(path)
+        return kind.extruded(tuple(map(begun.within, path)), begun.axis, 0.0, volume.shape[begun.axis] - 1.0)
 
     def take_back(self) -> None:
         """Remove the last corner."""
@@ -214,21 +246,22 @@ class PathTool(Tool):
         """Discard the path."""
         self._forget()
 
-    def _straight(self, at: Position) -> Position:
+    def _straight(self, at: Place) -> Place:
         """With Shift, the place nearest to the pointer in one of eight directions from the last corner."""
         if not (self._bent and self._corners):
             return at
-        row, col = self._corners[-1]
-        down, right = at[0] - row, at[1] - col
+        (row, col), (high, wide) = self.flat(self._corners[-1]), self.sides
+        down, right = self.flat(at)
+        down, right = (down - row) * high, (right - col) * wide
         angle = math.radians(45.0 * round(math.degrees(math.atan2(down, right)) / 45.0))
         far = down * math.sin(angle) + right * math.cos(angle)
-        return (row + far * math.sin(angle), col + far * math.cos(angle))
+        return self.lifted((row + far * math.sin(angle) / high, col + far * math.cos(angle) / wide))
 
     def _forget(self) -> None:
         self.used = self.used or bool(self._corners)
         self._corners = []
         self._pointer = self._pressed = None
-        self._freehand = False
+        self._freehand = self._boxed = False
         self._changed()
 
     def _changed(self) -> None:

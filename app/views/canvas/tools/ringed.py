@@ -10,7 +10,7 @@ from app.model.document import edits
 from app.model.text.language import tr
 from app.views.canvas.tools.tool import ShapeTool, ToolContext
 from app.views.theme import theme
-from cpm_core.numerics.types import Position
+from cpm_core.numerics.types import Place
 from cpm_core.shapes import Points, Shape
 
 _SHARE, _LEAST, _MOST = 0.03, 1.0, 500.0
@@ -39,8 +39,8 @@ class RingTool(ShapeTool):
         super().__init__(context)
         self._drawing = context.drawing
         self._chosen: float | None = None
-        self._at: Position | None = None
-        self._last: Position | None = None
+        self._at: Place | None = None
+        self._last: Place | None = None
         self._shapes: tuple[Shape, ...] = ()
 
     @property
@@ -51,11 +51,11 @@ class RingTool(ShapeTool):
         image = self._session.document.image
         return max(_SHARE * max(image.shape), 4.0) if image is not None else 4.0
 
-    def work(self, path: tuple[Position, ...]) -> None:
+    def work(self, path: tuple[Place, ...]) -> None:
         """Apply the tool along a path of the ring."""
         raise NotImplementedError
 
-    def press(self, at: Position, reach: float) -> None:
+    def press(self, at: Place, reach: float) -> None:
         """Begin a gesture."""
         self._begin()
         self._last, self.used = at, True
@@ -64,7 +64,7 @@ class RingTool(ShapeTool):
         self.hover(at)
         self.work((at,))
 
-    def drag(self, at: Position) -> None:
+    def drag(self, at: Place) -> None:
         """Continue along the path of the pointer."""
         self.hover(at)
         if self._last is not None and at != self._last:
@@ -83,7 +83,7 @@ class RingTool(ShapeTool):
             self._session.edit("", lambda document: edits.set_shapes(document, shapes), self._gesture)
         self.release()
 
-    def hover(self, at: Position) -> None:
+    def hover(self, at: Place) -> None:
         """Move the ring to the pointer."""
         self._at = at
         self._drawing.show_ring(at, self.radius, self.color)
@@ -112,31 +112,39 @@ class SprayTool(RingTool):
     def __init__(self, context: ToolContext) -> None:
         super().__init__(context)
         self._random = np.random.default_rng(0)
-        self._taken: dict[tuple[int, int], Position] = {}
+        self._taken: dict[tuple[int, int], Place] = {}
 
-    def press(self, at: Position, reach: float) -> None:
+    def press(self, at: Place, reach: float) -> None:
         """Begin a new cloud of points."""
         self._taken = {}
         super().press(at, reach)
 
-    def work(self, path: tuple[Position, ...]) -> None:
+    def work(self, path: tuple[Place, ...]) -> None:
         """Scatter points along the path of the ring, none too near to another."""
-        far = math.dist(path[0], path[-1]) / self.radius if len(path) > 1 else 2.0
+        begin, end = (np.array(self.flat(place)) * self.sides for place in (path[0], path[-1]))
+        far = math.dist(begin, end) / self.radius if len(path) > 1 else 2.0
         many = self._random.poisson(_DENSITY * math.pi * self.radius**2 * far) + (len(path) == 1)
         share = self._random.random(many)[:, None]
-        middle = np.array(path[0]) + share * np.subtract(path[-1], path[0])
+        middle = begin + share * (end - begin)
         angle, off = 2.0 * math.pi * self._random.random(many), self.radius * np.sqrt(self._random.random(many))
         for row, col in (middle + off[:, None] * np.stack([np.sin(angle), np.cos(angle)], axis=1)).tolist():
             self._place((row, col))
         if self._taken:
-            self._put(tr("spray points"), Points(tuple(self._taken.values())))
+            down, right = self.sides
+            placed = (self.lifted((row / down, col / right)) for row, col in self._taken.values())
+            self._put(tr("spray points"), Points(tuple(placed)))
 
-    def _place(self, at: Position) -> None:
-        """Keep a point unless one is too near; each cell of the raster holds at most one, so 25 cells are compared."""
+    def _place(self, at: Place) -> None:
+        """Keep a point unless one is too near; each cell of the raster holds at most one, so 25 cells are compared.
+
+        Lengths are in sides of the smallest voxel.
+        """
         image = self._session.document.image
         if image is None or len(self._taken) >= _MOST_POINTS:
             return
-        if not all(-0.5 <= number <= n - 0.5 for number, n in zip(at, image.shape, strict=True)):
+        rows, cols = image.shape if self.here is None else self.here.sides(image.shape)
+        inside = zip(at, self.sides, (rows, cols), strict=True)
+        if not all(-0.5 <= number / side <= n - 0.5 for number, side, n in inside):
             return
         row, col = (math.floor(number * math.sqrt(2.0) / _APART) for number in at)
         cells = ((row + down, col + right) for down in range(-2, 3) for right in range(-2, 3))
@@ -153,7 +161,7 @@ class EraserTool(RingTool):
     guidance = tr("Drag over points, shapes or particles to erase them; < and > make the ring smaller and larger.")
     by_keys = tr("Enter begins to erase, arrow keys continue, Enter ends; < and > change the ring.")
 
-    def work(self, path: tuple[Position, ...]) -> None:
+    def work(self, path: tuple[Place, ...]) -> None:
         """Erase along the path of the ring."""
         left = self._session.live.erase(path, self.radius)
         self._session.edit(tr("erase"), lambda _: left, self._gesture)

@@ -9,14 +9,17 @@ from dataclasses import dataclass
 from PySide6.QtCore import Qt
 
 from app.model.document import edits
+from app.model.document.document import ImageReference
 from app.model.text.language import tr
+from app.model.volume.slices import Slice
 from app.session.features.contour_review import ContourReview
 from app.session.features.hand_editing import HandEditing
 from app.session.features.objects.object_list import ObjectList
 from app.session.features.objects.object_selection import ObjectSelection
+from app.session.features.volumes.shown_slices import ShownSlices
 from app.session.session import Session
 from app.views.canvas.layers.drawn.drawing import DrawingLayer
-from cpm_core.numerics.types import Position
+from cpm_core.numerics.types import Place
 from cpm_core.shapes import Shape
 
 Cursor = Qt.CursorShape
@@ -40,6 +43,8 @@ class ToolContext:
         Selects objects.
     object_list : ObjectList
         The objects.
+    slices : ShownSlices
+        The slices of a volume that are shown.
     drawing : DrawingLayer
         Shows drafts and rings.
     advised : callable
@@ -51,6 +56,7 @@ class ToolContext:
     hand_editing: HandEditing
     selection: ObjectSelection
     object_list: ObjectList
+    slices: ShownSlices
     drawing: DrawingLayer
     advised: Callable[[], None]
 
@@ -75,10 +81,34 @@ class Tool:
     """Whether it works with something that has a size."""
     lasting = False
     """Whether its draft stays while another tool is used."""
+    here: Slice | None = None
+    """The slice that the pointer is in; None in an image."""
 
     def __init__(self, context: ToolContext) -> None:
         self._session = context.session
         self.used = False
+
+    @property
+    def volume(self) -> ImageReference | None:
+        """The volume that is open; None for an image."""
+        image = self._session.document.image
+        return image if image is not None and len(image.shape) == 3 else None
+
+    def flat(self, place: Place) -> Place:
+        """A place as (row, col) in the view that the pointer is in."""
+        return place if self.here is None or len(place) == 2 else self.here.within(place)
+
+    def lifted(self, position: Place) -> Place:
+        """The place in the image or in the volume of (row, col) in the view that the pointer is in."""
+        return position if self.here is None else self.here.lifted(position)
+
+    @property
+    def sides(self) -> tuple[float, float]:
+        """Height and width of a pixel in the view that the pointer is in, in the smallest side of a voxel."""
+        if self.here is None or self.volume is None:
+            return 1.0, 1.0
+        down, right = self.here.sides(self.volume.spacing)
+        return down / min(self.volume.spacing), right / min(self.volume.spacing)
 
     @property
     def drafting(self) -> bool:
@@ -90,16 +120,16 @@ class Tool:
         """One sentence on what to do with it, or empty."""
         return "" if self.used else self.guidance
 
-    def press(self, at: Position, reach: float) -> None:
+    def press(self, at: Place, reach: float) -> None:
         """Handle a press of the left button; `reach` is the tolerance for hits [px]."""
 
-    def drag(self, at: Position) -> None:
+    def drag(self, at: Place) -> None:
         """Handle a move with the button down."""
 
     def release(self) -> None:
         """Handle the release of the button."""
 
-    def hover(self, at: Position) -> None:
+    def hover(self, at: Place) -> None:
         """Handle a move with the button up."""
 
     def bend(self, modifiers: Qt.KeyboardModifier) -> None:
@@ -123,11 +153,11 @@ class Tool:
     def put_away(self) -> None:
         """Hide its marks: the pointer has left, or another tool is used."""
 
-    def cursor(self, at: Position, reach: float) -> Cursor:
+    def cursor(self, at: Place, reach: float) -> Cursor:
         """Shape of the pointer over a position."""
         return Cursor.CrossCursor
 
-    def grips(self, at: Position, reach: float) -> bool:
+    def grips(self, at: Place, reach: float) -> bool:
         """Whether a handle of the selected shape lies at a position, so that a press there belongs to this tool."""
         return False
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pyqtgraph as pg
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import QEvent, Qt, Signal
 from PySide6.QtGui import QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QWidget
 
@@ -11,7 +11,7 @@ from app.model.text.language import tr
 from app.model.volume.slices import AXES, Slices
 from app.session.features.volumes.sections import Sections
 from app.session.scene import Scene
-from app.views.canvas.canvas import Wheel
+from app.views.canvas.canvas import Canvas, Wheel
 from app.views.canvas.image_view import ImageView
 from app.views.canvas.items.item import line_pen
 from app.views.canvas.mirrors.mirror import Mirror
@@ -43,28 +43,32 @@ class Cross:
 
 
 class SideView(Mirror):
-    """Shows the slice across one axis, as a whole; a click or a drag moves the cross, the wheel goes through slices."""
+    """Shows the slice across one axis, as a whole, and takes the tool in use.
+
+    The right or the middle button moves the cross, the wheel goes through the slices.
+    """
 
     went = Signal(object)
     """The user wants the slices through a place of the volume."""
     passed = Signal(int, int)
     """The user wants the slice so many further along an axis: axis, number."""
 
-    def __init__(self, canvas: ImageView, parent: QWidget) -> None:
+    def __init__(self, canvas: Canvas, parent: QWidget) -> None:
         super().__init__(canvas, parent)
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents, False)
         self.setMinimumSize(_SMALLEST, _SMALLEST)
-        self.viewport().setCursor(Qt.CursorShape.CrossCursor)
         self.cross = Cross(self)
+        self._main = canvas
         self._fitted = True
         self._wheel = Wheel()
+        drawing = canvas.layers.drawing
+        drawing.drafting.connect(self._copy_draft)
 
     def show_slice(self, scene: Scene, axis: int) -> None:
         """Draw the slice of a scene across an axis."""
         if self.sections.axis != axis:
             self.sections = Sections(axis)
             self.setAccessibleName(tr("Slice across the axis: {axis}").format(axis=AXES[axis]))
-            self.setToolTip(tr("Click to move the cross and with it the other slices; the wheel goes through these."))
         self.draw(scene)
         self.cross.show(self.drawn.slices)
 
@@ -73,23 +77,49 @@ class SideView(Mirror):
         ImageView.fit(self)
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Move the cross."""
+        """Begin a gesture of the tool in use, or move the cross."""
         event.accept()
+        self._main.taken.emit()
+        self._main.setFocus()
+        at = self.position(event.position())
         if event.button() == Qt.MouseButton.LeftButton:
-            self.went.emit(self.placed(self.position(event.position())))
+            self._main.bend(event.modifiers())
+            self._main.hold.press(self, at)
+        else:
+            self.went.emit(self.placed(at))
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Move the cross as long as the button is down."""
+        """Continue it, or show what a press would do."""
         event.accept()
-        if event.buttons() & Qt.MouseButton.LeftButton:
-            self.went.emit(self.placed(self.position(event.position())))
+        at = self.position(event.position())
+        if event.buttons() & (Qt.MouseButton.RightButton | Qt.MouseButton.MiddleButton):
+            self.went.emit(self.placed(at))
+        elif not self._main.led_by_keys:
+            self._main.bend(event.modifiers())
+            self._main.hold.move(self, at)
+        self._main.placed_at.emit(self.placed(at))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Leave the cross where it is."""
+        """End it."""
         event.accept()
+        if event.button() == Qt.MouseButton.LeftButton:
+            self._main.let_go()
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        """Treat the second click like any other."""
+        self.mousePressEvent(event)
+
+    def leaveEvent(self, event: QEvent) -> None:
+        """The pointer has left."""
+        if not self._main.led_by_keys and not self._main.dragging:
+            self._main.leave()
+        super().leaveEvent(event)
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Go through the slices of this view."""
         event.accept()
         if self.sections.axis is not None:
             self.passed.emit(self.sections.axis, self._wheel.notches(event))
+
+    def _copy_draft(self) -> None:
+        self._main.layers.drawing.copy_draft(self.layers.drawing)

@@ -70,7 +70,8 @@ class FrameRenderer:
         self._view.resize(*size)
         self._view.show()
         # a new image resets the options of its layer; the moments are drawn later
-        self._view.draw(Scene(scene.image, scene.display, document=scene.document, selected=scene.selected))
+        first = Scene(scene.image, scene.display, document=scene.document, selected=scene.selected)
+        self._view.draw(replace(first, slices=scene.slices))
         for layer in canvas.layers:
             self._view.layers[layer.name].use_view_state(layer.view_state())
         self._view.view.setRange(part, padding=0.0)

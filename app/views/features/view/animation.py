@@ -208,8 +208,8 @@ class AnimationFeature(Feature):
         return comment_on(self.context.session.document, steered=self.context.session.status.steered)
 
     def _part(self, zoomed: bool) -> QRectF:
-        image = self.context.session.document.image
-        return seen_part(self.context.canvas_area.canvas, image.shape if image is not None else (1, 1), zoomed)
+        canvas = self.context.canvas_area.canvas
+        return seen_part(canvas, canvas.shape or (1, 1), zoomed)
 
     def _suggestion(self, what: str, suffix: str) -> str:
         image = self.context.session.document.image

@@ -15,6 +15,7 @@ from app.views.canvas.mirrors.magnifier import Magnifier
 from app.views.canvas.mirrors.wipe import Wipe
 from app.views.widgets.action_spec import STATE, ActionSpec, Submenu
 from app.views.window.feature import Feature, FeatureContext
+from cpm_core.contours.result import Result
 
 _HELD = 350
 """Time after which the key of the magnifier counts as held: then it ends when the key is released [ms]."""
@@ -67,7 +68,9 @@ class ComparingFeature(Feature):
 
     def _has_result(self, situation: Situation) -> bool:
         scene = self.context.session.scene
-        return bool(scene.contours.items or scene.skeleton or situation.document.objects.items)
+        found = None if scene.reconstruction is None else scene.reconstruction.result
+        surface = isinstance(found, Result) and found.surface is not None
+        return bool(scene.contours.items or scene.skeleton or surface or situation.document.objects.items)
 
     def _fill(self, menu: QMenu) -> None:
         for other in self._other.choices:

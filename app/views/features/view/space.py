@@ -13,6 +13,7 @@ from app.model.text.language import tr
 from app.session.exchange.messages import Exported, Report
 from app.session.tasks.tasks import Task
 from app.views.volume.seen_in_space import SeenInSpace
+from app.views.volume.space_hand import SpaceHand
 from app.views.volume.space_panel import SpacePanel
 from app.views.volume.turntable import FRAMES, FRAMES_PER_SECOND, animation_size, picture_of, turn
 from app.views.widgets.action_spec import ActionSpec
@@ -20,6 +21,7 @@ from app.views.window.feature import Feature, FeatureContext, Panel
 from app.views.window.file_dialogs import Files
 from cpm_core.formats.animations.animation import ANIMATED, write_animation
 from cpm_core.formats.animations.snapshot_strip import write_picture
+from cpm_core.numerics.types import Place
 
 _NAME = "space"
 
@@ -31,11 +33,14 @@ class SpaceFeature(Feature):
         super().__init__(context)
         self.panel = SpacePanel(context.session)
         self._seen = SeenInSpace()
-        self._layer = context.canvas_area.canvas.layers.particles
+        layers = context.canvas_area.canvas.layers
+        self._layer, self._drawing = layers.particles, layers.drawing
         context.session.scene_changed.connect(self._show)
         context.session.image_changed.connect(self._reveal)
-        self.panel.view.picked.connect(context.workspace.slices.through)
+        self._hand = SpaceHand(context.session, self.panel.view)
+        self.panel.view.picked.connect(self._pick)
         self._layer.changed.connect(self._show)
+        self._drawing.changed.connect(self._show)
 
     def panels(self) -> Sequence[Panel]:
         """The view."""
@@ -119,6 +124,13 @@ class SpaceFeature(Feature):
         stem = Path(image.name).stem if image is not None else "cpm"
         return self.context.files.ask_where_to_save("export", title, f"{stem}_{ending}", kinds)
 
+    def _pick(self, place: Place) -> None:
+        """Move the slices there, and draw there what the tool in use draws without a slice."""
+        self.context.workspace.slices.through(place)
+        tool = self.context.canvas_area.canvas.tool
+        if tool is not None:
+            self._hand.put(tool.name, place)
+
     def _reveal(self) -> None:
         """A volume is seen in space from the start; an image has no space."""
         if self.context.session.scene.slices is not None:
@@ -127,4 +139,4 @@ class SpaceFeature(Feature):
             self.context.conceal(_NAME)
 
     def _show(self, *_: object) -> None:
-        self.panel.show_contents(self._seen.of(self.context.session.scene, self._layer))
+        self.panel.show_contents(self._seen.of(self.context.session.scene, self._layer, self._drawing))

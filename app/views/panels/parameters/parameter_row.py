@@ -181,6 +181,9 @@ class ParameterRow(QWidget):
             field.setAccessibleName(control.title)
             field.setAccessibleDescription(f"{control.facts}. {control.meaning} {control.more}")
             field.installEventFilter(self)
+        if control.by_hand is not None:
+            self.number.setValue(control.by_hand)
+            self.slider.show_value(control.by_hand)
         if self._automatic is not None:
             self._automatic.setFocusPolicy(Qt.FocusPolicy.TabFocus)
             self._automatic.setToolTip(control.by_itself)

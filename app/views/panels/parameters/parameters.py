@@ -81,7 +81,9 @@ class ParametersPanel(QWidget):
 
     def _show_acting(self, document: Document) -> frozenset[str]:
         """Show what acts in the mode of a document and hide the rest; to show a row again takes long."""
-        acting = frozenset(name for name in acting_in(document.mode) if name != CHANNEL or self._colored())
+        dimension = len(document.image.shape) if document.image else 2
+        named = acting_in(document.mode, dimension)
+        acting = frozenset(name for name in named if name != CHANNEL or self._colored())
         for name, row in (*self.rows.items(), *self.choices.items()):
             if (name in acting) != (name in self._acting):
                 row.setVisible(name in acting)

@@ -6,7 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.contours.surface import Surface
+from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array
+from cpm_core.parameters.quotation import shown
 from cpm_core.reconstruction.surface.components import support
 from cpm_core.reconstruction.surface.from_points.crust import crust
 from cpm_core.reconstruction.surface.from_points.implicit import implicit_surface
@@ -54,8 +56,8 @@ def reconstruct_surface(points: ArrayLike, normals: ArrayLike | None = None, met
     they grow together. A sheet that ends in the open bounds nothing: the implicit surface closes it by a guess, and
     the crust leaves it out, or is refused when nothing else is left.
     """
-    if method not in METHODS:
-        raise ValueError(f'"{method}" is no method of surface reconstruction: choose one of {", ".join(METHODS)}.')
+    if not isinstance(method, str) or method not in METHODS:
+        raise ValueError(f"method is {shown(method)} but must be one of {', '.join(METHODS)}.")
     places = np.unique(_triples(points, "points"), axis=0) if normals is None else _triples(points, "points")
     _check_extent(places)
     apart = typical_distance(places)
@@ -96,10 +98,9 @@ def _check_extent(places: Array) -> None:
 
 
 def _triples(given: ArrayLike, name: str) -> Array:
-    values = np.asarray(given)
-    if values.dtype.kind not in "buif" or values.ndim != 2 or values.shape[1] != 3:
-        raise ValueError(f"The {name} have the shape {values.shape}, but must be real numbers of shape (N, 3).")
-    found = values.astype(float)
+    found = real_numbers(given)
+    if found.ndim != 2 or found.shape[1] != 3:
+        raise ValueError(f"The {name} have the shape {found.shape}, but must be real numbers of shape (N, 3).")
     if not np.isfinite(found).all():
         raise ValueError(f"The {name} hold NaN or infinite numbers: leave them out.")
     return found

@@ -24,7 +24,7 @@ class GeodesicSettings(Settings):
     """Parameters of the geodesic active contour."""
 
     balloon: float = number(
-        1.0, "c", "Balloon", "Constant pressure on the contour, outwards above 0, inwards below; 0 for none.",
+        1.0, "c", "Balloon", "Constant pressure that drives it on: outwards, or inwards from around the object.",
         "More of it drives the contour on faster, and over edges.",
         (-20.0, 20.0), (-2.0, 2.0), 0.1, equation="w₀ of eq. (2)",
     )  # fmt: skip
@@ -69,7 +69,7 @@ def _evolve(image: Image, start: Start, settings: GeodesicSettings) -> Iterator[
     factor = stopping(image, settings)
     slope = gradient(factor, 0.0)
     inside = start.mask(image.shape)
-    pressure = settings.balloon * factor
+    pressure = start.onward * settings.balloon * factor
     if settings.area > 0.0:  # g + x . grad g / 2 of Siddiqi et al., with the places x from the center of the start
         center = np.argwhere(inside).mean(axis=0) if inside.any() else np.zeros(2)
         away = np.indices(image.shape) - center[:, None, None]

@@ -33,7 +33,7 @@ class GeometricGvfSettings(Settings):
         (0.0, 20.0), (0.0, 2.0), 0.05, equation="w of eq. (3)",
     )  # fmt: skip
     pressure: float = number(
-        0.0, "w₀", "Pressure", "Constant pressure on the contour, outwards above 0, inwards below; 0 for none.",
+        0.0, "w₀", "Pressure", "Constant pressure that drives it on: outwards, or inwards from around the object.",
         "More of it drives the contour over places where the field does not, and into gaps.",
         (-20.0, 20.0), (-1.0, 1.0), 0.05,
     )  # fmt: skip
@@ -51,7 +51,9 @@ class GeometricGvfSettings(Settings):
 
 def _evolve(image: Image, start: Start, settings: GeometricGvfSettings) -> Iterator[LevelSetState]:
     field = evened(gradient_vector_flow(unit_edges(image, settings.smoothing), settings.mu), settings.evenness)
-    curvature, pressure = (np.full(image.shape, float(weight)) for weight in (settings.curvature, settings.pressure))
+    curvature, pressure = (
+        np.full(image.shape, float(weight)) for weight in (settings.curvature, start.onward * settings.pressure)
+    )
     yield from evolution(start.mask(image.shape), Speeds(curvature, pressure, field), MOST_STEPS)
 
 

@@ -16,7 +16,7 @@ from cpm_core.segmentation.methods.method import ContourMethod, Start
 from cpm_core.segmentation.methods.settings import Settings, number
 from cpm_core.segmentation.methods.states import LevelSetState
 
-MOST_STEPS = 500
+MOST_STEPS = 2000
 
 
 @dataclass(frozen=True)

@@ -46,7 +46,7 @@ class MorphologicalGacSettings(Settings):
     """Parameters of the morphological geodesic active contour, as scikit-image has them."""
 
     balloon: float = number(
-        1.0, "c", "Balloon", "Constant pressure on the contour, outwards above 0, inwards below; 0 for none.",
+        1.0, "c", "Balloon", "Constant pressure that drives it on: outwards, or inwards from around the object.",
         "More of it lets the contour cross stronger edges.", (-20.0, 20.0), (-2.0, 2.0), 0.1,
     )  # fmt: skip
     smoothing: int = number(1, "μ", "Smoothness", *_SMOOTHING, (0, 20), (0, 4), 1)
@@ -125,9 +125,11 @@ def _geodesic(image: Image, start: Start, settings: MorphologicalGacSettings) ->
         unit_gray(image), settings.steepness, settings.sigma
     )
 
+    balloon = start.onward * settings.balloon
+
     def steps(mask: Bits, count: int, tell: Callable[[Bits], None]) -> object:
         return skimage.segmentation.morphological_geodesic_active_contour(  # type: ignore[no-untyped-call]
-            factor, count, mask, settings.smoothing, settings.threshold, settings.balloon, tell
+            factor, count, mask, settings.smoothing, settings.threshold, balloon, tell
         )
 
     first = start.mask(image.shape).astype(np.int8)

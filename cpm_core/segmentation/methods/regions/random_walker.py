@@ -11,7 +11,6 @@ import skimage
 from numpy.typing import NDArray
 
 from cpm_core.image.image import Image
-from cpm_core.numerics.types import Mask
 from cpm_core.segmentation.methods.gray import unit_gray
 from cpm_core.segmentation.methods.method import ContourMethod, Start
 from cpm_core.segmentation.methods.settings import Settings, number
@@ -31,39 +30,49 @@ class RandomWalkerSettings(Settings):
         "More of it follows weaker edges, and noise.", (0.0, 1e6), (10.0, 5000.0), 10.0,
     )  # fmt: skip
     depth: float = number(
-        0.0, "d", "Depth of the seeds", "Depth in the start from which its pixels are seeds of the object, as a "
-        "fraction of the greatest; at 0 all of them are.",
-        "More of it is for a start around the object, whose seeds lie only in its middle.",
-        (0.0, 0.99), (0.0, 0.95), 0.05,
+        0.8, "d", "Depth of the seeds",
+        "From a start around the object: the depth from which pixels are its seeds, as a fraction of the greatest.",
+        "More of it leaves seeds only in the middle.", (0.0, 0.99), (0.0, 0.95), 0.05,
     )  # fmt: skip
     margin: float = number(
-        0.0, "b", "Background", "Distance from the start from which pixels are seeds of the background; at 0 only "
-        "those at the border of the image are.",
+        0.0, "b", "Background",
+        "Distance from a start inside the object from which pixels are seeds of the background; at 0 at the border.",
         "More of it leaves more room around the start.", (0.0, 1e5), (0.0, 200.0), 1.0, "px",
     )  # fmt: skip
 
 
-def seeds(inside: Mask, settings: RandomWalkerSettings) -> NDArray[np.int32]:
-    """Labels of the seeds, shape (H, W): `OBJECT`, `BACKGROUND`, or 0 where there is none."""
+_NO_WARNING = 1.0
+"""Error of probabilities up to which scikit-image does not warn; only which of two is larger counts."""
+
+
+def seeds(start: Start, shape: tuple[int, ...], settings: RandomWalkerSettings) -> NDArray[np.int32]:
+    """Labels of the seeds, shape (H, W): `OBJECT`, `BACKGROUND`, or 0 where there is none.
+
+    A start in the object is all object, and the border of the image, or what lies far from the start, background. A
+    start around the object has only its middle in the object, and what lies outside it is background.
+    """
+    inside = start.mask(shape)
     edt = scipy.ndimage.distance_transform_edt
-    depth = edt(np.pad(inside, 1))[1:-1, 1:-1]
-    rim = np.ones(inside.shape, dtype=bool)
+    rim = np.ones(shape, dtype=bool)
     rim[1:-1, 1:-1] = False
-    far = edt(~inside) >= settings.margin if settings.margin > 0.0 else rim
-    labels = np.where(far & ~inside, BACKGROUND, 0)
-    return np.where(inside & (depth >= settings.depth * depth.max()), OBJECT, labels).astype(np.int32)
+    if start.around:
+        depth = edt(np.pad(inside, 1))[1:-1, 1:-1]
+        inner, outer = inside & (depth >= settings.depth * depth.max()), ~inside | rim
+    else:
+        inner, outer = inside, edt(~inside) >= settings.margin if settings.margin > 0.0 else rim
+    return np.where(inner, OBJECT, np.where(outer, BACKGROUND, 0)).astype(np.int32)
 
 
 def _evolve(image: Image, start: Start, settings: RandomWalkerSettings) -> Iterator[LevelSetState]:
     inside = start.mask(image.shape)
     yield LevelSetState(values=inside, level=0.5)
-    labels = seeds(inside, settings)
+    labels = seeds(start, image.shape, settings)
     if {OBJECT, BACKGROUND} - set(np.unique(labels).tolist()):
         missing = "object" if not (labels == OBJECT).any() else "background"
         yield LevelSetState(1, f"there are no seeds of the {missing}", values=inside, level=0.5)
         return
     mode = "bf" if labels.size <= _DIRECT else "cg_j"
-    found = skimage.segmentation.random_walker(unit_gray(image), labels, settings.beta, mode)
+    found = skimage.segmentation.random_walker(unit_gray(image), labels, settings.beta, mode, prob_tol=_NO_WARNING)
     yield LevelSetState(1, "all pixels have been decided", True, found == OBJECT, 0.5)
 
 

@@ -89,7 +89,10 @@ def test_units_do_not_matter(scale):
         (np.random.default_rng(0).normal(size=(9, 3)) * (1, 1, 0), None, "crust", "lie in a plane"),
         (np.random.default_rng(0).normal(size=(9, 3)), np.ones((8, 3)), "implicit", "9 points, but 8 normals"),
         (np.random.default_rng(0).normal(size=(9, 3)), np.zeros((9, 3)), "implicit", "length zero"),
-        (np.random.default_rng(0).normal(size=(9, 3)), None, "poisson", "poisson"),
+        (np.random.default_rng(0).normal(size=(9, 3)), None, "poisson", 'method is "poisson"'),
+        (np.random.default_rng(0).normal(size=(9, 3)), None, "x\n" * 10**5, r'method is "x\\nx\\n'),
+        (np.random.default_rng(0).normal(size=(9, 3)), None, np.zeros((2, 2)), "method is array"),
+        ([[1.0], [1.0, 2.0]], None, "implicit", "differ in length"),
         (np.empty((0, 3)), None, "implicit", "these 0 lie in a plane"),
         (np.random.default_rng(0).normal(size=(9, 3)), None, "implicit", "9 different points are too few"),
         (1e200 * np.random.default_rng(0).normal(size=(50, 3)), None, "crust", "in another unit"),
@@ -97,8 +100,10 @@ def test_units_do_not_matter(scale):
     ],
 )
 def test_what_makes_no_surface_is_refused_in_a_sentence(points, normals, method, said):
-    with pytest.raises(ValueError, match=said):
+    with pytest.raises(ValueError, match=said) as refused:
         reconstruct_surface(points, normals, method)
+    assert str(refused.value).isprintable()
+    assert len(str(refused.value)) < 200
 
 
 def test_points_spread_too_far_are_refused_before_memory_is_taken():

@@ -19,7 +19,7 @@ def ring(center, radius, count=80):
     return np.stack([center[0] + radius * np.sin(angle), center[1] + radius * np.cos(angle)], axis=1)
 
 
-AROUND = Start((ring(MIDDLE, 46.5),))
+AROUND = Start((ring(MIDDLE, 46.5),), around=True)
 
 BAY_MOUTH, BAY_END, BAY_WIDTH = 16.2, 66.0, 6.0
 

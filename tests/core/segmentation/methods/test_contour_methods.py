@@ -107,6 +107,12 @@ def test_an_unknown_method_is_refused_with_the_names_that_there_are():
         method_named("gfv")
 
 
+@pytest.mark.parametrize("name", sorted(set(CLASSICAL) - {"snake"}))
+def test_a_start_around_the_object_drives_a_contour_inwards(name):
+    start = Start((ring((31.0, 33.0), 24.0),), around=True)
+    assert facts_of(run_method(CONTOUR_METHODS[name], IMAGE, start), truth_of_mask(DISK)).f > 0.99
+
+
 def test_several_outlines_start_together():
     objects = np.hypot(ROW - 31, COL - 16) < 9, np.hypot(ROW - 31, COL - 47) < 9
     image = Image(np.where(objects[0] | objects[1], 200.0, 40.0))

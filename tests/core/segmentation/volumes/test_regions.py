@@ -11,6 +11,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import cpm_core as cpm
+from cpm_core.numerics import polyline
 
 VOLUME = cpm.PRESETS["volume"]
 SHAPE, SPACING = (14, 26, 27), (2.0, 1.0, 1.0)
@@ -56,10 +57,51 @@ CASES = {
     "plane": cpm.VolumeRegions(barriers=[((6.5, 12.0, 18.2), (0.4, -1.0, 2.0))]),
     "painted": cpm.VolumeRegions(barriers=[WALL]),
     "stairs": cpm.VolumeRegions(barriers=[STAIRS]),
+    "drawn region": cpm.VolumeRegions([cpm.Extrusion(((3, 4), (3, 20), (22, 22), (20, 3)), 0, 2.0, 11.0)]),
+    "drawn wall": cpm.VolumeRegions(barriers=[cpm.Extrusion(((-3, 15), (9, 20), (30, 16)), 0, 0.0, 13.0, False)]),
+    "wall across the rows": cpm.VolumeRegions(
+        barriers=[cpm.Extrusion(((-1, 15.2), (14, 19.7)), 1, 3.0, 20.0, closed=False)]
+    ),
     "all": cpm.VolumeRegions(
         [((1, 2, 2), (12, 23, 24))], [painted((7, slice(5), slice(None))), ((0, 14.4, 0), (0, 1, 0))]
     ),
 }
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize("closed", [True, False])
+def test_a_line_through_slices_holds_the_voxels_that_it_fills(axis, closed):
+    line = ((2.0, 3.0), (4.5, 20.0), (11.0, 12.0), (9.0, 1.0))
+    drawn = cpm.Extrusion(line, axis, 3.0, 9.0, closed)
+    limits = cpm.VolumeRegions([drawn]) if closed else cpm.VolumeRegions(barriers=[drawn])
+    filled = limits.voxels(SHAPE) if closed else limits.walls(SHAPE).closed
+    places = np.argwhere(np.ones(SHAPE, bool)).astype(float)
+    np.testing.assert_array_equal(drawn.hold(places), filled.ravel())
+    assert filled.any()
+    assert set(np.nonzero(filled)[axis].tolist()) == set(range(3, 10))
+    one = np.take(filled, 5, axis=axis)
+    if closed:
+        others = [side for k, side in enumerate(SHAPE) if k != axis]
+        centers = np.indices(others).reshape(2, -1).T.astype(float)
+        np.testing.assert_array_equal(one.ravel(), polyline.inside(line, centers))
+    else:
+        assert scipy.ndimage.label(one, np.ones((3, 3)))[1] == 1, "a wall has no gap"
+
+
+@pytest.mark.parametrize(
+    ("line", "axis", "last", "sentence"),
+    [
+        (((1.0, 1.0), (2.0, 2.0)), 0, 4.0, "at least 3"),
+        (((1.0, 1.0), (2.0, 2.0), (3.0, np.nan)), 0, 4.0, "finite"),
+        (((1.0, 1.0), (2.0, 2.0), (3.0, 0.0)), 3, 4.0, "axis across the slices is 3"),
+        (((1.0, 1.0), (2.0, 2.0), (3.0, 0.0)), 1, np.inf, "slice inf"),
+    ],
+)
+def test_a_line_that_cannot_be_drawn_through_slices_is_refused(line, axis, last, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        cpm.Extrusion(line, axis, 0.0, last)
+
+
 FAST = replace(VOLUME, time_step=1.0, w2=6.0, w1=3.0, beta=0.1)
 
 

@@ -145,6 +145,65 @@ def test_parameters_for_images_only_are_refused_in_a_volume(name):
         cpm.Engine(ball(), replace(VOLUME, **{name: value}))
 
 
+def test_annealing_shrinks_the_insertion_range_at_every_step_and_ends_the_insertion():
+    counts = []
+    for annealing in (0.0, 0.8, 1.0):
+        law = replace(VOLUME, annealing=annealing)
+        state = engine().start(cpm.sphere(CENTER, 4.0, 60))
+        while not state.stop_reason:
+            before, state = state, engine().step(state, law)
+            if state.reseedings == before.reseedings:
+                assert state.annealed == pytest.approx(before.annealed * annealing)
+        counts.append(state.count)
+    assert 1.15 * counts[0] < counts[1] <= counts[2] + 5
+    state = engine().step(replace(states()[-1], stop_reason=""), replace(VOLUME, annealing=0.5))
+    assert state.annealed == 0.5
+
+
+def test_the_insertion_range_decides_how_dense_a_surface_becomes():
+    count = {
+        d_max: len(cpm.segment(ball(), cpm.sphere(CENTER, 4.0, 60), replace(VOLUME, d_max=d_max)).particles)
+        for d_max in (0.0, 0.5, 3.0)
+    }
+    assert 1.1 * count[0.0] < count[0.5] <= count[3.0]
+
+
+def test_accuracy_and_exponent_change_the_field_and_leave_the_edges():
+    other = cpm.Engine(ball(), VOLUME)
+    standard = other.scale_field(VOLUME)
+    assert (standard.exponent, standard.accuracy) == (3.0, "standard")
+    exact = other.scale_field(replace(VOLUME, accuracy="exact"))
+    inverse_square = other.scale_field(replace(VOLUME, accuracy="exact", exponent=2.0))
+    for field in (exact, inverse_square):
+        assert field.edge_map is standard.edge_map
+        charges = np.where(field.edge_map < 0.25 * field.floor, 0.0, field.edge_map)
+        wanted = cpm.electric_field(charges, exponent=field.exponent)
+        assert field.far.block == (1.0, 1.0, 1.0)
+        np.testing.assert_allclose(field.far.force, wanted, atol=1e-5 * np.abs(wanted).max())
+    assert standard.far.block == (2.0, 2.0, 2.0)
+    assert other.scale_field(replace(VOLUME, accuracy="exact", exponent=2)) is inverse_square
+
+
+def test_blocks_are_as_exact_as_their_description_says():
+    force = {}
+    for accuracy in ("standard", "exact"):
+        field = cpm.Engine(ball(), VOLUME).scale_field(replace(VOLUME, accuracy=accuracy))
+        force[accuracy] = field.lorentz / np.maximum(np.linalg.norm(field.lorentz, axis=0), 1e-30)
+    angle = np.degrees(np.arccos(np.clip((force["standard"] * force["exact"]).sum(axis=0), -1.0, 1.0)))
+    off = scipy.ndimage.distance_transform_edt(field.edge_map < 0.5 * field.floor)
+    assert np.median(angle[(off >= 1.0) & (off < 3.0)]) < 2.0
+    assert np.median(angle[(off >= 3.0) & (off < 10.0)]) < 0.2
+
+
+@pytest.mark.parametrize("exponent", [2.0, 5.0])
+def test_a_ball_is_covered_with_other_exponents_and_the_exact_field(exponent):
+    law = replace(VOLUME, exponent=exponent, accuracy="exact")
+    result = cpm.segment(ball(), cpm.sphere(CENTER, 4.0, 60), law)
+    assert result.converged
+    assert np.abs(off(result)).max() < 0.3
+    assert result.provenance.parameters["exponent"] == exponent
+
+
 def test_noise_decides_on_the_smoothing_and_the_floor():
     clean = build_volume_field(ball(), (1.0, 1.0, 1.0), "auto", 0.1)
     noise = np.random.default_rng(0).normal(0.0, 40.0, ball().shape)

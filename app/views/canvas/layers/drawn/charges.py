@@ -9,6 +9,7 @@ import pyqtgraph as pg
 from PySide6.QtCore import QRectF
 from PySide6.QtGui import QPainterPath
 
+from app.model.volume.shape_sections import ChargeSection
 from app.views.canvas.coordinates import to_xy
 from app.views.canvas.items.curves import Curves
 from app.views.canvas.items.item import Markers
@@ -52,6 +53,7 @@ class Charges:
         for curves, sign in zip(self._rings, (1.0, -1.0), strict=True):
             curves.show([_ring(charge, RADIUS) for charge in charges if sign * charge.strength > 0.0])
         self._reach.show([_ring(chosen, REACH)] if chosen is not None else [])
+        charges = [charge for charge in charges if not isinstance(charge, ChargeSection) or charge.in_slice]
         x, y = to_xy(np.array([charge.position for charge in charges], dtype=float).reshape(-1, 2))
         colors = [theme.ATTRACTING if charge.strength > 0.0 else theme.REPELLING for charge in charges]
         rims = [(theme.CHOSEN, 2.6) if charge is chosen else (theme.HALO, 1.4) for charge in charges]
@@ -73,7 +75,7 @@ class Charges:
 
 
 def _ring(charge: Charge, radius: float) -> np.ndarray:
-    return Circle(charge.position, radius).outline
+    return charge.ring(radius) if isinstance(charge, ChargeSection) else Circle(charge.position, radius).outline
 
 
 def _bars(*bars: QRectF) -> QPainterPath:

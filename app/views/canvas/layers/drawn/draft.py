@@ -9,8 +9,7 @@ from PySide6.QtCore import Qt
 from app.views.canvas.coordinates import to_xy
 from app.views.canvas.items.item import Markers, line_pen
 from app.views.theme import theme
-from cpm_core.numerics.types import Position
-from cpm_core.shapes import Circle
+from cpm_core.numerics.types import Array, Position
 
 _Z = 8.0
 
@@ -43,9 +42,8 @@ class Draft:
         x, y = to_xy(np.array(corners, dtype=float).reshape(-1, 2))
         self._corners.setData(x=x, y=y)
 
-    def show_ring(self, center: Position | None, radius: float, color: str) -> None:
-        """Show the ring of a tool; None hides it."""
-        rim = Circle(center, radius).outline if center is not None else np.empty((0, 2))
+    def show_ring(self, rim: Array, color: str) -> None:
+        """Show the ring of a tool, shape (K, 2); an empty one hides it."""
         self._rim.setPen(line_pen(theme.HALO, 3.4, "shapes"))
         self._ring.setPen(line_pen(color, 1.6, "shapes"))
         for item in (self._rim, self._ring):

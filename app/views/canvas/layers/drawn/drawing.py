@@ -6,10 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 import pyqtgraph as pg
+from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QGraphicsItem
 
 from app.model.document.document import Document
 from app.model.text.language import tr
+from app.model.volume.shape_sections import sections
 from app.session.scene import Scene
 from app.views.canvas.coordinates import to_xy
 from app.views.canvas.items.curves import Curves
@@ -20,7 +22,7 @@ from app.views.canvas.layers.drawn.draft import Draft
 from app.views.canvas.layers.drawn.limits import Limits
 from app.views.canvas.layers.layer import Layer, Requests
 from app.views.theme import theme
-from cpm_core.numerics.types import Position
+from cpm_core.numerics.types import Array, Place, Position
 from cpm_core.shapes import (
     Charge,
     Circle,
@@ -31,6 +33,7 @@ from cpm_core.shapes import (
     Limit,
     Points,
     Polygon,
+    Sphere,
     Start,
     Stroke,
     Threshold,
@@ -50,7 +53,7 @@ _Line = Circle | Ellipse | Polygon | Stroke
 _Area = Grid | Threshold
 """Starts that are shown as areas with their particles."""
 
-_Drafted = tuple[tuple[Position, ...], tuple[Position, ...], str, bool]
+_Drafted = tuple[tuple[Place, ...], tuple[Place, ...], str, bool]
 """Corners and path of a draft, its color, and whether it is closed."""
 
 
@@ -62,6 +65,8 @@ class DrawingLayer(Layer):
     tip = tr("What a run starts from, regions of interest, barriers and placed charges.")
     shortcut = "Alt+6"
     in_slices = True
+    drafting = Signal()
+    """The draft or the ring has changed."""
     colors = (theme.DRAWING, theme.REGION, theme.BARRIER, theme.ATTRACTING, theme.REPELLING)
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
@@ -80,7 +85,7 @@ class DrawingLayer(Layer):
         self._charges = Charges(view)
         self._draft = Draft(view)
         self.drafted: _Drafted = ((), (), theme.DRAWING, False)
-        self.ringed: tuple[Position | None, float, str] = (None, 0.0, theme.DRAWING)
+        self.ringed: tuple[Place | None, float, str] = (None, 0.0, theme.DRAWING)
         self._image_starts: tuple[ImageStart, ...] = ()
         self._curves = (self._lines, self._areas, self._chosen)
         self._marks: tuple[QGraphicsItem, ...] = (
@@ -118,15 +123,32 @@ class DrawingLayer(Layer):
         elif scene.image_seeds is not before.image_seeds:
             self._draw_everywhere()
 
-    def show_draft(self, corners: tuple[Position, ...], path: tuple[Position, ...], color: str, closed: bool) -> None:
+    def show_draft(self, corners: tuple[Place, ...], path: tuple[Place, ...], color: str, closed: bool) -> None:
         """Show the draft of a path."""
         self.drafted = (corners, path, color, closed)
-        self._draft.show(*self.drafted)
+        self._draft.show(self._flat(corners), self._flat(path), color, closed)
+        self.drafting.emit()
 
-    def show_ring(self, center: Position | None, radius: float, color: str) -> None:
-        """Show the ring of a tool; None hides it."""
+    def show_ring(self, center: Place | None, radius: float, color: str) -> None:
+        """Show the ring of a tool, in a volume that of a ball in sides of the smallest voxel; None hides it."""
         self.ringed = (center, radius, color)
-        self._draft.show_ring(*self.ringed)
+        self._draft.show_ring(self._ring(center, radius), color)
+        self.drafting.emit()
+
+    def _flat(self, places: tuple[Place, ...]) -> tuple[Position, ...]:
+        """Places as (row, col) in the slice that is shown."""
+        slices = self.scene.slices
+        return tuple(slices.current.within(place) if slices and len(place) == 3 else place for place in places)
+
+    def _ring(self, center: Place | None, radius: float) -> Array:
+        """The line of a ring, shape (K, 2)."""
+        if center is None:
+            return np.empty((0, 2))
+        slices, volume = self.scene.slices, self.scene.volume
+        if slices is None or volume is None or len(center) == 2:
+            return Circle(center, radius).outline
+        cuts = sections(Sphere.round(center, radius, volume.spacing), slices.axis, slices.current.index)
+        return np.concatenate([np.empty((0, 2)), *(cut.outline for cut in cuts)])
 
     def copy_draft(self, other: DrawingLayer) -> None:
         """Show the same draft and ring on another canvas."""

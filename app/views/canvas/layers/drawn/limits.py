@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import Qt
@@ -12,6 +14,7 @@ from app.views.canvas.coordinates import to_xy
 from app.views.canvas.items.curves import Curves
 from app.views.canvas.items.item import OverImage, cached
 from app.views.theme import theme
+from cpm_core.numerics.types import Array
 from cpm_core.shapes import Barrier, Limit, Region
 
 _DIM_Z, _LINE_Z = 2.5, 6.5
@@ -41,9 +44,9 @@ class Limits:
         regions = [limit for limit in limits if isinstance(limit, Region)]
         barriers = [limit for limit in limits if isinstance(limit, Barrier)]
         self._dim.show(regions)
-        self._regions.show([np.array(region.outline) for region in regions])
-        self._barriers.show([np.array(barrier.outline) for barrier in barriers])
-        self._chosen.show([np.array(chosen.outline)] if chosen is not None else [])
+        self._regions.show(_outlines(regions))
+        self._barriers.show(_outlines(barriers))
+        self._chosen.show(_outlines([] if chosen is None else [chosen]))
 
     def set_visible(self, visible: bool) -> None:
         """Show or hide all items."""
@@ -67,8 +70,8 @@ class Dim(OverImage):
         self._veil = QPainterPath()
         if regions:
             self._veil.addRect(self._room)
-            for region in regions:
-                inside = pg.arrayToQPath(*map(np.ascontiguousarray, to_xy(np.array(region.outline))))
+            for outline in _outlines(regions):
+                inside = pg.arrayToQPath(*map(np.ascontiguousarray, to_xy(outline)))
                 # A path that crosses itself has no holes: with this rule, all that it winds around is inside.
                 inside.setFillRule(Qt.FillRule.WindingFill)
                 self._veil = self._veil.subtracted(inside)
@@ -84,3 +87,8 @@ class Dim(OverImage):
         """Draw the veil."""
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.fillPath(self._veil, QColor(theme.DIMMED))
+
+
+def _outlines(limits: Sequence[Limit]) -> list[Array]:
+    """The lines of limits; a region that lies in other slices of a volume has none."""
+    return [np.array(limit.outline) for limit in limits if len(limit.outline)]

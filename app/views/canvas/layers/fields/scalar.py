@@ -36,6 +36,7 @@ class ScalarOverlay(Layer):
     """An overlay of the worker, shape (H, W), in the colors of a map; it is requested only while shown."""
 
     initially = False
+    in_slices = True
     z: ClassVar[float]
     """Place in the stack of layers."""
 

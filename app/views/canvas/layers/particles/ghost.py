@@ -22,6 +22,7 @@ class GhostLayer(Layer):
     name = "ghost"
     title = tr("Compared branch")
     tip = tr("Particles and contours of the compared branch.")
+    in_slices = True
     colors = (theme.GHOST,)
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:

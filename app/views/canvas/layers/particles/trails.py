@@ -39,6 +39,7 @@ class TrailLayer(Layer):
     tip = tr("The latest positions of each particle.")
     shortcut = "Alt+2"
     initially = False
+    in_slices = True
     colors = (theme.TRAIL,)
     options = (Amount("length", tr("Length"), 2, 100, 1, _LENGTH, tr("Number of moments that a trail shows.")),)
 
@@ -66,10 +67,12 @@ class TrailLayer(Layer):
         snapshot = self.scene.snapshot
         if snapshot is before.snapshot:
             return
-        if snapshot is None:
-            self.trails.forget()
-        elif self.shown:
-            self.trails.add(snapshot.state.step, snapshot.state.particles.identity, snapshot.position)
+        now, then = self.scene.slices, before.slices
+        if snapshot is None or (now is not None and then is not None and now.current != then.current):
+            self.trails.forget()  # those of another slice are not seen in this one
+        if snapshot is not None and self.shown:
+            near, identity = self.scene.near, snapshot.state.particles.identity
+            self.trails.add(snapshot.state.step, identity if near is None else identity[near.index], snapshot.position)
         if self.shown:
             self._item.show(self.trails)
 

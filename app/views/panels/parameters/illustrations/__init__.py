@@ -29,6 +29,7 @@ ILLUSTRATIONS: Mapping[str, Illustrate] = MappingProxyType(
         "gamma": image.gamma,
         "scales": image.scales,
         "edge_floor": image.edge_floor,
+        "exponent": image.exponent,
         "max_border": image.max_border,
         "max_gap": contours.max_gap,
         "min_strength": contours.min_strength,

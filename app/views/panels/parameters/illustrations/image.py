@@ -1,4 +1,4 @@
-"""Illustrations of the parameters of the edge map: smoothing, gamma, scales, edge floor, image border."""
+"""Illustrations of the parameters of edge map and field: smoothing, gamma, scales, floor, exponent, border."""
 
 from __future__ import annotations
 
@@ -75,6 +75,20 @@ def scales(sketch: Sketch, value: float, t: float) -> None:
                 )
         x += size + 4.0
         size /= 2.0
+
+
+def exponent(sketch: Sketch, value: float, t: float) -> None:
+    """The force of an edge over the distance from it, and a particle that follows the arrow of its size."""
+
+    def force(x: float) -> float:
+        size: float = (1.0 + 3.0 * max(x - 14.0, 0.0) / (WIDTH - 20.0)) ** -value
+        return size
+
+    sketch.line([(14, 8), (14, 64)], EDGE, 2.4)
+    sketch.curve(lambda x: 64.0 - 54.0 * force(x), CONTOUR, 2.0, low=14.0, high=WIDTH - 6.0)
+    x = WIDTH - 10.0 - (WIDTH - 40.0) * ease(t, 0.1, 0.9)
+    sketch.line([(x, 64.0), (x, 64.0 - 54.0 * force(x))], MARK, 1.2, dashed=True)
+    sketch.particle(x, 64.0 - 54.0 * force(x), PARTICLE, 2.8)
 
 
 def edge_floor(sketch: Sketch, value: float, t: float) -> None:

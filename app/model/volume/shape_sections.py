@@ -1,0 +1,263 @@
+"""What a slice of a volume shows of a shape: its sections, shapes in the plane of the slice."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from cpm_core.field.placed_charges import RADIUS
+from cpm_core.numerics.types import Array, Position
+from cpm_core.shapes import (
+    Barrier,
+    Box,
+    BoxRegion,
+    Charge,
+    Interest,
+    Points,
+    Polygon,
+    PrismRegion,
+    Region,
+    Shape,
+    Sphere,
+    Stroke,
+    Wall,
+)
+from cpm_core.shapes.box import Cuboid
+from cpm_core.shapes.ellipse import Ellipse
+from cpm_core.shapes.extruded import Extruded
+from cpm_core.shapes.path import SMALLEST
+
+NEAR = 1.0
+"""Distance from a slice up to which it shows a point, in sides of the smallest voxel."""
+
+_IN = 0.5
+"""Distance from a slice up to which a place lies in it [voxels]."""
+
+
+@dataclass(frozen=True, slots=True)
+class SphereSection(Ellipse):
+    """Where a slice cuts a sphere: round in space, an ellipse in voxels that are no cubes."""
+
+    particles: Array = field(default_factory=lambda: np.empty((0, 2)), compare=False)
+
+    def seeds(self) -> Array:
+        """The particles of the sphere that lie near the slice, shape (N, 2)."""
+        return self.particles
+
+    def handles(self) -> tuple[Position, ...]:
+        """The four ends of the axes, for resizing."""
+        (row, col), (along, across) = self.center, self.radii
+        return ((row, col + along), (row + across, col), (row, col - along), (row - across, col))
+
+
+@dataclass(frozen=True, slots=True)
+class BoxSection(Polygon):
+    """Where a slice cuts a box."""
+
+    particles: Array = field(default_factory=lambda: np.empty((0, 2)), compare=False)
+
+    def seeds(self) -> Array:
+        """The particles of the box that lie near the slice, shape (N, 2)."""
+        return self.particles
+
+    def handles(self) -> tuple[Position, ...]:
+        """The corners and the middles of the sides, each on the faces that it moves."""
+        return _on_sides(self.points)
+
+
+@dataclass(frozen=True, slots=True)
+class RegionSection(Region):
+    """Where a slice cuts a region of interest; `held` are its handles."""
+
+    held: tuple[Position, ...] = ()
+
+    def handles(self) -> tuple[Position, ...]:
+        """Those that the shape has in this slice."""
+        return self.held
+
+
+@dataclass(frozen=True, slots=True)
+class RegionElsewhere(Region):
+    """A region of interest that a slice does not cut: nothing of the slice lies in it."""
+
+    points: tuple[Position, ...] = ((0.0, 0.0), (0.0, 1.0), (1.0, 0.0))
+
+    @property
+    def outline(self) -> Array:
+        """Empty, shape (0, 2)."""
+        return np.empty((0, 2))
+
+    def handles(self) -> tuple[Position, ...]:
+        """Empty."""
+        return ()
+
+    def distance(self, position: Position) -> float:
+        """Infinite."""
+        return math.inf
+
+
+@dataclass(frozen=True, slots=True)
+class ChargeSection(Charge):
+    """A charge that acts in a slice.
+
+    Attributes
+    ----------
+    away : float
+        Distance of the charge from the slice, in sides of the smallest voxel.
+    sides : tuple of float
+        Sides of a voxel in the slice, in the smallest side of a voxel.
+    """
+
+    away: float = 0.0
+    sides: tuple[float, float] = (1.0, 1.0)
+
+    @property
+    def in_slice(self) -> bool:
+        """Whether the charge itself lies in the slice."""
+        return self.away <= NEAR
+
+    def ring(self, radius: float) -> Array:
+        """Where the slice cuts a sphere around the charge, shape (K, 2); empty where it does not."""
+        return _ring(self.position, math.sqrt(max(radius**2 - self.away**2, 0.0)), self.sides)
+
+    def distance(self, position: Position) -> float:
+        """Distance of a position from the charge [px]; infinite where it is only its effect that the slice shows."""
+        return math.dist(self.position, position) if self.in_slice else math.inf
+
+
+def sections(shape: Shape, axis: int, index: float, sides: Sequence[float] = (1.0, 1.0, 1.0)) -> tuple[Shape, ...]:
+    """The sections of a shape by a slice; empty where the slice does not show it.
+
+    `index` is the place of the slice along `axis` [voxels], `sides` are those of a voxel in the smallest of them.
+    Shapes in the plane belong to no volume and are not shown.
+    """
+    found = tuple(_sections(shape, axis, index, sides))
+    return (RegionElsewhere(),) if not found and isinstance(shape, Interest) else found
+
+
+def _sections(shape: Shape, axis: int, index: float, sides: Sequence[float]) -> Iterator[Shape]:
+    if isinstance(shape, Sphere):
+        yield from _of_sphere(shape, axis, index)
+    elif isinstance(shape, Box | BoxRegion):
+        yield from _of_box(shape, axis, index)
+    elif isinstance(shape, PrismRegion | Wall):
+        if shape.first - _IN <= index <= shape.last + _IN or axis != shape.axis:
+            yield from _across(shape) if axis == shape.axis else _along(shape, axis, index)
+    elif isinstance(shape, Charge) and len(shape.position) == 3:
+        yield from _of_charge(shape, axis, index, sides)
+    elif isinstance(shape, Stroke | Polygon) and len(shape.points[0]) == 3:
+        yield from _of_line(shape, axis, index)
+    elif isinstance(shape, Points) and len(shape.positions[0]) == 3:
+        yield from _of_points(shape.positions, axis, index)
+
+
+def _flat(place: Sequence[float], axis: int) -> Position:
+    return tuple(place[:axis]) + tuple(place[axis + 1 :])
+
+
+def _of_points(places: Sequence[Sequence[float]], axis: int, index: float) -> Iterator[Points]:
+    near = tuple(_flat(place, axis) for place in places if abs(place[axis] - index) <= NEAR)
+    if near:
+        yield Points(near)
+
+
+def _of_sphere(sphere: Sphere, axis: int, index: float) -> Iterator[SphereSection]:
+    off = (index - sphere.center[axis]) * sphere.sides[axis]
+    if abs(off) >= sphere.radius:
+        return
+    radius = math.sqrt(sphere.radius**2 - off**2)
+    center, (down, right) = (_flat(values, axis) for values in (sphere.center, sphere.sides))
+    seeds = sphere.seeds()
+    near = np.abs(seeds[:, axis] - index) * sphere.sides[axis] <= NEAR
+    yield SphereSection(
+        center,
+        (max(radius / right, SMALLEST), max(radius / down, SMALLEST)),
+        particles=np.delete(seeds[near], axis, axis=1),
+    )
+
+
+def _of_box(box: Cuboid, axis: int, index: float) -> Iterator[Shape]:
+    if not box.first[axis] - _IN <= index <= box.last[axis] + _IN:
+        return
+    (top, left), (bottom, right) = _flat(box.first, axis), _flat(box.last, axis)
+    corners = ((top, left), (top, right), (bottom, right), (bottom, left))
+    if isinstance(box, Box):
+        seeds = box.seeds()
+        near = np.abs(seeds[:, axis] - index) <= NEAR
+        yield BoxSection(corners, particles=np.delete(seeds[near], axis, axis=1))
+    else:
+        yield RegionSection(corners, held=_on_sides(corners))
+
+
+def _on_sides(corners: Sequence[Position]) -> tuple[Position, ...]:
+    """Corners of a rectangle, and the middles of its sides."""
+    following = (*corners[1:], corners[0])
+    middles = ((0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])) for a, b in zip(corners, following, strict=True))
+    return (*corners, *middles)
+
+
+def _of_line(line: Stroke | Polygon, axis: int, index: float) -> Iterator[Shape]:
+    """The line itself where it lies in the slice, otherwise its particles near the slice."""
+    if all(abs(place[axis] - index) <= _IN for place in line.points):
+        yield replace(line, points=tuple(_flat(place, axis) for place in line.points))
+    else:
+        yield from _of_points(line.seeds().tolist(), axis, index)
+
+
+def _of_charge(charge: Charge, axis: int, index: float, sides: Sequence[float]) -> Iterator[ChargeSection]:
+    away = abs(charge.position[axis] - index) * sides[axis]
+    if away <= RADIUS:
+        down, right = _flat(sides, axis)
+        yield ChargeSection(_flat(charge.position, axis), charge.strength, away, (down, right))
+
+
+def _ring(center: Position, radius: float, sides: tuple[float, float]) -> Array:
+    """A circle in space around a place of a slice."""
+    if radius < SMALLEST:
+        return np.empty((0, 2))
+    (row, col), (down, right) = center, sides
+    return Ellipse((row, col), (max(radius / right, SMALLEST), max(radius / down, SMALLEST))).outline
+
+
+def _across(shape: Extruded) -> Iterator[Shape]:
+    """In the slices that it was drawn in: the line itself."""
+    flat = shape.flat(shape.points)
+    yield RegionSection(flat.points, held=flat.handles()) if isinstance(flat, Region) else flat
+
+
+def _along(shape: Extruded, axis: int, index: float) -> Iterator[Shape]:
+    """In other slices: a strip for each stretch inside what is closed, a line for each place where a line is cut."""
+    other = next(one for one in range(3) if one not in (axis, shape.axis))
+    cuts = _crossings(shape, axis, index, other)
+    upright = shape.axis < other  # the range runs down, and the other axis to the right
+    if isinstance(shape, PrismRegion):
+        for begin, end in zip(cuts[::2], cuts[1::2], strict=False):
+            if end - begin > 1e-6 and shape.last > shape.first:
+                ends = [(shape.first, begin), (shape.first, end), (shape.last, end), (shape.last, begin)]
+                middle = 0.5 * (begin + end)
+                held = [(shape.first, middle), (shape.last, middle)]
+                yield RegionSection(_turned(ends, upright), held=_turned(held, upright))
+    else:
+        for at in cuts:
+            if shape.last > shape.first:
+                yield Barrier(_turned([(shape.first, at), (shape.last, at)], upright))
+
+
+def _turned(places: Sequence[Position], upright: bool) -> tuple[Position, ...]:
+    return tuple((one, other) if upright else (other, one) for one, other in places)
+
+
+def _crossings(shape: Extruded, axis: int, index: float, other: int) -> list[float]:
+    """Places along the other axis where the line lies in a slice, in order."""
+    corners = shape.flat(shape.points).outline
+    here, there = (sorted((axis, other)).index(one) for one in (axis, other))
+    # a corner in the slice lies on one side of it, so that each side of the line is cut once or not at all
+    above = corners[:, here] >= index
+    cut = above[1:] != above[:-1]
+    begin, end = corners[:-1][cut], corners[1:][cut]
+    share = (index - begin[:, here]) / (end[:, here] - begin[:, here])
+    found: list[float] = sorted((begin[:, there] + share * (end - begin)[:, there]).tolist())
+    return found

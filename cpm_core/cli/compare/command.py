@@ -1,0 +1,187 @@
+"""``cpm compare``: runs several methods on an image and tells what each has found, and in what time."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+
+from cpm_core.cli.arguments import add_image, add_json, add_part, add_session, as_number, as_steps, part_of
+from cpm_core.cli.compare.settings import add_settings, chosen_settings
+from cpm_core.cli.terminal import say
+from cpm_core.contours.ground_truth import Truth
+from cpm_core.formats import load_image
+from cpm_core.formats.animations.comparison import Tile, check_comparison, write_comparison
+from cpm_core.formats.ground_truth_file import load_truth
+from cpm_core.formats.printable import printable
+from cpm_core.formats.sessions.session_file import SessionFile, find_image, load_session
+from cpm_core.image.image import Image
+from cpm_core.numerics.types import Array
+from cpm_core.parameters import Parameters
+from cpm_core.parameters.quotation import shown
+from cpm_core.segmentation.methods import CONTOUR_METHODS, Facts, Start, facts_of, method_named, run_method
+from cpm_core.shapes import Barrier, Charge, Circle, Region
+from cpm_core.shapes.outlines import outlines_of
+
+_WIDTH = 26
+"""Width of the column of the methods [characters]."""
+
+
+def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add this command to those of the command line."""
+    parser = commands.add_parser("compare", help="compare methods on the same image and start", allow_abbrev=False)
+    parser.set_defaults(command=_compare)
+    parser.description = (
+        "Run the charged particles and classical methods from the same start, one after the other. "
+        + " ".join(f"{method.name}: {method.about}" for method in CONTOUR_METHODS.values())
+    )
+    add_image(parser, optional=True)
+    add_session(parser)
+    add_part(parser.add_argument_group("part of a file"), channel=True)
+    start = parser.add_argument_group("start (one at least, of a session or here; several add up)")
+    start.add_argument("--circle", metavar="ROW,COL,RADIUS", action="append", default=[], help="a circle, in px")
+    start.add_argument(
+        "--polygon", metavar="ROW,COL,ROW,COL,...", action="append", default=[], help="corners of a closed line, in px"
+    )
+    start.add_argument(
+        "--around",
+        action="store_true",
+        help="the start lies around the object, so that balloons and pressures drive contours inwards",
+    )
+    methods = parser.add_argument_group("methods")
+    methods.add_argument(
+        "--methods",
+        metavar="NAME",
+        nargs="+",
+        action="extend",
+        default=[],
+        help=f"which methods ({', '.join(CONTOUR_METHODS)}; default: all)",
+    )
+    add_settings(methods)
+    methods.add_argument("--max-steps", metavar="N", type=as_number, help="stop each after so many steps at most")
+    outcome = parser.add_argument_group("outcome")
+    outcome.add_argument("--truth", metavar="MASK", help="ground truth: a mask, or a file of contours")
+    outcome.add_argument(
+        "--export",
+        metavar="PATH",
+        nargs="+",
+        action="extend",
+        default=[],
+        help="write the table (.csv) or a picture of the methods side by side (.png)",
+    )
+    add_json(outcome)
+
+
+def _compare(arguments: argparse.Namespace) -> None:
+    """Run the methods; every check that needs no image comes first."""
+    session = load_session(Path(arguments.session)) if arguments.session else SessionFile()
+    if arguments.image is None and session.image is None:
+        raise ValueError("No IMAGE is given: name one, or with --session FILE a session that has one.")
+    names = list(dict.fromkeys(arguments.methods)) or list(CONTOUR_METHODS)
+    for name in names:
+        method_named(name)
+    settings = chosen_settings(arguments, names, session.parameters if arguments.session else Parameters())
+    max_steps = as_steps(arguments.max_steps)
+    start = _start(arguments, session)
+    if any(isinstance(shape, Region | Barrier | Charge) for shape in session.shapes):
+        say("cpm: regions, barriers and charges of the session are left out: the other methods have none.")
+    for path in arguments.export:
+        check_comparison(path)
+    image = _image(arguments, session)
+    truth = None if arguments.truth is None else load_truth(arguments.truth, image.shape)
+    tiles = []
+    for name in names:
+        moment = run_method(CONTOUR_METHODS[name], image, start, settings[name], max_steps)
+        tiles.append(Tile(moment.state.contours, facts_of(moment, truth)))
+        if not arguments.json:
+            _tell(tiles[-1].facts, truth, first=len(tiles) == 1)
+    write_comparison(image, start, tiles, arguments.export)
+    _end(arguments, image, start, [tile.facts for tile in tiles], truth)
+
+
+def _end(arguments: argparse.Namespace, image: Image, start: Start, rows: Sequence[Facts], truth: Truth | None) -> None:
+    if arguments.json:
+        given = {"image": image.source, "around": start.around, "truth": None if truth is None else truth.source}
+        plain = [{name: _finite(value) for name, value in asdict(row).items()} for row in rows]
+        print(json.dumps({**given, "methods": plain}))
+        return
+    for path in arguments.export:
+        print(printable(f"Wrote {path}"))
+
+
+def _finite(value: object) -> object:
+    """A value as JSON can hold it: an infinite distance is null."""
+    return None if isinstance(value, float) and not np.isfinite(value) else value
+
+
+def _tell(row: Facts, truth: Truth | None, *, first: bool) -> None:
+    """Print a line of the table, before the first its head."""
+    if first:
+        scores = f"{'Dice':>7}{'F':>7}{'Hausdorff':>12}{'mean':>9}" if truth else ""
+        print(f"{'':{_WIDTH}}{'steps':>7}{'time':>10}{scores}  contours  end")
+    agree = ""
+    if row.dice is not None and row.f is not None:
+        agree = f"{row.dice:7.3f}{row.f:7.3f}{_px(row.hausdorff, 1):>12}{_px(row.mean_distance, 2):>9}"
+    title = CONTOUR_METHODS[row.method].title
+    time = f"{row.seconds:.2f} s"
+    print(f"{title:{_WIDTH}}{row.steps:7}{time:>10}{agree}{row.contours:10}  {row.stop_reason}", flush=True)
+
+
+def _px(distance: float | None, digits: int) -> str:
+    return "" if distance is None else f"{distance:.{digits}f} px" if np.isfinite(distance) else "-"
+
+
+def _image(arguments: argparse.Namespace, session: SessionFile) -> Image:
+    part = part_of(arguments)
+    path, notes = Path(arguments.image or ""), session.notes
+    if arguments.image is None and session.image is not None:
+        path, found = find_image(session.image, Path(arguments.session).absolute().parent)
+        notes += found
+    loaded = load_image(path, **part)
+    image = loaded if arguments.channel is None else Image(loaded.gray(arguments.channel), source=loaded.source)
+    for note in (*notes, *loaded.notes):
+        say(f"cpm: {image.source}: {note}")
+    if image.ndim != 2:
+        raise ValueError(f"{image.source} is a volume, but methods are compared on images: take a plane, --page N.")
+    return image
+
+
+def _start(arguments: argparse.Namespace, session: SessionFile) -> Start:
+    """The outlines on the command line, and those of the session."""
+    outlines = [_circle(text) for text in arguments.circle] + [_polygon(text) for text in arguments.polygon]
+    drawn = outlines_of(session.shapes)
+    if not (outlines or drawn):
+        raise ValueError(
+            "No start is given: add --circle ROW,COL,RADIUS or --polygon ROW,COL,ROW,COL,..., or a session with a "
+            "circle, an ellipse or a polygon."
+        )
+    return Start((*outlines, *drawn), around=arguments.around)
+
+
+def _circle(text: str) -> Array:
+    numbers = _numbers(text)
+    if len(numbers) != 3:
+        raise ValueError(f"--circle is {shown(text)} but must be three numbers, ROW,COL,RADIUS in px.")
+    return Circle((numbers[0], numbers[1]), numbers[2]).outline[:-1]
+
+
+def _polygon(text: str) -> Array:
+    numbers = _numbers(text)
+    corners = np.array(numbers[: len(numbers) // 2 * 2]).reshape(-1, 2)
+    if len(numbers) % 2 or len(np.unique(corners, axis=0)) < 3:
+        raise ValueError(
+            f"--polygon is {shown(text)} but must be rows and columns in turn, of three different corners at least, "
+            "ROW,COL,ROW,COL,... in px."
+        )
+    return corners
+
+
+def _numbers(text: str) -> list[float]:
+    """Numbers between commas; an empty list when a part is not a finite number."""
+    parts = [as_number(part.strip()) for part in text.split(",")]
+    numbers = [float(part) for part in parts if not isinstance(part, str) and np.isfinite(part)]
+    return numbers if len(numbers) == len(parts) else []

@@ -1,0 +1,131 @@
+"""Comparisons of methods as files: a table, and a picture with the methods side by side."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+
+import numpy as np
+import PIL.Image
+import PIL.ImageDraw
+import PIL.PngImagePlugin
+
+from cpm_core.contours.contour import Contour
+from cpm_core.formats.animations.snapshot_strip import strip
+from cpm_core.formats.atomic import check_place, write_together
+from cpm_core.formats.printable import cell
+from cpm_core.image.image import Image
+from cpm_core.numerics.types import Array, Pixels
+from cpm_core.parameters.quotation import shown
+from cpm_core.segmentation.methods import CONTOUR_METHODS, Facts, Start
+
+SUFFIXES = (".csv", ".png")
+"""What is written: the table, and the picture."""
+
+_START, _CLOSED, _OPEN, _HALO = "#f0e442", "#56b4e9", "#ff9d1e", "#101216"
+"""Colors of the start, of closed and of open contours, and around them."""
+
+_SIDE, _FINER = 420, 2
+"""Longer side of a tile [px], and how many times finer lines are drawn before they are reduced."""
+
+_DARKEST, _BRIGHTEST = 0.1, 0.86
+"""Brightness of the extreme gray levels, on which lines and their halos must be visible."""
+
+_LETTERS = 13.0
+"""Height of the letters [px]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Tile:
+    """One method on the picture: its contours, and the facts of its run."""
+
+    contours: Sequence[Contour]
+    facts: Facts
+
+
+def table(rows: Sequence[Facts]) -> bytes:
+    """A table with a row for each method, as CSV: times in seconds, distances in px, empty where nothing is known."""
+    text = io.StringIO(newline="")
+    writer = csv.writer(text)
+    writer.writerow([field.name for field in fields(Facts)])
+    for row in rows:
+        writer.writerow([cell(value) if isinstance(value, str) else value for value in asdict(row).values()])
+    return text.getvalue().encode()
+
+
+def picture(image: Image, start: Start, tiles: Sequence[Tile]) -> Pixels:
+    """The start and the contours of each method on the image, side by side, each with its facts below."""
+    outlines = [Contour(outline, closed=True) for outline in start.outlines]
+    frames = [_drawn(image, [(outlines, _START)])]
+    captions = ["Start"]
+    for tile in tiles:
+        closed, loose = ([one for one in tile.contours if one.closed is kind] for kind in (True, False))
+        frames.append(_drawn(image, [(closed, _CLOSED), (loose, _OPEN)]))
+        captions.append(caption(tile.facts))
+    return strip(frames, captions, text_size=_LETTERS)
+
+
+def caption(facts: Facts) -> str:
+    """A line below a tile: the method, its time, and how well it agrees where that is known."""
+    words = f"{CONTOUR_METHODS[facts.method].title}: {facts.seconds:.2f} s"
+    return words if facts.dice is None or facts.f is None else f"{words}, Dice {facts.dice:.3f}, F {facts.f:.3f}"
+
+
+def write_comparison(
+    image: Image, start: Start, tiles: Sequence[Tile], paths: Sequence[str | os.PathLike[str]]
+) -> None:
+    """Write table and picture, by the suffix of each path; all files or none.
+
+    Raises
+    ------
+    ValueError
+        When a path has another suffix or cannot be written.
+    """
+    contents = []
+    for path in map(Path, paths):
+        check_comparison(path)
+        if path.suffix.lower() == ".csv":
+            contents.append((path, table([tile.facts for tile in tiles])))
+        else:
+            stream, texts = io.BytesIO(), PIL.PngImagePlugin.PngInfo()
+            texts.add_text("Description", ", ".join(tile.facts.method for tile in tiles))
+            PIL.Image.fromarray(picture(image, start, tiles)).save(stream, format="PNG", pnginfo=texts)
+            contents.append((path, stream.getvalue()))
+    write_together(contents)
+
+
+def check_comparison(path: str | os.PathLike[str]) -> None:
+    """Check in advance whether `write_comparison` could write to a path; ValueError if not."""
+    file = Path(path)
+    if file.suffix.lower() not in SUFFIXES:
+        raise ValueError(
+            f"{file.name} ends in {shown(file.suffix)}, but a comparison is written as a table, .csv, or as a picture, "
+            ".png."
+        )
+    check_place(file)
+
+
+def _drawn(image: Image, layers: Sequence[tuple[Sequence[Contour], str]]) -> Pixels:
+    """The image as large as a tile, with lines in their colors on dark halos."""
+    low, high = np.percentile(image.values, (0.2, 99.8))
+    shade = np.clip((image.values - low) / max(high - low, 1e-300), 0.0, 1.0)
+    gray = np.rint(255.0 * (_DARKEST + (_BRIGHTEST - _DARKEST) * shade)).astype(np.uint8)
+    rows, cols = image.shape
+    zoom = _FINER * _SIDE / max(rows, cols)
+    size = max(round(cols * zoom), _FINER), max(round(rows * zoom), _FINER)
+    large = PIL.Image.fromarray(gray).convert("RGB").resize(size, PIL.Image.Resampling.BILINEAR)
+    pen = PIL.ImageDraw.Draw(large)
+    for color, width in ((_HALO, 3 * _FINER), (None, 2 * _FINER - 1)):
+        for contours, own in layers:
+            for contour in contours:
+                pen.line(_line(contour.path, zoom), fill=color or own, width=width, joint="curve")
+    return np.asarray(large.resize((size[0] // _FINER, size[1] // _FINER), PIL.Image.Resampling.BOX))
+
+
+def _line(path: Array, zoom: float) -> list[tuple[float, float]]:
+    """A path as Pillow takes it: the center of the first pixel lies half a pixel inside."""
+    return [((col + 0.5) * zoom, (row + 0.5) * zoom) for row, col in path.tolist()]

@@ -1,0 +1,99 @@
+"""What is drawn in a volume is seen in space, and spheres and points are placed and dragged there."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, Qt
+
+from app.model.document import edits
+from app.views.features.view.space import SpaceFeature
+from app.views.theme import theme
+from app.views.theme.look import look
+from cpm_core.shapes import Box, Points, Sphere
+
+MOVING = look().color(theme.MOVING)
+KEY, LEFT, CONTROL = Qt.Key, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.ControlModifier
+
+
+@pytest.fixture
+def space(volume, hand):
+    """The view in space of the window, drawn."""
+    view = volume.feature(SpaceFeature).panel.view
+    hand.wait(lambda: view.isVisible() and view.camera is not None and view.idle)
+    return view
+
+
+def draw(window, shape) -> None:
+    window.session.edit("draw", lambda document: edits.add_shape(document, shape))
+
+
+def on_screen(view, place) -> QPoint:
+    """Where the view shows a place of the volume."""
+    seen = view.camera.seen(np.array([place]), view.room)[0] / view.devicePixelRatioF()
+    return QPoint(round(float(seen[0])), round(float(seen[1])))
+
+
+def inks(view) -> set[str]:
+    """The colors in the picture."""
+    picture = view.picture()
+    return {picture.pixelColor(x, y).name() for x in range(picture.width()) for y in range(picture.height())}
+
+
+def test_what_is_drawn_is_seen_in_space_in_its_color(volume, hand, space) -> None:
+    draw(volume, Box((4.0, 5.0, 6.0), (14.0, 18.0, 20.0)))
+    hand.wait(lambda: space.idle and MOVING in inks(space))
+    volume.session.select(0)
+    hand.wait(lambda: space.idle and theme.CHOSEN in inks(space))
+    assert MOVING not in inks(space)
+    volume.canvas_area.canvas.layers.drawing.set_shown(False)
+    hand.wait(lambda: space.idle and theme.CHOSEN not in inks(space))
+
+
+def test_a_shape_is_dragged_in_the_plane_of_the_screen(volume, hand, space) -> None:
+    sphere = Sphere((12.0, 14.0, 16.0), 5.0)
+    draw(volume, sphere)
+    hand.wait(lambda: space.idle)
+    camera = space.camera
+    begin = on_screen(space, (12.0, 14.0, 21.0))
+    hand.qtbot.mousePress(space, LEFT, pos=begin)
+    assert volume.session.selected == 0
+    for way in (QPoint(8, 4), QPoint(20, 10)):
+        hand.qtbot.mouseMove(space, begin + way)
+    hand.qtbot.mouseRelease(space, LEFT, pos=begin + QPoint(20, 10))
+    assert space.camera is camera, "the view does not turn"
+    (moved,) = volume.session.document.shapes
+    off = np.subtract(moved.center, sphere.center) @ camera.axes.T * camera.scale / space.devicePixelRatioF()
+    assert off == pytest.approx((20.0, 10.0, 0.0), abs=1e-6)
+    hand.key(KEY.Key_Z, CONTROL)
+    assert volume.session.document.shapes == (sphere,), "a drag is one step of undo"
+
+
+def test_a_drag_beside_the_lines_turns_the_view(volume, hand, space) -> None:
+    draw(volume, Sphere((12.0, 14.0, 16.0), 5.0))
+    hand.wait(lambda: space.idle)
+    camera, begin = space.camera, QPoint(5, 5)
+    hand.qtbot.mousePress(space, LEFT, pos=begin)
+    hand.qtbot.mouseMove(space, begin + QPoint(20, 0))
+    hand.qtbot.mouseRelease(space, LEFT, pos=begin + QPoint(20, 0))
+    assert space.camera is not camera
+    assert volume.session.document.shapes == (Sphere((12.0, 14.0, 16.0), 5.0),)
+
+
+@pytest.mark.parametrize(("key", "kind"), [(KEY.Key_C, Sphere), (KEY.Key_P, Points), (KEY.Key_S, None)])
+def test_a_click_on_what_is_seen_draws_there_with_sphere_and_point(volume, hand, space, key, kind) -> None:
+    check = volume.feature(SpaceFeature).panel.bar.checks["slices"]
+    check.setChecked(True)
+    hand.wait(lambda: space.idle)
+    hand.key(key)
+    hand.qtbot.mouseClick(space, LEFT, pos=space.rect().center())
+    hand.wait(lambda: space.idle)
+    place = volume.session.scene.slices.voxel
+    shapes = volume.session.document.shapes
+    if kind is None:
+        assert shapes == ()
+        return
+    (shape,) = shapes
+    assert isinstance(shape, kind)
+    at = shape.center if isinstance(shape, Sphere) else shape.positions[0]
+    assert np.abs(np.subtract(at, place)).max() <= 0.5 + 1e-9

@@ -1,0 +1,129 @@
+"""The command that compares methods: what it prints, what it writes, and what it refuses."""
+
+import csv
+import io
+import json
+
+import numpy as np
+import PIL.Image
+import pytest
+
+from cpm_core.formats.sessions.session_file import SessionFile, save_session
+from cpm_core.segmentation.methods import CONTOUR_METHODS
+from cpm_core.shapes import Ellipse, Stroke
+
+ROW, COL = np.indices((56, 60))
+DISK = np.hypot(ROW - 27, COL - 30) < 14
+QUICK = ("cpm", "gvf", "gac")
+CIRCLE = ("--circle", "27,30,9")
+
+
+@pytest.fixture
+def image(tmp_path):
+    PIL.Image.fromarray(np.where(DISK, 200, 40).astype(np.uint8)).save(tmp_path / "disk.png")
+    return tmp_path / "disk.png"
+
+
+@pytest.fixture
+def mask(tmp_path):
+    PIL.Image.fromarray(np.where(DISK, 255, 0).astype(np.uint8)).save(tmp_path / "mask.png")
+    return tmp_path / "mask.png"
+
+
+def test_methods_are_told_as_json_in_the_order_in_which_they_are_named(image, mask, command):
+    status, out, err = command("compare", image, *CIRCLE, "--methods", *QUICK, "--truth", mask, "--json")
+    facts = json.loads(out)
+    assert (status, err) == (0, "")
+    assert [row["method"] for row in facts["methods"]] == list(QUICK)
+    for row in facts["methods"]:
+        assert row["converged"] and row["contours"] == 1 and row["steps"] > 1 and row["seconds"] > 0.0
+        assert row["dice"] > 0.97 and row["f"] > 0.99 and row["hausdorff"] < 2.0 and row["mean_distance"] < 1.0
+
+
+def test_a_person_sees_a_line_for_each_method(image, mask, command):
+    status, out, _ = command("compare", image, *CIRCLE, "--methods", "cpm", "chan_vese", "--truth", mask)
+    head, *lines = out.splitlines()
+    assert status == 0
+    assert head.split() == ["steps", "time", "Dice", "F", "Hausdorff", "mean", "contours", "end"]
+    assert [line[:26].strip() for line in lines] == ["Charged particles", "Chan-Vese"]
+
+
+def test_without_a_truth_nothing_is_said_of_agreement(image, command):
+    status, out, _ = command("compare", image, *CIRCLE, "--methods", "gvf")
+    assert status == 0
+    assert out.splitlines()[0].split() == ["steps", "time", "contours", "end"]
+
+
+def test_a_method_that_finds_nothing_is_told_as_well(image, mask, command):
+    options = ("--methods", "snake", "--set", "snake.alpha=1", "--truth", mask)
+    row = json.loads(command("compare", image, *CIRCLE, *options, "--json")[1])["methods"][0]
+    assert (row["contours"], row["dice"], row["hausdorff"]) == (0, 0.0, None)
+    assert command("compare", image, *CIRCLE, *options)[1].splitlines()[1].split()[5:8] == ["0.000", "0.000", "-"]
+
+
+def test_all_methods_are_compared_unless_some_are_named(image, command):
+    rows = json.loads(command("compare", image, *CIRCLE, "--max-steps", 1, "--json")[1])["methods"]
+    assert [row["method"] for row in rows] == list(CONTOUR_METHODS)
+    assert {row["steps"] for row in rows} == {1}
+
+
+def test_table_and_picture_are_written(image, mask, command, tmp_path):
+    paths = tmp_path / "a.csv", tmp_path / "a.png"
+    status, out, _ = command("compare", image, *CIRCLE, "--methods", *QUICK, "--truth", mask, "--export", *paths)
+    assert status == 0
+    assert out.splitlines()[-2:] == [f"Wrote {path}" for path in paths]
+    rows = list(csv.DictReader(io.StringIO(paths[0].read_text(encoding="utf-8"))))
+    assert [row["method"] for row in rows] == list(QUICK)
+    assert all(float(row["dice"]) > 0.97 for row in rows)
+    with PIL.Image.open(paths[1]) as picture:
+        assert picture.width > 4 * 400  # the start and three methods beside one another
+        assert picture.info["Description"] == "cpm, gvf, gac"
+
+
+def test_settings_of_methods_are_set_by_name(image, command):
+    found = [
+        json.loads(command("compare", image, *CIRCLE, "--methods", "gac", *more, "--json")[1])["methods"][0]["steps"]
+        for more in ((), ("--set", "gac.balloon=0.3"), ("--set", "gac.balloon=0.3", "gac.exponent=1"))
+    ]
+    assert len(set(found)) == 3
+
+
+def test_a_start_around_the_object_is_one_when_it_is_said_so(image, mask, command):
+    options = ("--circle", "27,30,22", "--methods", "gac", "morph_gac", "--truth", mask, "--json")
+    outwards, inwards = (
+        [row["f"] for row in json.loads(command("compare", image, *options, *more)[1])["methods"]]
+        for more in ((), ("--around",))
+    )
+    assert max(outwards) < 0.1 and min(inwards) > 0.9
+
+
+def test_a_session_gives_image_and_start(image, command, tmp_path):
+    shapes = (Ellipse((27.0, 30.0), (9.0, 7.0)), Stroke(((1.0, 1.0), (5.0, 5.0))))
+    session = tmp_path / "a.cpm"
+    save_session(SessionFile(image=None, shapes=shapes), session)
+    status, out, _ = command("compare", image, "--session", session, "--methods", "gvf", "--json")
+    assert status == 0
+    assert json.loads(out)["methods"][0]["contours"] == 1
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ((), "No start is given"),
+        (("--circle", "1,2"), '--circle is "1,2" but must be three numbers'),
+        (("--polygon", "1,2,3,4,1,2"), "of three different corners at least"),
+        ((*CIRCLE, "--methods", "gfv"), '"gfv" is no method: choose among cpm, snake'),
+        ((*CIRCLE, "--set", "gac=1"), "must be METHOD.NAME=VALUE"),
+        ((*CIRCLE, "--methods", "cpm", "--set", "gac.balloon=1"), "none of the methods compared"),
+        ((*CIRCLE, "--set", "gac.baloon=1"), '"baloon" is no setting of gac: choose among balloon'),
+        ((*CIRCLE, "--set", "gac.balloon=much"), 'balloon is "much" but must be a number'),
+        ((*CIRCLE, "--set", "cpm.beta=9"), "beta is 9 but must be"),
+        ((*CIRCLE, "--export", "a.svg"), 'ends in ".svg", but a comparison is written as'),
+        ((*CIRCLE, "--max-steps", "0"), "--max-steps is 0 but must be"),
+    ],
+)
+def test_what_cannot_be_done_is_refused_in_one_sentence(image, command, options, sentence):
+    status, out, err = command("compare", image, *options)
+    assert (status, out) == (2, "")
+    assert err.count("\n") == 1
+    assert sentence in err
