@@ -62,7 +62,7 @@ class PagePanel(QWidget):
         if found is None or not found.pages:
             return tr("Nothing has been found on the pages of a stack yet: run this page, or all of them.")
         failed = len(found.pages) - len(found.results)
-        text = tr("{done} of {count} pages are done, with {tracks} tracks.").format(
+        text = tr("{done} of {count} pages are done; tracks: {tracks}.").format(
             done=len(found.results), count=found.count, tracks=len(found.tracks)
         )
         more = tr("{failed} could not be used.").format(failed=failed)
