@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gc
-import itertools
 import threading
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
@@ -11,26 +10,31 @@ from typing import Any, TypeVar
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QCoreApplication, QEvent, QPoint, QSettings, Qt
-from PySide6.QtWidgets import QApplication
+from PySide6.QtCore import QPoint, QSettings, Qt
+from PySide6.QtWidgets import QApplication, QDialog
 from pytestqt.qtbot import QtBot
 
 from app.model.document import edits
 from app.session.session import Session
 from app.session.workspace import Workspace
-from app.views.application import make_application
 from app.views.features.file import start
 from app.views.main_window import MainWindow
 from app.views.window import dialogs
 from cpm_core.shapes import Circle
+from tests.app.window.windows import (
+    Kept,
+    begin_anew,
+    close_window,
+    close_workspace,
+    fail_for_threads_since,
+    is_open,
+    new_window,
+)
 
 SIDE = 64
 
 T = TypeVar("T")
 
-_sessions = itertools.count(1)
-_COLLECTED_EVERY = 10
-"""Number of sessions after which garbage is collected, which takes as long as to make one session."""
 ASK = dialogs.ask_about_unsaved
 KEEP_PICTURE = start.StartFeature._keep_picture
 
@@ -113,16 +117,19 @@ def garbage_is_collected_by_hand() -> Iterator[None]:
 
 
 @pytest.fixture(autouse=True)
-def nothing_left_behind(request: pytest.FixtureRequest) -> Iterator[None]:
-    """Fail when a test leaves a thread running or a window open."""
+def nothing_left_behind(window_of_module: Kept) -> Iterator[None]:
+    """Fail when a test leaves a thread running or a window open; threads of a window that is shared may run on."""
     threads = set(threading.enumerate())
     yield
-    left = [thread.name for thread in set(threading.enumerate()) - threads if thread.is_alive()]
-    left = [name for name in left if not name.startswith("cpm-share")]  # they last as long as the process
-    assert not left, f"threads left running: {left}"
+    if window_of_module.workspace is None:
+        fail_for_threads_since(threads)
     application = QApplication.instance()
     if isinstance(application, QApplication):
-        seen = [widget for widget in application.topLevelWidgets() if widget.isVisible()]
+        seen = [
+            widget
+            for widget in application.topLevelWidgets()
+            if widget.isVisible() and widget is not window_of_module.window
+        ]
         assert not seen, f"windows left open: {seen}"
 
 
@@ -170,18 +177,35 @@ def image_file(tmp_path: Path) -> Path:
     return path
 
 
-@pytest.fixture
-def workspace(qapp: QApplication, compiled_loops: None) -> Iterator[Workspace]:
-    """A session without an image, with its features."""
-    made = Workspace()
-    made.session.set_pace(None)
+@pytest.fixture(scope="module")
+def window_of_module() -> Iterator[Kept]:
+    """The window that the tests of a module with the mark `shared_window` share."""
+    threads = set(threading.enumerate())
+    made = Kept()
     yield made
-    made.close()
-    # Its signals keep the window and the layers alive.
-    made.session.deleteLater()
-    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
-    if next(_sessions) % _COLLECTED_EVERY == 0:
-        gc.collect()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(dialogs, "ask_about_unsaved", lambda parent, name, lost: "discard")
+        patch.setattr(start.StartFeature, "_keep_picture", lambda feature: None)
+        made.close()
+    fail_for_threads_since(threads)
+
+
+@pytest.fixture
+def workspace(
+    request: pytest.FixtureRequest, qapp: QApplication, compiled_loops: None, window_of_module: Kept
+) -> Iterator[Workspace]:
+    """A session with its features, without an image unless it is shared."""
+    node = request.node
+    shared = bool(node.get_closest_marker("shared_window")) and not node.get_closest_marker("own_window")
+    if not shared:
+        window_of_module.close()
+    made = window_of_module.workspace or Workspace()
+    made.session.set_pace(None)
+    if shared:
+        window_of_module.workspace = made
+    yield made
+    if not shared:
+        close_workspace(made)
 
 
 @pytest.fixture
@@ -191,22 +215,24 @@ def session(workspace: Workspace) -> Session:
 
 
 @pytest.fixture
-def window(qtbot: QtBot, workspace: Workspace, image_file: Path) -> Iterator[MainWindow]:
+def window(qtbot: QtBot, workspace: Workspace, image_file: Path, window_of_module: Kept) -> Iterator[MainWindow]:
     """A window on the disc, with nothing drawn."""
-    application = make_application()
-    made, session = MainWindow(workspace), workspace.session
-    made.resize(1000, 700)
-    made.show()
-    qtbot.waitExposed(made)
+    session, shared = workspace.session, window_of_module.workspace is workspace
+    made = window_of_module.window or new_window(qtbot, workspace)
+    if window_of_module.window is not None:
+        begin_anew(made)
+        qtbot.waitUntil(made.isActiveWindow, timeout=Hand.patience)
+    elif shared:
+        window_of_module.window = made
     session.open(image_file)
-    qtbot.waitUntil(lambda: session.document.image is not None, timeout=Hand.patience)
+    qtbot.waitUntil(lambda: is_open(session, image_file), timeout=Hand.patience)
     yield made
-    made.close()
-    made.deleteLater()
-    # Now, and not in a later test: every widget that exists slows down all others.
-    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
-    # The next window is built without a style sheet, as the first one of a process is, which takes a quarter less.
-    application.setStyleSheet("")
+    if not shared:
+        close_window(made)
+    elif not made.isVisible():  # the test has closed it
+        window_of_module.close()
+    for dialog in made.findChildren(QDialog) if window_of_module.window is not None else ():
+        dialog.close()
 
 
 @pytest.fixture

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import random
+import sys
+import threading
 from collections import Counter
 from dataclasses import replace
 
 import pytest
 
+from tests.faults.clock import Clock, waits
 from tests.faults.report import Budget
 from tests.faults.window.closing import run_mosaic, save, try_closing, write_film
 from tests.faults.window.memory import Taken, quarters, still_rising
 from tests.faults.window.monkey import play
+from tests.faults.window.opening import try_opening
 from tests.faults.window.orders import sequences, try_orders
 
 pytestmark = pytest.mark.usefixtures("qapp", "compiled_loops")
@@ -39,6 +43,29 @@ def test_closing_ends_everything_that_goes_on(tmp_path) -> None:
     report = try_closing(Budget(LONG, 1, tmp_path), tasks, moments=(0.01,), rounds=1)
     assert report.failures == ()
     assert report.inputs == len(tasks)
+
+
+def test_damaged_sessions_are_shown_or_refused_in_one_sentence(tmp_path) -> None:
+    report = try_opening(Budget(LONG, 4, tmp_path), most=8)
+    assert report.failures == ()
+    assert report.inputs == 8
+
+
+def test_time_without_a_processor_does_not_count() -> None:
+    told = iter([(0.0, {"1": 5.0}), (10.0, {"1": 5.0, "2": 9.0}), (12.0, {"1": 5.5, "2": 9.0}), (13.0, {})])
+    ticks = []
+
+    def time_now() -> float:
+        ticks.append(next(told))
+        return ticks[-1][0]
+
+    clock = Clock(time_now, lambda: ticks[-1][1])
+    assert [clock(), clock(), clock()] == [1.0, 2.5, 3.5]
+
+
+def test_threads_that_wait_for_a_processor_are_told() -> None:
+    assert all(seconds >= 0.0 for seconds in waits().values())
+    assert (str(threading.get_native_id()) in waits()) == sys.platform.startswith("linux")
 
 
 def test_memory_that_rises_to_the_end_is_told() -> None:

@@ -19,6 +19,7 @@ from .report import Budget, Part, Report
 from .reproducible import compared
 from .window.closing import try_closing
 from .window.monkey import try_gestures
+from .window.opening import try_opening
 from .window.orders import try_orders
 from .workers.workers import broken
 
@@ -26,6 +27,7 @@ PARTS: dict[str, tuple[str, Part]] = {
     **FUZZING,
     "gestures": ("random gestures on the window", try_gestures),
     "orders": ("orders to a session in every sequence, under delays", try_orders),
+    "opening": ("damaged sessions, opened in the window, run and saved", try_opening),
     "closing": ("closing the window during all that goes on", try_closing),
     "reproducible": ("the same runs on one core, on all, and on narrow vector registers", compared),
     "kills": ("kill -9 at random moments over runs, batches, saves and compilations", killed),

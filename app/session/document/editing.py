@@ -112,11 +112,11 @@ class Editing(SessionSignals):
             self.select(None)
             self.edit(name, lambda document: edits.delete_shape(document, index))
 
-    def begin_document(self, document: Document) -> None:
-        """Use another document, with an empty undo history."""
+    def begin_document(self, document: Document, before: Document | None = None) -> None:
+        """Use another document, with an empty undo history, in place of the present one or of one `before` it."""
         self._history = History()
         self._scene = replace(self.scene, selected=None)
-        self._use(document)
+        self._use(document, before=before)
 
     def _follow(self, before: Document, after: Document, complete: bool) -> None:
         """The document has changed; unless `complete`, the gesture that changes it continues."""
@@ -124,8 +124,8 @@ class Editing(SessionSignals):
     def _end_gesture(self) -> None:
         """A gesture has ended."""
 
-    def _use(self, document: Document | None, complete: bool = True) -> None:
-        before, scene = self.document, self.scene
+    def _use(self, document: Document | None, complete: bool = True, before: Document | None = None) -> None:
+        before, scene = before or self.document, self.scene
         if document is None or document == before:
             return
         self.attempt(EDITING, RUNNING)  # an edit may be the remedy for why a run did not begin

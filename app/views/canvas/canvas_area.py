@@ -15,6 +15,7 @@ from app.session.signals import OF_THE_PROGRAM, OPENING
 from app.session.workspace import Workspace
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.crosshair import Crosshair
+from app.views.canvas.layers.image.level_drag import LevelDrag
 from app.views.canvas.pointed import Pointed
 from app.views.canvas.selected_places import selected_places
 from app.views.canvas.strip.strip import Strip
@@ -66,7 +67,6 @@ class CanvasArea(QWidget):
         layout.addWidget(self.strip)
         self.crosshair = Crosshair(self.canvas, lambda: self.show_hint(self._hint))
         self._hint = ""
-        drawing = self.canvas.layers.drawing
         tools = ToolContext(
             session,
             review,
@@ -74,16 +74,17 @@ class CanvasArea(QWidget):
             workspace.object_selection,
             workspace.object_list,
             workspace.slices,
-            drawing,
+            self.canvas.layers.drawing,
             advised=lambda: self.show_hint(self._hint),
         )
         self._tools: dict[str, Tool] = {entry.name: entry.make(tools) for entry in TOOLS}
         self.canvas.hold.grip = SelectTool(tools)
         self.canvas.installEventFilter(self)
+        self.level_drag = LevelDrag(self.canvas.layers.image, self.canvas.viewport())
         self.use_tool(FIRST_TOOL)
         session.said.connect(self.messages.say)
         session.attempted.connect(self.messages.attempt)
-        session.image_changed.connect(lambda: self.messages.keep_only(OPENING, *OF_THE_PROGRAM))
+        session.image_changed.connect(self._leave_image)
         for layer in self.canvas.layers:
             layer.changed.connect(self.strip.refresh_legend)
         session.status_changed.connect(self.refresh)
@@ -184,6 +185,12 @@ class CanvasArea(QWidget):
     def _draw(self) -> None:
         self.canvas.draw(self._workspace.other_result.near(self._session.scene))
         self.strip.refresh_legend()
+
+    def _leave_image(self) -> None:
+        """Drop messages, draft and cross-hair, which belong to the image before."""
+        self.messages.keep_only(OPENING, *OF_THE_PROGRAM)
+        self.canvas.cancel()
+        self.crosshair.hide()
 
     def _follow_contours(self) -> None:
         """Contours that are not visible cannot be selected."""

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from PySide6.QtCore import Qt
 
 from app.views.canvas.items.curves import Curves, boxes
+
+pytestmark = pytest.mark.shared_window
 
 paths = st.lists(
     st.lists(st.tuples(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3)), min_size=1, max_size=9).map(np.array), max_size=6

@@ -10,6 +10,8 @@ from PySide6.QtWidgets import QApplication
 
 from app.views.features.view.comparing import ComparingFeature
 
+pytestmark = pytest.mark.shared_window
+
 KEY = Qt.Key
 SHIFT, CTRL = Qt.KeyboardModifier.ShiftModifier, Qt.KeyboardModifier.ControlModifier
 

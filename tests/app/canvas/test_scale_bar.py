@@ -14,6 +14,8 @@ from app.model.display.lengths import bar
 from app.views.canvas.layers.image.scale_bar import LONGEST
 from cpm_core.image.image import Image
 
+pytestmark = pytest.mark.shared_window
+
 METRES = {"nm": 1e-9, "µm": 1e-6, "mm": 1e-3, "cm": 1e-2, "m": 1.0}
 
 

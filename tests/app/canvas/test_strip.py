@@ -15,6 +15,8 @@ from cpm_core.contours.measurements import measure
 from cpm_core.contours.review import Mark, ReviewedContour
 from cpm_core.shapes import Circle
 
+pytestmark = pytest.mark.shared_window
+
 KEY = Qt.Key
 LONG = "Something is wrong with this file, " * 12 + "so nothing was written."
 
@@ -83,6 +85,7 @@ def test_a_success_after_an_error_is_announced_and_ends_it(ready, tmp_path, hand
     assert ready.canvas_area.messages.text == ""
 
 
+@pytest.mark.own_window
 def test_the_legend_names_and_counts_what_is_there_and_nothing_else(rested) -> None:
     layers, legend = rested.canvas_area.canvas.layers, rested.canvas_area.strip.legend
     closed, opened = layers.contours.counts

@@ -13,6 +13,8 @@ from PySide6.QtGui import QColor
 from app.model.display.display_image import DisplayImage, by_pairs, pairs_of
 from app.views.canvas.items.tiled_image import TiledImage, part_of
 
+pytestmark = pytest.mark.shared_window
+
 SIDES = st.integers(1, 700)
 MOST_BESIDE = 2 * 256
 """Pixels along each axis that a part may have beside those that are seen."""

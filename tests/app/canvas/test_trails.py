@@ -5,10 +5,13 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from app.model.display.trails import Trails
+
+pytestmark = pytest.mark.shared_window
 
 
 def ways_of(trails: Trails, moments: list[dict[int, tuple[float, float]]]) -> list[set[tuple[float, ...]]]:

@@ -10,6 +10,8 @@ from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QWheelEvent
 from PySide6.QtWidgets import QApplication
 
+pytestmark = pytest.mark.shared_window
+
 KEY = Qt.Key
 CTRL = Qt.KeyboardModifier.ControlModifier
 

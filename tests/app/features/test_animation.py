@@ -25,6 +25,8 @@ from app.views.features.view.animation import AnimationFeature
 from app.views.theme import theme
 from tests.app.conftest import disc
 
+pytestmark = pytest.mark.shared_window
+
 KEY = Qt.Key
 LEFT = Qt.MouseButton.LeftButton
 SIZE = (160, 160)
@@ -218,6 +220,7 @@ def test_frames_can_be_limited_to_the_visible_part(rested, hand, tmp_path) -> No
     assert np.median(pixels) > 150
 
 
+@pytest.mark.own_window
 def test_a_strip_shows_the_steps_that_are_written_and_is_saved(rested, hand, tmp_path, monkeypatch) -> None:
     path = tmp_path / "strip.png"
     rested.actions_by_name["export_strip"].trigger()

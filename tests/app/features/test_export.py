@@ -26,6 +26,8 @@ from cpm_core.parameters import Parameters
 from cpm_core.shapes import Circle
 from tests.app.conftest import Hand
 
+pytestmark = pytest.mark.shared_window
+
 KEY, CTRL = Qt.Key, Qt.KeyboardModifier.ControlModifier
 LEFT = Qt.MouseButton.LeftButton
 DISCS = ((12, 36, 18), (48, 96, 16), (60, 30, 12))

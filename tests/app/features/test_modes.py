@@ -25,6 +25,8 @@ from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, 
 from cpm_core.parameters import PRESETS
 from cpm_core.shapes import Barrier, Circle, Everywhere, Region
 
+pytestmark = pytest.mark.shared_window
+
 IMAGE = ImageReference("disc.png", "disc.png", (64, 64), 180.0)
 CIRCLE, BARRIER = Circle((32.0, 32.0), 10.0), Barrier(((1.0, 2.0), (3.0, 4.0)))
 

@@ -25,6 +25,8 @@ from cpm_core.particles.initialization import circle
 from cpm_core.shapes import Charge
 from tests.app.conftest import Hand, disc
 
+pytestmark = pytest.mark.shared_window
+
 KEY = Qt.Key
 LEFT = Qt.MouseButton.LeftButton
 CONTROLS = {control.name: control for control in controls()}

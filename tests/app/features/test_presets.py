@@ -21,6 +21,8 @@ from app.views.presets.preset_gallery import PICTURE, PresetGallery, picture_of
 from cpm_core.parameters import PARAMETERS, PLANE_PRESETS, PRESETS, Parameters
 from cpm_core.parameters.choices import CHOICES
 
+pytestmark = pytest.mark.shared_window
+
 OWN = Preset("Mine & yours ‹1›", Parameters(beta=1.25, smoothing="auto", scales=2), "For tests.", b"\x89PNG")
 
 
@@ -158,6 +160,7 @@ def test_a_preset_is_chosen_from_the_gallery_with_the_keys_and_undone(window, ha
     assert gallery.current.key == "shape"
 
 
+@pytest.mark.own_window
 def test_pictures_of_presets_are_decoded_when_they_are_seen(hand, gallery) -> None:
     assert not gallery.pictures.count()
     hand.qtbot.mouseClick(gallery, Qt.MouseButton.LeftButton)

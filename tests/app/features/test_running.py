@@ -18,6 +18,8 @@ from cpm_core import PRESETS, Engine, Parameters
 from cpm_core.particles.initialization import circle
 from cpm_core.shapes import Circle
 
+pytestmark = pytest.mark.shared_window
+
 KEY = Qt.Key
 CONTROL = Qt.KeyboardModifier.ControlModifier
 ALT = Qt.KeyboardModifier.AltModifier

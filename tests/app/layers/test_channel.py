@@ -15,6 +15,8 @@ from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.run.parameters import ParametersFeature
 from cpm_core.parameters import PRESETS
 
+pytestmark = pytest.mark.shared_window
+
 
 @pytest.fixture
 def colored(window, hand, tmp_path):

@@ -13,6 +13,8 @@ from app.model.display.iso_lines import LINES, iso_lines
 from app.views.canvas.layers.fields.field import line_points
 from cpm_core.segmentation.engine import Engine
 
+pytestmark = pytest.mark.shared_window
+
 SIDE = 120
 ROW, COL = np.indices((SIDE, SIDE)) - (SIDE - 1) / 2
 WHOLE = Seen(0.0, 0.0, SIDE - 1.0, SIDE - 1.0)

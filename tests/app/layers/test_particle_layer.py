@@ -12,6 +12,8 @@ from PySide6.QtWidgets import QStyleOptionGraphicsItem
 from app.views.canvas.items.discs import Discs
 from app.views.theme import theme
 
+pytestmark = pytest.mark.shared_window
+
 HEIGHT, WIDTH = 120, 200
 LARGEST = 6.0
 

@@ -22,6 +22,8 @@ from cpm_core import load_image
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
 from cpm_core.shapes import Circle
 
+pytestmark = pytest.mark.shared_window
+
 ALT = Qt.KeyboardModifier.AltModifier
 NEXT, BACK = (Qt.Key.Key_Right, ALT), (Qt.Key.Key_Left, ALT)
 

@@ -27,6 +27,8 @@ from app.views.window.dialogs import Answer
 from cpm_core import PRESETS, load_image
 from cpm_core.shapes import Circle
 
+pytestmark = pytest.mark.shared_window
+
 FRESH = PRESETS["shape"]
 
 

@@ -18,6 +18,8 @@ from cpm_core import PRESETS
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_session
 from cpm_core.shapes import Circle, Everywhere
 
+pytestmark = pytest.mark.shared_window
+
 
 @pytest.fixture
 def nuclei(tmp_path: Path) -> Path:

@@ -23,6 +23,8 @@ from cpm_core.parameters import Parameters
 from cpm_core.shapes import Circle
 from tests.app.conftest import Hand
 
+pytestmark = pytest.mark.shared_window
+
 KEY = Qt.Key
 SHIFT = Qt.KeyboardModifier.ShiftModifier
 LEFT = Qt.MouseButton.LeftButton

@@ -14,6 +14,8 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import measure
 from tests.app.panels.test_contour_table import found  # noqa: F401  # a fixture
 
+pytestmark = pytest.mark.shared_window
+
 LEFT = Qt.MouseButton.LeftButton
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
@@ -10,6 +11,8 @@ from app.model.document import edits
 from app.model.document.document import Document
 from app.session.document.editing import Editing
 from cpm_core.shapes import Circle
+
+pytestmark = pytest.mark.shared_window
 
 
 class EditingMachine(RuleBasedStateMachine):

@@ -15,6 +15,8 @@ from app.views.main_window import MainWindow
 from cpm_core.contours.contour import Contour
 from tests.app.conftest import Hand
 
+pytestmark = pytest.mark.shared_window
+
 KEY = Qt.Key
 DISCS = ((24, 24), (24, 72), (24, 120), (72, 24), (72, 72))
 

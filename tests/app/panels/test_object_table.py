@@ -13,6 +13,8 @@ from PySide6.QtWidgets import QLineEdit
 from app.views.features.contours.objects import ObjectsFeature
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, SegmentedObjects
 
+pytestmark = pytest.mark.shared_window
+
 KEY, CONTROL = Qt.Key, Qt.KeyboardModifier.ControlModifier
 SIDE = 40.0
 

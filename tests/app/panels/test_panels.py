@@ -20,6 +20,8 @@ from app.views.panels.run.plot_panel import PlotPanel
 from cpm_core import Parameters
 from cpm_core.parameters.choices import CHOICES
 
+pytestmark = pytest.mark.shared_window
+
 
 def test_every_tooltip_has_symbol_range_default_and_effect(window) -> None:
     rows = window.panels["parameters"].rows

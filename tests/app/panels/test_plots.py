@@ -17,6 +17,8 @@ from app.views.panels.run.plot_panel import PlotPanel
 from cpm_core import Engine, Parameters
 from tests.app.conftest import disc
 
+pytestmark = pytest.mark.shared_window
+
 
 def trace_of(length: int) -> RunMetrics:
     """Metrics of a number of steps over three scales."""

@@ -11,6 +11,8 @@ from app.session.timeline.recording import MOST_RUNS
 from app.views.features.run.timeline import TimelineFeature
 from cpm_core.shapes import Circle
 
+pytestmark = pytest.mark.shared_window
+
 KEY = Qt.Key
 CONTROL = Qt.KeyboardModifier.ControlModifier
 LEFT = Qt.MouseButton.LeftButton

@@ -22,6 +22,8 @@ from cpm_core import PRESETS, Engine
 from cpm_core.particles.initialization import circle
 from cpm_core.particles.state import State
 
+pytestmark = pytest.mark.shared_window
+
 KEY = Qt.Key
 SHIFT, CONTROL = Qt.KeyboardModifier.ShiftModifier, Qt.KeyboardModifier.ControlModifier
 LEFT = Qt.MouseButton.LeftButton

@@ -20,6 +20,8 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import truth_of_contours
 from tests.app.conftest import Hand, disc
 
+pytestmark = pytest.mark.shared_window
+
 KEY = Qt.Key
 LEFT = Qt.MouseButton.LeftButton
 
@@ -82,6 +84,7 @@ def test_differences_are_drawn_and_vanish_with_a_larger_tolerance(compared, hand
     assert not compared.actions_by_name["worst_place"].isEnabled()
 
 
+@pytest.mark.own_window
 def test_the_largest_difference_is_brought_into_view(compared, hand) -> None:
     hand.qtbot.mouseClick(compared.panels["truth"].worst_button, LEFT)
     worst = compared.workspace.truth.verified.differences[0]

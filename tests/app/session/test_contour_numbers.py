@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -12,6 +13,8 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.kept import outline_of
 from cpm_core.contours.review import Mark, anchor
 from tests.core.contours.test_review import line, result_of, ring
+
+pytestmark = pytest.mark.shared_window
 
 RINGS = [ring(30 + 40 * (i // 3), 30 + 40 * (i % 3), 6.0 + i) for i in range(9)]
 

@@ -21,6 +21,8 @@ from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.shapes import Circle
 
+pytestmark = pytest.mark.shared_window
+
 KEY = Qt.Key
 
 

@@ -30,6 +30,8 @@ from cpm_core.contours.review import Mark
 from cpm_core.formats.sessions.session_file import SessionFile, load_session
 from cpm_core.shapes import Circle, Points, Region
 
+pytestmark = pytest.mark.shared_window
+
 KEY = Qt.Key
 CTRL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
 
@@ -356,7 +358,7 @@ def test_files_that_were_open_are_listed_newest_first_and_gray_when_gone(window,
         window.open_image(str(tmp_path / f"{name}.npy"))
         hand.wait(lambda name=name: window.session.document.image.name == f"{name}.npy")
     (tmp_path / "a.npy").unlink()
-    assert recent(window) == [("b.npy", True), ("a.npy", False), ("disc.npy", True)]
+    assert recent(window)[:3] == [("b.npy", True), ("a.npy", False), ("disc.npy", True)]
     menu = QMenu()
     window.feature(OpenSaveFeature).recent.fill(menu)
     next(action for action in menu.actions() if "disc" in action.text()).trigger()

@@ -15,6 +15,8 @@ from app.views.canvas.items.curves import Curves
 from app.views.canvas.items.discs import Discs
 from app.views.export.film.frame_renderer import NoRequests
 
+pytestmark = pytest.mark.shared_window
+
 
 @pytest.fixture
 def other(window) -> Iterator[ImageView]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 from PIL import Image as Picture
 from PySide6.QtCore import QMimeData, QPoint, Qt, QUrl
 from PySide6.QtGui import QDropEvent
@@ -12,6 +13,8 @@ from PySide6.QtWidgets import QToolButton
 
 from app.model.document import edits
 from cpm_core.shapes import Circle
+
+pytestmark = pytest.mark.shared_window
 
 KEY = Qt.Key
 

@@ -16,6 +16,8 @@ from app.views.main_window import MainWindow
 from cpm_core.shapes import Grid
 from tests.app.conftest import Hand
 
+pytestmark = pytest.mark.shared_window
+
 KEY, LEFT = Qt.Key, Qt.MouseButton.LeftButton
 SHIFT, ALT, NONE = Qt.KeyboardModifier.ShiftModifier, Qt.KeyboardModifier.AltModifier, Qt.KeyboardModifier.NoModifier
 PLACES = [(20, 20), (20, 60), (20, 100), (60, 20), (60, 60), (60, 100)]

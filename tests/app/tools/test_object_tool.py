@@ -16,6 +16,8 @@ from cpm_core import circle, partition
 from cpm_core.objects.segmented.segmented_object import Click
 from cpm_core.shapes import Barrier, Circle, Polygon, Region
 
+pytestmark = pytest.mark.shared_window
+
 KEY, NONE = Qt.Key, Qt.KeyboardModifier.NoModifier
 ALT, CONTROL = Qt.KeyboardModifier.AltModifier, Qt.KeyboardModifier.ControlModifier
 SMALL, LARGE = ((18.0, 18.0), 9.0), ((43.0, 42.0), 12.0)

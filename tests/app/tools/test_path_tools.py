@@ -14,6 +14,8 @@ from cpm_core import Regions
 from cpm_core.numerics import polyline
 from cpm_core.shapes import Barrier, Region, Stroke
 
+pytestmark = pytest.mark.shared_window
+
 KEY = Qt.Key
 CONTROL = Qt.KeyboardModifier.ControlModifier
 ALT = Qt.KeyboardModifier.AltModifier

@@ -10,6 +10,8 @@ from app.model.document import edits
 from cpm_core import divergence_centers, gradient_threshold, uniform_grid
 from cpm_core.shapes import KINDS, Everywhere, Region
 
+pytestmark = pytest.mark.shared_window
+
 KEY = Qt.Key
 CONTROL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
 KEYS = {

@@ -9,6 +9,8 @@ from PySide6.QtWidgets import QApplication
 
 from cpm_core.shapes import Circle, Points
 
+pytestmark = pytest.mark.shared_window
+
 KEY = Qt.Key
 CONTROL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
 PIXEL = 0.5

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QCursor
@@ -12,6 +13,8 @@ from app.model.document import edits
 from app.views.canvas.tools import TOOLS
 from app.views.help.cheat_sheet import CheatSheet
 from cpm_core.shapes import Barrier, Charge, Circle, Ellipse, Grid, Points, Polygon, Region, Stroke, Threshold
+
+pytestmark = pytest.mark.shared_window
 
 KEY, MODIFIER = Qt.Key, Qt.KeyboardModifier
 KEYS = {tool.name: getattr(KEY, f"Key_{tool.shortcut}") for tool in TOOLS}
@@ -162,6 +165,19 @@ def test_the_image_scrolls_with_the_cross_hair(window, hand, keys) -> None:
     hand.canvas.zoom(8.0)
     keys("!>>>vvv")
     assert hand.canvas.view.viewRect().contains(*reversed(window.canvas_area.crosshair.at))
+
+
+def test_another_image_has_neither_the_cross_hair_nor_the_corners_drawn_on_the_one_before(
+    window, hand, keys, tmp_path
+) -> None:
+    np.save(tmp_path / "small.npy", np.eye(20))
+    hand.key(KEYS["polygon"])
+    keys("!>>!vv!")
+    assert hand.canvas.tool.drafting
+    window.open_image(str(tmp_path / "small.npy"))
+    hand.wait(lambda: window.session.document.image.name == "small.npy")
+    assert window.canvas_area.crosshair.at is None
+    assert not hand.canvas.tool.drafting
 
 
 def test_space_still_runs_while_the_cross_hair_is_shown(window, hand, keys) -> None:

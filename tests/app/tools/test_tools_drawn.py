@@ -16,6 +16,8 @@ from cpm_core import edge_map
 from cpm_core.numerics import polyline
 from cpm_core.shapes import Barrier, Charge, Circle, Ellipse, Grid, Points, Polygon, Region, Stroke, Threshold
 
+pytestmark = pytest.mark.shared_window
+
 KEY, MODIFIER = Qt.Key, Qt.KeyboardModifier
 PIXEL = 0.5
 CORNERS = ((10.0, 12.0), (12.0, 48.0), (50.0, 44.0), (46.0, 10.0))

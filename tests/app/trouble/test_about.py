@@ -12,6 +12,8 @@ from PySide6.QtWidgets import QApplication
 import cpm_core
 from app.views.help.about import About
 
+pytestmark = pytest.mark.shared_window
+
 
 @pytest.fixture
 def about(window, qtbot) -> About:

@@ -20,6 +20,8 @@ from app.views.window.unexpected import UnexpectedErrors
 from cpm_core.segmentation.engine import Engine
 from tests.app.conftest import disc
 
+pytestmark = pytest.mark.shared_window
+
 KEY = Qt.Key
 
 

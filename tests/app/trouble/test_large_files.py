@@ -13,6 +13,8 @@ from app.session.workspace import Workspace
 from cpm_core.formats import load_image
 from cpm_core.formats.fingerprint import fingerprint
 
+pytestmark = pytest.mark.shared_window
+
 HUGE = 200 << 30
 """Size of a file whose hash takes minutes [bytes]; it holds nothing, and takes no room on the disk."""
 

@@ -22,6 +22,8 @@ from cpm_core.shapes import Barrier, Polygon, Region
 from tests.app.session.test_never_blocks import Watch
 from tests.app.session.test_recovery import offer
 
+pytestmark = pytest.mark.shared_window
+
 LONG = "a" * 1_000_000
 CORNERS = 20_000
 MOST_CALLS = 4 * CORNERS
@@ -89,6 +91,7 @@ def test_a_session_with_a_million_letters_shows_only_few_of_them(ready, hand, tm
     assert len(shown.text) <= MOST_SHOWN
 
 
+@pytest.mark.own_window
 def test_the_question_about_unsaved_work_shows_few_of_a_million_letters(window) -> None:
     folder_of_journals().mkdir(parents=True)
     plain = {"cpm-session": 1, "image": {"path": LONG}, KEY: {"name": LONG, "session": LONG}}

@@ -15,6 +15,8 @@ from app.views.features.view.slices import SlicesFeature
 from cpm_core import PRESETS
 from tests.app.volumes.conftest import SHAPE, ball, open_file
 
+pytestmark = pytest.mark.shared_window
+
 KEY, SHIFT = Qt.Key, Qt.KeyboardModifier.ShiftModifier
 MIDDLE = tuple(side // 2 for side in SHAPE)
 

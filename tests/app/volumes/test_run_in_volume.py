@@ -10,6 +10,9 @@ from PySide6.QtCore import Qt
 
 from app.views.features.view.slices import SlicesFeature
 from cpm_core.shapes import Points, Sphere
+from tests.app.volumes.conftest import open_file
+
+pytestmark = pytest.mark.shared_window
 
 KEY, CONTROL = Qt.Key, Qt.KeyboardModifier.ControlModifier
 PIXEL = 0.5
@@ -62,6 +65,14 @@ def test_a_sphere_is_moved_and_resized_in_any_slice_that_cuts_it(volume, hand) -
     assert sphere_of(volume) == grown
     hand.key(KEY.Key_Down)
     assert sphere_of(volume).center == pytest.approx(np.add(grown.center, (0, 1, 0)))
+
+
+def test_what_is_drawn_in_a_volume_goes_with_it_when_an_image_is_opened(volume, hand, image_file) -> None:
+    hand.key(KEY.Key_P)
+    hand.click(14, 16)
+    assert isinstance(volume.session.document.shapes[0], Points)
+    open_file(volume, hand, image_file)
+    assert volume.session.document.shapes == () and volume.session.scene.slices is None
 
 
 def test_points_are_shown_in_the_slices_next_to_them(volume, hand) -> None:

@@ -42,6 +42,8 @@ IN_SPACE: tuple[Shape, ...] = (
 )
 """One shape of each kind that a volume has besides spheres and points."""
 
+pytestmark = pytest.mark.shared_window
+
 axes, places = st.integers(0, 2), st.floats(-50, 50)
 triples = st.tuples(places, places, places)
 

@@ -12,6 +12,8 @@ from app.views.features.file.open_save import OpenSaveFeature
 from cpm_core.formats.sessions.session_file import load_session
 from tests.app.volumes.conftest import open_file
 
+pytestmark = pytest.mark.shared_window
+
 KEY, CONTROL = Qt.Key, Qt.KeyboardModifier.ControlModifier
 
 

@@ -11,6 +11,8 @@ from app.views.features.file.export import ExportFeature
 from app.views.features.run.run_control import RunControlFeature
 from cpm_core.formats import FOR_VOLUMES
 
+pytestmark = pytest.mark.shared_window
+
 RADIUS, CENTER = 7.0, np.array([11.5, 13.5, 15.5])
 
 

@@ -12,6 +12,8 @@ from app.views.features.view.slices import SlicesFeature
 from cpm_core.shapes import Sphere
 from tests.app.volumes.conftest import ball, move, open_file, press, release
 
+pytestmark = pytest.mark.shared_window
+
 LEFT, SHIFT = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.ShiftModifier
 
 

@@ -9,6 +9,8 @@ import pytest
 from PySide6.QtCore import QCoreApplication, QEvent
 from PySide6.QtWidgets import QApplication
 
+pytestmark = pytest.mark.shared_window
+
 OPENED = (
     "export", "export_animation", "export_strip", "mosaic", "preferences", "keys", "guide", "wipe", "magnifier",
     "open_menu",

@@ -11,6 +11,8 @@ from app.model.document import edits
 from app.views.window.menus.context_menus import THINGS
 from cpm_core.shapes import Charge, Circle
 
+pytestmark = pytest.mark.shared_window
+
 KEY, MODIFIER, RIGHT = Qt.Key, Qt.KeyboardModifier, Qt.MouseButton.RightButton
 
 

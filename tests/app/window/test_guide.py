@@ -15,6 +15,8 @@ from app.views.features.help.help import HelpFeature
 from app.views.help.guide import KEYS, Guide
 from app.views.help.guide_pages import PAGES
 
+pytestmark = pytest.mark.shared_window
+
 TEXTS = {
     page.name: [page.opening, *(step.text for step in page.steps), *page.remarks] for page in PAGES
 }  # what a person reads

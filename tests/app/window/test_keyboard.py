@@ -10,6 +10,8 @@ from app.model.document import edits
 from app.views.canvas.tools import TOOLS
 from app.views.window.keys.keyboard import sliders_of
 
+pytestmark = pytest.mark.shared_window
+
 KEY, MODIFIER = Qt.Key, Qt.KeyboardModifier
 
 
@@ -194,6 +196,7 @@ def test_resets_are_out_of_the_tab_order_and_a_double_click_on_the_name_resets(b
     assert board.session.document.parameters.beta == default
 
 
+@pytest.mark.own_window
 def test_a_key_goes_to_the_sliders_and_arrows_go_along_them(board, hand) -> None:
     hand.canvas.setFocus()
     hand.key(KEY.Key_Q)
@@ -247,6 +250,7 @@ def test_a_panel_behind_a_tab_is_raised_by_its_key_before_it_is_closed(board, ha
     assert hand.canvas.hasFocus()
 
 
+@pytest.mark.own_window
 def test_f6_goes_around_the_open_areas_both_ways(board, hand) -> None:
     board.docks.reveal("contours")
     board.docks.reveal("timeline")
@@ -261,6 +265,7 @@ def test_f6_goes_around_the_open_areas_both_ways(board, hand) -> None:
         hand.wait(widget.hasFocus)
 
 
+@pytest.mark.own_window
 def test_keys_work_from_a_detached_panel(board, hand, beta) -> None:
     board.docks["parameters"].setFloating(True)
     hand.wait(board.docks["parameters"].isVisible)
@@ -273,6 +278,7 @@ def test_keys_work_from_a_detached_panel(board, hand, beta) -> None:
     hand.wait(hand.canvas.hasFocus)
 
 
+@pytest.mark.own_window
 def test_dialogs_keep_their_keys(board, hand) -> None:
     dialog = board.actions_by_name["preferences"]
     dialog.trigger()

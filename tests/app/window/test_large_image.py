@@ -13,6 +13,8 @@ from app.views.features.file.large_image import LargeImageFeature
 from cpm_core.parameters import PRESETS
 from cpm_core.segmentation import large_images
 
+pytestmark = pytest.mark.shared_window
+
 KEY, CONTROL = Qt.Key, Qt.KeyboardModifier.ControlModifier
 
 

@@ -25,7 +25,8 @@ def failed(budget: Budget) -> Report:
     drawn = random.Random(budget.seed)
     window = _new(budget.folder / "window")
     draw_images(window)
-    told = outcome(window, trials, window, _OF_THE_WINDOW * budget.seconds, 1, budget.seed)
+    seconds = _OF_THE_WINDOW * budget.seconds
+    told = outcome(window, trials, window, seconds, 1, budget.seed, busy=seconds)
     count, failures = told.value if not told.killed else (0, ["the window has died"])
     end = time.monotonic() + (1.0 - _OF_THE_WINDOW) * budget.seconds
     disks = {kind: Disk(_new(budget.folder / kind), kind) for kind in WORKS}

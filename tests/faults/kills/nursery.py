@@ -22,31 +22,39 @@ _OPERATIONS = frozenset({"open", "os.rename", "os.remove", "os.mkdir", "os.rmdir
 """Operations on files before which a process may be killed, as Python tells them."""
 
 _LONGEST = 120.0
-"""A process that goes on for so long hangs [s]."""
+"""A process that goes on for so long beyond what it is told to hangs [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class End:
-    """How a process ended: killed or not, what its function returned, and its operations on files."""
+    """How a process ended: killed or not, what its function returned, its operations on files, killed as too slow."""
 
     killed: bool
     value: Any = None
     operations: int = 0
+    late: bool = False
 
 
-def outcome(folder: Path, function: Callable[..., Any], *arguments: Any) -> End:
-    """Let a process call a function to its end."""
-    return _ended(folder, function, arguments, 0, _LONGEST)
+def outcome(folder: Path, function: Callable[..., Any], *arguments: Any, busy: float = 0.0) -> End:
+    """Let a process call a function to its end, which is to be busy for so many seconds."""
+    return _whole(_ended(folder, function, arguments, 0, busy + _LONGEST), function)
 
 
 def killed_before(operation: int, folder: Path, function: Callable[..., Any], *arguments: Any) -> End:
     """Kill a process that calls a function just before so many operations on files of a folder, counted from one."""
-    return _ended(folder, function, arguments, operation, _LONGEST)
+    return _whole(_ended(folder, function, arguments, operation, _LONGEST), function)
 
 
 def killed_after(seconds: float, folder: Path, function: Callable[..., Any], *arguments: Any) -> End:
     """Kill a process that calls a function after a time."""
     return _ended(folder, function, arguments, 0, seconds)
+
+
+def _whole(end: End, function: Callable[..., Any]) -> End:
+    """The end of a process that had all the time it needs."""
+    if end.late:
+        raise TimeoutError(f"{function.__name__} went on for {_LONGEST:.0f} s longer than it was told to.")
+    return end
 
 
 def _ended(
@@ -63,8 +71,8 @@ def _ended(
         if line.poll(seconds):
             with suppress(EOFError):  # it has been killed
                 told = line.recv()
-        elif seconds == _LONGEST:
-            raise TimeoutError(f"{function.__name__} went on for more than {seconds:.0f} s")
+        else:
+            return End(True, late=True)
     finally:
         process.kill()
         process.join()

@@ -1,9 +1,11 @@
 """Whatever is killed, every file is the old one or the new one, and the next start goes on from it."""
 
 import random
+import time
 
 import pytest
 
+from . import nursery
 from .command_line import Batches, Runs
 from .loops import Loops
 from .nursery import killed_before
@@ -15,6 +17,13 @@ def test_what_is_killed_leaves_whole_files_and_the_next_start_has_them(tmp_path,
     victim = kind(tmp_path)
     for operation in random.Random(trials).sample(range(victim.operations // 3, victim.operations), trials):
         victim.trial(lambda *arguments, operation=operation: killed_before(operation, *arguments))
+
+
+def test_a_process_may_be_busy_for_as_long_as_it_is_told(tmp_path, monkeypatch):
+    monkeypatch.setattr(nursery, "_LONGEST", 0.0)
+    with pytest.raises(TimeoutError, match="sleep went on for 0 s longer than it was told to"):
+        nursery.outcome(tmp_path, time.sleep, 60.0)
+    assert nursery.outcome(tmp_path, time.sleep, 0.01, busy=60.0) == nursery.End(False)
 
 
 def test_loops_whose_compilation_is_killed_are_compiled_and_kept_again(tmp_path):

@@ -24,6 +24,7 @@ from cpm_core.formats import load_image
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.shapes import Circle
 
+from ..clock import now
 from ..report import Budget, Report
 from .delays import Delays
 from .program import IMAGES, await_true, destroyed, discarding, opened, ours, settled, surroundings
@@ -113,9 +114,9 @@ def closed_during(task: Callable[[MainWindow, Path], None], moment: float, image
     end = time.monotonic() + moment
     while time.monotonic() < end:
         QApplication.processEvents()
-    began = time.monotonic()
+    began = now()
     window.close()
-    seconds = time.monotonic() - began
+    seconds = now() - began
     broken = []
     if window.isVisible():
         broken.append("the window is open")
@@ -166,7 +167,6 @@ def try_closing(
             if time.monotonic() > end:
                 break
             tried += 1
-            watch.heard()
             with Delays(f"{budget.seed}:{tried}").injected() as delays:
                 broken = closed_during(task, moment, images / IMAGES[0], budget.folder / f"closed {tried}")
             faults += delays.count

@@ -78,13 +78,13 @@ class Monkey(QObject):
         self.window.session.pause()
         for task in self.window.session.tasks.current:
             task.cancel()
-        await_true(lambda: self._heard() and self.window.session.idle, "coming to rest")
+        await_true(lambda: self.window.session.idle, "coming to rest")
 
     def check(self) -> list[str]:
         """Come to rest for a moment, as a person does, and say what does not hold then."""
         self.come_to_rest()
         rested = time.monotonic() + 1.5 * QUIET
-        await_true(lambda: self._heard() and time.monotonic() > rested, "resting")
+        await_true(lambda: time.monotonic() > rested, "resting")
         broken = list(self._watch.troubles)
         session = self.window.session
         done = session.changes[1]
@@ -93,7 +93,7 @@ class Monkey(QObject):
         session.go_to(done)
         if session.document != before:
             broken.append("to undo all and do it again gives another document")
-        await_true(lambda: self._heard() and session.idle, "undoing all and doing it again")
+        await_true(lambda: session.idle, "undoing all and doing it again")
         others = [top for top in QApplication.topLevelWidgets() if top.isVisible() and top.isModal()]
         if others:
             broken.append(f"left open: {[type(top).__name__ for top in others]}")
@@ -108,7 +108,7 @@ class Monkey(QObject):
         """Let the runs keep few steps, so that what they may keep does not hide what else takes memory."""
         preferences = self.window.preferences
         preferences.choose(TIMELINE_MEMORY, TIMELINE_MEMORY.low)
-        await_true(lambda: self._heard() and self.window.session.idle, "storing fewer steps")
+        await_true(lambda: self.window.session.idle, "storing fewer steps")
 
     def close(self) -> None:
         """Close the window without saving."""
@@ -117,12 +117,7 @@ class Monkey(QObject):
             self.window.close()
         destroyed(self.window)
 
-    def _heard(self) -> bool:
-        self._watch.heard()
-        return True
-
     def _go_on(self) -> None:
-        self._watch.heard()
         if self._sending is not None and not self._in_a_loop_of_its_own():
             self._timer.start(1)  # the event that is being sent lets other events pass
             return

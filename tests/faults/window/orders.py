@@ -25,6 +25,7 @@ from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Circle
 
+from ..clock import now
 from ..report import Budget, Report
 from .delays import Delays
 from .program import ours, surroundings
@@ -60,10 +61,10 @@ class Office:
 
     def wait(self, condition: Callable[[], bool], what: str) -> None:
         """Let the session work until a condition holds."""
-        end = time.monotonic() + ANSWERS_WITHIN
+        began = now()
         while not condition():
             QCoreApplication.processEvents()
-            if time.monotonic() > end:
+            if now() - began > ANSWERS_WITHIN:
                 raise TimeoutError(f"{what} has not ended within {ANSWERS_WITHIN:.0f} s")
             time.sleep(0.0005)
 
@@ -82,12 +83,12 @@ class Office:
                 self.session.pause()
             self.wait(lambda: self.session.idle, "coming to rest")
             self._check_rest(last)
-        began = time.monotonic()
+        began = now()
         self.document_file.finish()
         self._journal.close()
         self.workspace.close()
-        if time.monotonic() - began > ANSWERS_WITHIN:
-            self._fail(f"closing took {time.monotonic() - began:.0f} s")
+        if now() - began > ANSWERS_WITHIN:
+            self._fail(f"closing took {now() - began:.0f} s")
         left = [thread.name for thread in threading.enumerate() if ours(thread)]
         if left:
             self._fail(f"threads are left: {left}")
@@ -235,7 +236,6 @@ def try_orders(budget: Budget, rows: Iterator[tuple[str, ...]] | None = None) ->
             if time.monotonic() > end:
                 break
             tried += 1
-            watch.heard()
             seed = f"{budget.seed}:{tried}"
             broken, delays = carried_out(row, seed, budget.folder / "orders" / str(tried), images)
             faults += delays

@@ -21,6 +21,7 @@ from app.views.main_window import MainWindow
 from app.views.window import dialogs
 from cpm_core.objects.warm_up import warm_up
 
+from ..clock import now
 from .watch import ANSWERS_WITHIN
 
 SIDE = 96
@@ -80,10 +81,10 @@ def opened(path: Path) -> MainWindow:
 
 def await_true(condition: Callable[[], bool], what: str, seconds: float = 6 * ANSWERS_WITHIN) -> None:
     """Let the window work until a condition holds."""
-    end = time.monotonic() + seconds
+    began = now()
     while not condition():
         QApplication.processEvents()
-        if time.monotonic() > end:
+        if now() - began > seconds:
             raise TimeoutError(f"{what} has not ended within {seconds:.0f} s.")
         time.sleep(0.001)
 

@@ -5,16 +5,16 @@ from __future__ import annotations
 import logging
 import sys
 import threading
-import time
 import traceback
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from PySide6.QtCore import QMessageLogContext, QtMsgType, qInstallMessageHandler
+from PySide6.QtCore import QMessageLogContext, QTimer, QtMsgType, qInstallMessageHandler
+
+from ..clock import now
 
 ANSWERS_WITHIN = 10.0
 """Longest time that the window may be held [s]."""
@@ -22,7 +22,8 @@ ANSWERS_WITHIN = 10.0
 HARMLESS = ("This plugin does not support", "propagateSizeHints")
 """Words of Qt on what the platform without a screen cannot do."""
 
-_LOOKS_EVERY = 0.5
+_LOOKS_EVERY, _ANSWERS_EVERY = 0.5, 0.1
+"""Times after which it looks whether the window has answered, and in which a window that is free answers [s]."""
 
 
 class Watch(logging.Handler):
@@ -32,12 +33,12 @@ class Watch(logging.Handler):
         super().__init__(logging.ERROR)
         self.troubles: list[str] = []
         self._window = threading.current_thread()
-        self._beat = self._clock()
+        self._beat = now()
         self._over = threading.Event()
 
-    def heard(self) -> None:
+    def _heard(self) -> None:
         """The window has answered."""
-        self._beat = self._clock()
+        self._beat = now()
 
     @contextmanager
     def kept(self) -> Iterator[Watch]:
@@ -48,13 +49,17 @@ class Watch(logging.Handler):
         before, root = qInstallMessageHandler(self._said_by_qt), logging.getLogger()
         root.addHandler(self)
         guard = threading.Thread(target=self._guard, name="watch", daemon=True)
-        self.heard()
+        answers = QTimer(interval=round(1000 * _ANSWERS_EVERY))
+        answers.timeout.connect(self._heard)
+        answers.start()
+        self._heard()
         guard.start()
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("error")
                 yield self
         finally:
+            answers.stop()
             self._over.set()
             guard.join()
             root.removeHandler(self)
@@ -75,19 +80,11 @@ class Watch(logging.Handler):
         if kind != QtMsgType.QtDebugMsg and not any(words in message for words in HARMLESS):
             self.troubles.append(f"Qt: {message}")
 
-    def _clock(self) -> float:
-        """The time, without that in which other programs kept the window's thread from going on [s]."""
-        try:
-            told = Path(f"/proc/self/task/{self._window.native_id}/schedstat").read_text()
-        except OSError:  # only Linux tells
-            return time.monotonic()
-        return time.monotonic() - 1e-9 * int(told.split()[1])
-
     def _guard(self) -> None:
         """Record where the window is held for too long, once each time."""
         told = 0.0
         while not self._over.wait(_LOOKS_EVERY):
-            held = self._clock() - self._beat
+            held = now() - self._beat
             if held > ANSWERS_WITHIN and told != self._beat:
                 told = self._beat
                 frame = sys._current_frames().get(self._window.ident or 0)

@@ -26,7 +26,8 @@ def broken(budget: Budget) -> Report:
     for folder in folders.values():
         folder.mkdir()
     draw_images(folders["window"])
-    told = outcome(folders["window"], trials, folders["window"], _OF_THE_WINDOW * budget.seconds, 3, budget.seed)
+    seconds = _OF_THE_WINDOW * budget.seconds
+    told = outcome(folders["window"], trials, folders["window"], seconds, 3, budget.seed, busy=seconds)
     count, failures = told.value if not told.killed else (0, ["the window has died"])
     end = time.monotonic() + (1.0 - _OF_THE_WINDOW) * budget.seconds
     memory, workers = Memory(folders["memory"]), Workers(folders["workers"])
