@@ -11,7 +11,8 @@ from app.session.features.objects.object_list import ObjectList
 from app.session.features.objects.object_selection import ObjectSelection
 from app.session.features.other_result import OtherResult
 from app.session.features.pages.stack_pages import StackPages
-from app.session.features.parameter_sweep import Sweep
+from app.session.features.side_by_side.method_comparison import MethodComparison
+from app.session.features.side_by_side.parameter_sweep import Sweep
 from app.session.features.skeleton import Skeletons
 from app.session.features.timeline.navigation import TimelineNavigation
 from app.session.features.truth_comparison import GroundTruth
@@ -36,12 +37,14 @@ class Workspace:
         self.other_result = OtherResult(self.session, self.navigation)
         self.slices = ShownSlices(self.session)
         self.sweep = Sweep(self.session, self.truth)
+        self.comparison = MethodComparison(self.session)
         self.pages = StackPages(self.session, core or Core())
         self.object_selection.offers_for = self.pages.is_drawn
 
     def close(self) -> None:
         """Stop everything and wait for the threads to end."""
         self.pages.close()
+        self.comparison.close()
         self.learning.close()
         self.truth.close()
         self.object_list.close()

@@ -17,6 +17,7 @@ _TRUTH = tr("A ground truth can be compared with the contours of an image, not w
 _LAYER = tr("This layer shows what only a run in an image finds.")
 _FORCES = tr("Forces are shown as arrows in images only.")
 _FIELD = tr("The arrows need the force on every voxel, for which a volume is too large.")
+_METHODS = tr("The classical methods are for images; in a volume there is nothing to compare with.")
 _MOSAIC = tr("A mosaic shows runs with different parameters side by side; in a volume each of them takes too long.")
 
 NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
@@ -35,6 +36,7 @@ NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
         "layer_forces": _FORCES,
         "layer_field": _FIELD,
         "mosaic": _MOSAIC,
+        "compare_methods": _METHODS,
     }
 )  # fmt: skip
 """Names of actions and of tools -> why they are not offered while a volume is open."""
