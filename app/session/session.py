@@ -26,6 +26,7 @@ from app.session.tasks.opening import Opener, Wanted
 from app.session.worker.commands.run import Copy, Export, RunCall, WarmUp
 from app.session.worker.commands.stored_runs import RestoreRuns, RunsRestored
 from app.session.worker.run import Run
+from cpm_core.formats.images import resolution
 from cpm_core.formats.images.reading import DEFAULT, Reading
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Sphere
@@ -155,6 +156,16 @@ class Session(RunControl):
         self._restore_runs(opened)
         if opened.notes:
             self.say(" ".join(opened.notes))
+
+    def _follow(self, before: Document, after: Document, complete: bool) -> None:
+        """Give the image the size of a pixel that has been set by hand, before all that follows from an edit."""
+        image, wanted = self.scene.image, after.image
+        if image is not None and wanted is not None and (image.spacing, image.unit) != (wanted.spacing, wanted.unit):
+            factor = resolution.factor(image.unit, wanted.unit) if image.unit and wanted.unit else 1.0
+            sized = image.sized(wanted.spacing, wanted.unit, factor)
+            self._scene = replace(self.scene, image=sized)
+            self.post(RunCall(None, Run.rescale, sized, after))
+        super()._follow(before, after, complete)
 
     def _show_start(self) -> None:
         """Show the slices through what is drawn first in a volume."""

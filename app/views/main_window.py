@@ -202,6 +202,7 @@ class MainWindow(QMainWindow):
             refresh=self.refresh,
             open_file=lambda path, resumes: self.feature(OpenSaveFeature).take([path], resumes),
             open_part=lambda path, whole, reading: self.feature(OpenSaveFeature).take_part(path, whole, reading),
+            do=lambda name: self.actions_by_name[name].trigger(),
             open_menu=self._open_menu,
         )
 

@@ -117,13 +117,26 @@ class Geometry:
 
     @property
     def letters(self) -> tuple[str, str, str]:
-        """Direction of a patient that each axis (plane, row, col) leads to about: L, R, P, A, S (head) or I (feet)."""
+        """Direction of a patient that each axis (plane, row, col) leads to about: L, R, P, A, S (head) or I (feet).
+
+        Each axis has another one, the axis first that is nearest to one, also where two are nearest to the same.
+        """
         flip = _FLIP if self.convention == "RAS" else np.ones(3)
-        found = []
-        for direction in np.array(self.directions) * flip:
-            axis = int(np.abs(direction).argmax())
-            found.append(_ENDS[axis][int(direction[axis] < 0.0)])
+        left, _, right = np.linalg.svd((np.array(self.directions) * flip)[::-1])
+        upright = left @ right  # the nearest axes at right angles
+        found = ["", "", ""]
+        for axis in np.argsort(-np.max(upright**2, axis=1), kind="stable"):
+            end = int(np.abs(upright[axis]).argmax())
+            found[2 - axis] = _ENDS[end][int(upright[axis, end] < 0.0)]
+            upright[:, end] = 0.0
         return found[0], found[1], found[2]
+
+    @property
+    def ends(self) -> tuple[tuple[str, str], tuple[str, str], tuple[str, str]]:
+        """Where each axis (plane, row, col) begins and ends, by the letters of `letters`."""
+        other = {one: end for pair in _ENDS for one, end in (pair, pair[::-1])}
+        plane, row, col = ((other[letter], letter) for letter in self.letters)
+        return plane, row, col
 
     @property
     def oblique(self) -> float:

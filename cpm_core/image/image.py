@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import hashlib
 import math
 from dataclasses import dataclass
@@ -93,14 +94,7 @@ class Image:
                 f"{'is' if unusable == 1 else 'are'} NaN or infinite: replace them by numbers first."
             )
         values, changes = usable(values)
-        spacing = tuple(np.ravel(real_numbers(self.spacing)).tolist()) or (1.0,) * values.ndim
-        if len(spacing) != values.ndim or not all(math.isfinite(size) and size > 0 for size in spacing):
-            raise ValueError(
-                f"The spacing of {self.source} is {shown(self.spacing)}, but must be {_COUNTS[values.ndim]} positive "
-                "numbers."
-            )
-        if values.ndim == 3:
-            voxel_sides(f"The spacing of {self.source}", spacing)
+        spacing = _sizes(self.source, self.spacing, values.ndim)
         if self.colors is not None and self.colors.samples.shape != (*values.shape, 3):
             raise ValueError(
                 f"The colors of {self.source} have the shape {self.colors.samples.shape}, "
@@ -120,6 +114,18 @@ class Image:
     def gray_range(self) -> tuple[float, float]:
         """Least and largest gray level."""
         return float(self.values.min()), float(self.values.max())
+
+    def sized(self, spacing: tuple[float, ...], unit: str | None, factor: float = 1.0) -> Image:
+        """The same gray levels, which are shared, with another size of a pixel; ValueError as for an image.
+
+        `factor` is how many of the unit one of the former is: the place in space is told in the unit.
+        """
+        sizes = _sizes(self.source, spacing, self.ndim)
+        geometry = None if self.geometry is None else self.geometry.scaled(factor)
+        made = copy.copy(self)
+        for name, given in (("spacing", sizes), ("unit", unit), ("geometry", geometry)):
+            object.__setattr__(made, name, given)
+        return made
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -144,6 +150,16 @@ class Image:
     def ndim(self) -> int:
         """Number of axes."""
         return self.values.ndim
+
+
+def _sizes(source: str, spacing: tuple[float, ...], ndim: int) -> tuple[float, ...]:
+    """Size of a pixel along each axis, 1 where none is given; ValueError when it is not valid."""
+    sizes = tuple(np.ravel(real_numbers(spacing)).tolist()) or (1.0,) * ndim
+    if len(sizes) != ndim or not all(math.isfinite(size) and size > 0 for size in sizes):
+        raise ValueError(f"The spacing of {source} is {shown(spacing)}, but must be {_COUNTS[ndim]} positive numbers.")
+    if ndim == 3:
+        voxel_sides(f"The spacing of {source}", sizes)
+    return sizes
 
 
 def _size(shape: tuple[int, ...]) -> str:

@@ -80,6 +80,15 @@ def bar(most: float, spacing: float, unit: str | None) -> Bar:
     return Bar(most * (length / size), f"{length:g} {name}" if length < 1e6 else f"{length:,.0f} {name}")
 
 
+def size_text(spacing: Sequence[float], unit: str | None) -> str:
+    """Size of a pixel or of a voxel in the preferred unit; empty where it is not known and the same along all axes."""
+    size = shown_in(spacing, unit)
+    if size.unit is None and len(set(size.spacing)) == 1:
+        return ""
+    sides = " × ".join(f"{side:.4g}" for side in size.spacing)
+    return f"{sides} {size.unit}" if size.unit else sides
+
+
 def length_text(pixels: float, spacing: float, unit: str | None) -> str:
     """A length in its unit, with four digits, or in whole pixels."""
     return f"{pixels * spacing:.4g} {unit}" if unit else f"{pixels:.0f} {_PIXEL}"

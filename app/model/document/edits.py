@@ -12,6 +12,7 @@ import numpy as np
 from app.model.document.document import Document
 from app.model.parameters import controls
 from cpm_core.numerics import polyline
+from cpm_core.numerics.real_numbers import voxel_sides
 from cpm_core.numerics.types import Array, Place
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Everywhere, Kind, Points, Shape
@@ -86,6 +87,24 @@ def set_shapes(document: Document, shapes: tuple[Shape, ...]) -> Document:
 def clear_shapes(document: Document) -> Document:
     """The document without shapes."""
     return set_shapes(document, ())
+
+
+def set_pixel_size(document: Document, spacing: tuple[float, ...], unit: str) -> Document:
+    """The document with the size of a pixel set by hand; ValueError when voxels are flatter than can be computed."""
+    if document.image is None:
+        return document
+    if len(spacing) == 3:
+        voxel_sides("The size of a voxel", spacing)
+    reading = replace(document.image.reading, spacing=spacing, unit=unit)
+    return replace(document, image=replace(document.image, spacing=spacing, unit=unit, reading=reading))
+
+
+def use_told_size(document: Document, spacing: tuple[float, ...], unit: str | None) -> Document:
+    """The document with the size of a pixel that the file tells."""
+    if document.image is None:
+        return document
+    reading = replace(document.image.reading, spacing=None, unit=None)
+    return replace(document, image=replace(document.image, spacing=spacing, unit=unit, reading=reading))
 
 
 def set_parameter(document: Document, name: str, value: float | str) -> Document:

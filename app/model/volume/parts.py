@@ -34,6 +34,8 @@ class Parts:
         What a page is called: plane, page or frame.
     usual : int
         The page that is read when nobody chooses, from 1.
+    spacing, unit
+        Size of a voxel that the file tells, along (plane, row, col), and its unit; None where it tells none.
     deep : bool
         Whether pages are planes of a volume, as the file tells how far apart they are, or by its kind.
     """
@@ -46,6 +48,8 @@ class Parts:
     word: str = "page"
     usual: int = 1
     deep: bool = False
+    spacing: tuple[float, ...] = (1.0, 1.0, 1.0)
+    unit: str | None = None
 
     @classmethod
     def of(cls, stack: Stack, paged: bool) -> Parts:
@@ -57,7 +61,8 @@ class Parts:
         pages, times = (stack.times, 1) if film else (planes, stack.times)
         usual = 1 if film else stack.otherwise + 1
         deep = not film and (stack.deep or not paged)
-        return cls(pages, times, stack.channels, stack.series, stack.number + 1, stack.word, usual, deep)
+        return cls(pages, times, stack.channels, stack.series, stack.number + 1, stack.word, usual, deep,
+                   stack.spacing, stack.unit)  # fmt: skip
 
     @property
     def fit_a_volume(self) -> bool:

@@ -34,6 +34,12 @@ class PreparedMethods:
         self._image = method.image
         self._seed_cache = SeedCache(method.image)
 
+    def rescale(self, image: Image) -> None:
+        """Make methods from now on for the same image with another size of a pixel."""
+        self._ready.clear()
+        self._image = image
+        self._seed_cache = SeedCache(image)
+
     def keep(self, method: Method[Any]) -> None:
         """Keep a method in place of the same one with other regions."""
         self._ready[method.name] = method

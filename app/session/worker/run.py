@@ -18,6 +18,7 @@ from app.session.worker.reconstruction import Reconstructor
 from app.session.worker.recorded_run import Begun
 from app.session.worker.stepper import Stepper
 from cpm_core.field.placed_charges import PlacedCharge
+from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.types import Place
 from cpm_core.parameters import Parameters
@@ -51,6 +52,13 @@ class Run(Stepper):
         self._prepared.use(method)
         self.method, self.charges, self.parameters = method, (), parameters
         self._refresh_overlays()
+
+    def rescale(self, image: Image, document: Document) -> None:
+        """Use another size of a pixel from the next start on; a run that exists keeps its own."""
+        self._prepared.rescale(image)
+        if self.state is None:
+            self.method = self._prepared.method(document)
+            self._refresh_overlays()
 
     def start(self, generation: int, document: Document) -> None:
         """Start a run from the initialization and the mode of a document, without a step."""

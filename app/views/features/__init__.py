@@ -10,6 +10,7 @@ from app.views.features.contours.skeletons import SkeletonsFeature
 from app.views.features.contours.truth import TruthFeature
 from app.views.features.edit.draw import DrawFeature
 from app.views.features.edit.modes import ModesFeature
+from app.views.features.edit.pixel_size import PixelSizeFeature
 from app.views.features.edit.undo_selection import HistoryFeature, UndoSelectionFeature
 from app.views.features.file.beginning import BeginningFeature
 from app.views.features.file.export import ClipboardFeature, ExportFeature
@@ -30,6 +31,8 @@ from app.views.features.view.appearance import AppearanceFeature
 from app.views.features.view.comparing import ComparingFeature
 from app.views.features.view.keyboard import KeyboardFeature
 from app.views.features.view.layers import LayersFeature
+from app.views.features.view.levels import LevelsFeature
+from app.views.features.view.methods import MethodsFeature
 from app.views.features.view.mosaic import MosaicFeature
 from app.views.features.view.slices import SlicesFeature
 from app.views.features.view.space import SpaceFeature
@@ -53,6 +56,7 @@ FEATURES: tuple[type[Feature], ...] = (
     BeginningFeature,
     LargeImageFeature,
     StackFeature,
+    PixelSizeFeature,
     ContoursFeature,
     LearningFeature,
     HandEditingFeature,
@@ -60,8 +64,10 @@ FEATURES: tuple[type[Feature], ...] = (
     ObjectsFeature,
     SkeletonsFeature,
     MosaicFeature,
+    MethodsFeature,
     HistoryFeature,
     LayersFeature,
+    LevelsFeature,
     ComparingFeature,
     SlicesFeature,
     SpaceFeature,

@@ -6,7 +6,6 @@ import numpy as np
 from PySide6.QtGui import QColor
 
 from app.model.display.coloring import QUANTITIES, SHADES, InsertionTimes, colored
-from app.model.display.display_image import IntensityWindow
 from app.model.display.space.picture import Colors
 from app.model.display.space.projection import Shaded
 from app.model.display.space.shown_parts import Contents
@@ -16,7 +15,7 @@ from app.model.volume.shape_wires import wires
 from app.session.exchange.messages import Reconstruction, Snapshot
 from app.session.features.volumes.made_once import MadeOnce
 from app.session.scene import Scene
-from app.views.canvas.layers.layer import Layer
+from app.views.canvas.layers import Layers
 from app.views.canvas.layers.particles.color_legend import BEGIN, UNKNOWN
 from app.views.canvas.layers.particles.particles import ParticleLayer
 from app.views.theme import color_maps, theme
@@ -31,28 +30,25 @@ class SeenInSpace:
     def __init__(self) -> None:
         self._parts = MadeOnce()
 
-    def of(self, scene: Scene, layer: ParticleLayer, drawing: Layer) -> Contents | None:
-        """What a scene shows, with particles and what is drawn as their layers show them on the canvas."""
+    def of(self, scene: Scene, layers: Layers) -> Contents | None:
+        """What a scene shows; particles, gray values and what is drawn as their layers show them on the canvas."""
         image, slices, snapshot, found = scene.image, scene.slices, scene.snapshot, scene.reconstruction
         if image is None or slices is None:
             self._parts.forget()
             return None
+        layer, window = layers.particles, layers.image.shown_window
         inks = tuple(look().color(ink) for ink in (theme.MOVING, theme.RESTING))
         given = snapshot, layer.word("colour"), layer.word("map"), layer.word("done"), inks
-        shaded = self._parts.of("shaded", (image,), lambda: _shaded(image))
+        shaded = self._parts.of("shaded", (image, window), lambda: Shaded(image.values, window))
         particles = self._parts.of("particles", given, lambda: _particles(snapshot, layer))
         mesh = self._parts.of("mesh", (found,), lambda: _mesh(found))
-        drawn = (scene.document.shapes if drawing.shown else (), scene.selected, image)
+        drawn = (scene.document.shapes if layers.drawing.shown else (), scene.selected, image)
         lines = self._parts.of("wires", drawn, lambda: _wires(*drawn))
         return self._parts.of(
             "contents",
-            (image, slices, particles, mesh, lines),
-            lambda: Contents(image, shaded, slices, particles, mesh, lines),
+            (image, slices, shaded, particles, mesh, lines, layers.image.word("map")),
+            lambda: Contents(image, shaded, slices, particles, mesh, lines, layers.image.table),
         )
-
-
-def _shaded(image: Image) -> Shaded:
-    return Shaded(image.values, IntensityWindow(*image.gray_range))
 
 
 def _particles(snapshot: Snapshot | None, layer: ParticleLayer) -> Particles | None:

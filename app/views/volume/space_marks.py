@@ -9,7 +9,7 @@ from PySide6.QtGui import QColor, QPainter, QPen
 from app.model.display.lengths import bar
 from app.model.display.space.camera import Camera
 from app.model.display.space.view_in_space import AXIS_COLORS, ViewInSpace
-from app.model.text.language import tr
+from app.model.volume.axis_names import Ends
 from app.views.theme import theme
 
 _LONGEST, _MARGIN, _TICK = 120.0, 14.0, 4.0
@@ -18,15 +18,12 @@ _LONGEST, _MARGIN, _TICK = 120.0, 14.0, 4.0
 _BEYOND = 12.0
 """Distance of a name from the end of its axis [px of the screen]."""
 
-NAMES = (("", tr("plane")), ("", tr("row")), ("", tr("column")))
-"""What is written at the begin and the end of each axis."""
-
 
 class SpaceMarks:
     """Names at both ends of each axis, and a bar in the volume's unit, px where it is not known."""
 
     def __init__(self) -> None:
-        self.names: tuple[tuple[str, str], ...] = NAMES
+        self.names: tuple[Ends, ...] = ()
         self.unit: str | None = None
 
     def draw(self, painter: QPainter, view: ViewInSpace, camera: Camera, size: QSize) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from app.model.display.space.shown_parts import Contents, ShownParts
+from app.model.volume.axis_names import ends_of
 from app.session.signals import SessionSignals
 from app.views.volume.space_bar import SpaceBar
 from app.views.volume.space_view import SpaceView
@@ -33,7 +34,8 @@ class SpacePanel(QWidget):
     def show_contents(self, contents: Contents | None) -> None:
         """Show another volume, or what a run has found in it since."""
         self._contents = contents
-        self.view.marks.unit = None if contents is None else contents.image.unit
+        if contents is not None:
+            self.view.marks.unit, self.view.marks.names = contents.image.unit, ends_of(contents.image)
         self._show()
 
     def _show(self) -> None:

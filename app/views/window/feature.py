@@ -61,6 +61,8 @@ class FeatureContext:
         Opens a file, or with True as second argument an image with the session beside it; asks about unsaved work.
     open_part : callable
         Opens a part of a file, with True a volume, with False an image; asks about unsaved work.
+    do : callable
+        Triggers an action by its name, once the window is built.
     open_menu : callable
         Opens the menu of what is chosen where the keyboard is.
     """
@@ -79,6 +81,7 @@ class FeatureContext:
     refresh: Callable[[], None]
     open_file: Callable[[Path, bool], None]
     open_part: Callable[[Path, bool, Reading], None]
+    do: Callable[[str], None]
     open_menu: Callable[[], None]
 
     @property

@@ -126,3 +126,15 @@ def test_letters_tell_where_the_axes_lead():
 def test_what_is_no_geometry_is_refused(given, words):
     with pytest.raises(ValueError, match=words):
         Geometry(**given)
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_letters_are_those_of_nibabel(seed):
+    orientations = pytest.importorskip("nibabel").orientations
+    random = np.random.default_rng(seed)
+    affine = np.eye(4)
+    affine[:3, :3] = Rotation.random(random_state=seed).as_matrix() * random.uniform(0.3, 4.0, 3)
+    affine[:3, :3] += 0.1 * random.standard_normal((3, 3))
+    geometry, _ = from_affine(affine, "RAS")
+    assert geometry.letters == orientations.aff2axcodes(affine)[::-1]
+    assert {letter for ends in geometry.ends for letter in ends} == set("RLAPSI")

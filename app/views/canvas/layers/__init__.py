@@ -18,6 +18,7 @@ from app.views.canvas.layers.fields.field import FieldLayer
 from app.views.canvas.layers.fields.scalar import EdgeMapLayer, PotentialLayer
 from app.views.canvas.layers.image.image import ImageLayer
 from app.views.canvas.layers.image.levels import ImageForm
+from app.views.canvas.layers.image.orientation import OrientationLayer
 from app.views.canvas.layers.image.scale_bar import ScaleBarLayer
 from app.views.canvas.layers.layer import Layer, Requests
 from app.views.canvas.layers.layer_form import LayerForm
@@ -44,6 +45,7 @@ LAYERS: tuple[type[Layer], ...] = (
     FieldLayer,
     ImageLayer,
     ScaleBarLayer,
+    OrientationLayer,
 )
 """All layers in the order of panel and menu; each defines its own place in the stack."""
 
@@ -57,6 +59,7 @@ class Layers:
         self.forces = self._of(ForceLayer)
         self.contours = self._of(ContourLayer)
         self.drawing = self._of(DrawingLayer)
+        self.image = self._of(ImageLayer)
 
     def __getitem__(self, name: str) -> Layer:
         return self._layers[name]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QButtonGroup, QFrame, QHBoxLayout, QLabel, QSlider, QSpinBox, QToolButton
 
-from app.model.display.lengths import shown_in
+from app.model.display.lengths import size_text
 from app.model.text.language import tr
 from app.model.volume.slices import AXES, Slices
 from cpm_core.image.image import Image
@@ -23,6 +23,8 @@ class SliceBar(QFrame):
 
     moved = Signal(int)
     """The user wants the slice at an index."""
+    size_wanted = Signal()
+    """The user wants to set the size of a voxel."""
     turned = Signal(int)
     """The user wants slices across an axis."""
 
@@ -32,7 +34,7 @@ class SliceBar(QFrame):
         self.axes = [QToolButton() for _ in AXES]
         self.slider = QSlider(Qt.Orientation.Horizontal)
         self.number = QSpinBox()
-        self.of, self.voxel = QLabel(), QLabel()
+        self.of, self.voxel = QLabel(), QToolButton()
         row = QHBoxLayout(self)
         row.setContentsMargins(10, 3, 10, 3)
         row.setSpacing(4)
@@ -53,8 +55,13 @@ class SliceBar(QFrame):
         self.slider.setPageStep(_JUMP)
         self.number.setAccessibleName(tr("Number of the slice"))
         self.number.setKeyboardTracking(False)
-        for label in (self.of, self.voxel):
-            label.setObjectName("dim")
+        self.of.setObjectName("dim")
+        self.voxel.setObjectName("dim")
+        self.voxel.setAutoRaise(True)
+        self.voxel.setAccessibleName(tr("Size of a voxel"))
+        self.voxel.setToolTip(tr("Size of a voxel: plane × row × column. Click to change it."))
+        self.voxel.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.voxel.clicked.connect(self.size_wanted)
         row.addSpacing(8)
         row.addWidget(self.slider, 1)
         for widget in (self.number, self.of, self.voxel):
@@ -75,14 +82,4 @@ class SliceBar(QFrame):
             field.blockSignals(False)
         self.axes[slices.axis].setChecked(True)
         self.of.setText(tr("of {last}").format(last=slices.count - 1))
-        self.voxel.setText(_size(image))
-        self.voxel.setToolTip(tr("Size of a voxel: plane × row × column."))
-
-
-def _size(image: Image) -> str:
-    """The size of a voxel in words; empty where it is not known and the same along all axes."""
-    size = shown_in(image.spacing, image.unit)
-    if size.unit is None and len(set(size.spacing)) == 1:
-        return ""
-    sides = " × ".join(f"{side:.4g}" for side in size.spacing)
-    return f"   {sides} {size.unit}" if size.unit else f"   {sides}"
+        self.voxel.setText(size_text(image.spacing, image.unit) or tr("Size…"))

@@ -15,6 +15,7 @@ from app.views.canvas.volume.side_view import Cross, SideView
 from app.views.canvas.volume.slice_bar import SliceBar
 from app.views.widgets.action_spec import STATE, ActionSpec
 from app.views.window.feature import Feature, FeatureContext
+from cpm_core.image.image import Image
 
 _MENU = "View>" + tr("Sli&ces of a volume")
 _JUMP = 10
@@ -29,10 +30,11 @@ class SlicesFeature(Feature):
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
         self.bar = SliceBar()
-        self._shown: Slices | None = None
+        self._shown: tuple[Slices | None, Image | None] = (None, None)
         self._slices = slices = context.workspace.slices
         self.bar.moved.connect(slices.at)
         self.bar.turned.connect(slices.turn)
+        self.bar.size_wanted.connect(lambda: context.do("pixel_size"))
         context.canvas_area.controls.addWidget(self.bar)
         self.sides: tuple[SideView, ...] = ()
         """Views of the slices across the other axes, made when they are first shown."""
@@ -85,8 +87,8 @@ class SlicesFeature(Feature):
     def _show(self) -> None:
         scene = self.context.session.scene
         self._show_sides(scene)
-        if scene.slices != self._shown:
-            self._shown = scene.slices
+        if (scene.slices, scene.whole) != self._shown:
+            self._shown = scene.slices, scene.whole
             self.bar.show_slices(scene.slices, scene.whole)
             self.context.canvas_area.canvas.point_again()
 
@@ -112,6 +114,7 @@ class SlicesFeature(Feature):
         area.views.setColumnStretch(0, 2)
         for row, view in enumerate(made):
             view.hide()
+            area.level_drag.watch(view.viewport())
             area.views.addWidget(view, row, 1)
             view.went.connect(self._slices.through)
             view.passed.connect(self._slices.pass_on)
@@ -119,5 +122,5 @@ class SlicesFeature(Feature):
 
     def _show_size(self) -> None:
         """Show the size of a voxel in another unit."""
-        self._shown = None
+        self._shown = (None, None)
         self._show()

@@ -33,14 +33,14 @@ class SpaceFeature(Feature):
         super().__init__(context)
         self.panel = SpacePanel(context.session)
         self._seen = SeenInSpace()
-        layers = context.canvas_area.canvas.layers
-        self._layer, self._drawing = layers.particles, layers.drawing
+        self._layers = layers = context.canvas_area.canvas.layers
         context.session.scene_changed.connect(self._show)
         context.session.image_changed.connect(self._reveal)
         self._hand = SpaceHand(context.session, self.panel.view)
         self.panel.view.picked.connect(self._pick)
-        self._layer.changed.connect(self._show)
-        self._drawing.changed.connect(self._show)
+        context.canvas_area.level_drag.watch(self.panel.view)
+        for layer in (layers.particles, layers.image, layers.drawing):
+            layer.changed.connect(self._show)
 
     def panels(self) -> Sequence[Panel]:
         """The view."""
@@ -139,4 +139,4 @@ class SpaceFeature(Feature):
             self.context.conceal(_NAME)
 
     def _show(self, *_: object) -> None:
-        self.panel.show_contents(self._seen.of(self.context.session.scene, self._layer, self._drawing))
+        self.panel.show_contents(self._seen.of(self.context.session.scene, self._layers))

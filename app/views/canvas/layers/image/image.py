@@ -17,7 +17,9 @@ from app.views.canvas.layers.options import Amount, Choice
 from app.views.theme import color_maps
 from cpm_core.image.image import Image
 
-_WHOLE, _HAND = "0", "hand"
+WHOLE, AUTOMATIC, _HAND = "0", "0.1", "hand"
+"""Ranges of gray values: all, all but the most extreme, and one chosen by hand."""
+
 _IN_COLOR, _CHANNEL = "colors", "channel"
 
 _AT_ONCE = 1 << 22
@@ -45,13 +47,13 @@ class ImageLayer(Layer):
             "range",
             tr("Range"),
             {
-                _WHOLE: tr("All gray values"),
-                "0.1": tr("All but 0.1 % at either end"),
+                WHOLE: tr("All gray values"),
+                AUTOMATIC: tr("All but 0.1 % at either end"),
                 "1": tr("All but 1 % at either end"),
                 "5": tr("All but 5 % at either end"),
                 _HAND: tr("By hand"),
             },
-            _WHOLE,
+            WHOLE,
             tr("Gray values that are distinguished; values below are black, values above are white."),
         ),
         Amount("gamma", tr("Gamma"), 0.2, 3.0, 0.05, 1.0, tr("Less brings out what is dark, more what is bright.")),
@@ -70,6 +72,16 @@ class ImageLayer(Layer):
         """Shades shown, before the color map is applied."""
         return self._item.display.shades if self._item.display is not None else None
 
+    @property
+    def shown_window(self) -> IntensityWindow:
+        """The window with gamma, as it is shown."""
+        return IntensityWindow(*self.window, self.number("gamma"))
+
+    @property
+    def table(self) -> color_maps.Table:
+        """Colors of the shades, shape (256, 3)."""
+        return color_maps.table(self.word("map"))
+
     def choose_window(self, low: float, high: float) -> None:
         """Show gray values from `low`, black, to `high`, white."""
         if math.isfinite(low) and math.isfinite(high) and low <= high and (low, high) != self.window:
@@ -79,7 +91,7 @@ class ImageLayer(Layer):
     def follow_choice(self, name: str) -> None:
         """Change colors or window."""
         if name == "map":
-            self._item.use_table(None if self.word("map") == color_maps.GRAY else color_maps.table(self.word("map")))
+            self._item.use_table(None if self.word("map") == color_maps.GRAY else self.table)
         elif name == "range":
             self._find_window()
         else:  # what is shown, or gamma
@@ -106,7 +118,7 @@ class ImageLayer(Layer):
         """Show another image, or the window or shades that were requested."""
         scene = self.scene
         if scene.image is not before.image and scene.image is not None and scene.display is not None:
-            if scene.whole is before.whole:  # another slice of the same volume, in the same window
+            if _same(scene.whole, before.whole):  # another slice of the same volume, or pixels of another size
                 self._shade()
             else:
                 self._use_image(scene.image, scene.display)
@@ -115,7 +127,7 @@ class ImageLayer(Layer):
             self._take_window(found)
         # of two pending requests, the older one may not win
         new = shaded is not None and shaded is not before.shaded and shaded.image is scene.image
-        wanted = self._chosen_window(), self._channel()
+        wanted = self.shown_window, self._channel()
         if shaded is not None and new and (shaded.window, shaded.channel) == wanted and not self._in_color():
             self._item.show_image(shaded.display)
         if scene.document.parameters.channel != before.document.parameters.channel and not self._in_color():
@@ -130,10 +142,10 @@ class ImageLayer(Layer):
         self.ends = self.window = (image if whole is None else whole).gray_range
         if self.word("range") == _HAND:
             # a window chosen for another image does not apply to this one
-            self.chosen["range"] = _WHOLE
+            self.chosen["range"] = WHOLE
         self._item.use_curve(None)
         self._item.show_image(shades)
-        if self.word("range") != _WHOLE or self.number("gamma") != 1.0:
+        if self.word("range") != WHOLE or self.number("gamma") != 1.0:
             self._find_window()
         elif image.colors is not None and not self._in_color():
             self._shade()
@@ -144,7 +156,7 @@ class ImageLayer(Layer):
         way, image = self.word("range"), self.scene.whole
         if image is None or way == _HAND:
             return
-        if way == _WHOLE:
+        if way == WHOLE:
             self._use_window(*self.ends)
         else:
             self.requests.post(FindWindow(image, float(way)))
@@ -158,7 +170,7 @@ class ImageLayer(Layer):
         image, whole = self.scene.image, self.scene.display
         if image is None or whole is None:
             return
-        window, colors = self._chosen_window(), image.colors
+        window, colors = self.shown_window, image.colors
         if colors is not None and self._in_color():
             self._item.use_curve(None if window == IntensityWindow(*self.ends) else color_curve(window, colors.white))
             self._item.show_image(whole)
@@ -184,5 +196,7 @@ class ImageLayer(Layer):
             else self.scene.image.channel(self.scene.document.parameters.channel)
         )
 
-    def _chosen_window(self) -> IntensityWindow:
-        return IntensityWindow(*self.window, self.number("gamma"))
+
+def _same(one: Image | None, other: Image | None) -> bool:
+    """Whether two images have the same gray values, whatever the size of their pixels."""
+    return one is not None and other is not None and one.values is other.values

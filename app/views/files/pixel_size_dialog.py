@@ -1,0 +1,86 @@
+"""The dialog that asks for the size of a pixel or of a voxel."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import (
+    QComboBox,
+    QDialog,
+    QDialogButtonBox,
+    QDoubleSpinBox,
+    QFormLayout,
+    QLabel,
+    QVBoxLayout,
+    QWidget,
+)
+
+from app.model.text.language import tr
+
+UNITS = ("nm", "µm", "mm", "cm", "m")
+_SIDES = (tr("Distance of planes"), tr("Distance of rows"), tr("Distance of columns"))
+_LEAST, _MOST = 1e-6, 1e6
+
+
+class PixelSizeDialog(QDialog):
+    """Takes a size along each axis, and a unit.
+
+    Parameters
+    ----------
+    parent : QWidget
+        The window.
+    spacing : tuple of float
+        Size of a pixel along each axis now.
+    unit : str or None
+        Its unit; None where it is not known.
+    told : str
+        What the file tells, in words; empty where it tells nothing.
+    """
+
+    chosen = Signal(object, str)
+    """The user has chosen: a size along each axis, and the unit."""
+    reset = Signal()
+    """The user wants what the file tells."""
+
+    def __init__(self, parent: QWidget, spacing: tuple[float, ...], unit: str | None, told: str) -> None:
+        super().__init__(parent)
+        volume = len(spacing) == 3
+        self.setWindowTitle(tr("Size of a voxel") if volume else tr("Size of a pixel"))
+        self.sides = tuple(_field(side) for side in spacing)
+        self.unit = QComboBox()
+        self.unit.addItems(UNITS)
+        self.unit.setCurrentText(unit if unit in UNITS else "mm" if volume else "µm")
+        form = QFormLayout()
+        form.setHorizontalSpacing(16)
+        for label, field in zip(_SIDES[-len(spacing) :], self.sides, strict=True):
+            form.addRow(label, field)
+        form.addRow(tr("Unit"), self.unit)
+        buttons = QDialogButtonBox()
+        self.use_button = buttons.addButton(tr("Use"), QDialogButtonBox.ButtonRole.AcceptRole)
+        self.reset_button = buttons.addButton(tr("As the file tells"), QDialogButtonBox.ButtonRole.ResetRole)
+        buttons.addButton(tr("Cancel"), QDialogButtonBox.ButtonRole.RejectRole)
+        self.reset_button.clicked.connect(self._reset)
+        buttons.accepted.connect(self.accept)
+        buttons.rejected.connect(self.reject)
+        self.accepted.connect(self._choose)
+        text = tr("The file tells {size}.").format(size=told) if told else tr("The file does not tell the size.")
+        layout = QVBoxLayout(self)
+        layout.setSpacing(12)
+        layout.addWidget(QLabel(text))
+        layout.addLayout(form)
+        layout.addWidget(buttons)
+
+    def _choose(self) -> None:
+        self.chosen.emit(tuple(field.value() for field in self.sides), self.unit.currentText())
+
+    def _reset(self) -> None:
+        self.reset.emit()
+        self.reject()
+
+
+def _field(size: float) -> QDoubleSpinBox:
+    field = QDoubleSpinBox()
+    field.setDecimals(6)
+    field.setRange(_LEAST, _MOST)
+    field.setStepType(QDoubleSpinBox.StepType.AdaptiveDecimalStepType)
+    field.setValue(size)
+    return field
