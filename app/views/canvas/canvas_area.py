@@ -85,8 +85,6 @@ class CanvasArea(QWidget):
         session.said.connect(self.messages.say)
         session.attempted.connect(self.messages.attempt)
         session.image_changed.connect(lambda: self.messages.keep_only(OPENING, *OF_THE_PROGRAM))
-        session.image_changed.connect(self.canvas.cancel)
-        session.image_changed.connect(self.crosshair.hide)
         for layer in self.canvas.layers:
             layer.changed.connect(self.strip.refresh_legend)
         session.status_changed.connect(self.refresh)
