@@ -7,7 +7,7 @@ from collections.abc import Hashable
 from dataclasses import dataclass, field, replace
 
 from app.model.document.changes import ChangeInWords, in_words
-from app.model.document.document import Document
+from app.model.document.document import Document, ImageReference
 
 DEEPEST = 500
 
@@ -115,11 +115,15 @@ class History:
         """Repeat the change that was undone last, if there is one."""
         return self._turn(self._undone, self._done, back=False)
 
-    def clear(self) -> None:
-        """Remove all changes, as when another image is opened."""
-        self._done.clear()
-        self._undone.clear()
-        self._open = False
+    def on(self, image: ImageReference | None) -> History:
+        """The same history for the image as it has been opened again, by another path perhaps.
+
+        Without the erasures of particles, whose runs have ended with the image.
+        """
+        for changes in (self._done, self._undone):
+            if any(change.after.image != image or change.erasure is not None for change in changes):
+                changes[:] = [_on(change, image) for change in changes if change.before != change.after]
+        return self
 
     def _turn(self, source: list[Change], target: list[Change], *, back: bool) -> Turned | None:
         self._open = False
@@ -128,3 +132,8 @@ class History:
         change = source.pop()
         target.append(change)
         return Turned(change.before if back else change.after, (change,), back)
+
+
+def _on(change: Change, image: ImageReference | None) -> Change:
+    before, after = replace(change.before, image=image), replace(change.after, image=image)
+    return replace(change, before=before, after=after, erasure=None)
