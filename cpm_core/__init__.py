@@ -91,7 +91,7 @@ from cpm_core.image.volume_regions import Extrusion, VolumeRegions
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeletonize import skeleton
 from cpm_core.medial_axis.space.centerlines import Centerlines, centerlines
-from cpm_core.objects import Partition, Selection, objects_result, partition, similar
+from cpm_core.objects import Partition, Selection, VolumePartition, VolumeSelection, objects_result, partition, similar
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 from cpm_core.particles.coulomb.coulomb_force import coulomb_force
 from cpm_core.particles.initialization import circle, divergence_centers, gradient_threshold, stroke, uniform_grid
@@ -150,7 +150,9 @@ __all__ = [
     "Surface",
     "TrackEvent",
     "Truth",
+    "VolumePartition",
     "VolumeRegions",
+    "VolumeSelection",
     "box",
     "centerlines",
     "circle",

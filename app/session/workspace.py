@@ -10,7 +10,8 @@ from app.session.features.objects.object_fitting import ObjectFitting
 from app.session.features.objects.object_list import ObjectList
 from app.session.features.objects.object_selection import ObjectSelection
 from app.session.features.other_result import OtherResult
-from app.session.features.parameter_sweep import Sweep
+from app.session.features.side_by_side.method_comparison import MethodComparison
+from app.session.features.side_by_side.parameter_sweep import Sweep
 from app.session.features.skeleton import Skeletons
 from app.session.features.timeline_navigation import TimelineNavigation
 from app.session.features.truth_comparison import GroundTruth
@@ -35,9 +36,11 @@ class Workspace:
         self.other_result = OtherResult(self.session, self.navigation)
         self.slices = ShownSlices(self.session)
         self.sweep = Sweep(self.session, self.truth)
+        self.comparison = MethodComparison(self.session)
 
     def close(self) -> None:
         """Stop everything and wait for the threads to end."""
+        self.comparison.close()
         self.learning.close()
         self.truth.close()
         self.object_list.close()

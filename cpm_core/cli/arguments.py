@@ -13,6 +13,7 @@ from cpm_core.formats import READABLE, WRITABLE, check_export
 from cpm_core.formats.images.decoded import LUMINANCE_NOTE
 from cpm_core.formats.sessions.session_file import SUFFIX
 from cpm_core.image.colors import CONTRAST
+from cpm_core.image.geometry import CONVENTIONS
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import most_scales
 from cpm_core.parameters import DEFAULTS, FORMER_NAMES, PARAMETERS, Parameters
@@ -139,6 +140,16 @@ def part_of(arguments: argparse.Namespace) -> dict[str, Any]:
             )
         part |= {"spacing": numbers[0] if len(numbers) == 1 else numbers, "unit": size["unit"]}
     return part
+
+
+def add_space(parser: argparse._ActionsContainer) -> None:
+    """Add where coordinates in files of a volume point, as `space`."""
+    parser.add_argument(
+        "--space",
+        choices=CONVENTIONS,
+        help="coordinates in files of a surface or of center lines: to the left, back and head of a patient, or to the "
+        "right, front and head (default: LPS)",
+    )
 
 
 def add_json(parser: argparse._ActionsContainer) -> None:

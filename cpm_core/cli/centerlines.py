@@ -12,6 +12,7 @@ from cpm_core.cli.terminal import counted, say, written
 from cpm_core.cli.volume import part_of_volume
 from cpm_core.formats import FOR_CENTERLINES, export, load_volume, suffix_of
 from cpm_core.formats.printable import printable
+from cpm_core.formats.provenance import ENTRY, facts_on
 from cpm_core.medial_axis.skeletonize import skeleton
 from cpm_core.medial_axis.space.centerlines import Centerlines
 from cpm_core.parameters import PRESETS
@@ -33,7 +34,7 @@ def find_centerlines(arguments: argparse.Namespace) -> None:
     found = skeleton(volume, parameters, of=arguments.of, within=mask, outside=arguments.outside)
     seconds = time.perf_counter() - started
     assert isinstance(found, Centerlines)
-    export(found, *arguments.export)
+    export(found, *arguments.export, space=arguments.space or "LPS")
     with written("the files were written before" if arguments.export else ""):
         _report(found, seconds, arguments.export, as_json=arguments.json)
 
@@ -48,6 +49,7 @@ def _report(found: Centerlines, seconds: float, files: Sequence[str], *, as_json
             "largest_radius": round(max((float(radii.max()) for radii in found.radii), default=0.0), 3),
             "unit": found.unit,
             "seconds": round(seconds, 3),
+            ENTRY: facts_on(found.source, found.provenance),
         }
         print(json.dumps(facts))
         return

@@ -21,6 +21,7 @@ from cpm_core.cli.arguments import (
     add_parameters,
     add_part,
     add_session,
+    add_space,
     as_number,
     as_steps,
     check_exports,
@@ -93,6 +94,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     outcome.add_argument(
         "--faces", metavar="N", type=as_number, help="triangles that are left of the surface in a volume"
     )
+    add_space(outcome)
     add_export(outcome, "contours")
     add_close(outcome)
     add_json(outcome)
@@ -100,7 +102,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
 
 def _run(arguments: argparse.Namespace) -> int:
     """Find the contours of an image, or of the pages of a stack; every check that needs no image comes first."""
-    if arguments.sphere or arguments.volume or arguments.faces is not None:
+    if arguments.sphere or arguments.volume or arguments.space or arguments.faces is not None:
         run_volume(arguments)
         return 0
     session = load_session(Path(arguments.session)) if arguments.session else SessionFile()

@@ -14,6 +14,7 @@ from cpm_core.cli.arguments import (
     add_json,
     add_parameters,
     add_part,
+    add_space,
     check_exports,
     notes_on,
     parameters_of,
@@ -67,6 +68,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     parser.add_argument("--outside", action="store_true", help="the skeleton of the background, too")
     add_parameters(parser.add_argument_group("parameters"), _PARAMETERS)
     outcome = parser.add_argument_group("outcome")
+    add_space(outcome)
     add_export(outcome, "skeleton")
     add_json(outcome)
 
@@ -76,6 +78,8 @@ def _skeleton(arguments: argparse.Namespace) -> None:
     if arguments.volume or any(suffix_of(path) in FOR_CENTERLINES for path in arguments.export):
         find_centerlines(arguments)
         return
+    if arguments.space:
+        raise ValueError("--space is for center lines in a volume: add --volume, or leave it out.")
     part = part_of(arguments)
     parameters = parameters_of(arguments, PRESETS[_PRESET])
     check_exports(arguments.export, arguments.image)

@@ -6,6 +6,7 @@ import argparse
 import json
 import sys
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -22,14 +23,15 @@ from cpm_core.formats.printable import printable
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import Pair, VolumeRegions
 from cpm_core.numerics.types import Array
+from cpm_core.objects.partition import partition
 from cpm_core.parameters import PRESETS
 from cpm_core.parameters.quotation import shown
 from cpm_core.particles.initialization import stroke
 from cpm_core.particles.volume_starts import everywhere, on_strong_edges, sphere
 from cpm_core.segmentation.segment import segment
 
-_OF_IMAGES = ("circle", "object", "session", "close", "pages", "follow", "resume")
-"""Options that have a meaning for images only; ``--not`` follows ``--object``."""
+_OF_IMAGES = ("circle", "session", "close", "pages", "follow", "resume")
+"""Options that have a meaning for images only."""
 
 _FEWEST_FACES = 4
 """Least number of triangles of a closed surface."""
@@ -38,7 +40,8 @@ _FEWEST_FACES = 4
 def run_volume(arguments: argparse.Namespace) -> None:
     """Find a surface; every check that needs no volume comes first."""
     if not (arguments.sphere or arguments.volume):
-        raise ValueError("--faces is for the surface in a volume: add --sphere PLANE,ROW,COL,RADIUS, or leave it out.")
+        given = "--space" if arguments.faces is None else "--faces"
+        raise ValueError(f"{given} is for the surface in a volume: add --sphere PLANE,ROW,COL,RADIUS, or leave it out.")
     for name in _OF_IMAGES:
         if getattr(arguments, name, None):
             raise ValueError(f"--{name} is for images, but --sphere and --volume are for volumes: leave one out.")
@@ -47,6 +50,9 @@ def run_volume(arguments: argparse.Namespace) -> None:
     if arguments.auto == "centers":
         raise ValueError("--auto is centers, which is for images: use --auto grid or --auto gradient in a volume.")
     drawn, regions = _drawn(arguments), _regions(arguments)
+    clicks = _clicks("--object", arguments.object), _clicks("--not", arguments.outside)
+    if clicks[1] and not clicks[0]:
+        raise ValueError("--not is given without --object: add --object PLANE,ROW,COL, a place inside the object.")
     part = part_of_volume(arguments)
     parameters = parameters_of(arguments, PRESETS[arguments.preset or "volume"])
     max_steps, faces = as_steps(arguments.max_steps), _as_faces(arguments.faces)
@@ -65,9 +71,10 @@ def run_volume(arguments: argparse.Namespace) -> None:
     finally:
         if progress is not None:
             progress.clear()
-    result = found if faces is None else _decimated(found, faces)
+    whole = _selected(found, *clicks) if clicks[0] else found
+    result = whole if faces is None else _decimated(whole, faces)
     seconds = time.perf_counter() - started
-    export(result, *arguments.export, image=arguments.image)
+    export(result, *arguments.export, image=arguments.image, space=arguments.space or "LPS")
     with written("the files were written before" if arguments.export else ""):
         _report(result, seconds, arguments)
 
@@ -108,7 +115,7 @@ def _numbers(flag: str, text: str, form: str, count: int = 0) -> list[float]:
     numbers = [float(part) for part in parts if not isinstance(part, str)]
     fits = len(numbers) == count if count else len(numbers) % 3 == 0
     if not fits or len(numbers) != len(parts):
-        words = {4: "four numbers", 6: "six numbers"}.get(count, "planes, rows and columns in turn")
+        words = {3: "three numbers", 4: "four numbers", 6: "six numbers"}.get(count, "planes, rows and columns in turn")
         raise ValueError(f"{flag} is {shown(text)} but must be {words}, {form} in voxels.")
     return numbers
 
@@ -127,6 +134,20 @@ def _drawn(arguments: argparse.Namespace) -> list[Array]:
         *(stroke(np.reshape(numbers, (-1, 3))) for numbers in lines),
         *(load_points(path, 3) for path in arguments.points),
     ]
+
+
+def _clicks(flag: str, texts: Sequence[str]) -> list[list[float]]:
+    """Places inside or outside an object."""
+    return [_numbers(flag, text, "PLANE,ROW,COL", 3) for text in texts]
+
+
+def _selected(found: Result, inside: list[list[float]], outside: list[list[float]]) -> Result:
+    """The result with the surface of the bodies alone that places lie in; ValueError when there are none."""
+    chosen = partition(found).select(inside, outside)
+    if not len(chosen.surface.faces):
+        places = ", ".join(",".join(f"{number:g}" for number in place) for place in inside)
+        raise ValueError(f"There is no object at {places}: name a place that the surface encloses.")
+    return replace(found, surface=chosen.surface)
 
 
 def _regions(arguments: argparse.Namespace) -> VolumeRegions | None:
@@ -164,6 +185,8 @@ def _report(result: Result, seconds: float, arguments: argparse.Namespace) -> No
             "closed": 0,
             "vertices": vertices,
             "faces": faces,
+            "volume": round(surface.volume, 3) if surface is not None and surface.closed else None,
+            "area": round(surface.area, 3) if surface is not None else None,
             "steps": result.steps,
             "converged": result.converged,
             "stop_reason": result.stop_reason,

@@ -19,6 +19,7 @@ from cpm_core.formats.contours import coco, contour_csv, contour_json, dxf, geoj
 from cpm_core.formats.masks import label_tiff, labels, nifti
 from cpm_core.formats.meshes import obj, ply, points_csv, stl, swc, vtk
 from cpm_core.formats.printable import printable
+from cpm_core.image.geometry import Convention
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.space.centerlines import Centerlines
 from cpm_core.parameters.quotation import shown
@@ -62,6 +63,11 @@ _MESHES: Mapping[str, tuple[str, Encode]] = MappingProxyType(
     }
 )
 """The same for surfaces, which only volumes have."""
+
+_SURFACES: Mapping[str, Callable[[Result | Skeleton, Convention], bytes]] = MappingProxyType(
+    {".ply": ply.encode, ".stl": stl.encode, ".obj": obj.encode, ".vtk": vtk.encode}
+)
+"""Suffix of a file with coordinates of a patient -> the function that encodes it in LPS or RAS."""
 
 _OUTLINES: Mapping[str, Encode] = MappingProxyType(
     {
@@ -111,13 +117,13 @@ def export(
     *paths: str | os.PathLike[str],
     outlines: bool = False,
     image: str | os.PathLike[str] | None = None,
+    space: Convention = "LPS",
     tell: Callable[[str], object] = _LOG.warning,
     refused: Callable[[Path, str], object] | None = None,
 ) -> None:
     """Write contours, a skeleton, or center lines in a volume, in the format that each suffix names.
 
-    Everything is encoded before anything is written, and each file is replaced atomically, so that no incomplete file
-    is ever left behind.
+    Everything is encoded before anything is written, and no incomplete file is ever left behind.
 
     Parameters
     ----------
@@ -129,9 +135,10 @@ def export(
         Whether masks hold contours as lines, open ones too, in place of the insides of closed ones.
     image : path-like, optional
         File of the image, for files that refer to it (labelme); by default its name.
+    space : {"LPS", "RAS"}
+        Where x, y and z of surfaces and center lines point, which the files tell; see `Geometry`.
     tell : callable, optional
-        Called with a sentence for each file that leaves contours out, before anything is written; by default a warning
-        is logged.
+        Called first with a sentence for each file that leaves contours out; by default a warning is logged.
     refused : callable, optional
         Called with each file that the result holds nothing for, and a sentence; by default that is an error.
 
@@ -146,11 +153,10 @@ def export(
         check_export(file)
     contents = []
     for file in files:
-        missing = omission(result, suffix_of(file), outlines=outlines)
-        if missing:
+        if missing := omission(result, suffix_of(file), outlines=outlines):
             tell(f"{file}: {missing}")
         try:
-            contents.append((file, _content(result, file, outlines, image)))
+            contents.append((file, _content(result, file, outlines, image, space)))
         except ValueError as error:
             if refused is None or (file is files[-1] and not contents):
                 raise
@@ -159,13 +165,17 @@ def export(
 
 
 def _content(
-    result: Result | Skeleton | Centerlines, file: Path, outlines: bool, image: str | os.PathLike[str] | None
+    result: Result | Skeleton | Centerlines,
+    file: Path,
+    outlines: bool,
+    image: str | os.PathLike[str] | None,
+    space: Convention,
 ) -> bytes:
     """Content of a file, which may name the file of the image."""
     suffix = suffix_of(file)
     if suffix == _LABELME and image is not None and not isinstance(result, Centerlines):
         result = labelme.located(result, file, Path(image))
-    return encoded(result, suffix, outlines=outlines)
+    return encoded(result, suffix, outlines=outlines, space=space)
 
 
 def left_out(result: Result | Skeleton | Centerlines, suffix: str, *, outlines: bool = False) -> int:
@@ -185,7 +195,9 @@ def omission(result: Result | Skeleton | Centerlines, suffix: str, *, outlines: 
     return f"{count} of {len(result.contours)} contours {are} open and not in {what}."
 
 
-def encoded(result: Result | Skeleton | Centerlines, suffix: str, *, outlines: bool = False) -> bytes:
+def encoded(
+    result: Result | Skeleton | Centerlines, suffix: str, *, outlines: bool = False, space: Convention = "LPS"
+) -> bytes:
     """Encode what `export` would write, for the clipboard and other places without a file.
 
     Parameters
@@ -196,6 +208,8 @@ def encoded(result: Result | Skeleton | Centerlines, suffix: str, *, outlines: b
         One of `WRITABLE`, or of `FOR_VOLUMES` and `FOR_CENTERLINES` for results of a volume. Text is encoded as UTF-8.
     outlines : bool
         Whether masks hold contours as lines.
+    space : {"LPS", "RAS"}
+        Where x, y and z of surfaces and center lines point; see `export`.
 
     Returns
     -------
@@ -212,7 +226,7 @@ def encoded(result: Result | Skeleton | Centerlines, suffix: str, *, outlines: b
     if isinstance(result, Centerlines):
         if suffix not in FOR_CENTERLINES:
             raise ValueError(f'A file with the suffix "{suffix}" holds no center lines in a volume: choose .swc.')
-        return swc.encode(result, result.geometry)
+        return swc.encode(result, result.geometry, space)
     if suffix in FOR_CENTERLINES:
         raise ValueError(f"{result.source} has no center lines in a volume, which {suffix} is for: find its skeleton.")
     if isinstance(result, Result) and result.surface is not None and suffix not in FOR_VOLUMES:
@@ -220,6 +234,8 @@ def encoded(result: Result | Skeleton | Centerlines, suffix: str, *, outlines: b
             f'{result.source} is a volume, but a file with the suffix "{suffix}" holds what lies in a plane: '
             f"choose one of {', '.join(FOR_VOLUMES)}."
         )
+    if suffix in _SURFACES:
+        return _SURFACES[suffix](_named(result), space)
     encode = _OUTLINES[suffix] if outlines and suffix in _OUTLINES else {**_WRITERS, **_MESHES}[suffix][1]
     return encode(_named(result))
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,7 +17,7 @@ from numpy.typing import ArrayLike
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
 from cpm_core.field.edge_map import edge_map
-from cpm_core.image.image import Image, as_plane
+from cpm_core.image.image import Image, as_image, as_plane
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.objects.answers import Answers, among
@@ -25,10 +26,12 @@ from cpm_core.objects.candidates.choice import chosen
 from cpm_core.objects.clicks import as_places, clicked
 from cpm_core.objects.faces.basins import Labels
 from cpm_core.objects.faces.faces import Faces, Ground, find_faces, ground
+from cpm_core.objects.faces.space import VolumePartition
 from cpm_core.objects.outline.outline import SMOOTHING, outlines
 from cpm_core.objects.selection import Selection, confidence_of
-from cpm_core.parameters import Parameters
+from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.particles.initialization import uniform_grid
+from cpm_core.particles.volume_starts import everywhere
 from cpm_core.segmentation.segment import segment
 
 NOWHERE = np.empty((0, 2))
@@ -41,31 +44,35 @@ EVERYWHERE = Parameters(smoothing=1.5)
 _NOTHING = "No object was found around these places: only their own pixels are chosen."
 
 
-def partition(values: ArrayLike | Image | Result, params: Parameters | None = None) -> Partition:
-    """Cut an image into faces along its contours.
+def partition(values: ArrayLike | Image | Result, params: Parameters | None = None) -> Any:
+    """Cut an image into faces along its contours, or a volume into the bodies that its surface encloses.
 
     Parameters
     ----------
-    values : array_like, shape (H, W), or Image, or Result
-        An image, in which a run from everywhere finds the contours, or the result of a run.
+    values : array_like, shape (H, W) or (P, H, W), or Image, or Result
+        An image or a volume, in which a run from everywhere finds the contours or the surface, or the result of a run.
     params : Parameters, optional
         Of the run on an image.
 
     Returns
     -------
-    Partition
+    Partition or VolumePartition
         To select objects from.
 
     Raises
     ------
     ValueError
-        For an unusable image, or a result that does not know its image.
+        For an unusable image, a result that does not know its image, or a volume without a closed surface.
     """
     if not isinstance(values, Result):
-        image = as_plane(values)
+        image = as_image(values)
+        if image.ndim == 3:
+            return partition(segment(image, everywhere(image), params or PRESETS["volume"]))
         return partition(segment(image, uniform_grid(image.shape), params or EVERYWHERE))
     if values.image is None:
         raise ValueError("the result does not know its image: make a partition of the image itself.")
+    if values.surface is not None:
+        return VolumePartition(values.image, values.surface)
     regions = values.regions if isinstance(values.regions, Regions) else None
     return Partition(as_plane(values.image), tuple(values.contours), regions, values.channel)
 

@@ -22,6 +22,7 @@ import numpy as np
 from cpm_core.contours.result import Result
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.denoising import clean
+from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
 from cpm_core.numerics import jit_cache
 from cpm_core.numerics.parallel import cores
@@ -31,6 +32,7 @@ from cpm_core.particles.initialization import circle
 from cpm_core.particles.state import State
 from cpm_core.particles.volume_starts import sphere
 from cpm_core.segmentation.engine import Engine
+from cpm_core.segmentation.methods import CONTOUR_METHODS, Start, run_method
 
 _ROW, _COL = np.indices((32, 32))
 _IMAGE = 255.0 * (np.hypot(_ROW - 15.5, _COL - 15.5) < 9.0)
@@ -65,6 +67,7 @@ def warm_up(canceled: Callable[[], bool] = lambda: False) -> None:
     _choose(engine.result(state, _PARAMETERS))
     engine.energies(state, _PARAMETERS, _CHARGES)
     clean(_IMAGE)
+    front_once()
 
 
 def warm_up_volumes(canceled: Callable[[], bool] = lambda: False) -> None:
@@ -106,6 +109,13 @@ def reconstruct_once() -> None:
     state = engine.start(circle((15.5, 15.5), 9.0))
     _choose(engine.result(state, _PARAMETERS))
     engine.energies(state, _PARAMETERS, _CHARGES)
+    front_once()
+
+
+def front_once() -> None:
+    """Run the loops of the level sets that the particles are compared with."""
+    start = Start((circle((15.5, 15.5), 5.0),))
+    run_method(CONTOUR_METHODS["gac"], Image(_IMAGE), start, max_steps=_STEPS)
 
 
 def _choose(result: Result) -> None:

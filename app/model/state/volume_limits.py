@@ -9,20 +9,21 @@ from app.model.state.situation import Situation
 from app.model.text.language import tr
 
 _AREA = tr("This tool fills an area of an image; in a volume, start from spheres, boxes, lines and points.")
-_START = tr("Starts that need no drawing are for images; in a volume, start from spheres and points.")
-_MODE = tr("This mode is for images; a volume is segmented from spheres and points.")
+_START = tr("Centers are found in the field of an image; in a volume, start everywhere or on strong edges.")
+_MODE = tr("This mode is for images; in a volume, start everywhere (Ctrl+G) or draw where to start.")
 _CONTOUR = tr("Contours are found in images; a run in a volume finds a surface.")
 _OBJECT = tr("Objects are selected in images; a run in a volume finds a surface.")
 _TRUTH = tr("A ground truth can be compared with the contours of an image, not with a surface.")
 _LAYER = tr("This layer shows what only a run in an image finds.")
 _FORCES = tr("Forces are shown as arrows in images only.")
 _FIELD = tr("The arrows need the force on every voxel, for which a volume is too large.")
+_METHODS = tr("The classical methods are for images; in a volume there is nothing to compare with.")
 _MOSAIC = tr("A mosaic shows runs with different parameters side by side; in a volume each of them takes too long.")
 
 NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
     {
         **dict.fromkeys(("grid_area", "threshold"), _AREA),
-        **dict.fromkeys(("start_grid", "start_gradient", "start_centers"), _START),
+        "start_centers": _START,
         **dict.fromkeys(("mode_automatic", "mode_skeleton"), _MODE),
         **dict.fromkeys(
             ("contours", "edit_contours", "outline", "close_contours", "join_contours", "cut_contour", "image_skeleton",
@@ -35,6 +36,7 @@ NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
         "layer_forces": _FORCES,
         "layer_field": _FIELD,
         "mosaic": _MOSAIC,
+        "compare_methods": _METHODS,
     }
 )  # fmt: skip
 """Names of actions and of tools -> why they are not offered while a volume is open."""

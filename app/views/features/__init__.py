@@ -32,6 +32,7 @@ from app.views.features.view.comparing import ComparingFeature
 from app.views.features.view.keyboard import KeyboardFeature
 from app.views.features.view.layers import LayersFeature
 from app.views.features.view.levels import LevelsFeature
+from app.views.features.view.methods import MethodsFeature
 from app.views.features.view.mosaic import MosaicFeature
 from app.views.features.view.slices import SlicesFeature
 from app.views.features.view.space import SpaceFeature
@@ -63,6 +64,7 @@ FEATURES: tuple[type[Feature], ...] = (
     ObjectsFeature,
     SkeletonsFeature,
     MosaicFeature,
+    MethodsFeature,
     HistoryFeature,
     LayersFeature,
     LevelsFeature,

@@ -38,7 +38,7 @@ from app.model.document.modes import acting_in
 from app.model.parameters.controls import Control, controls
 from app.model.state.time_left import in_words
 from app.model.text.language import tr
-from app.session.features.parameter_sweep import Done, Sweep
+from app.session.features.side_by_side.parameter_sweep import Done, Sweep
 from app.session.session import Session
 from app.views.mosaic.picture import Picture
 from app.views.mosaic.tile import Board, EnlargedTile

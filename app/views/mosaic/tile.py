@@ -31,7 +31,7 @@ from PySide6.QtWidgets import (
 
 from app.model.display.mosaic import Plan, Tile
 from app.model.text.language import tr
-from app.session.features.parameter_sweep import Done
+from app.session.features.side_by_side.parameter_sweep import Done
 from app.views.mosaic.picture import Picture
 from app.views.theme import theme
 

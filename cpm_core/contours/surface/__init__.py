@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -37,6 +37,8 @@ class Surface:
         Share of the vertices that have no particle near: there the surface is a guess. NaN when it is not known.
     left_out : int
         Number of components that were left out, because they had too few particles or vertices without any near.
+    whole : Surface or None
+        The surface that this one has fewer triangles than; None for one with all its triangles.
     """
 
     vertices: NDArray[np.float64]
@@ -45,6 +47,7 @@ class Surface:
     unit: str | None = None
     unsupported: float = np.nan
     left_out: int = 0
+    whole: Surface | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         vertices = _rows_of_three("vertices", self.vertices).copy()
@@ -124,7 +127,8 @@ class Surface:
         -------
         Surface
             With no more triangles than wanted, unless fewer would change the topology, turn a triangle over or move
-            the surface too far. Vertices at free edges stay. `unsupported` is that of the whole surface.
+            the surface too far. Vertices at free edges stay. `unsupported` is that of the whole surface, which it
+            keeps for label volumes.
 
         Raises
         ------
@@ -149,7 +153,8 @@ class Surface:
         if len(self.faces) <= wanted:
             return self
         places, corners = contracted(self._physical, self.faces, wanted, limit * min(self.spacing))
-        return replace(self, vertices=places / np.array(self.spacing), faces=corners)
+        vertices = places / np.array(self.spacing)
+        return replace(self, vertices=vertices, faces=corners, whole=self.whole or self)
 
     @property
     def components(self) -> int:

@@ -60,7 +60,7 @@ def labels_of(result: Result | Skeleton, *, outlines: bool = False) -> NDArray[n
 def _volume_labels(surface: Surface, result: Result) -> NDArray[np.unsignedinteger]:
     if not surface.closed:
         raise ValueError(f"{result.source} has no closed surface, so that nothing is inside: write the surface itself.")
-    labels = numbered(surface, result.shape)
+    labels = numbered(surface.whole or surface, result.shape)
     return labels.astype(label_type(int(labels.max())))
 
 

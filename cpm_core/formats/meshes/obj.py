@@ -8,12 +8,13 @@ import numpy as np
 
 from cpm_core.contours.result import Result
 from cpm_core.formats.meshes.world import mesh_of
+from cpm_core.image.geometry import Convention
 from cpm_core.medial_axis.skeleton import Skeleton
 
 
-def encode(result: Result | Skeleton) -> bytes:
+def encode(result: Result | Skeleton, space: Convention = "LPS") -> bytes:
     """Make an OBJ file of the surface of a result; ValueError when it has none."""
-    mesh = mesh_of(result)
+    mesh = mesh_of(result, space)
     stream = io.BytesIO()
     stream.write("".join(f"# {note}\n" for note in mesh.notes).encode())
     np.savetxt(stream, mesh.points, "v %.7g %.7g %.7g")

@@ -6,14 +6,15 @@ import numpy as np
 
 from cpm_core.contours.result import Result
 from cpm_core.formats.meshes.world import mesh_of
+from cpm_core.image.geometry import Convention
 from cpm_core.medial_axis.skeleton import Skeleton
 
 _FACE = np.dtype([("count", "u1"), ("corners", "<i4", 3)])
 
 
-def encode(result: Result | Skeleton) -> bytes:
+def encode(result: Result | Skeleton, space: Convention = "LPS") -> bytes:
     """Make a binary PLY file of the surface of a result; ValueError when it has none."""
-    mesh = mesh_of(result)
+    mesh = mesh_of(result, space)
     properties = "".join(f"property float {name}\n" for name in ("x", "y", "z", "nx", "ny", "nz"))
     header = (
         "ply\nformat binary_little_endian 1.0\n"

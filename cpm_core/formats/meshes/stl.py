@@ -8,18 +8,19 @@ import numpy as np
 
 from cpm_core.contours.result import Result
 from cpm_core.formats.meshes.world import mesh_of
+from cpm_core.image.geometry import Convention
 from cpm_core.medial_axis.skeleton import Skeleton
 
 _HEADER = 80
 _TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
-def encode(result: Result | Skeleton) -> bytes:
+def encode(result: Result | Skeleton, space: Convention = "LPS") -> bytes:
     """Make a binary STL file of the surface of a result; ValueError when it has none.
 
     Its header has room for the program, the coordinates and the unit alone.
     """
-    mesh = mesh_of(result)
+    mesh = mesh_of(result, space)
     triangles = np.zeros(len(mesh.faces), _TRIANGLE)
     corners = mesh.points[mesh.faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

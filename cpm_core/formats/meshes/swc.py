@@ -7,9 +7,10 @@ from collections import deque
 from pathlib import Path
 
 from cpm_core.formats.atomic import check_place, write_together
-from cpm_core.formats.meshes.world import SPACE, positions
-from cpm_core.formats.provenance import PROGRAM
-from cpm_core.image.geometry import Geometry
+from cpm_core.formats.meshes.world import positions
+from cpm_core.formats.printable import printable
+from cpm_core.formats.provenance import PROGRAM, facts_on, text_of
+from cpm_core.image.geometry import Convention, Geometry
 from cpm_core.medial_axis.space.centerlines import Centerlines
 
 _UNDEFINED = 0
@@ -22,7 +23,7 @@ def write_swc(lines: Centerlines, path: str | os.PathLike[str], geometry: Geomet
     write_together([(Path(path), encode(lines, geometry))])
 
 
-def encode(lines: Centerlines, geometry: Geometry | None = None) -> bytes:
+def encode(lines: Centerlines, geometry: Geometry | None = None, space: Convention = "LPS") -> bytes:
     """Make an SWC file: a line of text for each point, with x, y, z and radius in the unit of the spacing, and parent.
 
     The coordinates are those of surfaces (`world`), in a volume with this geometry. SWC holds trees alone: a loop is
@@ -37,7 +38,7 @@ def encode(lines: Centerlines, geometry: Geometry | None = None) -> bytes:
     done: set[int] = set()
 
     def add(branch: int, point: int, parent: int) -> int:
-        x, y, z = positions(lines.branches[branch].points[point], lines.spacing, geometry).tolist()
+        x, y, z = positions(lines.branches[branch].points[point], lines.spacing, geometry, space).tolist()
         rows.append((len(rows) + 1, x, y, z, float(lines.branches[branch].radii[point]), parent))
         return len(rows)
 
@@ -64,6 +65,7 @@ def encode(lines: Centerlines, geometry: Geometry | None = None) -> bytes:
                     number[beyond] = last
                     waiting.append(beyond)
     unit = {"µm": "um"}.get(lines.unit or "", lines.unit or "voxel")
-    head = f"# {PROGRAM}\n# {SPACE}\n# UNIT={unit}\n# id type x y z radius parent\n"
+    facts = printable(text_of(facts_on(lines.source, lines.provenance)))
+    head = f"# {PROGRAM}\n# SPACE={space}\n# UNIT={unit}\n# {facts}\n# id type x y z radius parent\n"
     text = "".join(f"{k} {_UNDEFINED} {x:.6g} {y:.6g} {z:.6g} {r:.6g} {parent}\n" for k, x, y, z, r, parent in rows)
     return (head + text).encode("ascii", "replace")

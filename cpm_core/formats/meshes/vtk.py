@@ -6,15 +6,16 @@ import numpy as np
 
 from cpm_core.contours.result import Result
 from cpm_core.formats.meshes.world import mesh_of
+from cpm_core.image.geometry import Convention
 from cpm_core.medial_axis.skeleton import Skeleton
 
 _TITLE = 255
 """Most characters of the title."""
 
 
-def encode(result: Result | Skeleton) -> bytes:
+def encode(result: Result | Skeleton, space: Convention = "LPS") -> bytes:
     """Make a binary file of VTK, version 3.0, of the surface of a result; ValueError when it has none."""
-    mesh = mesh_of(result)
+    mesh = mesh_of(result, space)
     count, faces = len(mesh.points), len(mesh.faces)
     title = "; ".join(mesh.notes[:3])[:_TITLE]
     polygons = np.hstack([np.full((faces, 1), 3), mesh.faces]).astype(">i4")

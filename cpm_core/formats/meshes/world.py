@@ -1,8 +1,9 @@
 """Surfaces in the coordinates of files: positions (x, y, z) of a patient, in the unit of the spacing.
 
-These are LPS, as in ITK: x grows to the patient's left, y to the back and z to the head. A volume whose position is not
-known begins at zero, with its columns along x, its rows along y and its planes along z. The label volume of the same
-result (`formats/masks/nifti.py`) lies at the same place. Files say so by ``SPACE=LPS``, as 3D Slicer does.
+These are LPS, as in ITK: x grows to the patient's left, y to the back and z to the head; or RAS by choice, where x
+grows to the right and y to the front. A volume whose position is not known begins at zero, with its columns along x,
+its rows along y and its planes along z of LPS. The label volume of the same result (`formats/masks/nifti.py`) lies at
+the same place. Files say so by ``SPACE=LPS`` or ``SPACE=RAS``, as 3D Slicer does.
 """
 
 from __future__ import annotations
@@ -15,11 +16,9 @@ from numpy.typing import NDArray
 from cpm_core.contours.result import Result
 from cpm_core.formats.printable import printable
 from cpm_core.formats.provenance import PROGRAM, facts_of, text_of
-from cpm_core.image.geometry import Geometry
+from cpm_core.image.geometry import Convention, Geometry
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array
-
-SPACE = "SPACE=LPS"
 
 
 class Mesh(NamedTuple):
@@ -41,27 +40,27 @@ class Mesh(NamedTuple):
     notes: tuple[str, ...]
 
 
-def mesh_of(result: Result | Skeleton) -> Mesh:
-    """The surface of a result; ValueError when it has none."""
+def mesh_of(result: Result | Skeleton, space: Convention = "LPS") -> Mesh:
+    """The surface of a result in LPS or RAS; ValueError when it has none."""
     surface = result.surface if isinstance(result, Result) else None
     if surface is None or not len(surface.faces):
         raise ValueError(f"{result.source} has no surface: only runs on volumes find one.")
     unit = {"µm": "um"}.get(surface.unit or "", surface.unit or "voxel")
-    notes = (PROGRAM, SPACE, f"UNIT={unit}", text_of(facts_of(result)))
-    matrix = (result.geometry or Geometry()).affine(surface.spacing, "LPS")[:3, :3]
+    notes = (PROGRAM, f"SPACE={space}", f"UNIT={unit}", text_of(facts_of(result)))
+    matrix = (result.geometry or Geometry()).affine(surface.spacing, space)[:3, :3]
     # normals stand on what has been sheared, too; a mirrored volume reverses the sense of rotation
     turned = (surface.normals * surface.spacing) @ np.linalg.inv(matrix)
     lengths = np.linalg.norm(turned, axis=1, keepdims=True)
     faces = surface.faces if np.linalg.det(matrix) > 0.0 else surface.faces[:, ::-1]
     return Mesh(
-        positions(surface.vertices, surface.spacing, result.geometry).astype(np.float32),
+        positions(surface.vertices, surface.spacing, result.geometry, space).astype(np.float32),
         (turned / np.where(lengths > 0.0, lengths, 1.0)).astype(np.float32),
         faces.astype(np.int32),
         tuple(printable(note).encode("ascii", "replace").decode() for note in notes),
     )
 
 
-def positions(places: Array, spacing: tuple[float, ...], geometry: Geometry | None) -> Array:
-    """Places (plane, row, col) in voxels as (x, y, z) in LPS."""
-    matrix = (geometry or Geometry()).affine(spacing, "LPS")
+def positions(places: Array, spacing: tuple[float, ...], geometry: Geometry | None, space: Convention = "LPS") -> Array:
+    """Places (plane, row, col) in voxels as (x, y, z) in LPS or RAS."""
+    matrix = (geometry or Geometry()).affine(spacing, space)
     return np.asarray(places @ matrix[:3, :3].T + matrix[:3, 3])

@@ -9,7 +9,7 @@ others are moved to the middle between voxels that are as deep, and smoothed alo
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -23,6 +23,7 @@ from cpm_core.medial_axis.space.voxel_graph import Chain, chains_of
 from cpm_core.numerics.real_numbers import checked_number, real_numbers, voxel_sides
 from cpm_core.numerics.reproducible.gaussian import gaussian_filter1d
 from cpm_core.numerics.types import Array, Mask
+from cpm_core.parameters.provenance import Provenance
 
 _SMOOTHING = 1.5
 """Width of the Gaussian along a branch [voxels of the line]."""
@@ -82,6 +83,8 @@ class Centerlines:
         Name of the volume for the user.
     geometry : Geometry or None
         Where the volume lies in space.
+    provenance : Provenance
+        How they were found.
     """
 
     branches: tuple[Branch, ...]
@@ -89,6 +92,7 @@ class Centerlines:
     unit: str | None = None
     source: str = "volume"
     geometry: Geometry | None = None
+    provenance: Provenance = field(default_factory=Provenance, repr=False)
 
     @cached_property
     def contours(self) -> tuple[Contour, ...]:

@@ -18,9 +18,13 @@ from cpm_core.medial_axis.space.centerlines import Centerlines, centerlines
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters import Parameters
+from cpm_core.parameters.provenance import Provenance, taken
 from cpm_core.parameters.quotation import shown
 from cpm_core.reconstruction.surface.inside import inside_of
 from cpm_core.reconstruction.surface.iso.pipeline import find_surface
+
+_TAKEN = ("smoothing", "gamma", "edge_floor", "polarity", "pruning")
+"""Parameters that the center lines of gray levels depend on."""
 
 
 def volume_skeleton(
@@ -40,7 +44,13 @@ def volume_skeleton(
             raise ValueError(f"{name} is {shown(value)} but has no meaning in a volume: leave it out.")
     inside = _inside(image, parameters, parameters.polarity < 0.0) if within is None else _mask(within, image)
     found = centerlines(inside, image.spacing, image.unit, parameters.pruning)
-    return replace(found, source=image.source, geometry=image.geometry)
+    made = Provenance(
+        "skeleton",
+        taken(parameters, ("pruning",) if within is not None else _TAKEN),
+        sha256=image.sha256,
+        of_file=bool(image.file_sha256),
+    )
+    return replace(found, source=image.source, geometry=image.geometry, provenance=made)
 
 
 def _mask(given: Sequence[Contour] | ArrayLike, image: Image) -> Mask:

@@ -106,7 +106,15 @@ def test_the_center_lines_of_a_volume_are_told_and_written(volume, command, tmp_
     assert f"Wrote {tmp_path / 'a.swc'}\n" in out
     assert np.loadtxt(tmp_path / "a.swc").shape[1] == 7
     facts = json.loads(command("skeleton", volume, "--volume", "--json")[1])
-    assert list(facts) == ["contours", "closed", "length", "largest_radius", "unit", "seconds"]
+    assert facts["provenance"]["method"] == "skeleton"
+    assert set(facts["provenance"]["parameters"]) == {"smoothing", "gamma", "edge_floor", "polarity", "pruning"}
+    assert len(facts["provenance"]["image"]["sha256"]) == 64
+    assert '"method":"skeleton"' in (tmp_path / "a.swc").read_text()
+    command("skeleton", volume, "--volume", "--space", "RAS", "--export", tmp_path / "b.swc")
+    assert "# SPACE=RAS\n" in (tmp_path / "b.swc").read_text()
+    left, right = np.loadtxt(tmp_path / "a.swc"), np.loadtxt(tmp_path / "b.swc")
+    np.testing.assert_allclose(right[:, 2:5], left[:, 2:5] * (-1.0, -1.0, 1.0), atol=1e-6)
+    assert list(facts) == ["contours", "closed", "length", "largest_radius", "unit", "seconds", "provenance"]
     assert (facts["contours"], facts["closed"]) == (1, 1)
     assert facts["length"] == pytest.approx(2.0 * np.pi * 9.0, rel=0.08)
     assert facts["largest_radius"] == pytest.approx(3.0, abs=0.6)
@@ -125,6 +133,7 @@ BAD = [
     ("skeleton bar.png --export a.svg bar.png", "overwrite the image"),
     ("skeleton bar.png --export a.svg a.png --min-length 500", "no skeleton"),
     ("skeleton ring.tif --volume --export a.svg", "end its name in .swc"),
+    ("skeleton flat.png --space RAS", "--space is for center lines in a volume"),
     ("skeleton ring.tif --export a.swc --page 3", "--page is 3"),
     ("skeleton ring.tif --export a.swc --outside", "outside"),
     ("skeleton ring.tif --export a.swc --min-length 5", "min_length"),

@@ -58,6 +58,18 @@ def test_a_nifti_volume_is_read_with_the_sides_of_its_voxels(folder, command):
     assert out.startswith("ball.nii.gz: a surface of ")
 
 
+def test_an_object_that_a_place_lies_in_is_written_alone(folder, command, tmp_path):
+    place = ("--object", "9.5,9.5,9.5", "--json", "--export", tmp_path / "a.ply", tmp_path / "a.nii")
+    status, out, _ = command("run", folder / "ball.npy", *SPHERE, "--space", "RAS", *place)
+    facts = json.loads(out)
+    assert status == 0
+    assert facts["volume"] == pytest.approx(4.0 / 3.0 * np.pi * 6.0**3, rel=0.05)
+    assert facts["area"] == pytest.approx(4.0 * np.pi * 6.0**2, rel=0.05)
+    assert b"SPACE=RAS" in (tmp_path / "a.ply").read_bytes()
+    status, _, err = command("run", folder / "ball.npy", *SPHERE, "--object", "1,1,1")
+    assert (status, err) == (2, "cpm: There is no object at 1,1,1: name a place that the surface encloses.\n")
+
+
 @pytest.mark.parametrize(
     ("words", "answer"),
     [
@@ -66,6 +78,9 @@ def test_a_nifti_volume_is_read_with_the_sides_of_its_voxels(folder, command):
         (("ball.npy", *SPHERE, "--faces", "3"), "--faces is 3 but must be a whole number of at least 4"),
         (("ball.npy", "--circle", "1,2,3", "--faces", "100"), "--faces is for the surface in a volume"),
         (("ball.npy", "--sphere", "90,90,90,2"), "none of the 625 starting particles lies inside"),
+        (("ball.npy", *SPHERE, "--object", "1,2"), '--object is "1,2" but must be three numbers, PLANE,ROW,COL'),
+        (("ball.npy", *SPHERE, "--not", "1,2,3"), "--not is given without --object"),
+        (("ball.npy", "--circle", "1,2,3", "--space", "RAS"), "--space is for the surface in a volume"),
         (("ball.npy", *SPHERE, "--circle", "1,2,3"), "--circle is for images"),
         (("ball.npy", *SPHERE, "--export", "a.svg"), "a.svg is for contours"),
         (("ball.npy", *SPHERE, "--max-gap", "5"), "max_gap is 5 but has no meaning in a volume"),

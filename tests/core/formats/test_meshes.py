@@ -3,13 +3,14 @@
 import gzip
 import io
 import struct
+from dataclasses import replace
 
 import nibabel
 import numpy as np
 import pytest
 import tifffile
 
-from cpm_core import Result, Surface
+from cpm_core import Geometry, Image, Result, Surface
 from cpm_core.formats import FOR_VOLUMES, encoded, export
 from cpm_core.reconstruction.surface.inside import inside_of, numbered
 from cpm_core.reconstruction.surface.iso.marching import zero_surface
@@ -116,6 +117,33 @@ def test_label_volumes_are_aligned_with_the_input(tmp_path):
     with tifffile.TiffFile(tmp_path / "a.tif") as file:
         assert file.asarray().tolist() == wanted.tolist()
         assert file.imagej_metadata["spacing"] == 2.0 and file.series[0].axes == "ZYX"
+
+
+@pytest.mark.parametrize("suffix", [".ply", ".obj", ".vtk", ".stl"])
+def test_surfaces_are_written_in_either_convention_which_the_file_tells(suffix, tmp_path):
+    place = Geometry((3.0, -7.0, 11.0), ((1.0, 0.0, 0.0), (0.0, 0.6, 0.8), (0.0, -0.8, 0.6)))
+    placed = replace(RESULT, image=Image(VALUES, spacing=SPACING, unit="mm", geometry=place))
+    lps, ras = (encoded(placed, suffix, space=space) for space in ("LPS", "RAS"))
+    assert b"SPACE=LPS" in lps and b"SPACE=RAS" in ras
+    if suffix != ".stl":
+        read = {".ply": read_ply, ".obj": read_obj, ".vtk": read_vtk}[suffix]
+        (one, faces, normals, _), (other, turned, facing, _) = read(lps), read(ras)
+        np.testing.assert_allclose(other, one * (-1.0, -1.0, 1.0), atol=1e-4)
+        np.testing.assert_allclose(facing, normals * (-1.0, -1.0, 1.0), atol=1e-4)
+        np.testing.assert_array_equal(turned, faces)
+    export(placed, tmp_path / f"a{suffix}", space="RAS")
+    assert (tmp_path / f"a{suffix}").read_bytes() == ras
+    with pytest.raises(ValueError, match=r"XYZ"):
+        encoded(placed, suffix, space="XYZ")
+
+
+def test_labels_of_a_surface_with_fewer_triangles_are_those_of_the_whole_one():
+    fewer = SURFACE.decimated(60, farthest=5.0)
+    assert len(fewer.faces) < 0.2 * len(SURFACE.faces)
+    assert fewer.whole is SURFACE
+    assert fewer.decimated(40, farthest=9.0).whole is SURFACE
+    assert (inside_of(fewer, SHAPE) != inside_of(SURFACE, SHAPE)).any()
+    assert encoded(result_with(fewer), ".nii") == encoded(RESULT, ".nii")
 
 
 @pytest.mark.parametrize("suffix", [".ply", ".stl", ".obj", ".vtk"])

@@ -183,7 +183,7 @@ def test_a_mask_says_what_a_skeleton_in_a_volume_is_of():
     ("options", "said"),
     [
         ({"outside": True}, "outside is True but has no meaning in a volume"),
-        ({"max_width": 9.0}, r"max_width is 9\.0 but has no meaning in a volume"),
+        ({"max_width": 9.0}, r"max_width is 9 but has no meaning in a volume"),
         ({"within": np.ones((40, 40, 41))}, r"within has the shape \(40, 40, 41\)"),
         ({"within": [Contour(np.zeros((3, 2)), True)]}, "within holds contours"),
         ({"pruning": -1.0}, "pruning is -1"),

@@ -16,7 +16,7 @@ from cpm_core.segmentation.methods.method import ContourMethod, Start
 from cpm_core.segmentation.methods.settings import Settings, number
 from cpm_core.segmentation.methods.states import LevelSetState
 
-MOST_STEPS = 2000
+MOST_STEPS = 500
 
 
 @dataclass(frozen=True)
@@ -37,8 +37,8 @@ class ChanVeseSettings(Settings):
         "More of it makes the outside more uniform.", (0.0, 100.0), (0.1, 5.0), 0.1,
     )  # fmt: skip
     tolerance: float = number(
-        1e-3, "ε", "Tolerance", "Mean change of the function in a step at which the run ends.",
-        "More of it ends the run sooner.", (0.0, 1.0), (1e-4, 1e-2), 1e-4, advanced=True,
+        1e-4, "ε", "Tolerance", "Mean change of the function in a step at which the run ends.",
+        "More of it ends the run sooner.", (0.0, 1.0), (1e-5, 1e-2), 1e-5, advanced=True,
     )  # fmt: skip
     time_step: float = number(
         0.5, "Δt", "Time step", "Time between two steps.",
@@ -47,9 +47,12 @@ class ChanVeseSettings(Settings):
 
 
 def first_level_set(inside: Mask) -> Array:
-    """The function that a run begins with, shape (H, W): the signed distance in units of the depth of the start."""
+    """The function that a run begins with, shape (H, W): the signed distance in units of the depth of the start.
+
+    It is cut at -1 and 1: the farther from 0, the less a pixel is moved.
+    """
     distance = distance_of(inside)
-    return distance / max(float(distance.max()), 1.0)
+    return np.clip(distance / max(float(distance.max()), 1.0), -1.0, 1.0)
 
 
 def _evolve(image: Image, start: Start, settings: ChanVeseSettings) -> Iterator[LevelSetState]:

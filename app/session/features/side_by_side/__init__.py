@@ -1,0 +1,1 @@
+"""Runs beside the run of the session: with other parameters, and of other methods."""

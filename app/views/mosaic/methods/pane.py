@@ -1,0 +1,145 @@
+"""One place of the comparison: which method runs there, the image with what it has found, and its figures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pyqtgraph as pg
+from PySide6.QtCore import QEvent, QObject, Qt, Signal
+from PySide6.QtGui import QColor, QPalette
+from PySide6.QtWidgets import QComboBox, QFrame, QLabel, QVBoxLayout, QWidget
+
+from app.model.display.display_image import DisplayImage
+from app.model.text.language import tr
+from app.session.features.side_by_side.method_comparison import Frame
+from app.views.canvas.coordinates import image_rectangle, to_xy
+from app.views.canvas.items.curves import Curves
+from app.views.canvas.items.item import Markers
+from app.views.theme import theme
+from cpm_core.numerics.types import Array
+from cpm_core.segmentation.methods import CONTOUR_METHODS, Facts
+
+_ABOVE = 10.0
+_DOT = 3.5
+_LEAST = 160
+
+
+class Pane(QFrame):
+    """A method, its picture and its figures; several panes zoom and move together."""
+
+    chosen = Signal()
+    """Another method has been chosen."""
+    focused = Signal()
+    """The keyboard or the mouse has come here."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__()
+        self.setFrameShape(QFrame.Shape.StyledPanel)
+        self.choice = QComboBox()
+        self.choice.setAccessibleName(tr("Method {number}").format(number=number))
+        for name, method in CONTOUR_METHODS.items():
+            self.choice.addItem(tr(method.title), name)
+            self.choice.setItemData(
+                self.choice.count() - 1, f"{tr(method.about)}\n{method.reference}", Qt.ItemDataRole.ToolTipRole
+            )
+        self.choice.addItem(tr("None"), "")
+        self.picture = pg.GraphicsView(background=theme.CANVAS)
+        self.picture.setMinimumSize(_LEAST, _LEAST)
+        self.view = pg.ViewBox(enableMenu=False, invertY=True, lockAspect=True, defaultPadding=0.0)
+        self.view.disableAutoRange()
+        self.picture.setCentralItem(self.view)
+        self._image = pg.ImageItem(axisOrder="row-major")
+        self._start = Curves(theme.MOVING, _ABOVE, width=1.4, halo=0.0, dashed=True)
+        self._closed = Curves(theme.CLOSED, _ABOVE + 1.0)
+        self._open = Curves(theme.OPEN, _ABOVE + 1.0)
+        self._dots = Markers(size=_DOT, pen=None, brush=QColor(theme.MOVING))
+        self._dots.setZValue(_ABOVE + 2.0)
+        for item in (self._image, self._start, self._closed, self._open, self._dots):
+            self.view.addItem(item)
+        self.words = QLabel()
+        self.words.setWordWrap(True)
+        self.words.setToolTip(
+            tr("The methods share the processor here; cpm compare runs one after the other, for times that compare.")
+        )
+        self.words.setMinimumHeight(2 * self.words.fontMetrics().height() + 4)
+        self.words.setAlignment(Qt.AlignmentFlag.AlignTop)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(4, 4, 4, 4)
+        for widget, stretch in ((self.choice, 0), (self.picture, 1), (self.words, 0)):
+            layout.addWidget(widget, stretch)
+        self.choice.currentIndexChanged.connect(self.chosen)
+        self._watch(self.choice, self.picture, self.picture.viewport())
+
+    @property
+    def method(self) -> str:
+        """Name of the chosen method; empty for none."""
+        return str(self.choice.currentData())
+
+    def choose(self, method: str) -> None:
+        """Choose a method by name without telling."""
+        self.choice.blockSignals(True)
+        self.choice.setCurrentIndex(self.choice.findData(method))
+        self.choice.blockSignals(False)
+
+    def show_image(self, display: DisplayImage, start: Sequence[Array]) -> None:
+        """Show an image and the outlines that all methods start from."""
+        self._image.setImage(display.shades, autoLevels=False, levels=(0, 255))
+        self._image.setRect(image_rectangle(display.shape))
+        for item in (self._start, self._closed, self._open):
+            item.use_shape(display.shape)
+        self._start.show([np.concatenate([outline, outline[:1]]) for outline in start])
+        self.view.setRange(image_rectangle(display.shape), padding=0.02)
+
+    def show_frame(self, frame: Frame | None) -> None:
+        """Show a state of the run, or nothing."""
+        contours = () if frame is None else frame.contours
+        self._closed.show([contour.path for contour in contours if contour.closed])
+        self._open.show([contour.path for contour in contours if not contour.closed])
+        moving = np.empty((0, 2)) if frame is None or frame.over else frame.points
+        self._dots.setData(*to_xy(moving))
+        self.words.setText("" if frame is None else frame.trouble or _words(frame))
+
+    def mark(self, chosen: bool) -> None:
+        """Frame the pane whose parameters are shown."""
+        palette = self.palette()
+        role = QPalette.ColorRole.Highlight if chosen else QPalette.ColorRole.Mid
+        self.setStyleSheet(f"Pane {{ border: 2px solid {palette.color(role).name()}; }}")
+
+    def link(self, other: Pane) -> None:
+        """Zoom and move together with another pane."""
+        self.view.setXLink(other.view)
+        self.view.setYLink(other.view)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Notice the keyboard and the mouse."""
+        if event.type() in (QEvent.Type.FocusIn, QEvent.Type.MouseButtonPress):
+            self.focused.emit()
+        return False
+
+    def _watch(self, *widgets: QWidget) -> None:
+        for widget in widgets:
+            widget.installEventFilter(self)
+
+
+def _words(frame: Frame) -> str:
+    """Steps, time and agreement of a run, and why it ended."""
+    facts = frame.facts
+    if facts is None:
+        return ""
+    first = tr("{steps} steps, {seconds} s").format(steps=facts.steps, seconds=f"{facts.seconds:.2f}")
+    if not frame.over:
+        return first
+    return "\n".join([f"{first}, {tr(facts.stop_reason)}", *_agreement(facts)])
+
+
+def _agreement(facts: Facts) -> list[str]:
+    if facts.dice is None or facts.f is None or facts.hausdorff is None or facts.mean_distance is None:
+        return []
+    known = np.isfinite(facts.hausdorff)
+    distances = (f"{facts.hausdorff:.1f}", f"{facts.mean_distance:.2f}") if known else ("–", "–")
+    return [
+        tr("Dice {dice}, F {f}, Hausdorff {largest} px, mean distance {mean} px").format(
+            dice=f"{facts.dice:.3f}", f=f"{facts.f:.3f}", largest=distances[0], mean=distances[1]
+        )
+    ]

@@ -1,0 +1,195 @@
+"""The bodies into which closed surfaces part a volume, and the choice of an object among them by clicks.
+
+A body is a connected part of the volume without the surface: what a surface encloses, or what lies between two of them,
+such as the wall of a shell and the hollow in it. Its boundary are the components of the surface beside it, and its
+volume and area are those of the triangles, not of voxels. Nothing is closed across gaps here, nor chosen by gray
+levels: a click selects the body that it lies in, a further one adds another body, and one outside takes a body away.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cpm_core.contours.surface import Surface
+from cpm_core.image.image import Image
+from cpm_core.numerics.real_numbers import real_numbers
+from cpm_core.numerics.runs import runs_of
+from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.reconstruction.surface.inside import inside_of
+
+_BESIDE = 0.75
+"""Distance from a surface at which the bodies on both sides are looked up [smallest sides of a voxel]."""
+
+_OUTSIDE = "A place that no surface encloses counts for nothing: click inside an object."
+_NOWHERE = "No place has been said to be inside."
+_SAME = "The same body has been said to be inside and outside; it is left out."
+_THIN = "The object at this place is thinner than a voxel, and has no boundary of its own."
+
+
+@dataclass(frozen=True, eq=False)
+class VolumeSelection:
+    """Bodies that have been chosen by clicks in a volume.
+
+    Attributes
+    ----------
+    mask : ndarray of bool, shape (P, R, C)
+        Voxels whose centers lie in them.
+    surface : Surface
+        Their boundary: its triangles are turned outward, away from the bodies.
+    inside, outside : ndarray, shape (M, 3) and (K, 3)
+        The places that have been said to be inside and outside [voxels].
+    remark : str
+        One sentence on what was unusual about the places, or empty.
+    """
+
+    mask: Mask
+    surface: Surface
+    inside: Array
+    outside: Array
+    remark: str = ""
+
+    @property
+    def volume(self) -> float:
+        """Volume of the bodies, in the unit of the spacing, cubed."""
+        return self.surface.volume
+
+    @property
+    def area(self) -> float:
+        """Area of their boundary, in the unit of the spacing, squared."""
+        return self.surface.area
+
+
+@dataclass(frozen=True, eq=False)
+class VolumePartition:
+    """A volume that closed surfaces cut into bodies.
+
+    Attributes
+    ----------
+    image : Image
+        The volume.
+    surface : Surface
+        The surfaces along which it is cut, all in one.
+    """
+
+    image: Image
+    surface: Surface
+
+    def __post_init__(self) -> None:
+        if not self.surface.closed:
+            raise ValueError(
+                f"{self.image.source} has no closed surface, so that nothing is enclosed: run until the particles are "
+                "at rest."
+            )
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the volume."""
+        return self.image.shape
+
+    @cached_property
+    def labels(self) -> Index:
+        """Body of every voxel, shape (P, R, C), from 1 up; 0 outside all surfaces."""
+        inside = inside_of(self.surface, self.shape)
+        found = np.zeros(self.shape, np.int64)
+        count = 0
+        for part, corners in ((inside, True), (~inside, False)):
+            runs = runs_of(part, corners=corners)
+            enclosed = np.ones(runs.count, np.bool_) if corners else ~runs.at_border
+            number = np.where(enclosed, count + np.cumsum(enclosed), 0)
+            places = np.argwhere(part)
+            found[tuple(places.T)] = number[runs.part_at(places)]
+            count += int(enclosed.sum())
+        return found
+
+    def select(
+        self, inside: ArrayLike, outside: ArrayLike = (), *, previous: VolumeSelection | None = None
+    ) -> VolumeSelection:
+        """Choose the bodies that some places lie in, and leave out those that others lie in.
+
+        Parameters
+        ----------
+        inside, outside : array_like, shape (M, 3) and (K, 3)
+            Places (plane, row, col) [voxels]. A place outside the volume counts as the nearest one in it.
+        previous : VolumeSelection, optional
+            What was chosen before; the places are added to its own.
+
+        Returns
+        -------
+        VolumeSelection
+            Empty when no place lies in a body.
+
+        Raises
+        ------
+        ValueError
+            When the places are not planes, rows and columns.
+        """
+        within, beyond = _as_places(inside), _as_places(outside)
+        if previous is not None:
+            within = np.concatenate([previous.inside, within])
+            beyond = np.concatenate([previous.outside, beyond])
+        wanted, unwanted = self._bodies_at(within), self._bodies_at(beyond)
+        chosen = np.setdiff1d(wanted[wanted > 0], unwanted)
+        found = VolumeSelection(np.isin(self.labels, chosen), self._boundary_of(chosen), within, beyond)
+        if not len(within):
+            return replace(found, remark=_NOWHERE)
+        if np.isin(wanted[wanted > 0], unwanted).any():
+            return replace(found, remark=_SAME)
+        if not wanted.all():
+            return replace(found, remark=_OUTSIDE)
+        return replace(found, remark="" if len(found.surface.faces) else _THIN)
+
+    def _bodies_at(self, places: Array) -> Index:
+        """Numbers of the bodies that places lie in, 0 outside all."""
+        voxels = np.clip(np.rint(places), 0, np.array(self.shape) - 1).astype(np.int64)
+        return np.asarray(self.labels[tuple(voxels.T)])
+
+    def _boundary_of(self, chosen: Index) -> Surface:
+        """The components of the surface that bound bodies, turned outward; none between two of them."""
+        within, beyond = (np.isin(side, chosen) for side in self._sides)
+        faces = self.surface.faces
+        component = self.surface.component_of_vertex[faces[:, 0]]
+        outward, inward = (within & ~beyond)[component], (beyond & ~within)[component]
+        kept = np.concatenate([faces[outward], faces[inward][:, ::-1]])
+        used, number = np.unique(kept, return_inverse=True)
+        return replace(
+            self.surface,
+            vertices=self.surface.vertices[used],
+            faces=number.reshape(-1, 3),
+            unsupported=np.nan,
+            left_out=0,
+        )
+
+    @cached_property
+    def _sides(self) -> tuple[Index, Index]:
+        """The body inside each component of the surface, and the one outside it: those most of its vertices tell."""
+        surface = self.surface
+        step = _BESIDE * min(surface.spacing) * surface.normals / np.array(surface.spacing)
+        inner, outer = self._bodies_at(surface.vertices - step), self._bodies_at(surface.vertices + step)
+        return _most_frequent(surface.component_of_vertex, inner), _most_frequent(surface.component_of_vertex, outer)
+
+
+def _as_places(given: ArrayLike) -> Array:
+    """Places as an array of shape (N, 3); `ValueError` when they are none."""
+    places = real_numbers(given)
+    if places.size == 0:
+        return np.empty((0, 3))
+    places = np.atleast_2d(places)
+    if places.ndim != 2 or places.shape[1] != 3:
+        raise ValueError(f"the places have the shape {places.shape} but must be (N, 3), planes, rows and columns.")
+    if not np.isfinite(places).all():
+        raise ValueError("some places are not finite: give numbers of planes, rows and columns.")
+    return places
+
+
+def _most_frequent(group: Index, value: Index) -> Index:
+    """The value that most members of each group have."""
+    most = int(value.max(initial=0)) + 1
+    pairs, counts = np.unique(group * most + value, return_counts=True)
+    order = np.argsort(counts, kind="stable")
+    found = np.zeros(int(group.max(initial=-1)) + 1, np.int64)
+    found[pairs[order] // most] = pairs[order] % most  # the last one written is the most frequent
+    return found

@@ -1,0 +1,113 @@
+"""Objects in volumes: the bodies that closed surfaces enclose, chosen by clicks."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from skimage.measure import marching_cubes
+
+import cpm_core as cpm
+from cpm_core.contours.surface import Surface
+
+SHAPE, SPACING = (44, 30, 30), (1.0, 1.0, 1.5)
+SHELL, LONE = np.array([13.0, 14.0, 20.0]), np.array([34.0, 14.0, 20.0])
+"""Middle of a shell from radius 5 to 9, and of a ball with radius 6, in units of length."""
+
+WALL, HOLLOW, BALL = (13.0, 14.0 - 7.0, 20.0 / 1.5), SHELL / SPACING, LONE / SPACING
+FULL, EMPTY, ALONE = (4.0 / 3.0 * np.pi * r**3 for r in (9.0, 5.0, 6.0))
+
+
+def _away(center):
+    return np.linalg.norm(np.moveaxis(np.indices(SHAPE), 0, -1) * SPACING - center, axis=-1)
+
+
+@cache
+def parted():
+    """A shell and a ball beside it, each wall triangulated for itself."""
+    inside = np.maximum(np.minimum(9.0 - _away(SHELL), _away(SHELL) - 5.0), 6.0 - _away(LONE))
+    vertices, faces, _, _ = marching_cubes(inside, 0.0)
+    surface = Surface(vertices, faces, SPACING, "mm")
+    if surface.volume < 0.0:
+        surface = Surface(vertices, faces[:, ::-1], SPACING, "mm")
+    image = cpm.Image(inside.clip(-1.0, 1.0), spacing=SPACING, unit="mm")
+    return cpm.VolumePartition(image, surface)
+
+
+@pytest.mark.parametrize(
+    ("clicks", "volume", "walls"),
+    [
+        pytest.param([WALL], FULL - EMPTY, 2, id="the wall of a shell"),
+        pytest.param([HOLLOW], EMPTY, 1, id="the hollow in it"),
+        pytest.param([BALL], ALONE, 1, id="a ball"),
+        pytest.param([WALL, HOLLOW], FULL, 1, id="a shell with its hollow"),
+        pytest.param([WALL, BALL], FULL - EMPTY + ALONE, 3, id="two objects"),
+        pytest.param([WALL, HOLLOW, BALL], FULL + ALONE, 2, id="all"),
+    ],
+)
+def test_a_click_selects_what_a_surface_encloses_and_further_ones_add_to_it(clicks, volume, walls):
+    found = parted().select(clicks)
+    assert found.remark == ""
+    assert found.volume == pytest.approx(volume, rel=0.04)
+    assert found.mask.sum() * np.prod(SPACING) == pytest.approx(volume, rel=0.05)
+    assert found.surface.closed
+    assert (found.surface.components, found.surface.euler) == (walls, 2 * walls)
+    assert all(found.mask[tuple(np.rint(place).astype(int))] for place in clicks)
+
+
+def test_the_area_is_that_of_all_walls_of_the_body():
+    assert parted().select([WALL]).area == pytest.approx(4.0 * np.pi * (81.0 + 25.0), rel=0.03)
+    assert parted().select([HOLLOW]).area == pytest.approx(4.0 * np.pi * 25.0, rel=0.04)
+
+
+def test_clicks_one_after_the_other_are_those_at_once_and_one_outside_takes_a_body_away():
+    first = parted().select([WALL])
+    both = parted().select([BALL], previous=first)
+    np.testing.assert_array_equal(both.mask, parted().select([WALL, BALL]).mask)
+    less = parted().select([], [WALL], previous=both)
+    np.testing.assert_array_equal(less.mask, parted().select([BALL]).mask)
+    assert "both" not in less.remark
+    assert less.remark.startswith("The same body")
+
+
+def test_labels_number_every_body_and_nothing_outside():
+    labels = parted().labels
+    assert set(np.unique(labels)) == {0, 1, 2, 3}
+    assert labels[0, 0, 0] == labels[-1, -1, -1] == 0
+
+
+@pytest.mark.parametrize(
+    ("clicks", "remark"),
+    [
+        ([], "No place has been said to be inside."),
+        ([(0.0, 0.0, 0.0)], "A place that no surface encloses counts for nothing: click inside an object."),
+        ([(-9.0, 99.0, 0.0)], "A place that no surface encloses counts for nothing: click inside an object."),
+    ],
+)
+def test_places_outside_select_nothing_and_say_so(clicks, remark):
+    found = parted().select(clicks)
+    assert (found.remark, found.mask.any(), found.volume) == (remark, False, 0.0)
+    assert len(found.surface.faces) == 0
+
+
+def test_places_that_are_none_are_refused():
+    with pytest.raises(ValueError, match=r"^the places have the shape \(1, 2\) but must be \(N, 3\)"):
+        parted().select([(3.0, 4.0)])
+    with pytest.raises(ValueError, match=r"^some places are not finite"):
+        parted().select([(3.0, np.nan, 4.0)])
+
+
+def test_an_open_surface_encloses_nothing():
+    whole = parted()
+    with pytest.raises(ValueError, match=r"has no closed surface"):
+        cpm.VolumePartition(whole.image, Surface(whole.surface.vertices, whole.surface.faces[1:], SPACING))
+
+
+def test_the_result_of_a_run_is_cut_along_its_surface():
+    inside = np.minimum(9.0 - _away(SHELL), _away(SHELL) - 5.0)
+    image = cpm.Image(200.0 * np.clip(0.5 + inside / 1.5, 0.0, 1.0), spacing=SPACING, unit="mm")
+    start = cpm.sphere(WALL, 2.0, 60, spacing=SPACING)
+    cut = cpm.partition(cpm.segment(image, start, cpm.PRESETS["volume"]))
+    assert cut.select([HOLLOW]).volume == pytest.approx(EMPTY, rel=0.05)
+    assert cut.select([WALL]).volume == pytest.approx(FULL - EMPTY, rel=0.03)
+    everything = cpm.partition(image).select([WALL, HOLLOW])
+    assert everything.volume == pytest.approx(FULL, rel=0.03)
