@@ -113,9 +113,14 @@ class Box(Cuboid):
 
     def seeds(self) -> Array:
         """Positions of the particles, shape (N, 3)."""
+        return volume_starts.box(_three(self.first), _three(self.last), self.apart)
+
+    @property
+    def apart(self) -> float:
+        """Distance between particles [voxels]: larger on a large box."""
         down, along, across = map(operator.sub, self.last, self.first)
         area = 2.0 * (down * along + along * across + across * down)
-        return volume_starts.box(_three(self.first), _three(self.last), max(_APART, math.sqrt(area / _MOST)))
+        return max(_APART, math.sqrt(area / _MOST))
 
 
 @dataclass(frozen=True, slots=True)

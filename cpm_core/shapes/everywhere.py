@@ -8,7 +8,9 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal, get_args
 
+from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array, Position
+from cpm_core.particles import volume_starts
 from cpm_core.particles.initialization import STRONG, above, divergence_centers, uniform_grid
 from cpm_core.shapes.path import WithoutOutline
 
@@ -59,6 +61,19 @@ class Everywhere(WithoutOutline):
         if self.kind == "gradient":
             return above(strength(), STRONG)
         return divergence_centers(values)
+
+    def seeds_in(self, volume: Image, smoothing: float) -> Array:
+        """Positions of the particles in a volume, shape (N, 3), evenly or on strong edges; else ValueError.
+
+        `smoothing` is the sigma of the Gaussian before the gradient [smallest sides of a voxel].
+        """
+        if self.kind == "grid":
+            return volume_starts.everywhere(volume)
+        if self.kind == "gradient":
+            return volume_starts.on_strong_edges(volume, smoothing=smoothing)
+        raise ValueError(
+            f"{self.title} is for images, but {volume.source} is a volume: start everywhere or on strong edges there."
+        )
 
     def moved(self, by: Position) -> Everywhere:
         """The same shape: it has no position."""

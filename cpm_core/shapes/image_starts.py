@@ -15,7 +15,7 @@ ImageStart = Everywhere | Threshold
 """Starts whose positions depend on the image."""
 
 ImageSeeds = Mapping[ImageStart, Array]
-"""Positions of the particles of each such start, shape (N, 2)."""
+"""Positions of the particles of each such start, shape (N, 2), or (N, 3) in a volume."""
 
 NO_SEEDS: ImageSeeds = MappingProxyType({})
 
@@ -60,8 +60,15 @@ class SeedCache:
     def _positions(self, start: ImageStart, smoothing: float) -> Array:
         key = smoothing if start.follows_smoothing else 0.0
         if start not in self._kept or self._kept[start][0] != key:
-            self._kept[start] = (key, start.seeds_for(self._values, lambda: self._edges(smoothing)))
+            self._kept[start] = (key, self._found(start, smoothing))
         return self._kept[start][1]
+
+    def _found(self, start: ImageStart, smoothing: float) -> Array:
+        if self._image.ndim != 3:
+            return start.seeds_for(self._values, lambda: self._edges(smoothing))
+        if isinstance(start, Everywhere):
+            return start.seeds_in(self._image, smoothing)
+        raise ValueError(f"a {start.title} is for images, but {self._image.source} is a volume: draw something else.")
 
     def _edges(self, smoothing: float) -> Array:
         """Edge strength of the image, cached because dragging an area does not change the smoothing."""
@@ -72,6 +79,8 @@ class SeedCache:
     def _smoothing(self, smoothing: float | str) -> float:
         if not isinstance(smoothing, str):
             return smoothing
+        if self._image.ndim == 3:
+            return 1.0
         if self._automatic is None:
             self._automatic = automatic_smoothing(self._values)
         return self._automatic

@@ -9,8 +9,8 @@ from app.model.state.situation import Situation
 from app.model.text.language import tr
 
 _AREA = tr("This tool fills an area of an image; in a volume, start from spheres, boxes, lines and points.")
-_START = tr("Starts that need no drawing are for images; in a volume, start from spheres and points.")
-_MODE = tr("This mode is for images; a volume is segmented from spheres and points.")
+_START = tr("Centers are found in the field of an image; in a volume, start everywhere or on strong edges.")
+_MODE = tr("This mode is for images; in a volume, start everywhere (Ctrl+G) or draw where to start.")
 _CONTOUR = tr("Contours are found in images; a run in a volume finds a surface.")
 _OBJECT = tr("Objects are selected in images; a run in a volume finds a surface.")
 _TRUTH = tr("A ground truth can be compared with the contours of an image, not with a surface.")
@@ -23,7 +23,7 @@ _MOSAIC = tr("A mosaic shows runs with different parameters side by side; in a v
 NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
     {
         **dict.fromkeys(("grid_area", "threshold"), _AREA),
-        **dict.fromkeys(("start_grid", "start_gradient", "start_centers"), _START),
+        "start_centers": _START,
         **dict.fromkeys(("mode_automatic", "mode_skeleton"), _MODE),
         **dict.fromkeys(
             ("contours", "edit_contours", "outline", "close_contours", "join_contours", "cut_contour", "image_skeleton",

@@ -186,7 +186,7 @@ def _of_box(box: Cuboid, axis: int, index: float) -> Iterator[Shape]:
     corners = ((top, left), (top, right), (bottom, right), (bottom, left))
     if isinstance(box, Box):
         seeds = box.seeds()
-        near = np.abs(seeds[:, axis] - index) <= NEAR
+        near = np.abs(seeds[:, axis] - index) <= max(NEAR, 0.6 * box.apart)
         yield BoxSection(corners, particles=np.delete(seeds[near], axis, axis=1))
     else:
         yield RegionSection(corners, held=_on_sides(corners))

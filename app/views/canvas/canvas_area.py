@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRectF, Qt
+from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, Qt
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
 
@@ -17,7 +17,7 @@ from app.views.canvas.canvas import Canvas
 from app.views.canvas.crosshair import Crosshair
 from app.views.canvas.layers.image.level_drag import LevelDrag
 from app.views.canvas.pointed import Pointed
-from app.views.canvas.selected_places import selected_places
+from app.views.canvas.selected_places import part_around, selected_places
 from app.views.canvas.strip.strip import Strip
 from app.views.canvas.tools import TOOLS
 from app.views.canvas.tools.select import SelectTool
@@ -149,14 +149,7 @@ class CanvasArea(QWidget):
         """Show what is selected as large as possible; in a volume, in the slices through its middle."""
         places = selected_places(self._workspace)
         if places:
-            corners = np.concatenate(places)
-            if corners.shape[1] == 3:
-                middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
-                self._workspace.slices.through(tuple(middle.tolist()))
-                here = self.canvas.here
-                corners = corners if here is None else here.flattened(corners)
-            (top, left), (bottom, right) = corners.min(axis=0), corners.max(axis=0)
-            self.canvas.show_part(QRectF(left, top, right - left, bottom - top))
+            self.canvas.show_part(part_around(np.concatenate(places), self.canvas, self._workspace.slices))
 
     def add_circle(self) -> None:
         """Add a circle in the middle of the visible part."""

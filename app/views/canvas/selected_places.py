@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from PySide6.QtCore import QRectF
 
 from app.model.volume.shape_wires import wires
+from app.session.features.volumes.shown_slices import ShownSlices
 from app.session.workspace import Workspace
+from app.views.canvas.image_view import ImageView
 from cpm_core.numerics.types import Array
 
 
@@ -25,3 +28,12 @@ def selected_places(workspace: Workspace) -> list[Array]:
             return [places for places in [wires(shape, sides).reshape(-1, 3)] if len(places)]
         found = [shape.outline if shape.outline.size else np.array(shape.handles(), dtype=float).reshape(-1, 2)]
     return [places for places in found if len(places)]
+
+
+def part_around(places: Array, canvas: ImageView, slices: ShownSlices) -> QRectF:
+    """The part of the image around places; in a volume, in the slice through their middle, which is shown."""
+    if places.shape[1] == 3:
+        slices.through(tuple((0.5 * (places.min(axis=0) + places.max(axis=0))).tolist()))
+        places = places if canvas.here is None else canvas.here.flattened(places)
+    (top, left), (bottom, right) = places.min(axis=0), places.max(axis=0)
+    return QRectF(left, top, right - left, bottom - top)

@@ -15,11 +15,9 @@ KEY, CONTROL = Qt.Key, Qt.KeyboardModifier.ControlModifier
 PIXEL = 0.6
 
 
-@pytest.fixture(params=["large", "across the rows", "across the columns"])
-def view(volume, request):
-    """Each of the three views of a slice."""
-    canvas, beside = volume.canvas_area.canvas, volume.feature(SlicesFeature).sides
-    return {"large": canvas, "across the rows": beside[0], "across the columns": beside[1]}[request.param]
+def views(window):
+    """The three views of a slice: the large one, and those beside it."""
+    return (window.canvas_area.canvas, *window.feature(SlicesFeature).sides)
 
 
 def only(window, kind):
@@ -32,23 +30,24 @@ def flat(view, place) -> np.ndarray:
     return np.array(view.here.within(tuple(place)))
 
 
-def test_a_drag_draws_a_box_whose_faces_are_dragged_in_any_slice(volume, hand, view) -> None:
-    hand.key(KEY.Key_L)
-    drag(view, (6, 8), (7, 9), (12, 18))
-    box, axis = only(volume, Box), view.here.axis
-    assert flat(view, box.first) == pytest.approx((6, 8), abs=PIXEL)
-    assert flat(view, box.last) == pytest.approx((12, 18), abs=PIXEL)
-    depth = box.last[axis] - box.first[axis]
-    assert depth == pytest.approx(min(np.ptp([flat(view, box.first), flat(view, box.last)], axis=0)), abs=1e-6)
-    assert 0.5 * (box.first[axis] + box.last[axis]) == view.here.index
-    assert volume.session.selected == 0
-    drag(view, (12, 13), (13, 13), (15, 13))
-    grown = only(volume, Box)
-    assert grown.first == box.first
-    assert flat(view, grown.last) == pytest.approx((15, 18), abs=2 * PIXEL)
-    hand.key(KEY.Key_Z, CONTROL)
-    hand.key(KEY.Key_Z, CONTROL)
-    assert volume.session.document.shapes == ()
+def test_a_drag_draws_a_box_whose_faces_are_dragged_in_any_slice(volume, hand, cases) -> None:
+    for view in cases(views(volume)):
+        hand.key(KEY.Key_L)
+        drag(view, (6, 8), (7, 9), (12, 18))
+        box, axis = only(volume, Box), view.here.axis
+        assert flat(view, box.first) == pytest.approx((6, 8), abs=PIXEL)
+        assert flat(view, box.last) == pytest.approx((12, 18), abs=PIXEL)
+        depth = box.last[axis] - box.first[axis]
+        assert depth == pytest.approx(min(np.ptp([flat(view, box.first), flat(view, box.last)], axis=0)), abs=1e-6)
+        assert 0.5 * (box.first[axis] + box.last[axis]) == view.here.index
+        assert volume.session.selected == 0
+        drag(view, (12, 13), (13, 13), (15, 13))
+        grown = only(volume, Box)
+        assert grown.first == box.first
+        assert flat(view, grown.last) == pytest.approx((15, 18), abs=2 * PIXEL)
+        hand.key(KEY.Key_Z, CONTROL)
+        hand.key(KEY.Key_Z, CONTROL)
+        assert volume.session.document.shapes == ()
 
 
 def test_the_depth_of_a_box_is_dragged_in_another_slice(volume, hand) -> None:
@@ -63,20 +62,21 @@ def test_the_depth_of_a_box_is_dragged_in_another_slice(volume, hand) -> None:
     assert (deeper.first[1:], deeper.last) == (box.first[1:], box.last)
 
 
-def test_every_slice_takes_the_tool_in_use_and_shows_its_draft(volume, hand, view) -> None:
-    hand.key(KEY.Key_T)
-    press(view, (5, 6))
-    release(view, (5, 6))
-    press(view, (9, 15))
-    release(view, (9, 15))
-    move(view, (12, 20), Qt.MouseButton.NoButton)
-    x, y = view.layers.drawing._draft._path.getData()
-    np.testing.assert_allclose(np.stack([y, x], axis=1), [(5, 6), (9, 15), (12, 20)], atol=PIXEL + 0.5)
-    hand.key(KEY.Key_Return)
-    stroke, here = only(volume, Stroke), view.here
-    assert [place[here.axis] for place in stroke.points] == [here.index] * 2
-    (line,) = view.drawn.document.shapes
-    assert np.array(line.points) == pytest.approx(np.array([(5, 6), (9, 15)]), abs=PIXEL)
+def test_every_slice_takes_the_tool_in_use_and_shows_its_draft(volume, hand, cases) -> None:
+    for view in cases(views(volume)):
+        hand.key(KEY.Key_T)
+        press(view, (5, 6))
+        release(view, (5, 6))
+        press(view, (9, 15))
+        release(view, (9, 15))
+        move(view, (12, 20), Qt.MouseButton.NoButton)
+        x, y = view.layers.drawing._draft._path.getData()
+        np.testing.assert_allclose(np.stack([y, x], axis=1), [(5, 6), (9, 15), (12, 20)], atol=PIXEL + 0.5)
+        hand.key(KEY.Key_Return)
+        stroke, here = only(volume, Stroke), view.here
+        assert [place[here.axis] for place in stroke.points] == [here.index] * 2
+        (line,) = view.drawn.document.shapes
+        assert np.array(line.points) == pytest.approx(np.array([(5, 6), (9, 15)]), abs=PIXEL)
 
 
 def test_a_stroke_goes_on_in_another_slice(volume, hand) -> None:
@@ -122,17 +122,18 @@ def test_a_drag_with_the_tool_for_regions_is_a_box_that_dims_what_is_outside(vol
     assert outside.contains(canvas.layers.drawing._limits._dim._room.center()), "nothing of this slice lies in it"
 
 
-def test_charges_are_placed_moved_and_changed_in_every_slice(volume, hand, view) -> None:
-    hand.key(KEY.Key_D)
-    drag(view, (10, 12), (11, 13))
-    charge = only(volume, Charge)
-    assert charge.strength < 0
-    assert flat(view, charge.position) == pytest.approx((11, 13), abs=PIXEL)
-    drag(view, (11, 13), (12, 14), (15, 16))
-    moved = only(volume, Charge)
-    assert flat(view, moved.position) == pytest.approx((15, 16), abs=2 * PIXEL)
-    hand.key(KEY.Key_Greater)
-    assert only(volume, Charge).strength < moved.strength
+def test_charges_are_placed_moved_and_changed_in_every_slice(volume, hand, cases) -> None:
+    for view in cases(views(volume)):
+        hand.key(KEY.Key_D)
+        drag(view, (10, 12), (11, 13))
+        charge = only(volume, Charge)
+        assert charge.strength < 0
+        assert flat(view, charge.position) == pytest.approx((11, 13), abs=PIXEL)
+        drag(view, (11, 13), (12, 14), (15, 16))
+        moved = only(volume, Charge)
+        assert flat(view, moved.position) == pytest.approx((15, 16), abs=2 * PIXEL)
+        hand.key(KEY.Key_Greater)
+        assert only(volume, Charge).strength < moved.strength
 
 
 def test_the_eraser_takes_away_particles_in_a_ball_and_no_others(volume, hand) -> None:
@@ -191,11 +192,12 @@ def test_a_start_that_is_drawn_during_a_run_joins_it_and_is_kept(volume, hand, t
     np.testing.assert_array_equal(volume.session.scene.snapshot.position, position)
 
 
-def test_spray_scatters_points_in_the_slice(volume, hand, view) -> None:
-    hand.key(KEY.Key_Y)
-    drag(view, (8, 8), (9, 10), (12, 16))
-    points, here = only(volume, Points), view.here
-    assert {place[here.axis] for place in points.positions} == {here.index}
+def test_spray_scatters_points_in_the_slice(volume, hand, cases) -> None:
+    for view in cases(views(volume)):
+        hand.key(KEY.Key_Y)
+        drag(view, (8, 8), (9, 10), (12, 16))
+        points, here = only(volume, Points), view.here
+        assert {place[here.axis] for place in points.positions} == {here.index}
 
 
 def test_a_sphere_is_drawn_and_dragged_beside_the_canvas(volume, hand) -> None:
@@ -206,3 +208,19 @@ def test_a_sphere_is_drawn_and_dragged_beside_the_canvas(volume, hand) -> None:
     assert sphere.radius == pytest.approx(5, abs=PIXEL)
     drag(columns, (10, 17), (10, 18), (10, 19))
     assert only(volume, Sphere).radius == pytest.approx(7, abs=2 * PIXEL)
+
+
+def test_starts_all_over_the_volume_are_shown_in_slices_and_run(volume, hand) -> None:
+    volume.actions_by_name["start_grid"].trigger()
+    hand.wait(lambda: bool(volume.session.scene.image_seeds) and volume.session.idle)
+    (whole,) = volume.session.scene.image_seeds.values()
+    assert whole.shape[1] == 3
+    reach = volume.session.document.parameters.d_min
+    for index in (0, 12):
+        volume.workspace.slices.at(index)
+        (shown,) = volume.canvas_area.canvas.drawn.image_seeds.values()
+        expected = whole[np.abs(whole[:, 0] - index) < reach][:, 1:]
+        np.testing.assert_array_equal(shown, expected)
+    hand.key(KEY.Key_Period)
+    hand.wait(lambda: volume.session.status.step == 1 and volume.session.idle)
+    assert len(volume.session.scene.snapshot.position) > 10

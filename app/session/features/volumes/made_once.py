@@ -8,6 +8,19 @@ from typing import Any, TypeVar
 T = TypeVar("T")
 
 
+class Same:
+    """Stands for a value that is compared by its identity."""
+
+    def __init__(self, value: object) -> None:
+        self._value = value
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Same) and self._value is other._value
+
+    def __hash__(self) -> int:
+        return id(self._value)
+
+
 class MadeOnce:
     """Keeps the newest part of each name, with what it was made of."""
 

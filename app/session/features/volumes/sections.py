@@ -15,7 +15,7 @@ from app.model.volume.slices import Slice
 from app.model.volume.surface_section import section as lines_of
 from app.model.volume.surface_section import unmeasured
 from app.session.exchange.messages import Reconstruction, Snapshot
-from app.session.features.volumes.made_once import MadeOnce
+from app.session.features.volumes.made_once import MadeOnce, Same
 from app.session.scene import NO_CONTOURS, Item, NearParticles, ReviewedContours, Scene
 from app.session.worker.commands.timeline import Compared
 from cpm_core.contours.result import Result
@@ -23,6 +23,7 @@ from cpm_core.contours.review import ReviewedContour
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array, Index
 from cpm_core.shapes import Shape
+from cpm_core.shapes.image_starts import ImageSeeds
 
 
 class Sections:
@@ -62,6 +63,7 @@ class Sections:
             scene.shaded,
             document,
             places.get(scene.selected),
+            self._seeds(scene, here, volume, reach),
             snapshot=snapshot,
             contours=contours,
             overlays=self._overlays(scene, here),
@@ -78,6 +80,15 @@ class Sections:
             name: self._parts.of(name, (drawn, here), partial(_overlay, drawn, here)) for name, drawn in volumes.items()
         }
         return self._parts.of("overlays", (*found.values(),), lambda: found)
+
+    def _seeds(self, scene: Scene, here: Slice, volume: Image, reach: float) -> ImageSeeds:
+        """The particles of starts all over the volume that are near the slice."""
+
+        def near() -> ImageSeeds:
+            seeds = scene.image_seeds.items()
+            return {start: here.flattened(at[_index(at, here, volume, reach)[0]]) for start, at in seeds}
+
+        return self._parts.of("seeds", (Same(scene.image_seeds), here, reach), near)
 
     def _compared(self, compared: Compared | None, here: Slice, volume: Image, reach: float) -> Compared | None:
         """What the slice shows of a compared branch."""
