@@ -201,13 +201,9 @@ class Session(RunControl):
 def _document(opened: Opened, mode: Mode) -> Document:
     """The document that an image or a session begins with; the mode stays unless it is a sample or a session."""
     image, path, sample = opened.image, opened.path, sample_at(opened.path)
-    low, high = image.gray_range
-    contrast = high - low
     if image.ndim == 3 and opened.saved is None and sample is None:
         mode = "shape"  # the only one that volumes have
-    reference = ImageReference(
-        path.name, str(path), image.shape, contrast, opened.sha256, image.spacing, image.unit, opened.reading
-    )
+    reference = ImageReference.of(path, image, opened.reading)
     if opened.saved is not None:
         return restored(opened.saved.file, reference, opened.parameters)
     if sample is not None:

@@ -10,10 +10,11 @@ from app.session.features.objects.object_fitting import ObjectFitting
 from app.session.features.objects.object_list import ObjectList
 from app.session.features.objects.object_selection import ObjectSelection
 from app.session.features.other_result import OtherResult
+from app.session.features.pages.stack_pages import StackPages
 from app.session.features.side_by_side.method_comparison import MethodComparison
 from app.session.features.side_by_side.parameter_sweep import Sweep
 from app.session.features.skeleton import Skeletons
-from app.session.features.timeline_navigation import TimelineNavigation
+from app.session.features.timeline.navigation import TimelineNavigation
 from app.session.features.truth_comparison import GroundTruth
 from app.session.features.volumes.shown_slices import ShownSlices
 from app.session.session import Session
@@ -37,9 +38,12 @@ class Workspace:
         self.slices = ShownSlices(self.session)
         self.sweep = Sweep(self.session, self.truth)
         self.comparison = MethodComparison(self.session)
+        self.pages = StackPages(self.session, core or Core())
+        self.object_selection.offers_for = self.pages.is_drawn
 
     def close(self) -> None:
         """Stop everything and wait for the threads to end."""
+        self.pages.close()
         self.comparison.close()
         self.learning.close()
         self.truth.close()

@@ -28,6 +28,7 @@ from app.views.features.file.start import StartFeature
 from app.views.features.run.parameters import ParametersFeature
 from app.views.features.run.run_control import RunControlFeature
 from app.views.features.view.appearance import AppearanceFeature
+from app.views.features.view.pages import PagesFeature
 from app.views.theme import theme
 from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.widgets.actions import Actions
@@ -157,6 +158,7 @@ class MainWindow(QMainWindow):
         files.bring_in = self.feature(ParametersFeature).preset_files.import_file
         self.feature(RecoveryFeature).keep(files.document_file)
         self.feature(FolderFeature).keep(files.document_file)
+        self.feature(PagesFeature).keep(files.document_file)
         self.feature(StartFeature).keep(files)
 
     def _keep_tool(self) -> None:

@@ -12,6 +12,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
@@ -32,6 +33,7 @@ from cpm_core.objects.selection import Selection, confidence_of
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.particles.initialization import uniform_grid
 from cpm_core.particles.volume_starts import everywhere
+from cpm_core.segmentation.reach.bounding import thing_within
 from cpm_core.segmentation.segment import segment
 
 NOWHERE = np.empty((0, 2))
@@ -119,7 +121,8 @@ class Partition:
         Parameters
         ----------
         inside, outside : array_like, shape (M, 2) and (K, 2)
-            Places (row, col) [px]. A place outside the image counts as the nearest one in it.
+            Places (row, col) [px]. A place outside the image counts as the nearest one in it. The first places inside
+            may be a closed line around the object, such as the seeds of a circle.
         previous : Selection, optional
             What was chosen before the last places were added. A new place inside only adds to it, and one outside only
             takes away. By default the last answer to some of the same places, if there was one.
@@ -136,8 +139,15 @@ class Partition:
         """
         within, beyond = as_places(inside), as_places(outside)
         before = previous if previous is not None else self._answers.nearest(within, beyond)
-        newer = None if before is None else ~among(within, before.inside)
-        found = clicked(self._faces, self._ground, within, beyond, newer)
+        if not len(beyond) and (before is None or not before.mask.any()):
+            thing = thing_within(self.values, within, ~self._ground.interest)
+            if thing is not None and thing.any():
+                selection = self.selection_of(thing, within)
+                self._answers.remember(selection)
+                return selection
+        meant = within if before is None else _not_around(within, before)
+        newer = None if before is None else ~among(meant, before.inside)
+        found = clicked(self._faces, self._ground, meant, beyond, newer)
         mask = np.zeros(self.shape, np.bool_)
         if len(found.within):
             former = None if before is None else before.mask
@@ -179,3 +189,22 @@ class Partition:
     @cached_property
     def _answers(self) -> Answers:
         return Answers()
+
+
+def _not_around(inside: Array, before: Selection) -> Array:
+    """Places without those around the object chosen before; instead of them the middle of each part without a place."""
+    around = before.inside[~_holds(before.mask, before.inside)]
+    if not len(around) or not before.mask.any():
+        return inside
+    rest = inside[~among(inside, around)]
+    parts, count = scipy.ndimage.label(np.pad(before.mask, 1), np.ones((3, 3), bool))
+    place = np.clip(np.rint(rest[_holds(before.mask, rest)]), 0, np.array(before.mask.shape) - 1).astype(int) + 1
+    empty = np.setdiff1d(np.arange(1, count + 1), parts[tuple(place.T)])
+    depth = scipy.ndimage.distance_transform_edt(parts > 0)
+    middles = np.array(scipy.ndimage.maximum_position(depth, parts, empty), float).reshape(-1, 2) - 1.0
+    return np.concatenate([middles, rest])
+
+
+def _holds(mask: Mask, places: Array) -> Mask:
+    """Which places, shape (N, 2) [px], lie in a mask; one outside the image counts as the nearest one in it."""
+    return np.asarray(mask[tuple(np.rint(np.clip(places, 0, np.array(mask.shape) - 1)).astype(int).T)])

@@ -16,7 +16,7 @@ class Environment:
     Parameters
     ----------
     folder : Path
-        Where to make it; one that is there already is used as it is.
+        Where to make it; one that is there already is used.
     python : str
         The interpreter that it is made with.
     """
@@ -29,12 +29,13 @@ class Environment:
         self.python = str(folder / ("Scripts/python.exe" if os.name == "nt" else "bin/python"))
 
     def install(self, *requested: str) -> None:
-        """Install distributions; an environment for which that fails is removed, so that it is made again."""
+        """Install distributions; a new environment for which that fails is removed, so that it is made again."""
         command = ["-m", "pip", "install", "--quiet", "--upgrade", "--prefer-binary", *requested]
         try:
             subprocess.run([self.python, *command], check=True, cwd=ROOT)
         except subprocess.CalledProcessError:
-            shutil.rmtree(self.folder)
+            if self.is_new:
+                shutil.rmtree(self.folder)
             raise
 
     def run(self, *arguments: str) -> int:
@@ -55,7 +56,6 @@ class Environment:
 def environment_of(versions: str, folder: Path, python: str) -> Environment:
     """An environment with the oldest or the newest releases, and the newest tools for tests."""
     made = Environment(folder / versions, python)
-    if made.is_new:
-        pinned = [oldest(required) for required in requirements()] if versions == "oldest" else []
-        made.install(f".[test,{','.join(RUN_TIME)}]", "pytest-timeout", *pinned)
+    pinned = [oldest(required) for required in requirements()] if versions == "oldest" else []
+    made.install(f".[test,{','.join(RUN_TIME)}]", "pytest-timeout", *pinned)  # what is there may lack what is new
     return made

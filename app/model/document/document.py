@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Hashable
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -15,6 +16,7 @@ from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats.images.reading import DEFAULT, Reading
+from cpm_core.image.image import Image
 from cpm_core.image.pyramid import most_scales
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.medial_axis.outlines import Outlined
@@ -53,6 +55,12 @@ class ImageReference:
     spacing: tuple[float, ...] = (1.0, 1.0)
     unit: str | None = None
     reading: Reading = DEFAULT
+
+    @classmethod
+    def of(cls, path: Path, image: Image, reading: Reading = DEFAULT) -> ImageReference:
+        """That of an image which has been read from a file."""
+        low, high = image.gray_range
+        return cls(path.name, str(path), image.shape, high - low, image.file_sha256, image.spacing, image.unit, reading)
 
 
 @dataclass(frozen=True, slots=True)

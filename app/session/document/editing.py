@@ -49,6 +49,16 @@ class Editing(SessionSignals):
         """All changes to the document in words, and how many of them are done; the others are undone."""
         return self._history.changes, self._history.done
 
+    @property
+    def history(self) -> History:
+        """What can be undone and redone, as it is kept for a page that is left."""
+        return self._history
+
+    def use_history(self, history: History) -> None:
+        """Take up the history of the document that is open, as it was left."""
+        self._history = history
+        self.show_status()
+
     def edit(self, name: str, edit: Callable[[Document], Document], gesture: str = "") -> None:
         """Change the document in a way that can be undone.
 
@@ -104,7 +114,7 @@ class Editing(SessionSignals):
 
     def begin_document(self, document: Document, before: Document | None = None) -> None:
         """Use another document, with an empty undo history, in place of the present one or of one `before` it."""
-        self._history.clear()
+        self._history = History()
         self._scene = replace(self.scene, selected=None)
         self._use(document, before=before)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from app.model.document.changes import ChangeInWords, in_words
-from app.model.document.document import Document
+from app.model.document.document import Document, ImageReference
 
 DEEPEST = 500
 
@@ -92,11 +92,12 @@ class History:
         """The document after the change last undone, or None."""
         return self._turn(self._undone, self._done, back=False)
 
-    def clear(self) -> None:
-        """Remove all changes, as when another image is opened."""
-        self._done.clear()
-        self._undone.clear()
-        self._open = False
+    def on(self, image: ImageReference | None) -> History:
+        """The same history for the image as it has been opened again, by another path perhaps."""
+        for changes in (self._done, self._undone):
+            if changes and changes[-1].after.image != image:
+                changes[:] = [_on(change, image) for change in changes]
+        return self
 
     def _turn(self, source: list[Change], target: list[Change], *, back: bool) -> Document | None:
         self._open = False
@@ -105,3 +106,7 @@ class History:
         change = source.pop()
         target.append(change)
         return change.before if back else change.after
+
+
+def _on(change: Change, image: ImageReference | None) -> Change:
+    return replace(change, before=replace(change.before, image=image), after=replace(change.after, image=image))

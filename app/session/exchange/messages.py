@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from app.model.display.display_image import DisplayImage, DisplayVolume
 from app.model.display.plots import RunMetrics
+from app.model.document.document import Document
 from app.model.export.order import Account
 from app.model.state.surface_figures import SurfaceFigures
 from app.model.volume.parts import Parts
@@ -123,12 +124,15 @@ class Report:
 class Saved(Report):
     """A session file has been written or read; `path` is None for work that has none yet.
 
-    Where `recovered`, it was found after a crash and is not saved yet.
+    Where `recovered`, it was found after a crash and is not saved yet. Where `turned`, it is another page of the stack
+    that is open, of which the file has the document `known`, None where it has another one.
     """
 
     path: Path | None
     file: SessionFile
     recovered: bool = False
+    turned: bool = False
+    known: Document | None = None
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from PySide6.QtCore import QObject, Signal
 
@@ -59,6 +60,10 @@ class DocumentFile(QObject):
         self.runs = RunKeeping(session)
         self.truth: Callable[[], TruthFile | None] = lambda: None
         """Gives the ground truth to be saved; set by the window."""
+        self.pages: Callable[[], Mapping[str, Any]] = dict
+        """Gives the other pages of a stack, as plain JSON; set by what keeps them."""
+        self.pages_unsaved: Callable[[], bool] = lambda: False
+        """Whether closing would lose changes on other pages; set by what keeps them."""
         self._saving: Task | None = None
         self._opening = 0
         self._ordered: Order | None = None
@@ -75,6 +80,11 @@ class DocumentFile(QObject):
         session.tasks.changed.connect(self._save_next)
 
     @property
+    def known(self) -> Document | None:
+        """The document that the file has; None where it has another one."""
+        return self._known
+
+    @property
     def unsaved(self) -> bool:
         """Whether closing would lose changes."""
         return bool(self.lost)
@@ -85,7 +95,8 @@ class DocumentFile(QObject):
         document = self._session.document
         if document.image is None:
             return ()
-        return (*changed_parts(document, self._known), *((tr("the runs"),) if self.runs.unsaved else ()))
+        others = ((self.runs.unsaved, tr("the runs")), (self.pages_unsaved(), tr("the other pages")))
+        return (*changed_parts(document, self._known), *(words for lost, words in others if lost))
 
     @property
     def name(self) -> str:
@@ -97,7 +108,7 @@ class DocumentFile(QObject):
     def file(self) -> SessionFile:
         """The content to be saved."""
         written = to_file(self._session.document, self._view(), self._file)
-        return replace(written, runs=self.runs.plain, truth=self.truth())
+        return replace(written, runs=self.runs.plain, truth=self.truth(), pages=self.pages())
 
     def save(self, path: Path) -> None:
         """Write the session file on a separate thread, and use this path from now on."""
@@ -186,7 +197,9 @@ class DocumentFile(QObject):
         self._opening += 1
         saved = opened.saved
         self.path, self._file = (saved.path, saved.file) if saved else (None, None)
-        self._known = None if saved is not None and saved.recovered else self._session.document
+        self._known = self._session.document
+        if saved is not None and (saved.recovered or saved.turned):
+            self._known = saved.known and replace(saved.known, image=self._session.document.image)
         if saved is not None:
             self.restored.emit(saved.file.view)
         self._announce()

@@ -34,6 +34,7 @@ from app.views.features.view.layers import LayersFeature
 from app.views.features.view.levels import LevelsFeature
 from app.views.features.view.methods import MethodsFeature
 from app.views.features.view.mosaic import MosaicFeature
+from app.views.features.view.pages import PagesFeature
 from app.views.features.view.slices import SlicesFeature
 from app.views.features.view.space import SpaceFeature
 from app.views.window.feature import Feature
@@ -70,6 +71,7 @@ FEATURES: tuple[type[Feature], ...] = (
     LevelsFeature,
     ComparingFeature,
     SlicesFeature,
+    PagesFeature,
     SpaceFeature,
     KeyboardFeature,
     AppearanceFeature,

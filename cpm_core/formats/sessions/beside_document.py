@@ -41,13 +41,12 @@ def place_to_plain(place: str, folder: Path) -> dict[str, Any]:
     return {"path": place}
 
 
-def beside_document(plain: Plain) -> tuple[Plain, TruthFile | None, tuple[str, ...]]:
-    """Runs and ground truth, and sentences on what is wrong with them: the document is of use without them."""
+def beside_document(plain: Plain) -> tuple[Plain, Plain, TruthFile | None, tuple[str, ...]]:
+    """Runs, pages and ground truth, and sentences on what is wrong with them: the document is of use without them."""
     faults: list[str] = []
-    runs, truth = plain.get("runs", {}), None
-    if not isinstance(runs, dict):
-        faults.append(f"The recorded runs were left out: they are {shown(runs)}, not an object with named values.")
-        runs = {}
+    runs = _named(plain, "runs", "recorded runs", faults)
+    pages = _named(plain, "pages", "other pages of the stack", faults)
+    truth = None
     try:
         truth = None if plain.get("truth") is None else from_plain(TruthFile, plain["truth"], "truth")
         if truth is not None and (not truth.path or "\0" in truth.path + truth.absolute or truth.tolerance < 0.0):
@@ -55,4 +54,13 @@ def beside_document(plain: Plain) -> tuple[Plain, TruthFile | None, tuple[str, .
     except ValueError as error:
         truth = None
         faults.append(f"The ground truth was left out: {error}")
-    return runs, truth, tuple(faults)
+    return runs, pages, truth, tuple(faults)
+
+
+def _named(plain: Plain, name: str, words: str, faults: list[str]) -> Plain:
+    """An entry that is an object with named values; for any other a sentence is added to the faults."""
+    given = plain.get(name, {})
+    if isinstance(given, dict):
+        return given
+    faults.append(f"The {words} were left out: they are {shown(given)}, not an object with named values.")
+    return {}

@@ -40,20 +40,8 @@ SUFFIX = ".cpm"
 """Ending of the name of a session file."""
 
 _KNOWN = (
-    MARK,
-    "program",
-    "image",
-    "shapes",
-    "parameters",
-    "marks",
-    "learning",
-    "mode",
-    "objects",
-    "outlined",
-    "view",
-    "hand_edits",
-    "runs",
-    "truth",
+    *(MARK, "program", "image", "shapes", "parameters", "marks", "learning", "mode"),
+    *("objects", "outlined", "view", "hand_edits", "runs", "truth", "pages"),
 )
 _LARGEST = 64 * 2**20
 _LARGEST_SIDE = 10**6
@@ -118,6 +106,8 @@ class SessionFile:
         Recorded runs of the window, as plain JSON; without effect on a run.
     truth : TruthFile or None
         The ground truth that contours are compared with.
+    pages : mapping
+        The other pages of a stack, as plain JSON of the window; without effect on a run.
     """
 
     image: ImageFile | None = None
@@ -134,6 +124,7 @@ class SessionFile:
     hand_edits: tuple[HandEdit, ...] = ()
     runs: Plain = field(default_factory=dict)
     truth: TruthFile | None = None
+    pages: Plain = field(default_factory=dict)
 
 
 def save_session(session: SessionFile, path: Path) -> None:
@@ -182,6 +173,8 @@ def encode(session: SessionFile, folder: Path) -> bytes:
     plain.update(session.extra)
     if session.runs:
         plain["runs"] = dict(session.runs)
+    if session.pages:
+        plain["pages"] = dict(session.pages)
     return text_of(plain).encode()
 
 
@@ -222,7 +215,7 @@ def decode(content: bytes, name: str) -> SessionFile:
     plain = parsed(content, name)
     try:
         parameters, unknown = parameters_from_plain(plain.get("parameters", {}))
-        runs, truth, faults = beside_document(plain)
+        runs, pages, truth, faults = beside_document(plain)
         left_out = f"Parameters that are not known here were left out: {shown(', '.join(unknown))}."
         return SessionFile(
             image=_image(plain["image"]) if plain.get("image") is not None else None,
@@ -238,6 +231,7 @@ def decode(content: bytes, name: str) -> SessionFile:
             notes=(*((left_out,) if unknown else ()), *faults),
             runs=runs,
             truth=truth,
+            pages=pages,
             hand_edits=tuple(
                 from_plain(HandEdit, edit, f"edit {index} by hand") for index, edit in _listed(plain, "hand_edits")
             ),

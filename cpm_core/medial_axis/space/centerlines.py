@@ -28,8 +28,9 @@ from cpm_core.parameters.provenance import Provenance
 _SMOOTHING = 1.5
 """Width of the Gaussian along a branch [voxels of the line]."""
 
-_SALIENT = 2.0
-"""Least distance by which the ball around the tip of a branch sticks out of that at its junction [smallest sides]."""
+_SALIENT = 4.0
+"""Least distance by which the ball around the tip of a branch sticks out of that at its junction [smallest sides]: the
+constant in the radius of the ball that TEASAR clears around a line (Sato et al. 2000, 10.1109/PCCGA.2000.883951)."""
 
 _BEYOND = 0.2
 """How far the nearest wall around a line lies beyond the surface: 0 where tubes run askew, 0.5 along axes [sides]."""
@@ -131,7 +132,7 @@ def centerlines(
         Unit of length.
     pruning : float
         Branches that end in the open are pruned up to this length, in radii at their junction, and those that end
-        less than two of the smallest sides of a voxel beyond; 0 prunes none.
+        less than four of the smallest sides of a voxel beyond the ball there; 0 prunes none.
 
     Returns
     -------
@@ -181,9 +182,10 @@ def _pruned(lines: Mask, depth: Array, size: Array, pruning: float) -> list[Chai
 
 def _is_wrinkle(chain: Chain, depth: Array, size: Array, pruning: float) -> bool:
     """Whether a chain hardly leaves the ball at its junction, or its tip, with the ball there, hardly sticks out."""
-    length, reach = _length(chain, size), pruning * _radius(chain, depth)
-    tip = depth[tuple(chain.own[-chain.free_end])]
-    return bool(length <= reach or (pruning > 0.0 and length + tip <= reach + _SALIENT * size.min()))
+    reach, end = pruning * _radius(chain, depth), chain.own[-chain.free_end]
+    away = float(np.linalg.norm((chain.points[-chain.free_end] - chain.points[chain.free_end - 1]) * size))
+    salient = away + depth[tuple(end)] > reach + _SALIENT * size.min()
+    return bool(_length(chain, size) <= reach or (pruning > 0.0 and not salient))
 
 
 def _length(chain: Chain, size: Array) -> float:

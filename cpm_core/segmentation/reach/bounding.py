@@ -6,6 +6,9 @@ flooded against those of the other pieces and one from the border of the image (
 Meyer 1994, doi:10.1016/0165-1684(94)90060-4). They meet on the edges that are highest between them, also across gaps.
 Two pieces in one thing, with no edge between them, share a basin. What other edges, strong enough to hold particles,
 enclose within a basin is left out again.
+
+A closed line may also have been drawn around a thing (`surrounded`). Then it is bounded by the edges of that thing, if
+these are stronger than those around the whole start.
 """
 
 from __future__ import annotations
@@ -21,7 +24,8 @@ from numpy.typing import NDArray
 from cpm_core.field.edge_map import background_strength, gradient, magnitude
 from cpm_core.field.scale_field import WEAKEST_EDGE
 from cpm_core.numerics.types import Array, Mask
-from cpm_core.segmentation.reach.drawn_area import radius_of
+from cpm_core.segmentation.reach.drawn_area import drawn_area, hollow_part, radius_of
+from cpm_core.segmentation.reach.surrounded import surrounded
 
 Labels = NDArray[np.int32]
 
@@ -39,6 +43,17 @@ _EVEN, _LARGE = 0.02, 0.04
 _JOINS = 0.5
 """Strength of the border between the basins of two pieces of a start, in multiples of the weaker one of their other
 boundaries, below which both lie in the same thing."""
+
+_LEAST_SHARE, _STRONGER, _MOST_CROSSED, _AT_LINE = 0.15, 0.9, 0.2, 0.1
+"""When a start has been drawn around a thing: its least share of the area; the least strength of its boundary, in
+multiples of that of what bounds the whole start; and the largest share of its boundary at the drawn line, with the
+distance up to which it is there, in radii of the start: the line runs across anything else."""
+
+_EVERYWHERE = 0.5
+"""Fraction of the image that a start covers at most, if it is not one from everywhere."""
+
+_LEAST_PLACES = 8
+"""Fewer places are not drawn around anything."""
 
 _LEAST_BETA = 0.01
 """Damping that counts where there is less."""
@@ -63,35 +78,65 @@ class Bounds(NamedTuple):
         Smoothing of the edge map that it was found in, about its inaccuracy [px].
     whole : bool
         Whether each piece of the start lies on one side of it; otherwise it also runs through one.
+    around : bool
+        Whether a piece of the start has been drawn around a thing.
     """
 
     boundary: Mask
     inside: Mask
     sigma: float
     whole: bool
+    around: bool
 
 
-def bounds_of(values: Array, area: Mask, closed: Mask, beta: float) -> Bounds:
-    """Find the boundary of what a start lies in.
+def bounds_of(values: Array, start: Array, closed: Mask, beta: float) -> Bounds | None:
+    """Find the boundary of what a start lies in, or has been drawn around; None for one from everywhere.
 
     Parameters
     ----------
     values : ndarray, shape (H, W)
         Image.
-    area : ndarray of bool, shape (H, W)
-        What the start covers, `drawn_area`.
+    start : ndarray, shape (N, 2)
+        Seeds [px].
     closed : ndarray of bool, shape (H, W)
         Where no particle goes: outside the regions of interest, and on barriers.
     beta : float
         Damping: the less, the stronger an edge must be to hold a particle.
     """
+    area = drawn_area(start, values.shape)
+    if not area.any():
+        return None
+    hollow = hollow_part(start, area)
+    if np.count_nonzero(area & ~hollow) > _EVERYWHERE * area.size:
+        return None
+    found = _bounds(values, area, hollow, closed, beta)
+    return found if found.around or area.mean() <= _EVERYWHERE else None
+
+
+def thing_within(values: Array, places: Array, closed: Mask) -> Mask | None:
+    """The thing, shape (H, W), that places, shape (N, 2) [px], have been drawn around; None when they lie in it.
+
+    `closed` is as for `bounds_of`.
+    """
+    if len(places) < _LEAST_PLACES or not hollow_part(places, drawn_area(places, values.shape)).any():
+        return None
+    bounds = bounds_of(values, places, closed, _BETA)
+    return bounds.inside if bounds is not None and bounds.around else None
+
+
+def _bounds(values: Array, area: Mask, hollow: Mask, closed: Mask, beta: float) -> Bounds:
     sigma = float(np.clip(_SIGMA_OF_RADIUS * radius_of(area), _LEAST_SIGMA, _MOST_SIGMA))
     stride = int(np.ceil(np.sqrt(values.size / _MOST_PIXELS)))
     sigma = max(sigma, 0.5 * stride)
     strength = magnitude(gradient(values, sigma))[::stride, ::stride]
     shut = closed[::stride, ::stride] | _frame(strength.shape, sigma / stride)
-    pieces, basins = _basins(strength, _pieces(area, closed, stride), shut)
-    labels = _parts(strength, pieces, basins, beta)
+    drawn = _pieces(area, closed, stride)
+    pieces, labels = _bounded(strength, drawn, shut, beta)
+    things = _things(values[::stride, ::stride], strength, drawn, hollow[::stride, ::stride], labels, shut)
+    if things.any():
+        rest = np.where(np.isin(drawn, np.setdiff1d(drawn[things], 0)), 0, drawn).astype(np.int32)
+        pieces, labels = _bounded(strength, rest, shut | things, beta)
+        labels[things] = pieces[things] = max(int(labels.max()), int(pieces.max())) + 1
     touched = np.unique(np.stack([pieces, labels])[:, (pieces > 0) & (labels > 0)], axis=1)
     own = np.zeros(labels.max() + 1, bool)
     own[touched[1]] = True
@@ -100,7 +145,41 @@ def bounds_of(values: Array, area: Mask, closed: Mask, beta: float) -> Bounds:
         beside, inside = (_enlarged(mask, stride, values.shape) for mask in (beside, own[labels]))
     else:
         inside = own[labels]
-    return Bounds(beside, inside, sigma, touched.shape[1] == len(np.unique(touched[0])) > 0)
+    whole = touched.shape[1] == len(np.unique(touched[0])) > 0
+    return Bounds(beside, inside, sigma, whole, bool(things.any()))
+
+
+def _bounded(strength: Array, pieces: Labels, shut: Mask, beta: float) -> tuple[Labels, Labels]:
+    """The pieces of a start, those in one basin with one number, and the parts of their basins."""
+    pieces, basins = _basins(strength, pieces, shut)
+    return pieces, _parts(strength, pieces, basins, beta)
+
+
+def _things(values: Array, strength: Array, pieces: Labels, hollow: Mask, labels: Labels, shut: Mask) -> Mask:
+    """The things that pieces of a start have been drawn around."""
+    found = np.zeros(pieces.shape, bool)
+    for number in np.setdiff1d(pieces[hollow], 0).tolist():
+        piece = pieces == number
+        thing = surrounded(values, strength, piece & ~shut)
+        if np.count_nonzero(thing) < _LEAST_SHARE * np.count_nonzero(piece) or _crossed(piece, thing) > _MOST_CROSSED:
+            continue
+        bounded = np.isin(labels, np.setdiff1d(labels[piece], 0))
+        if _usual(strength, thing, shut) > _STRONGER * _usual(strength, bounded, shut):
+            found |= thing
+    return found
+
+
+def _crossed(piece: Mask, thing: Mask) -> float:
+    """Share of the boundary of a thing that lies at the border of the piece of a start that holds it."""
+    depth = scipy.ndimage.distance_transform_edt(piece)
+    along = depth[thing & ~np.asarray(scipy.ndimage.binary_erosion(thing, border_value=1))]
+    return float((along <= _AT_LINE * depth.max()).mean()) if along.size else 0.0
+
+
+def _usual(strength: Array, mask: Mask, shut: Mask) -> float:
+    """Median edge strength along the boundary of a mask; 0 where there is none."""
+    along = strength[_beside(mask.astype(np.int32)) & ~_rim(shut)]
+    return float(np.median(along)) if along.size else 0.0
 
 
 def _pieces(area: Mask, closed: Mask, stride: int) -> Labels:

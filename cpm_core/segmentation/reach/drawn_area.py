@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import scipy
+import skimage
 
 from cpm_core.numerics.types import Array, Mask
 
@@ -13,12 +16,18 @@ _LINK = 0.75
 _LEAST_LINK = 2.0
 """Least such distance [px]."""
 
+_HOLLOW = 3.0
+"""Multiple of that distance from all particles beyond which a place is enclosed rather than covered."""
+
+_WITHIN = 0.8
+"""Share of a part between a row of particles and the border of the image that lies in the hull of an enclosed one."""
+
 
 def drawn_area(points: Array, shape: tuple[int, ...]) -> Mask:
     """Pixels of an image of this shape that a start covers.
 
     `points`, shape (N, 2), are its particles [px of the image]. Rows of particles are closed up to about the distance
-    of neighbors, and what they enclose is filled.
+    of neighbors, and what they enclose is filled, also with the border of the image.
     """
     on = np.zeros(shape, bool)
     place = np.clip(np.rint(points).astype(int), 0, np.array(shape) - 1)
@@ -28,8 +37,28 @@ def drawn_area(points: Array, shape: tuple[int, ...]) -> Mask:
     nearest, _ = scipy.spatial.cKDTree(points).query(points, k=[2])
     link = max(_LEAST_LINK, _LINK * float(np.median(nearest)))
     near = scipy.ndimage.distance_transform_edt(~on) <= link
-    filled = scipy.ndimage.binary_fill_holes(near)
+    filled = scipy.ndimage.binary_fill_holes(near) | _cut_off(near, on)
     return np.asarray(on | (scipy.ndimage.distance_transform_edt(filled) > link))
+
+
+def _cut_off(near: Mask, on: Mask) -> Mask:
+    """What a row of particles encloses together with the border of the image: parts within its convex hull."""
+    parts, count = scipy.ndimage.label(~near)
+    if count < 2:
+        return np.zeros_like(near)
+    hull: Callable[[Mask], Mask] = skimage.morphology.convex_hull_image
+    share = scipy.ndimage.mean(hull(on), parts, np.arange(count + 1))
+    share[0] = 0.0
+    return np.asarray((share >= _WITHIN)[parts])
+
+
+def hollow_part(points: Array, area: Mask) -> Mask:
+    """The part of a start's area that its particles, shape (N, 2) [px], only enclose; none of a filled one."""
+    nearest, _ = scipy.spatial.cKDTree(points).query(points, k=[min(len(points), 2)])
+    gap = max(_LEAST_LINK, _HOLLOW * float(np.median(nearest)))
+    on = np.ones(area.shape, bool)
+    on[tuple(np.clip(np.rint(points).astype(int), 0, np.array(area.shape) - 1).T)] = False
+    return np.asarray(area & (scipy.ndimage.distance_transform_edt(on) > gap))
 
 
 def radius_of(area: Mask) -> float:

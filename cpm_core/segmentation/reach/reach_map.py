@@ -1,6 +1,6 @@
 """How a start reaches each edge of an image: on free flight, beyond a weak edge, over a junction, or not at all.
 
-- On flight it reaches the edges that bound what it lies in (`bounding`).
+- On flight it reaches the edges that bound what it lies in, or what it has been drawn around (`bounding`).
 - Beyond a weak edge a particle coasts as far as friction lets it: ``w2 / beta^2``, the distance in which the speed
   ``w2 / beta`` of free flight is lost.
 - Over junctions a front creeps along every edge that is connected to one already reached. Repulsion drives it against
@@ -22,15 +22,11 @@ from cpm_core.numerics.reproducible.gaussian import gaussian_filter
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters import UNLIMITED_REACH, Parameters
 from cpm_core.segmentation.reach.bounding import Bounds, bounds_of
-from cpm_core.segmentation.reach.drawn_area import drawn_area
 
 WAYS: tuple[Reached, ...] = ("", "flight", "weak", "junction", "launched")
 """Ways by their numbers in a `ReachMap`."""
 
 _FLIGHT, _WEAK, _JUNCTION, _LAUNCHED = 1, 2, 3, 4
-
-_EVERYWHERE = 0.5
-"""Fraction of the image that a start covers at most, if it is not one from everywhere."""
 
 _SENSE = 0.5
 """Cosine of the angle up to which an edge along the boundary may be turned against it."""
@@ -102,10 +98,9 @@ def reach_map(scale_field: ScaleField, start: Array, closed: Mask, parameters: P
     parameters : Parameters
         For `beta`, `w2` and `weakest_edge`.
     """
-    area = drawn_area(start, scale_field.shape)
-    if not area.any() or area.mean() > _EVERYWHERE:
+    bounds = bounds_of(scale_field.values, start, closed, parameters.beta)
+    if bounds is None:
         return None
-    bounds = bounds_of(scale_field.values, area, closed, parameters.beta)
     ridge = _ridge(scale_field)
     if not bounds.boundary.any():
         return None

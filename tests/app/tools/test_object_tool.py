@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
+from app.model.document.objects import made
 from app.session.features.objects import object_selection
 from app.session.features.objects.selector import Selector
 from app.session.storage.session_file import DocumentFile
@@ -314,6 +315,16 @@ def test_a_start_around_which_no_object_is_found_offers_none() -> None:
     across, within = (circle(center=(32.0, 32.0), radius=radius) for radius in (14.0, 3.0))
     assert selector.proposals([across]) == ()
     assert len(selector.proposals([across, within])) == 1
+
+
+def test_a_circle_around_an_object_offers_it_once() -> None:
+    row, col = np.indices((80, 80))
+    noise = np.random.default_rng(0).normal(0.0, 10.0, (80, 80))
+    cut = partition(60.0 + 90.0 * (np.hypot(row - 40, col - 40) <= 16) + noise)
+    around = circle(center=(40.0, 40.0), radius=21.0)
+    (proposal,) = Selector(cut, (), 0).proposals([around])
+    taken = made(proposal.selection, proposal.clicks, 1, 1)
+    assert Selector(cut, (taken,), 0).proposals([around]) == ()
 
 
 def test_what_is_frozen_is_not_offered_again_and_holds_particles_back(window, hand, objects) -> None:

@@ -69,6 +69,30 @@ def test_wrinkles_are_pruned_and_vessels_are_not():
     assert len(centerlines(branched, pruning=1.5).branches) == 3
 
 
+TRUNK, LEFT, RIGHT, SIDE = (24.0, 20.0, 20.0), (33.0, 8.0, 18.0), (33.0, 31.0, 22.0), (15.0, 20.0, 20.0)
+LIMBS = [
+    *(((4.0, 20.0, 20.0), TRUNK, 4.0), (TRUNK, LEFT, 3.0), (TRUNK, RIGHT, 2.8)),
+    *((LEFT, (44.0, 6.0, 8.0), 2.0), (LEFT, (44.0, 4.0, 28.0), 1.8), (RIGHT, (45.0, 36.0, 20.0), 2.0)),
+    *((RIGHT, (44.0, 30.0, 36.0), 1.6), (SIDE, (16.0, 20.0, 34.0), 1.8)),
+]
+"""Vessels from place to place with their radii: a trunk, its fork, four ends, and a twig at its side."""
+
+
+def test_a_tree_with_bumps_has_its_own_branches_alone():
+    rng, bumps = np.random.default_rng(0), []
+    for one, other, radius in LIMBS:
+        axis = np.subtract(other, one) / np.linalg.norm(np.subtract(other, one))
+        across = np.cross(axis, rng.normal(size=3))
+        across /= np.linalg.norm(across)
+        foot = np.add(one, 0.45 * np.subtract(other, one))
+        bumps.append(rod(foot, foot + (radius + 1.3) * across, 1.0))
+    places = grid(side=48.0)[:, :42, :42]
+    tree = union(*(rod(*limb) for limb in LIMBS))
+    assert len(centerlines(tree(places) > 0.0).branches) == 9
+    assert len(centerlines(union(tree, *bumps)(places) > 0.0).branches) == 9
+    assert len(centerlines(union(tree, *bumps)(places) > 0.0, pruning=0.0).branches) > 15
+
+
 def test_a_knob_that_hardly_sticks_out_of_a_thin_vessel_is_no_branch():
     mask = np.zeros((20, 20, 40), bool)
     mask[9:12, 9:12, 5:35] = True

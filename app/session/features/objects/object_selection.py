@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -77,8 +78,7 @@ class ObjectSelection(QObject):
         self._dismissed: Result | None = None
         self._selector: Selector | None = None
         self._asked: Question | None = None
-        self._remark = ""
-        self._was_ready = False
+        self._remark, self._was_ready = "", False
         self._latest = Latest(session, "cpm-objects", "selecting objects")
         self._latest.done.connect(self._use)
         self.partitions = Partitions(session, lambda: self._wanted)
@@ -87,6 +87,7 @@ class ObjectSelection(QObject):
         session.document_changed.connect(lambda _: self._follow())
         session.scene_changed.connect(self._withdraw)
         session.image_changed.connect(self._forget)
+        self.offers_for: Callable[[Document], bool] = lambda document: True  # while the tool is not in use
 
     # State
 
@@ -184,7 +185,7 @@ class ObjectSelection(QObject):
     @property
     def _starts(self) -> tuple[Array, ...]:
         """Seeds of the starts drawn on the image whose objects are offered; none when they were dismissed."""
-        return seeds_of_starts(self._session.document, self._result, self._in_use, self._dismissed)
+        return seeds_of_starts(self._session.document, self._result, self._in_use, self._dismissed, self.offers_for)
 
     @property
     def _wanted(self) -> bool:
@@ -264,12 +265,19 @@ class ObjectSelection(QObject):
 
 
 def seeds_of_starts(
-    document: Document, result: Result | None, in_use: bool, dismissed: Result | None
+    document: Document,
+    result: Result | None,
+    in_use: bool,
+    dismissed: Result | None,
+    offers_for: Callable[[Document], bool],
 ) -> tuple[Array, ...]:
     """Seeds of the starts drawn on the image, once the run from them has ended with a result, unless it was dismissed.
 
-    On a large image there are none, unless the tool for objects is in use.
+    On a large image there are none, nor where `offers_for` is False for the document, unless the tool for objects is in
+    use.
     """
+    if not (in_use or offers_for(document)):
+        return ()
     ended = result is not None and result is not dismissed and bool(result.stop_reason) and document.mode == "shape"
     if result is None or not ended or (math.prod(result.shape) > MOST_OFFERED and not in_use):
         return ()

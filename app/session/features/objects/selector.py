@@ -46,7 +46,7 @@ class Selector:
         self._nothing = Selection(np.zeros(partition.shape, np.bool_), (), (), 0.0, nowhere, nowhere)
         self._changed = next((item for item in items if item.number == edited), None)
         others = [item for item in items if item.frozen and item.number != edited]
-        self._elsewhere = np.concatenate([np.empty((0, 2)), *(item.inside for item in others)])
+        self._elsewhere = np.concatenate([np.empty((0, 2)), *(_enclosed(item) for item in others)])
 
     def selection(self, clicks: tuple[Click, ...]) -> Selection | None:
         """The object that clicks select; None while none of them is inside."""
@@ -79,16 +79,26 @@ class Selector:
                 continue  # nothing was found, as from a start across an edge
             if any(overlap(selection.mask, other.selection.mask) > _SAME_OBJECT for other in found):
                 continue
-            known = self._known_at(seeds)
+            known = self._known_as(selection) or self._known_at(seeds)
             if known is None:
                 found.append(Proposal(selection, clicks))
             elif not known.frozen and overlap(known.mask(self.partition.shape), selection.mask) < _UNCHANGED:
                 found.append(Proposal(selection, clicks, known.number))
         return tuple(found)
 
+    def _known_as(self, selection: Selection) -> SegmentedObject | None:
+        """The object that a selection is for the most part."""
+        shape = selection.mask.shape
+        return next((item for item in self.items if overlap(item.mask(shape), selection.mask) > _SAME_OBJECT), None)
+
     def _known_at(self, seeds: Array) -> SegmentedObject | None:
         """The object that most of some seeds lie in."""
         return next((item for item in self.items if item.encloses(seeds).mean() > 0.5), None)
+
+
+def _enclosed(item: SegmentedObject) -> Array:
+    """The places of an object that lie in it: not those of a line that was drawn around it."""
+    return item.inside[item.encloses(item.inside)]
 
 
 def overlap(one: Mask, other: Mask) -> float:

@@ -159,8 +159,12 @@ class OpenSaveFeature(Feature):
         return True
 
     def _may_replace(self, opened: Opened) -> bool:
-        """Whether an image that has been prepared may replace this one; work done meanwhile is asked about."""
-        if not self.document_file.unsaved or self._left == self._work:
+        """Whether an image that has been prepared may replace this one; work done meanwhile is asked about.
+
+        When a page is turned nothing is lost.
+        """
+        turned = opened.saved is not None and opened.saved.turned
+        if turned or not self.document_file.unsaved or self._left == self._work:
             return True
         QTimer.singleShot(0, self.context.window, lambda: self._ask_again(opened))
         return False

@@ -17,7 +17,7 @@ from app.views.widgets.action_spec import STATE, ActionSpec
 from app.views.window.feature import Feature, FeatureContext
 from cpm_core.image.image import Image
 
-_MENU = "View>" + tr("Sli&ces of a volume")
+_MENU = "View>" + tr("Sli&ces and pages")
 _JUMP = 10
 
 _SIDES = "volumes/three_slices"
@@ -32,6 +32,7 @@ class SlicesFeature(Feature):
         self.bar = SliceBar()
         self._shown: tuple[Slices | None, Image | None] = (None, None)
         self._slices = slices = context.workspace.slices
+        self._pages = context.workspace.pages
         self.bar.moved.connect(slices.at)
         self.bar.turned.connect(slices.turn)
         self.bar.size_wanted.connect(lambda: context.do("pixel_size"))
@@ -46,16 +47,21 @@ class SlicesFeature(Feature):
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """Next and previous slice, and the axis."""
-        slices = self._slices
         moves = (
-            ("previous_slice", tr("&Previous slice"), "PgUp", -1, tr("Show the slice before this one.")),
-            ("next_slice", tr("&Next slice"), "PgDown", 1, tr("Show the slice after this one.")),
-            ("slices_back", tr("Ten slices &back"), "Shift+PgUp", -_JUMP, tr("Show the slice ten before this one.")),
-            ("slices_on", tr("Ten slices &on"), "Shift+PgDown", _JUMP, tr("Show the slice ten after this one.")),
+            (
+                "previous_slice",
+                tr("&Previous slice or page"),
+                "PgUp",
+                -1,
+                tr("Show the slice or page before this one."),
+            ),
+            ("next_slice", tr("&Next slice or page"), "PgDown", 1, tr("Show the slice or page after this one.")),
+            ("slices_back", tr("Ten &back"), "Shift+PgUp", -_JUMP, tr("Show the slice or page ten before this one.")),
+            ("slices_on", tr("Ten &on"), "Shift+PgDown", _JUMP, tr("Show the slice or page ten after this one.")),
         )
         through = [
-            ActionSpec(name=name, menu=_MENU, text=text, do=partial(slices.go, by), shortcuts=(key,), tip=tip,
-                       when=has_volume)
+            ActionSpec(name=name, menu=_MENU, text=text, do=partial(self._go, by), shortcuts=(key,), tip=tip,
+                       when=lambda situation: has_volume(situation) or self._pages.count > 1)
             for name, text, key, by, tip in moves
         ]  # fmt: skip
         axes = [
@@ -70,6 +76,10 @@ class SlicesFeature(Feature):
                            tip=tr("Show the slices across the other axes beside the canvas, linked by a cross."),
                            holds=lambda _: self._wanted)  # fmt: skip
         return (*through, *axes, sides)
+
+    def _go(self, by: int) -> None:
+        """Go to another slice of a volume, or to another page of a stack."""
+        (self._pages if self._pages.count else self._slices).go(by)
 
     def _toggle(self) -> None:
         self._wanted = not self._wanted

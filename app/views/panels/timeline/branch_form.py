@@ -10,7 +10,7 @@ from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QLineEdit, QToolButton, QWidget
 
 from app.model.text.language import tr
-from app.session.features.timeline_navigation import TimelineNavigation
+from app.session.features.timeline.navigation import TimelineNavigation
 from app.session.timeline.branches import Branch
 
 _WIDTH = 276

@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.text.language import tr
-from app.session.features.timeline_navigation import TimelineNavigation
+from app.session.features.timeline.navigation import TimelineNavigation
 from app.session.worker.recorded_run import MEGABYTE
 from app.views.panels.timeline.branch_form import BranchForm, timeline_button
 from app.views.panels.timeline.timeline_places import FOOT, HEAD, ROW

@@ -36,11 +36,12 @@ def encode(found: StackResult) -> bytes:
         {"track": one.number, "pages": list(one.pages), "origin": one.origin, "ends": one.end and one.end.kind}
         for one in found.tracks
     ]
-    pages = list(map(_page, found.pages))
+    pages = list(map(page_to_plain, found.pages))
     return text({"format": FORMAT, "version": 1, "stack": stack, "tracks": tracks, "pages": pages})
 
 
-def _page(page: Page) -> dict[str, Any]:
+def page_to_plain(page: Page) -> dict[str, Any]:
+    """A page as an entry of ``pages``; see `encode`."""
     events = [
         {"kind": event.kind, "page": event.page, "track": event.track, "others": list(event.others)}
         for event in page.events
@@ -66,7 +67,7 @@ def load_stack_result(path: Path) -> StackResult:
         if plain["format"] != FORMAT:
             raise ValueError("another format")
         stack = plain["stack"]
-        pages = tuple(_page_from(entry) for entry in plain["pages"])
+        pages = tuple(page_from_plain(entry) for entry in plain["pages"])
         drawn = tuple(stack["drawn"])
         return StackResult(str(stack["name"]), int(stack["pages"]), pages, stack["axis"], bool(stack["alone"]), drawn)
     except OSError as error:
@@ -78,7 +79,8 @@ def load_stack_result(path: Path) -> StackResult:
         ) from error
 
 
-def _page_from(plain: Mapping[str, Any]) -> Page:
+def page_from_plain(plain: Mapping[str, Any]) -> Page:
+    """The page of an entry; an exception of some kind for one that is damaged."""
     events = tuple(
         TrackEvent(event["kind"], int(event["page"]), int(event["track"]), tuple(map(int, event["others"])))
         for event in plain["events"]

@@ -8,8 +8,8 @@ from PySide6.QtCore import QTimer, Signal
 
 from app.model.text.language import tr
 from app.session.exchange.messages import CommandFailed, RunsKept, Snapshot
-from app.session.features.branch_comparison import BranchComparison
-from app.session.features.timeline_place import NOTHING, TimelinePlace
+from app.session.features.timeline.branch_comparison import BranchComparison
+from app.session.features.timeline.place import NOTHING, TimelinePlace
 from app.session.session import Session
 from app.session.timeline.outline import Outline
 from app.session.worker.commands.run import RunCall

@@ -1,0 +1,219 @@
+"""The pages of the stack that is open: all of them run in the background, and what was found on all."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from PySide6.QtCore import QTimer, Signal
+
+from app.model.display.page_rows import PageRow, page_rows
+from app.model.document.saving import to_file
+from app.model.text.language import tr
+from app.session.core_functions import Core
+from app.session.document.undo_history import Change, History
+from app.session.exchange.messages import Exported, Opened, Report
+from app.session.features.latest import Latest
+from app.session.features.pages.kept_page import KeptPage, with_change
+from app.session.features.pages.linking import linked
+from app.session.features.pages.page_runs import PageDone, PageOrder, run_pages
+from app.session.features.pages.paging import Paging
+from app.session.features.pages.stack_source import StackSource
+from app.session.features.pages.stored_pages import StoredPages
+from app.session.session import Session
+from app.session.signals import EXPORTING, OPENING, RUNNING
+from app.session.storage.session_file import DocumentFile
+from app.session.tasks.tasks import Task
+from cpm_core.contours.result import Result
+from cpm_core.contours.review import apply
+from cpm_core.formats.contours.pages.files import export_stack
+from cpm_core.formats.provenance import plain_shapes
+from cpm_core.segmentation.pages.page import StackResult
+
+_QUIET, _WHILE_RUNNING = 200, 1500
+"""Time from a change until the tracks are found again, at rest and while pages are run [ms]."""
+
+
+class StackPages(Paging):
+    """Goes through the pages of a stack, runs all of them, and knows what was found on each."""
+
+    found = Signal()
+    """What has been found on all pages has changed: `result`."""
+    _done = Signal(object)
+    """A page has been run: its order and PageDone, sent by the thread that runs them."""
+
+    def __init__(self, session: Session, core: Core) -> None:
+        super().__init__(session)
+        self.result: StackResult | None = None
+        """What has been found on all pages that are done, with tracks; None while there is nothing."""
+        self.rows: tuple[PageRow, ...] = ()
+        """Rows of the table of all pages."""
+        self.task: Task | None = None
+        self._core = core
+        self._seen: Result | None = None
+        self._drawn: tuple[Mapping[str, Any], ...] = ()
+        self._linking = Latest(session, "cpm-pages", "following objects through the pages")
+        self._linking.done.connect(self._take_linked)
+        self._later = QTimer(self, singleShot=True)
+        self._later.timeout.connect(self._link)
+        self._done.connect(self._take_page)
+        session.scene_changed.connect(self._look)
+        session.tasks.changed.connect(self._look_at_task)
+
+    def keep(self, document_file: DocumentFile) -> None:
+        """Be saved with the session file."""
+        super().keep(document_file)
+        document_file.pages = self._plain
+        document_file.pages_unsaved = self._unsaved
+
+    def close(self) -> None:
+        """End the threads."""
+        self._linking.close()
+
+    @property
+    def running(self) -> bool:
+        """Whether pages are being run in the background."""
+        return self.task is not None
+
+    # Running all
+
+    def run(self, first: int = 1) -> None:
+        """Run all pages from one on, in the background."""
+        document = self._session.document
+        self._session.attempt(RUNNING)
+        if not self.count or self._file is None or self.running:
+            return
+        if not document.starts:
+            self._session.say(document.nothing_to_start_from, True, RUNNING)
+            return
+        kept = {**self._kept, self.number: self._here(self._file)}
+        self._drawn = plain_shapes(document.shapes)
+        before = () if self.result is None else tuple(page for page in self.result.pages if page.number < first)
+        order = PageOrder(self._source, range(first, self.count + 1), document, self.following, kept, before)
+        title = tr("Running {count} pages…").format(count=len(order.numbers))
+        self.task = self._session.tasks.start(title, partial(self._work, order), "running the pages")
+        self.changed.emit()
+
+    def cancel(self) -> None:
+        """Stop after the pages that are done, which stay."""
+        if self.task is not None:
+            self.task.cancel()
+            self._look_at_task()
+
+    def _work(self, order: PageOrder, task: Task) -> Report | None:
+        for done in run_pages(order, self._core, task):
+            self._done.emit((order, done))
+        return None
+
+    def _take_page(self, made: tuple[PageOrder, PageDone]) -> None:
+        """Keep a page that has been run, unless a person has changed it since; that which is open is shown anew."""
+        order, done = made
+        number, here = done.page.number, done.page.number == self.number
+        if self._file is None or order.source.path != self._source.path:
+            return
+        known = order.kept.get(number)
+        before = self._here(self._file) if here else self._kept.get(number)
+        if before is not None and (known is None or before.document != known.document) and before.own_start:
+            return
+        self._found[number] = done.page.result or done.page.trouble
+        self._link_soon()
+        if done.runs is None:
+            return
+        self._kept[number] = page = _kept(done, before)
+        if here and not self._turning and self._session.status.phase != "running":
+            self._begin(number, page)
+
+    def _look_at_task(self) -> None:
+        if self.task is not None and self.task.over:
+            self.task = None
+            self.changed.emit()
+
+    # What has been found
+
+    def _look(self) -> None:
+        """Take up the contours of the page that is open, once its run is at rest."""
+        scene = self._session.scene
+        tracked, shown = scene.contours.tracked, scene.contours.result
+        if not self.count or tracked is None or shown is None or self._session.status.phase == "running":
+            return
+        if shown is not self._seen:
+            self._seen = shown
+            document = scene.document
+            self._found[self.number] = apply(shown, document.marks, learning=document.learning)
+            self._link_soon()
+
+    def _link_soon(self) -> None:
+        if not self._later.isActive():
+            self._later.start(_WHILE_RUNNING if self.running else _QUIET)
+
+    def _link(self) -> None:
+        """Find the tracks again, from what was found on each page."""
+        before = {} if self.result is None else {page.number: page.result or page.trouble for page in self.result.pages}
+        source, found, drawn = self._source, dict(self._found), self._drawn
+
+        def work() -> tuple[StackSource, StackResult, tuple[PageRow, ...]]:
+            result = linked(source, found, before, drawn)
+            return source, result, page_rows(result)
+
+        self._linking.ask(work)
+
+    def _take_linked(self, made: tuple[StackSource, StackResult, tuple[PageRow, ...]]) -> None:
+        source, result, rows = made
+        if source.path != self._source.path or not self.count:
+            return
+        self.result, self.rows = result, rows
+        self._found |= {page.number: page.result for page in result.pages if page.result and page.number != self.number}
+        self.found.emit()
+
+    # Files
+
+    def export(self, path: Path) -> None:
+        """Write what has been found on all pages."""
+        result = self.result
+        if result is None:
+            return
+        self._session.attempt(EXPORTING)
+
+        def work(_: Task) -> Report:
+            export_stack(result, path)
+            return Exported(path)
+
+        self._session.tasks.start(tr("Writing {name}…").format(name=path.name), work, f"writing {path.name}")
+
+    def _unsaved(self) -> bool:
+        return any(page.unsaved for number, page in self._kept.items() if number != self.number)
+
+    def _plain(self) -> Mapping[str, Any]:
+        """The other pages as a session keeps them."""
+        if not self.count:
+            return {}
+        given = not self._session.document.starts or self._session.document.starts != self._given
+        stored = StoredPages(self._kept, {}, self.following, self._drawn, () if given else self._given)
+        return stored.to_plain(self.number, self.result)
+
+    def _begin_stack(self, source: StackSource, opened: Opened) -> None:
+        """Another file has been opened, perhaps with a session that knows its pages."""
+        self.cancel()
+        super()._begin_stack(source, opened)
+        self.result, self.rows, self._seen, self._drawn = None, (), None, ()
+        if opened.saved is not None and opened.saved.file.pages and self.count:
+            stored = StoredPages.of(opened.saved.file.pages, self._session.document, source)
+            self._kept, self.following, self._drawn = dict(stored.kept), stored.following, stored.drawn
+            self._found, self._given = dict(stored.found), stored.given
+            if stored.trouble:
+                self._session.say(stored.trouble, True, OPENING)
+            self._link_soon()
+        self.found.emit()
+
+
+def _kept(done: PageDone, before: KeptPage | None) -> KeptPage:
+    """A page that has been run; undo leads back to what it was before."""
+    document = done.document
+    file = replace(to_file(document, {}), runs=done.runs or {})
+    if before is None:
+        return KeptPage(file, document, History(), None, done.given, runs_unsaved=True)
+    history = with_change(before.history, Change(tr("run all pages"), before.document, document))
+    return KeptPage(file, document, history, before.known, done.given, runs_unsaved=True)

@@ -1,0 +1,1 @@
+"""Going along the timeline, and comparing its branches."""

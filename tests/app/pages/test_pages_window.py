@@ -1,0 +1,243 @@
+"""The pages of a stack in the window: paging, running all, following, the table, files and sessions."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tifffile
+from PySide6.QtCore import QCoreApplication, Qt
+from PySide6.QtWidgets import QFileDialog
+
+from app.model.document import edits
+from app.views.features.file.open_save import OpenSaveFeature
+from app.views.features.view.pages import PagesFeature
+from app.views.window import dialogs
+from cpm_core import cli
+from cpm_core.formats.sessions.session_file import load_session
+from cpm_core.shapes import Circle, Polygon, Region
+from tests.app.conftest import disc
+
+LEFT = Qt.MouseButton.LeftButton
+CIRCLE = Circle((30.0, 20.0), 5.0)
+REGION = Region(((1.0, 1.0), (60.0, 1.0), (60.0, 60.0), (1.0, 60.0)))
+
+
+def shifted(by: int) -> np.ndarray:
+    """A small disc that has moved to the right."""
+    return np.roll(disc(9.0), by - 14, axis=1).astype(np.uint8)
+
+
+@pytest.fixture
+def stack_file(tmp_path: Path) -> Path:
+    """Five pages with a disc that moves; the fourth is constant."""
+    path = tmp_path / "cells.tif"
+    pages = np.array([shifted(0), shifted(5), shifted(10), np.full((64, 64), 7), shifted(15)], np.uint8)
+    tifffile.imwrite(path, pages, imagej=True, metadata={"axes": "TYX"})
+    return path
+
+
+@pytest.fixture
+def stack(window, hand, stack_file):
+    """A window on the first page, with a circle in the disc."""
+    window.open_image(str(stack_file))
+    hand.wait(lambda: window.session.document.image.name == "cells.tif" and window.session.idle)
+    window.session.edit("draw circle", lambda document: edits.add_shape(document, CIRCLE))
+    window.canvas_area.canvas.setFocus()
+    return window
+
+
+def settled(window, hand) -> None:
+    """Wait until nothing is being done, and the tracks are those of what has been found."""
+    pages = window.workspace.pages
+    hand.wait(lambda: window.session.idle and not pages.running and not pages._turning)
+    hand.wait(lambda: not pages._later.isActive() and pages._linking.idle and window.session.idle)
+    QCoreApplication.processEvents()  # takes what the thread has found
+
+
+def go(window, hand, key=Qt.Key.Key_PageDown, page: int = 0) -> None:
+    """Press a key that goes to another page, and wait for it."""
+    hand.key(key)
+    hand.wait(lambda: window.workspace.pages.number == page)
+    settled(window, hand)
+
+
+def vertices(window) -> list[tuple[int, list[object]]]:
+    """Vertices of the contours of all pages that are done."""
+    found = window.workspace.pages.result.pages
+    return [(page.number, [one.points.tolist() for one in page.contours]) for page in found]
+
+
+def run_all(window, hand) -> None:
+    hand.qtbot.mouseClick(window.feature(PagesFeature).bar.run, LEFT)
+    assert window.workspace.pages.running
+    settled(window, hand)
+
+
+def test_the_line_shows_the_pages_and_keys_go_through_them(stack, hand) -> None:
+    bar = stack.feature(PagesFeature).bar
+    assert bar.isVisible()
+    assert (bar.number.value(), bar.of.text()) == (1, "of 5")
+    go(stack, hand, page=2)
+    assert bar.number.value() == bar.slider.value() == 2
+    np.testing.assert_array_equal(stack.session.image.values, shifted(5))
+    go(stack, hand, Qt.Key.Key_PageUp, page=1)
+    np.testing.assert_array_equal(stack.session.image.values, shifted(0))
+    bar.number.setValue(5)
+    hand.wait(lambda: stack.workspace.pages.number == 5)
+
+
+def test_each_page_keeps_its_shapes_its_undo_and_its_run(stack, hand) -> None:
+    session = stack.session
+    hand.key(Qt.Key.Key_Space)
+    hand.wait_for_phase("finished")
+    settled(stack, hand)
+    here, found, done = session.document, session.scene.contours.result, session.status.step
+    assert len(found.contours) == 1
+    go(stack, hand, page=2)
+    assert isinstance(session.document.starts[0], Polygon)  # from the contours of the page before
+    assert not session.undo_name
+    session.edit("draw region", lambda document: edits.add_shape(document, REGION))
+    go(stack, hand, Qt.Key.Key_PageUp, page=1)
+    hand.wait(lambda: session.status.step == done and bool(session.scene.contours.items))
+    assert session.document == here
+    np.testing.assert_array_equal(session.scene.contours.result.contours[0].points, found.contours[0].points)
+    assert session.undo_name == "draw circle"
+    session.undo()
+    assert session.document.shapes == ()
+    session.redo()
+    go(stack, hand, page=2)
+    assert session.undo_name == "draw region"
+    assert isinstance(session.document.shapes[-1], Region)
+
+
+def test_all_pages_are_run_and_followed_and_the_table_tells_them(stack, hand) -> None:
+    run_all(stack, hand)
+    feature = stack.feature(PagesFeature)
+    hand.key(Qt.Key.Key_F11, Qt.KeyboardModifier.ShiftModifier)
+    table = feature.panel.table
+    assert table.column("page") == ["1", "2", "3", "4", "5"]
+    assert table.column("track") == ["1", "1", "1", "–", "1"]
+    assert "constant" in table.column("happens")[3]
+    assert [float(area) for area in table.column("area") if area != "–"] == pytest.approx([np.pi * 81] * 4, rel=0.05)
+    columns = [float(col) for col in table.column("col") if col != "–"]
+    np.testing.assert_allclose(np.diff(columns), [5, 5, 5], atol=0.3)
+    assert "4 of 5 pages are done; tracks: 1. 1 could not be used." in feature.panel.summary.text()
+    assert stack.session.status.phase == "finished"  # the page that is open shows its run
+    assert len(stack.session.scene.contours.items) == 1
+
+
+def test_a_page_that_was_run_in_the_background_shows_its_contours_and_undo_leads_back(stack, hand) -> None:
+    session = stack.session
+    go(stack, hand, page=2)
+    before = session.document
+    session.edit(
+        "draw region", lambda document: edits.add_shape(document, Region(((1, 1), (60, 1), (60, 60), (1, 60))))
+    )
+    go(stack, hand, Qt.Key.Key_PageUp, page=1)
+    run_all(stack, hand)
+    go(stack, hand, page=2)
+    hand.wait(lambda: bool(session.scene.contours.items))
+    assert session.status.phase == "finished"
+    assert isinstance(session.document.starts[0], Polygon)
+    assert session.undo_name == "run all pages"
+    session.undo()
+    assert session.document.starts == before.starts
+    assert session.undo_name == "draw region"
+
+
+def test_a_page_with_a_start_of_its_own_keeps_it(stack, hand) -> None:
+    session, own = stack.session, Circle((30.0, 30.0), 4.0)
+    go(stack, hand, page=2)
+    go(stack, hand, page=3)
+    session.edit("draw", lambda document: edits.add_shape(document, own))
+    go(stack, hand, Qt.Key.Key_PageUp, page=2)
+    go(stack, hand, Qt.Key.Key_PageUp, page=1)
+    run_all(stack, hand)
+    go(stack, hand, page=2)
+    go(stack, hand, page=3)
+    assert own in session.document.shapes
+
+
+def test_window_and_command_line_find_the_same_to_the_bit(stack, hand, stack_file, tmp_path, monkeypatch) -> None:
+    documents = stack.feature(OpenSaveFeature).document_file
+    assert documents.save_at_once(tmp_path / "a.cpm")
+    run_all(stack, hand)
+    for name in ("a.json", "a.measures.csv", "a.tif", "a.zip", "a.geojson", "a.csv"):
+        chosen = tmp_path / name
+        monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_, path=chosen: (str(path), ""))
+        stack.feature(PagesFeature).export()
+        settled(stack, hand)
+        told = tmp_path / f"told_{name}"
+        cli.main(["run", str(stack_file), "--session", str(tmp_path / "a.cpm"), "--pages", "all", "--follow",
+                  "--export", str(told)])  # fmt: skip
+        assert chosen.read_bytes() == told.read_bytes(), name
+    rows = list(csv.DictReader((tmp_path / "a.measures.csv").read_text(encoding="utf-8").splitlines()))
+    assert [(row["page"], row["track"]) for row in rows] == [("1", "1"), ("2", "1"), ("3", "1"), ("5", "1")]
+
+
+def test_stop_keeps_the_pages_that_are_done(stack, hand) -> None:
+    pages = stack.workspace.pages
+    bar = stack.feature(PagesFeature).bar
+    hand.qtbot.mouseClick(bar.run, LEFT)
+    assert bar.run.text() == "Stop"
+    hand.wait(lambda: 1 in pages._found)
+    hand.qtbot.mouseClick(bar.run, LEFT)
+    settled(stack, hand)
+    assert bar.run.text() == "Run all pages"
+    done = [page.number for page in pages.result.pages]
+    assert done == list(range(1, len(done) + 1))
+    assert len(done) < 5 or pages.result.results
+
+
+def test_a_session_keeps_the_pages(stack, hand, tmp_path) -> None:
+    run_all(stack, hand)
+    documents = stack.feature(OpenSaveFeature).document_file
+    assert documents.unsaved
+    assert documents.save_at_once(tmp_path / "a.cpm")
+    assert not documents.unsaved
+    before = [
+        (page.number, [one.points.tolist() for one in page.contours]) for page in stack.workspace.pages.result.pages
+    ]
+    stack.session.open(tmp_path / "a.cpm")
+    hand.wait(lambda: stack.session.idle and stack.workspace.pages.result is not None)
+    settled(stack, hand)
+    assert vertices(stack) == before
+    assert not documents.unsaved
+    stack.canvas_area.canvas.setFocus()
+    go(stack, hand, page=2)
+    hand.wait(lambda: bool(stack.session.scene.contours.items))
+    assert stack.session.status.phase == "finished"
+    assert documents.path == tmp_path / "a.cpm"
+    assert not documents.unsaved
+
+
+def test_damaged_pages_of_a_session_are_left_out_with_a_sentence(stack, hand, tmp_path) -> None:
+    run_all(stack, hand)
+    stack.feature(OpenSaveFeature).document_file.save_at_once(tmp_path / "a.cpm")
+    text = (tmp_path / "a.cpm").read_text(encoding="utf-8")
+    assert load_session(tmp_path / "a.cpm").pages["found"]
+    (tmp_path / "b.cpm").write_text(text.replace('"page": 2', '"page": 99'), encoding="utf-8")
+    stack.session.open(tmp_path / "b.cpm")
+    hand.wait(lambda: stack.session.idle and stack.workspace.pages.result is not None)
+    settled(stack, hand)
+    assert [page.number for page in stack.workspace.pages.result.pages] == [1, 3, 4, 5]
+    assert "Some pages of the stack are damaged" in stack.canvas_area.messages.text
+
+
+def test_paging_asks_nothing_and_loses_nothing(stack, hand, monkeypatch) -> None:
+    asked = []
+    monkeypatch.setattr(dialogs, "ask_about_unsaved", lambda *question: asked.append(question) or "discard")
+    documents = stack.feature(OpenSaveFeature).document_file
+    assert documents.unsaved
+    go(stack, hand, page=2)
+    assert documents.unsaved  # the circle on the page before
+    assert "the other pages" in documents.lost
+    assert asked == []
+
+
+def test_one_image_has_no_line_of_pages(ready) -> None:
+    assert not ready.feature(PagesFeature).bar.isVisible()
+    assert ready.workspace.pages.count == 0
