@@ -83,7 +83,7 @@ def test_table_and_picture_are_written(image, mask, command, tmp_path):
 def test_settings_of_methods_are_set_by_name(image, command):
     found = [
         json.loads(command("compare", image, *CIRCLE, "--methods", "gac", *more, "--json")[1])["methods"][0]["steps"]
-        for more in ((), ("--set", "gac.balloon=0.3"), ("--set", "gac.balloon=0.3", "gac.exponent=1"))
+        for more in ((), ("--set", "gac.balloon=0.6"), ("--set", "gac.balloon=0.6", "gac.exponent=1"))
     ]
     assert len(set(found)) == 3
 
