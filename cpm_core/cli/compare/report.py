@@ -13,8 +13,8 @@ from cpm_core.segmentation.methods import CONTOUR_METHODS
 
 SEARCHED = (
     "Settings: those of the charged particles are the publication's, with the smoothing chosen by the noise. Those of "
-    "the other methods are their defaults, found by a search of each parameter in turn on every second of these trials; "
-    "those of Chan-Vese are scikit-image's, with a smaller tolerance, and were not searched."
+    "the other methods are their defaults, found by a search of each parameter in turn on every second of these; "
+    "those of Chan-Vese are scikit-image's with a smaller tolerance."
 )
 
 _WHAT, _NUMBER = 26, 8
