@@ -138,7 +138,8 @@ _VESSELS = Page(
     ),
     (tr("For your own volume: choose the tool {circle}, draw a sphere inside the vessel in any slice, and run. If "
         "faint branches are missing, lower {=edge_floor}; if noise is found as well, raise it or {=smoothing}. Where "
-        "the file does not tell the size of a voxel, set it first."),),
+        "the file does not tell the size of a voxel, set it first: {pixel_size}. A file with several channels or "
+        "points in time opens any of them: {choose_part}."),),
     "vessels.tif",
 )  # fmt: skip
 
@@ -146,7 +147,8 @@ _CANVAS = Page(
     "canvas",
     tr("On the canvas"),
     tr("Left button: the current tool. Middle or right button: drag to move the image; a right "
-       "click opens a menu of what lies there. Wheel: zoom at the pointer."),
+       "click opens a menu of what lies there; with Ctrl it changes the gray values that are shown, to the "
+       "right softer, up darker. Wheel: zoom at the pointer."),
     (),
     (
         tr("{fit} shows the whole image, {actual_size} one pixel of it on one pixel of the screen, {zoom_to_selection} "
@@ -193,7 +195,8 @@ _FURTHER = Page(
            "runs."),
         tr("<b>Find values.</b> {mosaic} compares runs with several values of two parameters."),
         tr("<b>Compare.</b> {wipe} shows two branches, or a result and the ground truth, on both sides of a divider "
-           "that you can drag. {keep_result} keeps a result to compare later ones with it."),
+           "that you can drag. {keep_result} keeps a result to compare later ones with it. {compare_methods} runs "
+           "snakes, level sets and others beside the particles, from the same start."),
         tr("<b>Next image.</b> {next_image} opens the next image of the folder, with the session beside it; {start} "
            "shows recent work. Each image begins with fresh parameters; {former_parameters} takes those of the last "
            "one."),

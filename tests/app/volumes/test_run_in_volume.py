@@ -131,3 +131,12 @@ def test_a_sphere_in_the_middle_needs_no_mouse(volume, hand) -> None:
     hand.qtbot.mouseClick(volume.feature(SlicesFeature).bar.axes[2], Qt.MouseButton.LeftButton)
     hand.key(KEY.Key_K, CONTROL)
     assert sphere_of(volume).center == pytest.approx((11.5, 13.5, 16), abs=1.0)
+
+
+def test_the_end_of_a_run_looks_for_no_objects_of_the_plane(volume, hand) -> None:
+    hand.drag((14, 16), (14, 18), (14, 22))
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: volume.session.idle and volume.session.tasks.idle)
+    assert not volume.workspace.object_selection.partitions.preparing
+    assert volume.canvas_area.messages.text == ""

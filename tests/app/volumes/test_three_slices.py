@@ -26,6 +26,13 @@ def lines(view) -> list[float]:
     return [line.value() for line in view.cross._lines]
 
 
+def turn_wheel(view, notches, at, keys=Qt.KeyboardModifier.NoModifier) -> None:
+    port, at = view.viewport(), QPointF(at)
+    event = QWheelEvent(at, port.mapToGlobal(at), QPoint(), QPoint(0, 120 * notches), Qt.MouseButton.NoButton, keys,
+                        Qt.ScrollPhase.NoScrollPhase, False)  # fmt: skip
+    QApplication.sendEvent(port, event)
+
+
 def test_the_other_axes_are_shown_beside_the_canvas(volume, hand) -> None:
     for axis in range(3):
         volume.workspace.slices.turn(axis)
@@ -37,7 +44,7 @@ def test_the_other_axes_are_shown_beside_the_canvas(volume, hand) -> None:
             assert lines(view) == list(here.within(volume.session.scene.slices.voxel))
 
 
-@pytest.mark.parametrize("button", [Qt.MouseButton.RightButton, Qt.MouseButton.MiddleButton, LEFT])
+@pytest.mark.parametrize("button", [Qt.MouseButton.RightButton, LEFT])
 def test_a_click_beside_the_canvas_moves_the_cross_and_with_it_the_slice(volume, hand, button) -> None:
     if button == LEFT:
         hand.key(Qt.Key.Key_S)
@@ -56,13 +63,28 @@ def test_a_click_beside_the_canvas_moves_the_cross_and_with_it_the_slice(volume,
 
 def test_the_wheel_beside_the_canvas_goes_through_the_slices_there(volume) -> None:
     _, columns = sides(volume)
-    port = columns.viewport()
-    at = QPointF(port.rect().center())
-    event = QWheelEvent(at, port.mapToGlobal(at), QPoint(), QPoint(0, -240), Qt.MouseButton.NoButton,
-                        Qt.KeyboardModifier.NoModifier, Qt.ScrollPhase.NoScrollPhase, False)  # fmt: skip
-    QApplication.sendEvent(port, event)
+    turn_wheel(columns, -2, columns.viewport().rect().center())
     assert volume.session.scene.slices.voxel == (12, 14, 18)
     assert volume.session.scene.slices.axis == 0
+
+
+def test_the_slices_beside_the_canvas_are_enlarged_and_moved(volume) -> None:
+    middle, control = Qt.MouseButton.MiddleButton, Qt.KeyboardModifier.ControlModifier
+    rows, columns = sides(volume)
+    whole, at = rows.view.viewRect(), (8.0, 12.0)
+    voxel, before = volume.session.scene.slices.voxel, rows.point(at)
+    turn_wheel(rows, 4, before.toPoint(), control)
+    assert rows.view.viewRect().width() < 0.6 * whole.width()
+    assert (rows.point(at) - before).manhattanLength() < 4.0, "the place under the pointer stays"
+    assert columns.view.viewRect().contains(16.0, 12.0)
+    press(rows, at, middle)
+    seen = rows.view.viewRect()
+    move(rows, (10.0, 15.0), middle)
+    release(rows, (10.0, 15.0), middle)
+    assert rows.view.viewRect().center().x() < seen.center().x()
+    turn_wheel(rows, -8, before.toPoint(), control)
+    assert rows.view.viewRect() == whole
+    assert volume.session.scene.slices.voxel == voxel
 
 
 def test_what_is_drawn_in_one_slice_is_seen_in_all_that_cut_it(volume, hand) -> None:

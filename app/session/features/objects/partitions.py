@@ -112,7 +112,7 @@ class Partitions(QObject):
 
     def _source(self) -> Source | None:
         scene = self._session.scene
-        if scene.image is None:
+        if scene.image is None or scene.slices is not None:  # nothing is selected by clicks in a volume
             return None
         found = scene.reconstruction.result if scene.reconstruction is not None else None
         if isinstance(found, Result) and found.image is not None and found.contours:

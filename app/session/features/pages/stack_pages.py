@@ -22,7 +22,7 @@ from app.session.features.pages.linking import linked
 from app.session.features.pages.page_runs import PageDone, PageOrder, run_pages
 from app.session.features.pages.paging import Paging
 from app.session.features.pages.stack_source import StackSource
-from app.session.features.pages.stored_pages import StoredPages
+from app.session.features.pages.stored_pages import PlainPages, StoredPages
 from app.session.session import Session
 from app.session.signals import EXPORTING, OPENING, RUNNING
 from app.session.storage.session_file import DocumentFile
@@ -191,8 +191,8 @@ class StackPages(Paging):
         if not self.count:
             return {}
         given = not self._session.document.starts or self._session.document.starts != self._given
-        stored = StoredPages(self._kept, {}, self.following, self._drawn, () if given else self._given)
-        return stored.to_plain(self.number, self.result)
+        stored = StoredPages(dict(self._kept), {}, self.following, self._drawn, () if given else self._given)
+        return PlainPages(stored, self.number, self.result)
 
     def _begin_stack(self, source: StackSource, opened: Opened) -> None:
         """Another file has been opened, perhaps with a session that knows its pages."""

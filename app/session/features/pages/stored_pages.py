@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -98,6 +99,27 @@ class StoredPages:
         given = here.starts if plain.get("given") is True else ()
         trouble = tr("Some pages of the stack are damaged in the session and were left out.")
         return cls(kept, pages, plain.get("following") is not False, drawn, given, trouble if first or second else "")
+
+
+class PlainPages(Mapping[str, Any]):
+    """Pages as plain JSON, made when it is asked for: on the thread that writes a file, and not in the window's."""
+
+    def __init__(self, stored: StoredPages, here: int, result: StackResult | None) -> None:
+        self._asked = stored, here, result
+
+    @cached_property
+    def _plain(self) -> dict[str, Any]:
+        stored, here, result = self._asked
+        return stored.to_plain(here, result)
+
+    def __getitem__(self, name: str) -> Any:
+        return self._plain[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._plain)
+
+    def __len__(self) -> int:
+        return len(self._plain)
 
 
 def _read(

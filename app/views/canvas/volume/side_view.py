@@ -11,7 +11,8 @@ from app.model.text.language import tr
 from app.model.volume.slices import AXES, Slices
 from app.session.features.volumes.sections import Sections
 from app.session.scene import Scene
-from app.views.canvas.canvas import Canvas, Wheel
+from app.views.canvas.canvas import ZOOM, Canvas, Panning, Wheel
+from app.views.canvas.coordinates import image_rectangle
 from app.views.canvas.image_view import ImageView
 from app.views.canvas.items.item import line_pen
 from app.views.canvas.mirrors.mirror import Mirror
@@ -43,9 +44,9 @@ class Cross:
 
 
 class SideView(Mirror):
-    """Shows the slice across one axis, as a whole, and takes the tool in use.
+    """Shows the slice across one axis, at first as a whole, and takes the tool in use.
 
-    The right or the middle button moves the cross, the wheel goes through the slices.
+    The right button moves the cross, the wheel goes through the slices, with Ctrl it zooms, and the middle button pans.
     """
 
     went = Signal(object)
@@ -61,8 +62,8 @@ class SideView(Mirror):
         self._main = canvas
         self._fitted = True
         self._wheel = Wheel()
-        drawing = canvas.layers.drawing
-        drawing.drafting.connect(self._copy_draft)
+        self._panning = Panning()
+        canvas.layers.drawing.drafting.connect(self._copy_draft)
 
     def show_slice(self, scene: Scene, axis: int) -> None:
         """Draw the slice of a scene across an axis."""
@@ -85,6 +86,8 @@ class SideView(Mirror):
         if event.button() == Qt.MouseButton.LeftButton:
             self._main.bend(event.modifiers())
             self._main.hold.press(self, at)
+        elif event.button() == Qt.MouseButton.MiddleButton:
+            self._panning.begin(event.position(), at_once=True)
         else:
             self.went.emit(self.placed(at))
 
@@ -92,7 +95,10 @@ class SideView(Mirror):
         """Continue it, or show what a press would do."""
         event.accept()
         at = self.position(event.position())
-        if event.buttons() & (Qt.MouseButton.RightButton | Qt.MouseButton.MiddleButton):
+        if self._panning.active:
+            moved = self._panning.move(event.position())
+            self.pan(moved.x(), moved.y())
+        elif event.buttons() & Qt.MouseButton.RightButton:
             self.went.emit(self.placed(at))
         elif not self._main.led_by_keys:
             self._main.bend(event.modifiers())
@@ -104,6 +110,8 @@ class SideView(Mirror):
         event.accept()
         if event.button() == Qt.MouseButton.LeftButton:
             self._main.let_go()
+        elif self._panning.active:
+            self._panning.end()
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """Treat the second click like any other."""
@@ -116,9 +124,13 @@ class SideView(Mirror):
         super().leaveEvent(event)
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Go through the slices of this view."""
+        """Go through the slices of this view; with Ctrl zoom around the pointer, at the least to the whole slice."""
         event.accept()
-        if self.sections.axis is not None:
+        if event.modifiers() & Qt.KeyboardModifier.ControlModifier:
+            self.zoom(ZOOM ** (event.angleDelta().y() / 120.0), event.position())
+            if self.shape is not None and self.view.viewRect().contains(image_rectangle(self.shape)):
+                self.fit()
+        elif self.sections.axis is not None:
             self.passed.emit(self.sections.axis, self._wheel.notches(event))
 
     def _copy_draft(self) -> None:
