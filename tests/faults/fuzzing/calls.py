@@ -313,7 +313,9 @@ _OF_THE_LIBRARY = {
 """Arguments that are objects of the library, for which nothing else is tried."""
 
 FUNCTIONS: dict[str, Callable[..., Any]] = {
-    name: getattr(cpm_core, name) for name in cpm_core.__all__ if name not in _SKIPPED
+    name: getattr(cpm_core, name)
+    for name in cpm_core.__all__
+    if name not in _SKIPPED and callable(getattr(cpm_core, name))
 }
 
 
