@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from PySide6.QtCore import QObject, Qt, QTimer
@@ -15,6 +16,7 @@ from app.model.text.language import tr
 from app.session.core_functions import Core
 from app.session.document.editing import Editing
 from app.session.document.live_edits import Live
+from app.session.document.undo_history import Erasure
 from app.session.exchange.pacing import Pacer
 from app.session.signals import RUNNING
 from app.session.tasks.tasks import Tasks
@@ -174,6 +176,14 @@ class RunControl(Editing):
 
     def _follow(self, before: Document, after: Document, complete: bool) -> None:
         self.live.follow(before, after, complete)
+
+    def _turn_erasures(self, erasures: Sequence[Erasure], back: bool) -> None:
+        goes_on = self.status.phase == "running"
+        self.live.turn(erasures, back)
+        self.hold(RunCall(None, Run.turn_erasures, tuple(erasure.number for erasure in erasures), back))
+        if goes_on:
+            self._progress.phase("running")
+            self.post(RunCall(self._generation, Run.go))
 
     def _end_gesture(self) -> None:
         self.live.end_gesture()

@@ -2,7 +2,8 @@
 
 ``python tests/benchmarks/tune_methods.py [NAME ...]`` prints, for each method, the settings with the highest mean F
 over every second trial, after `MOST_STEPS` at most: each parameter in turn takes each value of its list while the
-others stay, and the best is kept. It begins with the defaults; those of the classical methods are what it has found.
+others stay, and the best is kept. It begins with the defaults; those of the classical methods are what it has found,
+except for Chan-Vese, whose runs take too long.
 The charged particles are searched in the same way.
 """
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from PySide6.QtCore import QObject
@@ -12,7 +12,7 @@ from app.model.document.changes import ChangeInWords
 from app.model.document.document import Document
 from app.model.document.naming import describe
 from app.model.text.language import tr
-from app.session.document.undo_history import Change, History
+from app.session.document.undo_history import Change, Erasure, History, Turned
 from app.session.scene import ReviewedContours
 from app.session.signals import EDITING, RUNNING, SessionSignals
 
@@ -59,11 +59,13 @@ class Editing(SessionSignals):
         self._history = history
         self.show_status()
 
-    def edit(self, name: str, edit: Callable[[Document], Document], gesture: str = "") -> None:
+    def edit(
+        self, name: str, edit: Callable[[Document], Document], gesture: str = "", erasure: Erasure | None = None
+    ) -> None:
         """Change the document in a way that can be undone.
 
-        `name` is what follows "Undo" in the menu. Edits in a row with the same gesture are undone together. A
-        `ValueError` of `edit` is shown to the user and changes nothing.
+        `name` is what follows "Undo" in the menu. Edits in a row with the same gesture are undone together, and with
+        them the `erasure` of particles. A `ValueError` of `edit` is shown to the user and changes nothing.
         """
         before = self.document
         try:
@@ -71,9 +73,11 @@ class Editing(SessionSignals):
         except ValueError as error:
             self.say(str(error), True, EDITING)
             return
-        if after != before:
-            self._history.push(Change(name, before, after, gesture))
+        if after != before or erasure is not None:
+            self._history.push(Change(name, before, after, gesture, erasure))
             self._use(after, complete=not gesture)
+        if after == before and erasure is not None:
+            self._announce()
 
     def seal(self) -> None:
         """End a gesture: the next edit is undone separately."""
@@ -82,15 +86,15 @@ class Editing(SessionSignals):
 
     def undo(self) -> None:
         """Take back the last edit."""
-        self._use(self._history.undo())
+        self._turn(self._history.undo())
 
     def redo(self) -> None:
         """Repeat the edit that was undone last."""
-        self._use(self._history.redo())
+        self._turn(self._history.redo())
 
     def go_to(self, done: int) -> None:
         """Undo or redo until so many of the `changes` are done."""
-        self._use(self._history.go_to(done))
+        self._turn(self._history.go_to(done))
 
     def select(self, index: int | None) -> None:
         """Select a shape, or none."""
@@ -117,6 +121,26 @@ class Editing(SessionSignals):
         self._history = History()
         self._scene = replace(self.scene, selected=None)
         self._use(document, before=before)
+
+    def _turn(self, turned: Turned | None) -> None:
+        """Use the document that undo or redo leads to, and bring particles back or take them away again."""
+        if turned is None:
+            return
+        erasures = [change.erasure for change in turned.changes if change.erasure is not None]
+        if erasures:
+            self._turn_erasures(erasures, turned.back)
+        same = turned.document == self.document
+        self._use(turned.document)
+        if same:
+            self._announce()
+
+    def _announce(self) -> None:
+        """The history has changed, and the document has not."""
+        self.document_changed.emit(self.document)
+        self.show_status()
+
+    def _turn_erasures(self, erasures: Sequence[Erasure], back: bool) -> None:
+        """Particles that were erased come back, or go again."""
 
     def _follow(self, before: Document, after: Document, complete: bool) -> None:
         """The document has changed; unless `complete`, the gesture that changes it continues."""

@@ -8,18 +8,25 @@ When a start is moved or removed after the run has begun, the run is only marked
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import replace
+
+import numpy as np
 
 from app.model.document import edits
 from app.model.document.document import Document
 from app.model.text.language import tr
 from app.session.document.editing import Editing
+from app.session.document.undo_history import Erasure
+from app.session.timeline.run_actions import Erased
 from app.session.updates import Progress
 from app.session.worker.commands.run import Command, FindSeeds, RunCall
 from app.session.worker.run import Run
 from cpm_core.numerics.types import Place
 from cpm_core.shapes import Interest, Points, Shape, Start
+
+_MOVED = 2.0
+"""Distance by which particles may have moved since they were shown [px]."""
 
 
 class Live:
@@ -30,6 +37,7 @@ class Live:
         self._progress = progress
         self._post = post
         self._run = 0
+        self._erasures = 0
         self._late: tuple[object, ...] = ()
         self._executed: Counter[Hashable] = Counter()
         self._others: dict[int, tuple[tuple[object, ...], Counter[Hashable]]] = {}
@@ -120,17 +128,39 @@ class Live:
             self._executed = self._executed + new
             self._post(RunCall(self._session.generation, Run.join, _only(document, new)))
 
-    def erase(self, path: tuple[Place, ...], radius: float) -> Document:
-        """Remove the particles near a path, and return the document without the shapes near it.
+    def begin_erasure(self) -> Erasure:
+        """An erasure that has not removed anything yet."""
+        self._erasures += 1
+        return Erasure(self._erasures)
+
+    def erase(self, path: tuple[Place, ...], radius: float, erasure: Erasure) -> tuple[Document, bool]:
+        """Remove the particles near a path: the document without the shapes near it, and whether the run changes.
 
         Run and document stay consistent, so that the run is not out of date afterwards.
         """
         session = self._session
         rest = edits.erase(session.document, path, radius)
-        self._executed = self._executed - (session.document.sources - rest.sources)
-        if self._progress.status.started:
-            self._post(RunCall(session.generation, Run.erase, path, radius))
-        return rest
+        lost = self._executed & (session.document.sources - rest.sources)
+        self._executed = self._executed - lost
+        if not self._progress.status.started:
+            return rest, False
+        erasure.sources += lost
+        self._post(RunCall(session.generation, Run.erase, path, radius, erasure.number))
+        return rest, bool(lost) or self._reached(path, radius)
+
+    def turn(self, erasures: Sequence[Erasure], back: bool) -> None:
+        """Particles that were erased come back, or go again, and with them those of the shapes erased."""
+        for erasure in erasures:
+            self._executed = self._executed + erasure.sources if back else self._executed - erasure.sources
+
+    def _reached(self, path: tuple[Place, ...], radius: float) -> bool:
+        """Whether particles are near a path, as far as the window knows; while they move, some px farther away."""
+        scene = self._session.scene
+        if scene.snapshot is None or scene.image is None:
+            return True
+        moving = self._progress.status.phase == "running"
+        erased = Erased(path, radius + _MOVED * moving)
+        return bool(np.any(erased.reaches(scene.snapshot.position, scene.image.spacing)))
 
 
 def _only(document: Document, sources: Counter[Hashable]) -> Document:

@@ -2,12 +2,25 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Hashable
 from dataclasses import dataclass, field, replace
 
 from app.model.document.changes import ChangeInWords, in_words
 from app.model.document.document import Document, ImageReference
 
 DEEPEST = 500
+
+
+@dataclass(eq=False, slots=True)
+class Erasure:
+    """The particles that a gesture takes away from a run, which undo brings back: its number among all of them.
+
+    `sources` are the drawn shapes that it takes away, as far as particles of the run come from them.
+    """
+
+    number: int
+    sources: Counter[Hashable] = field(default_factory=Counter)
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,12 +34,22 @@ class Change:
     before: Document
     after: Document
     gesture: str = ""
+    erasure: Erasure | None = None
     words: ChangeInWords = field(init=False)
     """What has become what."""
 
     def __post_init__(self) -> None:
         # here, and not when the history is shown: that is after every step of a drag
         object.__setattr__(self, "words", in_words(self.name, self.before, self.after))
+
+
+@dataclass(frozen=True, slots=True)
+class Turned:
+    """What undo or redo leads to: a document, and the changes on the way there, and whether they were undone."""
+
+    document: Document
+    changes: tuple[Change, ...]
+    back: bool
 
 
 class History:
@@ -57,21 +80,21 @@ class History:
         """Number of changes that are done."""
         return len(self._done)
 
-    def go_to(self, done: int) -> Document | None:
-        """The document with so many changes done; None if it is the current one."""
-        document = None
-        while self._done and len(self._done) > done:
-            document = self.undo()
-        while self._undone and len(self._done) < done:
-            document = self.redo()
-        return document
+    def go_to(self, done: int) -> Turned | None:
+        """Undo or redo until so many changes are done; None if they are."""
+        turned, last = None, len(self._done)
+        while last != done and (step := self.undo() if done < last else self.redo()) is not None:
+            turned = step if turned is None else replace(step, changes=(*turned.changes, *step.changes))
+            last = len(self._done)
+        return turned
 
     def push(self, change: Change) -> None:
         """Record a change that has been made."""
         self._undone.clear()
         if self._open and change.gesture and self._done and self._done[-1].gesture == change.gesture:
-            merged = replace(self._done.pop(), after=change.after, name=change.name)
-            if merged.before != merged.after:
+            known = self._done.pop()
+            merged = replace(known, after=change.after, name=change.name, erasure=known.erasure or change.erasure)
+            if merged.before != merged.after or merged.erasure is not None:
                 self._done.append(merged)
             else:
                 self._open = False
@@ -84,29 +107,33 @@ class History:
         """End a gesture: the next change is separate."""
         self._open = False
 
-    def undo(self) -> Document | None:
-        """The document before the last change, or None."""
+    def undo(self) -> Turned | None:
+        """Take the last change back, if there is one."""
         return self._turn(self._done, self._undone, back=True)
 
-    def redo(self) -> Document | None:
-        """The document after the change last undone, or None."""
+    def redo(self) -> Turned | None:
+        """Repeat the change that was undone last, if there is one."""
         return self._turn(self._undone, self._done, back=False)
 
     def on(self, image: ImageReference | None) -> History:
-        """The same history for the image as it has been opened again, by another path perhaps."""
+        """The same history for the image as it has been opened again, by another path perhaps.
+
+        Without the erasures of particles, whose runs have ended with the image.
+        """
         for changes in (self._done, self._undone):
-            if changes and changes[-1].after.image != image:
-                changes[:] = [_on(change, image) for change in changes]
+            if any(change.after.image != image or change.erasure is not None for change in changes):
+                changes[:] = [_on(change, image) for change in changes if change.before != change.after]
         return self
 
-    def _turn(self, source: list[Change], target: list[Change], *, back: bool) -> Document | None:
+    def _turn(self, source: list[Change], target: list[Change], *, back: bool) -> Turned | None:
         self._open = False
         if not source:
             return None
         change = source.pop()
         target.append(change)
-        return change.before if back else change.after
+        return Turned(change.before if back else change.after, (change,), back)
 
 
 def _on(change: Change, image: ImageReference | None) -> Change:
-    return replace(change, before=replace(change.before, image=image), after=replace(change.after, image=image))
+    before, after = replace(change.before, image=image), replace(change.after, image=image)
+    return replace(change, before=before, after=after, erasure=None)

@@ -98,13 +98,14 @@ class Recording(RecordedSteps[RunAction]):
         self._kept.put((node.identity, state.step), state)
         self._make_room()
 
-    def amend(self, action: RunAction, state: MethodState) -> None:
+    def amend(self, action: RunAction, state: MethodState, apart: bool = False) -> None:
         """Change the current state without a step.
 
-        If other steps have followed from it, the change begins a new branch.
+        If other steps have followed from it, the change begins a new branch; so it does if it is to be kept `apart`,
+        so that the state before it can be gone back to.
         """
         node, step = self._here(), self._step
-        if step < node.last or self._tree.forks(node, step):
+        if apart or step < node.last or self._tree.forks(node, step):
             node = self._tree.open(self._tree.owner(node, step), step, (action,))
         else:
             node.amend(action)

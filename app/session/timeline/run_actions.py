@@ -74,9 +74,10 @@ class Erased:
 
     def apply(self, method: Method[Any], state: Any) -> Any:
         """Remove the particles; a method without moving particles leaves its state as it is."""
-        sides = np.array(method.image.spacing) / min(method.image.spacing) if len(self.path[0]) == 3 else 1.0
+        spacing = method.image.spacing
+        return method.erased(state, lambda at: self.reaches(at, spacing)) if isinstance(method, Steerable) else state
 
-        def inside(places: Array) -> ArrayLike:
-            return polyline.distances(np.array(self.path) * sides, places * sides) <= self.radius
-
-        return method.erased(state, inside) if isinstance(method, Steerable) else state
+    def reaches(self, places: Array, spacing: tuple[float, ...]) -> ArrayLike:
+        """Which places, shape (N, D), are no farther from the path than the radius."""
+        sides = np.array(spacing) / min(spacing) if len(self.path[0]) == 3 else 1.0
+        return polyline.distances(np.array(self.path) * sides, places * sides) <= self.radius

@@ -196,9 +196,9 @@ class RecordedRun:
         self.timeline.record(action, state)
         self._keep(record)
 
-    def amend(self, action: RunAction, state: MethodState, record: RunRecord) -> None:
-        """Change the current state without a step, as by particles that join."""
-        self.timeline.amend(action, state)
+    def amend(self, action: RunAction, state: MethodState, record: RunRecord, apart: bool = False) -> None:
+        """Change the current state without a step, as by particles that join; `apart` on a branch of its own."""
+        self.timeline.amend(action, state, apart)
         self._keep(record)
 
     def go(self, branch: int, step: int, wanted: Callable[[], bool]) -> tuple[MethodState, RunRecord] | None:

@@ -40,12 +40,14 @@ class Run(Stepper):
         self.image_generation = 0
         self._prepared = prepared
         self._overlays = OverlayMaker(overlays)
+        self._erasures: dict[int, tuple[tuple[int, int], tuple[int, int]]] = {}
 
     def use(self, generation: int, method: Method[Any], parameters: Parameters) -> None:
         """Change to another image, with the method that is prepared for it."""
         self.hand_edits = ()
         self.discard(generation)
         self.recorded.clear()
+        self._erasures.clear()
         self.image_generation = generation
         self._prepared.use(method)
         self.method, self.charges, self.parameters = method, (), parameters
@@ -120,18 +122,38 @@ class Run(Stepper):
         self._do(Joined.at(self._prepared.seeds(document), self.method.regions))
         return ended and self._keep_going()
 
-    def erase(self, path: tuple[Place, ...], radius: float) -> None:
-        """Remove the particles near a path."""
-        if isinstance(self.method, Steerable) and self.state is not None:
-            self._do(Erased(path, radius, self.method.regions))
-            if self.state.stop_reason:
-                self._remaining = 0.0
+    def erase(self, path: tuple[Place, ...], radius: float, erasure: int) -> None:
+        """Remove the particles near a path; those of one `erasure`, which has a number, are brought back together.
 
-    def _do(self, action: RunAction) -> None:
-        """Apply an action to the current state."""
+        The first that is removed begins a branch, so that the state before it is a place on the timeline.
+        """
+        here = self.recorded.timeline.here
+        if not isinstance(self.method, Steerable) or self.state is None or here is None:
+            return
+        count, known = self.state.count, erasure in self._erasures
+        action = Erased(path, radius, self.method.regions)
+        removes = not known and action.apply(self.method, self.state).count < count
+        if removes:
+            self._record = self._record.until(len(self._record))
+        self._do(action, apart=removes)
+        after = self.recorded.timeline.here
+        if (removes or known) and after is not None:
+            self._erasures[erasure] = (self._erasures[erasure][0] if known else here, after)
+        if self.state.stop_reason:
+            self._remaining = 0.0
+
+    def turn_erasures(self, erasures: tuple[int, ...], back: bool) -> None:
+        """Go to the state before the last of some erasures, or to the one after it; stay where none removed any."""
+        known = [self._erasures[erasure] for erasure in erasures if erasure in self._erasures]
+        if known:
+            before, after = known[-1]
+            self.go_to(*(before if back else after), lambda: True)
+
+    def _do(self, action: RunAction, apart: bool = False) -> None:
+        """Apply an action to the current state; `apart` on a branch of its own."""
         assert self.method is not None
         self.state = action.apply(self.method, self.state)
-        self.recorded.amend(action, self.state, self._record)
+        self.recorded.amend(action, self.state, self._record, apart)
         self._send()
 
     def set_overlays(self, names: frozenset[str]) -> None:

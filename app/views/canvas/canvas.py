@@ -72,7 +72,7 @@ class Canvas(ImageView):
     """Place under the pointer, in the image or in the volume, in whichever view it is, or None when it has left."""
 
     taken = Signal()
-    """A button of the pointer has been pressed."""
+    """A button of the pointer has been pressed, or there is another image: what keys do there is over."""
 
     slice_wanted = Signal(int)
     """The slice so many further along is wanted."""
@@ -112,6 +112,7 @@ class Canvas(ImageView):
     def use_image(self) -> None:
         """Cancel what was begun on another image."""
         self.cancel()
+        self.taken.emit()
         super().use_image()
         self.point_again()
 

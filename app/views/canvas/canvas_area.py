@@ -84,7 +84,7 @@ class CanvasArea(QWidget):
         self.use_tool(FIRST_TOOL)
         session.said.connect(self.messages.say)
         session.attempted.connect(self.messages.attempt)
-        session.image_changed.connect(self._leave_image)
+        session.image_changed.connect(lambda: self.messages.keep_only(OPENING, *OF_THE_PROGRAM))
         for layer in self.canvas.layers:
             layer.changed.connect(self.strip.refresh_legend)
         session.status_changed.connect(self.refresh)
@@ -178,12 +178,6 @@ class CanvasArea(QWidget):
     def _draw(self) -> None:
         self.canvas.draw(self._workspace.other_result.near(self._session.scene))
         self.strip.refresh_legend()
-
-    def _leave_image(self) -> None:
-        """Drop messages, draft and cross-hair, which belong to the image before."""
-        self.messages.keep_only(OPENING, *OF_THE_PROGRAM)
-        self.canvas.cancel()
-        self.crosshair.hide()
 
     def _follow_contours(self) -> None:
         """Contours that are not visible cannot be selected."""

@@ -195,7 +195,8 @@ _FURTHER = Page(
            "runs."),
         tr("<b>Find values.</b> {mosaic} compares runs with several values of two parameters."),
         tr("<b>Compare.</b> {wipe} shows two branches, or a result and the ground truth, on both sides of a divider "
-           "that you can drag. {keep_result} keeps a result to compare later ones with it."),
+           "that you can drag. {keep_result} keeps a result to compare later ones with it. {compare_methods} runs "
+           "snakes, level sets and others beside the particles, from the same start."),
         tr("<b>Next image.</b> {next_image} opens the next image of the folder, with the session beside it; {start} "
            "shows recent work. Each image begins with fresh parameters; {former_parameters} takes those of the last "
            "one."),

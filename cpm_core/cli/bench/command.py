@@ -10,6 +10,7 @@ from dataclasses import asdict
 from cpm_core.cli.arguments import add_json
 from cpm_core.cli.bench.measurement import QUICK, UNHURRIED, Measurement
 from cpm_core.cli.bench.table import machine, measurements
+from cpm_core.cli.compare.report import report_claims
 from cpm_core.formats import load_image
 
 _WHAT, _TIME, _PEER = 44, 11, 40
@@ -26,11 +27,21 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     )
     parser.add_argument("--image", metavar="PATH", help="image for the whole runs (default: a scene of 398 x 548 px)")
     parser.add_argument("--quick", action="store_true", help="a few seconds: smaller inputs, fewer repeats")
+    parser.add_argument(
+        "--claims",
+        action="store_true",
+        help="test the claims of the publication beside classical methods on drawn images, which takes minutes",
+    )
     add_json(parser)
 
 
 def _bench(arguments: argparse.Namespace) -> None:
     """Measure, with a line for each measurement as soon as it is known."""
+    if arguments.claims:
+        if arguments.image is not None or arguments.quick:
+            raise ValueError("--claims has images of its own, each run once: leave out --image and --quick.")
+        report_claims(as_json=arguments.json)
+        return
     image = None if arguments.image is None else load_image(arguments.image)
     began = time.perf_counter()
     rows = measurements(QUICK if arguments.quick else UNHURRIED, image)

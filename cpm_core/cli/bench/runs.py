@@ -11,12 +11,13 @@ import numpy as np
 import skimage
 
 from cpm_core.cli.bench.measurement import TOO_LONG, Measurement, Patience, seconds_of
-from cpm_core.cli.bench.scenes import HAND, objects, one_object
+from cpm_core.cli.bench.scenes import HAND, objects, one_object, ring
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import most_scales
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import PRESETS
 from cpm_core.particles.initialization import circle, uniform_grid
+from cpm_core.particles.volume_starts import sphere
 from cpm_core.segmentation.segment import segment
 
 _RADIUS, _AROUND, _SNAKE = 12.0, 33.0, 200
@@ -40,6 +41,7 @@ def whole_runs(patience: Patience, image: Image | None = None) -> Iterator[Measu
     if image is None:
         yield _one_object(values, patience)
         yield from _growth(values.shape, ours, patience)
+        yield _in_a_volume(patience)
 
 
 def _everywhere(values: Array) -> object:
@@ -80,6 +82,27 @@ def _one_object(values: Array, patience: Patience) -> Measurement:
     ours, peer = seconds_of(patience, lambda: segment(values, circle(center, _RADIUS)), snake)
     what = f"scene {_size(values)}, circle in one object"
     return Measurement("run", what, ours, "s", "active contour from around it", peer)
+
+
+def _in_a_volume(patience: Patience) -> Measurement:
+    """A sphere in a ring, to the surface, beside a level set from the same sphere until it has filled the ring."""
+    values = ring(40 if patience.quick else 64)
+    middle, iterations = 0.5 * (len(values) - 1), round(1.1 * len(values))
+    center, radius = (middle, middle + 0.28 * len(values), middle), 0.08 * len(values)
+    began = np.linalg.norm(np.moveaxis(np.indices(values.shape), 0, -1) - center, axis=-1) < radius
+
+    def ours() -> object:
+        return segment(values, sphere(center, radius, 150), PRESETS["volume"])
+
+    def geodesic() -> object:
+        slope = skimage.segmentation.inverse_gaussian_gradient(values / 255.0, alpha=1000.0, sigma=1.0)
+        level_set = skimage.segmentation.morphological_geodesic_active_contour
+        return level_set(slope, iterations, init_level_set=began, balloon=1, threshold=0.4)
+
+    ours()  # compiles the loops of volumes
+    seconds, peer = seconds_of(patience, ours, geodesic)
+    what = f"ring {_size(values)}, sphere in it"
+    return Measurement("run", what, seconds, "s", f"morphological GAC, {iterations} iterations", peer)
 
 
 def _growth(shape: tuple[int, ...], seconds: float, patience: Patience) -> Iterator[Measurement]:

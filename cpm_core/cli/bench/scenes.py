@@ -36,6 +36,13 @@ def objects(shape: tuple[int, int], seed: int = 0) -> Array:
     return values
 
 
+def ring(side: int) -> Array:
+    """Volume with a bright ring around its middle, in the plane of rows and columns; gray levels from 20 to 220."""
+    plane, row, col = np.indices((side, side, side)) - 0.5 * (side - 1)
+    tube = np.hypot(np.hypot(row, col) - 0.28 * side, plane)
+    return np.asarray(20.0 + 200.0 * np.clip(0.125 * side - tube + 0.5, 0.0, 1.0))
+
+
 def one_object(shape: tuple[int, int]) -> tuple[float, float]:
     """Center (row, col) of an object of `objects` near the middle of the image [px]."""
     row, col = ((n // _CELL // 2) * _CELL for n in shape)

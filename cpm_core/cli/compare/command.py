@@ -121,11 +121,11 @@ def _finite(value: object) -> object:
 def _tell(row: Facts, truth: Truth | None, *, first: bool) -> None:
     """Print a line of the table, before the first its head."""
     if first:
-        scores = f"{'Dice':>7}{'F':>7}{'Hausdorff':>12}{'mean':>9}" if truth else ""
+        scores = f"{'Dice':>7}{'F':>7}{'Hausdorff':>12}{'mean':>11}" if truth else ""
         print(f"{'':{_WIDTH}}{'steps':>7}{'time':>10}{scores}  contours  end")
     agree = ""
     if row.dice is not None and row.f is not None:
-        agree = f"{row.dice:7.3f}{row.f:7.3f}{_px(row.hausdorff, 1):>12}{_px(row.mean_distance, 2):>9}"
+        agree = f"{row.dice:7.3f}{row.f:7.3f}{_px(row.hausdorff, 1):>12}{_px(row.mean_distance, 2):>11}"
     title = CONTOUR_METHODS[row.method].title
     time = f"{row.seconds:.2f} s"
     print(f"{title:{_WIDTH}}{row.steps:7}{time:>10}{agree}{row.contours:10}  {row.stop_reason}", flush=True)

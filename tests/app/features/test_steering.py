@@ -236,10 +236,70 @@ def test_erased_particles_vanish_and_so_does_the_shape_that_the_ring_touches(beg
     assert 0 < gone <= near(before, rim, radius + 0.5)
     assert session.document.shapes == ()
     assert not session.status.stale
-    hand.key(KEY.Key_Z, CONTROL)
+    erased = shown()
+    for _ in range(2):
+        hand.key(KEY.Key_Z, CONTROL)
+        hand.wait(lambda: session.idle)
+        np.testing.assert_array_equal(shown().position, before.position)
+        assert len(session.document.shapes) == 1
+        assert not session.status.stale
+        hand.key(KEY.Key_Y, CONTROL)
+        hand.wait(lambda: session.idle)
+        np.testing.assert_array_equal(shown().position, erased.position)
+        assert session.document.shapes == ()
+        assert not session.status.stale
+
+
+def test_undo_brings_erased_particles_back_however_far_the_run_has_gone_since(begun, hand, shown) -> None:
+    session = begun.session
+    session.edit("a start that stays", lambda document: edits.add_shape(document, Points(((56.0, 56.0),))))
     hand.wait(lambda: session.idle)
-    assert session.status.count > before.state.count - gone
+    before = shown()
+    strokes = [((22.0, 30.0), (22.0, 32.0), (22.0, 34.0)), ((42.0, 30.0), (42.0, 32.0), (42.0, 34.0))]
+    hand.key(KEY.Key_E)
+    states = [before]
+    for stroke in strokes:
+        hand.drag(*stroke)
+        hand.wait(lambda: session.idle)
+        assert shown().state.count < states[-1].state.count
+        states.append(shown())
+    assert begun.actions_by_name["undo"].text() == "Undo erase"
+    for _ in range(3):
+        hand.key(KEY.Key_Period)
+        hand.wait(lambda: session.idle)
+    assert session.status.step == before.state.step + 3
+    for state in reversed(states[:-1]):
+        hand.key(KEY.Key_Z, CONTROL)
+        hand.wait(lambda: session.idle)
+        np.testing.assert_array_equal(shown().position, state.position)
+        assert session.status.step == before.state.step
     assert not session.status.stale
+    for state in states[1:]:
+        hand.key(KEY.Key_Y, CONTROL)
+        hand.wait(lambda: session.idle)
+        np.testing.assert_array_equal(shown().position, state.position)
+
+
+def test_escape_brings_back_what_a_drag_has_erased(rested, hand, shown) -> None:
+    session, before = rested.session, shown()
+    hand.key(KEY.Key_E)
+    hand.press(14, 32)
+    hand.move(15, 36)
+    hand.wait(lambda: session.idle)
+    assert shown().state.count < before.state.count
+    hand.key(KEY.Key_Escape)
+    hand.release(15, 36)
+    hand.wait(lambda: session.idle)
+    np.testing.assert_array_equal(shown().position, before.position)
+
+
+def test_erasing_where_nothing_is_leaves_nothing_to_undo(begun, hand) -> None:
+    changes, branches = begun.session.changes, begun.session.scene.snapshot.timeline.branches
+    hand.key(KEY.Key_E)
+    hand.click(60, 4)
+    hand.wait(lambda: begun.session.idle)
+    assert begun.session.changes == changes
+    assert begun.session.scene.snapshot.timeline.branches == branches
 
 
 def test_less_and_greater_resize_the_eraser_even_with_recorded_steps(begun, hand) -> None:
@@ -256,12 +316,12 @@ def test_less_and_greater_resize_the_eraser_even_with_recorded_steps(begun, hand
 
 
 def test_steps_with_interventions_are_reproduced_exactly(begun, hand, shown) -> None:
-    session = begun.session
+    session, navigation = begun.session, begun.feature(TimelineFeature).navigation
     seen = {}
 
     def take_a_step() -> None:
         hand.wait(lambda: session.idle)
-        seen[session.status.step] = shown().position
+        seen[navigation.place] = shown().position
         hand.key(KEY.Key_Period)
         hand.wait(lambda: session.idle)
 
@@ -276,9 +336,8 @@ def test_steps_with_interventions_are_reproduced_exactly(begun, hand, shown) -> 
     session.edit("barrier", lambda document: edits.add_shape(document, Barrier(((2.0, 30.0), (60.0, 30.0)))))
     take_a_step()
     take_a_step()
-    navigation = begun.feature(TimelineFeature).navigation
-    for step, position in seen.items():
-        navigation.go(1, step)
+    for (branch, step), position in seen.items():
+        navigation.go(branch, step)
         hand.wait(lambda step=step: session.idle and shown().state.step == step)
         np.testing.assert_array_equal(shown().position, position)
 

@@ -147,7 +147,8 @@ def test_an_intervention_is_repeated_after_opening(ready, hand, tmp_path) -> Non
     for _ in range(8):
         session.step()
     session.edit("draw", lambda document: edits.add_shape(document, Circle((20.0, 20.0), 5.0)))
-    session.edit("erase", lambda _: session.live.erase(((32.0, 42.0), (34.0, 42.0)), 3.0))
+    erasure = session.live.begin_erasure()
+    session.edit("erase", lambda _: session.live.erase(((32.0, 42.0), (34.0, 42.0)), 3.0, erasure)[0])
     for _ in range(8):
         session.step()
     hand.wait(lambda: session.idle)

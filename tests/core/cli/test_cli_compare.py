@@ -80,10 +80,11 @@ def test_table_and_picture_are_written(image, mask, command, tmp_path):
         assert picture.info["Description"] == "cpm, gvf, gac"
 
 
-def test_settings_of_methods_are_set_by_name(image, command):
+def test_settings_of_methods_are_set_by_name(image, mask, command):
+    options = ("--methods", "gac", "--max-steps", 30, "--truth", mask, "--json")
     found = [
-        json.loads(command("compare", image, *CIRCLE, "--methods", "gac", *more, "--json")[1])["methods"][0]["steps"]
-        for more in ((), ("--set", "gac.balloon=0.3"), ("--set", "gac.balloon=0.3", "gac.exponent=1"))
+        json.loads(command("compare", image, *CIRCLE, *options, *more)[1])["methods"][0]["dice"]
+        for more in ((), ("--set", "gac.balloon=0.9"), ("--set", "gac.balloon=0.9", "gac.exponent=4"))
     ]
     assert len(set(found)) == 3
 

@@ -45,6 +45,7 @@ _ACTIVITIES: Mapping[Callable[..., object], str] = {
     Run.limit: "changing what limits the particles",
     Run.join: "adding particles",
     Run.erase: "erasing particles",
+    Run.turn_erasures: "bringing particles back",
     Run.edit_by_hand: "editing contours",
     Run.rename_branch: "renaming a branch",
     Run.drop_branch: "deleting a branch",

@@ -8,6 +8,7 @@ import numpy as np
 
 from app.model.document import edits
 from app.model.text.language import tr
+from app.session.document.undo_history import Erasure
 from app.views.canvas.tools.tool import ShapeTool, ToolContext
 from app.views.theme import theme
 from cpm_core.numerics.types import Place
@@ -161,7 +162,27 @@ class EraserTool(RingTool):
     guidance = tr("Drag over points, shapes or particles to erase them; < and > make the ring smaller and larger.")
     by_keys = tr("Enter begins to erase, arrow keys continue, Enter ends; < and > change the ring.")
 
+    def __init__(self, context: ToolContext) -> None:
+        super().__init__(context)
+        self._erasure: Erasure | None = None
+        self._erased = False
+
+    def press(self, at: Place, reach: float) -> None:
+        """Begin to erase."""
+        self._erasure, self._erased = self._session.live.begin_erasure(), False
+        super().press(at, reach)
+
     def work(self, path: tuple[Place, ...]) -> None:
         """Erase along the path of the ring."""
-        left = self._session.live.erase(path, self.radius)
-        self._session.edit(tr("erase"), lambda _: left, self._gesture)
+        assert self._erasure is not None
+        before = self._session.document
+        left, run_changed = self._session.live.erase(path, self.radius, self._erasure)
+        self._session.edit(tr("erase"), lambda _: left, self._gesture, self._erasure if run_changed else None)
+        self._erased = self._erased or run_changed or self._session.document is not before
+
+    def cancel(self) -> None:
+        """Bring back what the gesture has erased."""
+        during = self._last is not None
+        self.release()
+        if during and self._erased:
+            self._session.undo()

@@ -24,7 +24,7 @@ class GeodesicSettings(Settings):
     """Parameters of the geodesic active contour."""
 
     balloon: float = number(
-        1.0, "c", "Balloon", "Constant pressure that drives it on: outwards, or inwards from around the object.",
+        0.3, "c", "Balloon", "Constant pressure that drives it on: outwards, or inwards from around the object.",
         "More of it drives the contour on faster, and over edges.",
         (-20.0, 20.0), (-2.0, 2.0), 0.1, equation="w₀ of eq. (2)",
     )  # fmt: skip
@@ -44,7 +44,7 @@ class GeodesicSettings(Settings):
         (0.0, 20.0), (0.0, 1.0), 0.05, advanced=True,
     )  # fmt: skip
     exponent: float = number(
-        2.0, "m", "Exponent", "Exponent of the factor by which edges slow the contour down.",
+        1.0, "m", "Exponent", "Exponent of the factor by which edges slow the contour down.",
         "More of it also stops the contour at weak edges and at noise; less lets it cross them.",
         (0.1, 20.0), (0.5, 8.0), 0.5, equation="m of eq. (2)",
     )  # fmt: skip

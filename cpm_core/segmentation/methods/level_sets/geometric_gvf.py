@@ -23,28 +23,28 @@ class GeometricGvfSettings(Settings):
     """Parameters of the geometric GVF contour."""
 
     mu: float = number(
-        0.2, "μ", "Smoothness of the field", "How much the field is smoothed, against how closely it follows edges.",
+        0.02, "μ", "Smoothness of the field", "How much the field is smoothed, against how closely it follows edges.",
         "More of it carries the edges farther and evens out noise.",
         (1e-4, 100.0), (0.01, 1.0), 0.01, equation="gradient vector flow",
     )  # fmt: skip
     curvature: float = number(
-        0.2, "w", "Smoothness", "Weight of the curvature, which shortens the contour.",
+        0.02, "w", "Smoothness", "Weight of the curvature, which shortens the contour.",
         "More of it keeps the contour out of gaps, bays and noise.",
         (0.0, 20.0), (0.0, 2.0), 0.05, equation="w of eq. (3)",
     )  # fmt: skip
     pressure: float = number(
-        0.0, "w₀", "Pressure", "Constant pressure that drives it on: outwards, or inwards from around the object.",
+        0.5, "w₀", "Pressure", "Constant pressure that drives it on: outwards, or inwards from around the object.",
         "More of it drives the contour over places where the field does not, and into gaps.",
         (-20.0, 20.0), (-1.0, 1.0), 0.05,
     )  # fmt: skip
     evenness: float = number(
-        1.0, "e", "Evenness", "How far the vectors of the field are made equally long: from 0, as the equation gives "
+        0.5, "e", "Evenness", "How far the vectors of the field are made equally long: from 0, as the equation gives "
         "them, to 1, all of the length 1.",
         "More of it moves the contour also far from edges, and holds it better against the pressure in gaps.",
         (0.0, 1.0), (0.0, 1.0), 0.1,
     )  # fmt: skip
     smoothing: float = number(
-        1.0, "σ", "Smoothing", "Width of the Gaussian that smooths the image before its edges are found.",
+        2.0, "σ", "Smoothing", "Width of the Gaussian that smooths the image before its edges are found.",
         "More of it removes noise and rounds corners.", (0.0, 50.0), (0.5, 8.0), 0.5, "px",
     )  # fmt: skip
 

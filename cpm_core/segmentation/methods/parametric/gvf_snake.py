@@ -25,12 +25,12 @@ class GvfSnakeSettings(Settings):
     """Parameters of the GVF snake."""
 
     mu: float = number(
-        0.2, "μ", "Smoothness of the field", "How much the field is smoothed, against how closely it follows edges.",
+        0.02, "μ", "Smoothness of the field", "How much the field is smoothed, against how closely it follows edges.",
         "More of it carries the edges farther and evens out noise.",
         (1e-4, 100.0), (0.01, 1.0), 0.01, equation="gradient vector flow",
     )  # fmt: skip
     alpha: float = number(
-        0.05, "α", "Tension", "Weight of the tension, which shortens the curve.",
+        0.0, "α", "Tension", "Weight of the tension, which shortens the curve.",
         "More of it keeps the curve out of bays.", (0.0, 10.0), (0.0, 1.0), 0.01, equation="eq. (1)",
     )  # fmt: skip
     beta: float = number(

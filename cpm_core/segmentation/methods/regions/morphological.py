@@ -49,7 +49,7 @@ class MorphologicalGacSettings(Settings):
         1.0, "c", "Balloon", "Constant pressure that drives it on: outwards, or inwards from around the object.",
         "More of it lets the contour cross stronger edges.", (-20.0, 20.0), (-2.0, 2.0), 0.1,
     )  # fmt: skip
-    smoothing: int = number(1, "μ", "Smoothness", *_SMOOTHING, (0, 20), (0, 4), 1)
+    smoothing: int = number(0, "μ", "Smoothness", *_SMOOTHING, (0, 20), (0, 4), 1)
     threshold: float = number(
         0.6, "θ", "Threshold", "Value of the stopping factor under which the balloon stops.",
         "More of it stops the contour at weaker edges.", (0.0, 1.0), (0.1, 1.0), 0.02,
@@ -59,7 +59,7 @@ class MorphologicalGacSettings(Settings):
         "More of it makes weak edges count.", (0.0, 1e5), (10.0, 2000.0), 10.0,
     )  # fmt: skip
     sigma: float = number(
-        2.0, "σ", "Smoothing", "Width of the Gaussian that smooths the image before its edges are found.",
+        3.0, "σ", "Smoothing", "Width of the Gaussian that smooths the image before its edges are found.",
         "More of it removes noise and rounds corners.", (0.1, 50.0), (0.5, 8.0), 0.5, "px",
     )  # fmt: skip
 
@@ -70,7 +70,7 @@ class MorphologicalChanVeseSettings(Settings):
 
     smoothing: int = number(1, "μ", "Smoothness", *_SMOOTHING, (0, 20), (0, 4), 1)
     lambda1: float = number(
-        1.0, "λ₁", "Likeness inside", "Weight of the differences of gray levels from their mean inside.",
+        0.7, "λ₁", "Likeness inside", "Weight of the differences of gray levels from their mean inside.",
         "More of it makes the inside more uniform.", (0.0, 100.0), (0.1, 5.0), 0.1,
     )  # fmt: skip
     lambda2: float = number(

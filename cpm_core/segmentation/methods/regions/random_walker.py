@@ -26,7 +26,7 @@ class RandomWalkerSettings(Settings):
     """Parameters of the random walker."""
 
     beta: float = number(
-        130.0, "β", "Edges", "How hard it is for a walk to cross a difference of gray levels.",
+        2000.0, "β", "Edges", "How hard it is for a walk to cross a difference of gray levels.",
         "More of it follows weaker edges, and noise.", (0.0, 1e6), (10.0, 5000.0), 10.0,
     )  # fmt: skip
     depth: float = number(

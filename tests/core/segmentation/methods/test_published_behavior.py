@@ -1,5 +1,7 @@
 """What the publication says of the classical methods (Fig. 1 to 3), and the charged particles on the same images."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -24,6 +26,9 @@ from .published import (
 
 DEPTH = BAY_END - BAY_MOUTH
 
+UNIT_FIELD = GeometricGvfSettings(mu=0.2, curvature=0.05, smoothing=1.0, evenness=1.0)
+"""The field as Xu and Prince have it, all vectors of the length 1."""
+
 
 def end_of(name, image, start, settings=None):
     return run_method(CONTOUR_METHODS[name], image, start, settings)
@@ -32,7 +37,7 @@ def end_of(name, image, start, settings=None):
 @pytest.mark.parametrize("mu", [0.02, 0.2, 2.0])
 def test_the_gvf_snake_stops_in_the_mouth_of_a_long_thin_bay(mu):
     image, _ = long_bay()
-    end = end_of("gvf", image, AROUND, GvfSnakeSettings(mu=mu))
+    end = end_of("gvf", image, AROUND, GvfSnakeSettings(mu=mu, alpha=0.05))
     assert end.state.converged
     assert 0.0 < depth_in_bay(end.state.contours) < 0.3 * DEPTH
 
@@ -46,14 +51,14 @@ def test_the_particles_reach_the_end_of_the_same_bay():
 
 def test_the_geometric_gvf_contour_does_not_part_between_two_objects():
     image, _ = two_objects()
-    end = end_of("geometric_gvf", image, AROUND, GeometricGvfSettings(pressure=0.0, curvature=0.05))
+    end = end_of("geometric_gvf", image, AROUND, replace(UNIT_FIELD, pressure=0.0))
     assert end.state.converged
     assert len(end.state.contours) == 1
 
 
 def test_with_pressure_the_geometric_gvf_contour_parts_between_two_objects():
     image, truth = two_objects()
-    end = end_of("geometric_gvf", image, AROUND, GeometricGvfSettings(pressure=0.3, curvature=0.05))
+    end = end_of("geometric_gvf", image, AROUND, replace(UNIT_FIELD, pressure=0.3))
     assert len(end.state.contours) == 2
     assert facts_of(end, truth).f > 0.95
 
@@ -61,7 +66,7 @@ def test_with_pressure_the_geometric_gvf_contour_parts_between_two_objects():
 @pytest.mark.parametrize(("pressure", "leaks"), [(0.0, False), (0.3, True)])
 def test_with_pressure_the_geometric_gvf_contour_leaks_through_a_gap(pressure, leaks):
     image, _ = drawing_with_gap()
-    settings = GeometricGvfSettings(pressure=pressure, curvature=0.05, evenness=0.0)
+    settings = replace(UNIT_FIELD, pressure=pressure, evenness=0.0)
     end = end_of("geometric_gvf", image, AROUND, settings)
     core = np.hypot(ROW - 48, COL - 48) < 15
     covered = (np.asarray(end.state.values)[core] > 0.0).mean()

@@ -1,0 +1,110 @@
+"""The claims of the publication about the charged particles and the classical methods, tested on trials."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from cpm_core.cli.compare.trials import CONCAVITIES, LEAKS, NOISE, STARTS, TOPOLOGY, Trial, trials
+from cpm_core.contours.agreement import agreement
+from cpm_core.parameters import PRESETS
+from cpm_core.segmentation.methods import CONTOUR_METHODS, run_method
+
+OURS = "cpm"
+OURS_SETTINGS = PRESETS["noisy"]
+"""One setting for all trials: the defaults of the publication, with the smoothing chosen by the noise of each image."""
+
+GOOD = 0.9
+"""F from which an object counts as found."""
+
+_SAME = 0.005
+"""Difference of mean F up to which two methods share a place."""
+
+TIME = "faster than level sets, slower than snakes"
+_LEVEL_SETS, _SNAKES = ("gac", "geometric_gvf", "chan_vese"), ("snake", "gvf")
+
+CLAIMS = (STARTS, CONCAVITIES, TOPOLOGY, LEAKS, NOISE)
+
+
+@dataclass(frozen=True)
+class Score:
+    """The outcome of a method in a trial: F of the boundaries, and the time that it took [s]."""
+
+    claim: str
+    trial: str
+    method: str
+    f: float
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What the trials say of a claim.
+
+    Attributes
+    ----------
+    claim : str
+        The claim.
+    confirmed : bool
+        Whether the particles found the object in each of its trials; of the claim about time, whether it is so.
+    figures : mapping
+        For each method the mean F of the trials, or the median time [s].
+    least : mapping
+        For each method the least F of the trials; empty for the claim about time.
+    winners : tuple of str
+        The methods with the highest mean F; for time those with the shortest.
+    """
+
+    claim: str
+    confirmed: bool
+    figures: Mapping[str, float]
+    least: Mapping[str, float]
+    winners: tuple[str, ...]
+
+
+def scores(
+    methods: Sequence[str] = tuple(CONTOUR_METHODS),
+    among: Sequence[Trial] | None = None,
+    tell: Callable[[Trial, list[Score]], object] | None = None,
+) -> list[Score]:
+    """Run methods on trials, by default all on all; `tell` is called after each trial."""
+    found: list[Score] = []
+    for trial in trials() if among is None else among:
+        here = [_score(trial, name) for name in methods]
+        found += here
+        if tell is not None:
+            tell(trial, here)
+    return found
+
+
+def verdicts(found: Sequence[Score]) -> list[Verdict]:
+    """What scores say of each claim."""
+    methods = list(dict.fromkeys(score.method for score in found))
+    made = []
+    for claim in CLAIMS:
+        of = {name: [s.f for s in found if s.claim == claim and s.method == name] for name in methods}
+        if not all(of.values()):
+            continue
+        means = {name: statistics.fmean(values) for name, values in of.items()}
+        least = {name: min(values) for name, values in of.items()}
+        best = max(means.values())
+        winners = tuple(name for name, mean in means.items() if mean >= best - _SAME)
+        made.append(Verdict(claim, least.get(OURS, 0.0) >= GOOD, means, least, winners))
+    return [*made, _of_time(found, methods)]
+
+
+def _of_time(found: Sequence[Score], methods: Sequence[str]) -> Verdict:
+    """The claim about time: above the slowest snake, below the fastest level set."""
+    times = {name: statistics.median(s.seconds for s in found if s.method == name) for name in methods}
+    snakes, fronts = ([times[name] for name in kind if name in times] for kind in (_SNAKES, _LEVEL_SETS))
+    ours = times.get(OURS, float("nan"))
+    confirmed = all(time < ours for time in snakes) and all(ours < time for time in fronts)
+    fastest = min(times, key=lambda name: times[name])
+    return Verdict(TIME, confirmed, times, {}, (fastest,))
+
+
+def _score(trial: Trial, name: str) -> Score:
+    method = CONTOUR_METHODS[name]
+    end = run_method(method, trial.image, trial.start, OURS_SETTINGS if name == OURS else None)
+    return Score(trial.claim, trial.name, name, agreement(end.state.contours, trial.truth).f, end.seconds)

@@ -1,0 +1,82 @@
+"""The benchmark of the claims on the terminal: a line for each trial, then each claim with its figures."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict
+
+from cpm_core.cli.compare.claims import GOOD, TIME, Score, Verdict, scores, verdicts
+from cpm_core.cli.compare.trials import Trial
+from cpm_core.objects.warm_up import warm_up
+from cpm_core.segmentation.methods import CONTOUR_METHODS
+
+SEARCHED = (
+    "Settings: those of the charged particles are the publication's, with the smoothing chosen by the noise. Those of "
+    "the other methods are their defaults, found by a search of each parameter in turn on every second of these; "
+    "those of Chan-Vese are scikit-image's with a smaller tolerance."
+)
+
+_WHAT, _NUMBER = 26, 8
+_SHORT = {
+    "cpm": "cpm",
+    "snake": "snake",
+    "gvf": "gvf",
+    "gac": "gac",
+    "geometric_gvf": "g-gvf",
+    "chan_vese": "c-v",
+    "morph_gac": "m-gac",
+    "morph_chan_vese": "m-c-v",
+    "random_walker": "walker",
+}
+
+
+def report_claims(*, as_json: bool) -> None:
+    """Run all methods on all trials, and print what follows for each claim."""
+    warm_up()
+    if as_json:
+        found = scores()
+        plain = {"scores": [asdict(one) for one in found], "claims": [asdict(one) for one in verdicts(found)]}
+        print(json.dumps({**plain, "good": GOOD, "settings": SEARCHED}))
+        return
+    print(SEARCHED)
+    print(
+        f"F of the boundaries up to 2 px; {', '.join(f'{_short(name)}: {_title(name)}' for name in CONTOUR_METHODS)}."
+    )
+    print(_row("", [_short(name) for name in CONTOUR_METHODS]))
+    found = scores(tell=_tell)
+    for verdict in verdicts(found):
+        print()
+        print(sentence(verdict))
+        digits = 2 if verdict.claim != TIME else 3
+        print(
+            _row(
+                "median [s]" if verdict.claim == TIME else "mean F",
+                [f"{n:.{digits}f}" for n in verdict.figures.values()],
+            )
+        )
+        if verdict.least:
+            print(_row("least F", [f"{n:.2f}" for n in verdict.least.values()]))
+
+
+def sentence(verdict: Verdict) -> str:
+    """Whether a claim is confirmed, and who won."""
+    said = "confirmed" if verdict.confirmed else "not confirmed"
+    best = "Fastest" if verdict.claim == TIME else "Best"
+    return f"Claim: {verdict.claim}. {said.capitalize()}. {best}: {', '.join(map(_title, verdict.winners))}."
+
+
+def _tell(trial: Trial, here: Sequence[Score]) -> None:
+    print(_row(trial.name, [f"{score.f:.2f}" for score in here]), flush=True)
+
+
+def _row(what: str, cells: Sequence[str]) -> str:
+    return f"{what:{_WHAT}}{''.join(f'{cell:>{_NUMBER}}' for cell in cells)}"
+
+
+def _title(name: str) -> str:
+    return CONTOUR_METHODS[name].title
+
+
+def _short(name: str) -> str:
+    return _SHORT.get(name, name[: _NUMBER - 1])
