@@ -14,7 +14,7 @@ from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 ROOT = Path(__file__).parents[2]
-RUN_TIME = ("figures", "video", "images", "batch")
+RUN_TIME = ("figures", "video", "images", "medical", "batch")
 """The optional parts of the program itself; all others are for its developers."""
 
 _GPL = re.compile(r"\bA?GPL|(?<!LESSER )\bGENERAL PUBLIC LICENSE")
@@ -60,14 +60,14 @@ def licenses(folders: Iterable[str]) -> dict[str, str]:
 
 def license_in(metadata: Message) -> str:
     """License that metadata names: an expression, classifiers, or the first line of a text."""
-    if metadata["License-Expression"]:
+    if metadata.get("License-Expression"):
         return str(metadata["License-Expression"])
     classified = [
         line.rpartition(" :: ")[2]
         for line in metadata.get_all("Classifier", [])
         if line.startswith("License :: OSI Approved :: ")
     ]
-    text = str(metadata["License"] or "").strip()
+    text = str(metadata.get("License") or "").strip()
     return "; ".join(classified) or (text.splitlines()[0] if text else "unknown")
 
 

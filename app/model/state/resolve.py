@@ -128,7 +128,7 @@ def _hint(situation: Situation) -> str:
     if not document.shapes:
         return _first_hint(situation)
     if not document.starts:
-        return tr("Now draw where particles start: a circle, a stroke or points; or start everywhere (Ctrl+G).")
+        return _hint_on_starts(situation)
     if shape is not None:
         return _what_can_be_done_to(shape)
     return MODES[document.mode].hint or tr("Press Space to run.")
@@ -138,6 +138,12 @@ def _first_hint(situation: Situation) -> str:
     if has_volume(situation):
         return tr("Drag to draw a sphere in or around an object; Page Up and Page Down go through the slices.")
     return tr("Drag on the image to draw a circle in or around an object.")
+
+
+def _hint_on_starts(situation: Situation) -> str:
+    if has_volume(situation):
+        return tr("Now draw where particles start: a sphere, a box, a stroke or points.")
+    return tr("Now draw where particles start: a circle, a stroke or points; or start everywhere (Ctrl+G).")
 
 
 def _hint_on_run(status: RunStatus) -> str:

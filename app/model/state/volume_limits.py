@@ -10,7 +10,7 @@ from app.model.text.language import tr
 
 _AREA = tr("This tool fills an area of an image; in a volume, start from spheres, boxes, lines and points.")
 _START = tr("Centers are found in the field of an image; in a volume, start everywhere or on strong edges.")
-_MODE = tr("This mode is for images; in a volume, start everywhere (Ctrl+G) or draw where to start.")
+_MODE = tr("This mode is for images; in a volume, start everywhere or draw where to start.")
 _CONTOUR = tr("Contours are found in images; a run in a volume finds a surface.")
 _OBJECT = tr("Objects are selected in images; a run in a volume finds a surface.")
 _TRUTH = tr("A ground truth can be compared with the contours of an image, not with a surface.")

@@ -112,6 +112,7 @@ def test_a_drag_with_the_tool_for_regions_is_a_box_that_dims_what_is_outside(vol
     hand.key(KEY.Key_I)
     hand.drag((8, 8), (9, 9), (20, 22))
     region = only(volume, BoxRegion)
+    assert "a sphere, a box" in volume.canvas_area.hint.text()
     assert region.first[1:] == pytest.approx((8, 8), abs=PIXEL)
     canvas = volume.canvas_area.canvas
     veil = canvas.layers.drawing._limits._dim._veil

@@ -1,11 +1,12 @@
 """NumPy arrays: gray levels and colours as they were saved."""
 
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from cpm_core.formats import load_image
+from cpm_core.formats import load_image, readers
 
 RAMP = np.arange(12 * 20).reshape(12, 20)
 
@@ -57,3 +58,14 @@ def test_a_header_that_promises_more_than_there_is_is_refused(tmp_path):
     (tmp_path / "a.npy").write_bytes((tmp_path / "a.npy").read_bytes()[:-8])
     with pytest.raises(ValueError, match=r"a\.npy is damaged"):
         load_image(tmp_path / "a.npy")
+
+
+def test_whether_a_file_is_a_folder_is_asked_without_an_error_that_nobody_expects(tmp_path, monkeypatch):
+    np.save(tmp_path / "a.npy", np.eye(16))
+
+    def closed(*_, **__):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(readers, "fingerprint", lambda *_: "0" * 64)
+    monkeypatch.setattr(Path, "is_dir", closed)
+    assert load_image(tmp_path / "a.npy").file_sha256 == "0" * 64

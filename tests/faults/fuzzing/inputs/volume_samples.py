@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import io
 import tempfile
+import warnings
 import zlib
 from pathlib import Path
 from typing import Any
@@ -76,7 +77,9 @@ def _of_medicine() -> list[Sample]:
         made.write_metaimage(place / "apart.mhd", planes, beside="a.raw")
         for encoding in ("raw", "gzip", "bzip2", "ascii"):
             header = {"space": "LPS", "space directions": np.eye(3), "encoding": encoding}
-            nrrd.write(str(place / f"{encoding}.nrrd"), planes, header, index_order="C")
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", DeprecationWarning)  # it asks for the time in an old way
+                nrrd.write(str(place / f"{encoding}.nrrd"), planes, header, index_order="C")
         for number, slice_ in enumerate(slices):
             slice_.save_as(place / f"{number}.dcm", enforce_file_format=True)
         np.savez_compressed(place / "a.npz", volume=planes, size=np.ones(3))

@@ -8,6 +8,9 @@ from cpm_core import load_image, load_volume
 
 from .made import VALUES, affine
 
+pytestmark = pytest.mark.filterwarnings("ignore:datetime.datetime.utcnow:DeprecationWarning")
+"""The package that writes them here asks for the time in an old way."""
+
 MATRIX = affine()
 HEADER = {
     "space": "left-posterior-superior",
