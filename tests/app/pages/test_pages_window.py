@@ -15,7 +15,7 @@ from app.model.document import edits
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.view.pages import PagesFeature
 from app.views.window import dialogs
-from cpm_core import cli
+from cpm_core import Parameters, cli
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.shapes import Circle, Polygon, Region
 from tests.app.conftest import disc
@@ -44,6 +44,8 @@ def stack(window, hand, stack_file):
     """A window on the first page, with a circle in the disc."""
     window.open_image(str(stack_file))
     hand.wait(lambda: window.session.document.image.name == "cells.tif" and window.session.idle)
+    # without a limit of reach, since a start that lies across an edge does not say what it is drawn around
+    window.session.begin_document(edits.set_parameters(window.session.document, Parameters()))
     window.session.edit("draw circle", lambda document: edits.add_shape(document, CIRCLE))
     window.canvas_area.canvas.setFocus()
     return window
@@ -236,6 +238,19 @@ def test_paging_asks_nothing_and_loses_nothing(stack, hand, monkeypatch) -> None
     assert documents.unsaved  # the circle on the page before
     assert "the other pages" in documents.lost
     assert asked == []
+
+
+def test_paging_faster_than_pages_open_loses_none_of_them(stack, hand) -> None:
+    run_all(stack, hand)
+    pages = stack.workspace.pages
+    for key in (*[Qt.Key.Key_PageDown] * 4, *[Qt.Key.Key_PageUp] * 2, *[Qt.Key.Key_PageDown] * 2):
+        hand.key(key)
+        hand.qtbot.wait(20)
+    hand.wait(lambda: pages.number == 5)
+    settled(stack, hand)
+    others = {number: page for number, page in pages._kept.items() if number != 5}
+    assert sorted(others) == [1, 2, 3, 4] or sorted(others) == [1, 2, 3]  # nothing was done on the fourth
+    assert all(others[number].file.runs and not others[number].own_start for number in (2, 3))
 
 
 def test_one_image_has_no_line_of_pages(ready) -> None:

@@ -114,10 +114,9 @@ class Paging(QObject):
         parts = opened.parts if opened.image.ndim == 2 else None
         source = StackSource.of(str(opened.path), opened.path.name, parts, opened.reading)
         if opened.saved is not None and opened.saved.turned:
+            # another page may be wanted by now: what is kept of this one stays until it is left by way of `_turn`
             page = self._coming.pop(source.number, None)
-            self._coming.clear()
-            self._source, self._ahead = source.of_the_same(self._source), source.number
-            self._kept.pop(self.number, None)
+            self._source = source.of_the_same(self._source)
             if page is not None:
                 self._given = page.given
                 self._session.use_history(page.history.on(self._session.document.image))
