@@ -49,6 +49,9 @@ _LEAST_SHARE, _STRONGER, _MOST_CROSSED, _AT_LINE = 0.15, 0.9, 0.2, 0.1
 multiples of that of what bounds the whole start; and the largest share of its boundary at the drawn line, with the
 distance up to which it is there, in radii of the start: the line runs across anything else."""
 
+_LEAST_AT_LINE = 1.5
+"""Least such distance [px]."""
+
 _EVERYWHERE = 0.5
 """Fraction of the image that a start covers at most, if it is not one from everywhere."""
 
@@ -173,7 +176,8 @@ def _crossed(piece: Mask, thing: Mask) -> float:
     """Share of the boundary of a thing that lies at the border of the piece of a start that holds it."""
     depth = scipy.ndimage.distance_transform_edt(piece)
     along = depth[thing & ~np.asarray(scipy.ndimage.binary_erosion(thing, border_value=1))]
-    return float((along <= _AT_LINE * depth.max()).mean()) if along.size else 0.0
+    near = max(_AT_LINE * float(depth.max()), _LEAST_AT_LINE)
+    return float((along <= near).mean()) if along.size else 0.0
 
 
 def _usual(strength: Array, mask: Mask, shut: Mask) -> float:

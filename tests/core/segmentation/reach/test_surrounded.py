@@ -57,6 +57,16 @@ def test_a_circle_across_a_cell_is_drawn_around_nothing():
     assert thing_within(VALUES, circle((CELL[0], CELL[1] + RADIUS), 0.8 * RADIUS), NOWHERE_CLOSED) is None
 
 
+@pytest.mark.parametrize("shift", [3.0, 5.0, 8.0])
+def test_the_outline_of_a_disk_before_it_moved_is_drawn_around_nothing_and_still_finds_it(shift):
+    values = np.where(disk((60.0, 60.0 + shift), 10.0), 200.0, 0.0)
+    outline = circle((60.0, 60.0), 10.0)
+    assert thing_within(values, outline, NOWHERE_CLOSED) is None
+    (contour,) = segment(values, outline, PRESETS["shape"]).contours
+    assert contour.closed
+    assert contour.area == pytest.approx(np.pi * 10.0**2, rel=0.05)
+
+
 def test_a_circle_on_even_ground_is_drawn_around_nothing():
     noise = np.random.default_rng(1).normal(100.0, 10.0, ROW.shape)
     assert thing_within(noise, circle(CELL, 25.0), NOWHERE_CLOSED) is None
