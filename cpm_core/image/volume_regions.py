@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from cpm_core.image.regions import Line, Regions
 from cpm_core.image.volume_barriers import OFF, Walls, signed_distances
 from cpm_core.numerics import polyline
-from cpm_core.numerics.real_numbers import real_numbers
+from cpm_core.numerics.real_numbers import checked_number, real_numbers
 from cpm_core.numerics.types import Array, Index, Mask, Position
 from cpm_core.parameters.quotation import shown
 
@@ -89,15 +89,14 @@ class Extrusion:
     closed: bool = True
 
     def __post_init__(self) -> None:
+        if not isinstance(self.closed, bool | np.bool_):
+            raise ValueError(f"closed is {shown(self.closed)} but must be True or False.")
         kind = {"interest": (self.line,)} if self.closed else {"barriers": (self.line,)}
         checked = Regions(**kind)
         object.__setattr__(self, "line", (checked.interest or checked.barriers)[0])
-        if self.axis not in (0, 1, 2):
-            raise ValueError(f"the axis across the slices is {shown(self.axis)} but must be 0, 1 or 2.")
-        if not np.isfinite([self.first, self.last]).all():
-            raise ValueError(
-                f"the line reaches from slice {self.first:g} to slice {self.last:g}, which must be numbers."
-            )
+        checked_number("the axis across the slices", self.axis, lambda axis: axis in (0, 1, 2), "0, 1 or 2")
+        for name, place in (("first", self.first), ("last", self.last)):
+            checked_number(f"the {name} slice of the line", place, lambda _: True, "a finite number")
 
     def fill(self, filled: Mask) -> None:
         """Mark its voxels in a volume."""

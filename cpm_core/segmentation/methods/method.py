@@ -6,7 +6,7 @@ described by a `ContourMethod`, which is all that the command line, the benchmar
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Generic, Protocol, TypeVar
@@ -18,6 +18,7 @@ from skimage.draw import polygon2mask
 from cpm_core.contours.contour import Contour
 from cpm_core.image.image import Image
 from cpm_core.numerics.polyline import resampled
+from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters.quotation import shown
 
@@ -25,6 +26,8 @@ SPACING = 2.0
 """Distance of the points that a start gives along its outlines [px]."""
 
 _LEAST_CORNERS = 3
+_FARTHEST = 1e6
+"""Distance of a corner from the first pixel up to which it is usable [px]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,17 +44,23 @@ class Start:
     Raises
     ------
     ValueError
-        When there is no outline, or one of fewer than three corners.
+        When there is no outline, or one of fewer than three corners or with corners at no usable place.
     """
 
     outlines: tuple[Array, ...]
     around: bool = False
 
     def __post_init__(self) -> None:
-        made = tuple(np.asarray(outline, dtype=float) for outline in self.outlines)
+        if not isinstance(self.outlines, Iterable):
+            raise ValueError(f"outlines is {shown(self.outlines)} but must be a sequence of outlines.")
+        if not isinstance(self.around, bool | np.bool_):
+            raise ValueError(f"around is {shown(self.around)} but must be True or False.")
+        made = tuple(real_numbers(outline) for outline in self.outlines)
         if not made:
             raise ValueError("There is no start: draw a circle, an ellipse or a polygon, from which all methods begin.")
         for outline in made:
+            if not np.isfinite(outline).all() or np.abs(outline).max(initial=0.0) > _FARTHEST:
+                raise ValueError(f"A corner of the start is not within {_FARTHEST:g} px: choose one in the image.")
             if outline.ndim != 2 or outline.shape[1] != 2 or len(outline) < _LEAST_CORNERS:
                 raise ValueError(
                     f"An outline of the start has the shape {shown(outline.shape)} but must have three or more corners "

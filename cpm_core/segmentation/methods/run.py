@@ -9,8 +9,9 @@ from typing import Any
 
 from cpm_core.contours.agreement import Comparison, compare
 from cpm_core.contours.ground_truth import Truth
-from cpm_core.image.image import Image
-from cpm_core.segmentation.methods.method import AnyMethod, ContourState, Start
+from cpm_core.image.image import Image, as_plane
+from cpm_core.parameters.quotation import shown
+from cpm_core.segmentation.methods.method import AnyMethod, ContourMethod, ContourState, Start
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +35,11 @@ class Moment:
 
 def moments(method: AnyMethod, image: Image, start: Start, settings: Any = None) -> Iterator[Moment]:
     """Run a method step by step; `settings` are the defaults of the method unless given."""
+    if not isinstance(method, ContourMethod):
+        raise ValueError(f"the method is {shown(method)} but must be one of CONTOUR_METHODS.")
+    if not isinstance(start, Start):
+        raise ValueError(f"the start is {shown(start)} but must be a Start: Start((outline,)).")
+    image = as_plane(image)
     states = method.evolve(image, start, method.settings() if settings is None else settings)
     seconds = 0.0
     while True:
@@ -98,6 +104,8 @@ class Facts:
 
 def facts_of(moment: Moment, truth: Truth | None = None) -> Facts:
     """What is said of a moment of a run, beside a ground truth where one is known."""
+    if not isinstance(moment, Moment):
+        raise ValueError(f"the moment is {shown(moment)} but must be one of a run: take those of `moments`.")
     state = moment.state
     plain = Facts(
         moment.method.name, state.step, moment.seconds, state.converged, state.stop_reason, len(state.contours)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.contours.result import Result
@@ -59,6 +60,10 @@ def follow(
         Each page as soon as it is done. The numbers of its contours are their tracks, which overlap from page to page.
         A page that cannot be used has a sentence in place of a result; ValueError for one that there is not.
     """
+    if not isinstance(pages, Sequence | np.ndarray):
+        raise ValueError(f"pages is {shown(pages)} but must be a sequence of images, such as load_pages(path).")
+    if not isinstance(known, Sequence) or not all(isinstance(page, Page) for page in known):
+        raise ValueError(f"known is {shown(known)} but must be the pages that have been followed before.")
     wanted = _checked(numbers, len(pages))
 
     def found_on(number: int, follower: Follower) -> Result:
@@ -75,8 +80,10 @@ def follow(
 def _checked(numbers: Sequence[int] | None, count: int) -> Sequence[int]:
     """The pages that are wanted, all by default; ValueError for one that there is not."""
     wanted = range(1, count + 1) if numbers is None else numbers
+    if not isinstance(wanted, Sequence | np.ndarray):
+        raise ValueError(f"numbers is {shown(numbers)} but must be a sequence of the numbers of pages.")
     for number in wanted:
-        if not 1 <= number <= count:
+        if not isinstance(number, int | np.integer) or not 1 <= number <= count:
             raise ValueError(f"page is {shown(number)}, but there are {count} pages: choose 1 to {count}.")
     return wanted
 

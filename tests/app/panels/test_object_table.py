@@ -10,6 +10,7 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtWidgets import QLineEdit
 
+from app.model.document.edits import set_pixel_size
 from app.views.features.contours.objects import ObjectsFeature
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, SegmentedObjects
 
@@ -67,9 +68,7 @@ def test_it_measures_what_the_boundaries_enclose_without_holes(window, table) ->
 
 def test_lengths_and_areas_are_in_the_unit_of_the_image(window, hand, table) -> None:
     session = window.session
-    image = replace(session.image, spacing=(0.5, 0.25), unit="µm")
-    session.show(replace(session.scene, image=image))
-    session.edit("touch", lambda d: replace(d, objects=replace(d.objects, category=3)))
+    session.edit("size of a pixel", lambda d: set_pixel_size(d, (0.5, 0.25), "µm"))
     assert table.column("area") == [f"{1500 * 0.125:.0f}", "2"]
     assert table.column("perimeter") == [f"{math.fsum((160 * 0.375, 40 * 0.375)):.3g}", "6"]
     assert table.model().headerData(3, Qt.Orientation.Horizontal) == "Net area [µm²]"

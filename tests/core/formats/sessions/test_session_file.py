@@ -34,6 +34,7 @@ from cpm_core.shapes import SHAPES, Circle, Everywhere, Region
 
 numbers = st.floats(-LARGEST, LARGEST, allow_nan=False)
 ranges = {"radius": st.floats(0.5, 1e5), "spacing": st.floats(0.5, 1e5), "fraction": st.floats(0.0, 1.0)}
+ranges["axis"] = st.integers(0, 2)
 ranges["strength"] = st.floats(-10.0, 10.0)
 
 
