@@ -60,11 +60,7 @@ def follow(
         Each page as soon as it is done. The numbers of its contours are their tracks, which overlap from page to page.
         A page that cannot be used has a sentence in place of a result; ValueError for one that there is not.
     """
-    if not isinstance(pages, Sequence | np.ndarray):
-        raise ValueError(f"pages is {shown(pages)} but must be a sequence of images, such as load_pages(path).")
-    if not isinstance(known, Sequence) or not all(isinstance(page, Page) for page in known):
-        raise ValueError(f"known is {shown(known)} but must be the pages that have been followed before.")
-    wanted = _checked(numbers, len(pages))
+    wanted = _checked(pages, numbers, known)
 
     def found_on(number: int, follower: Follower) -> Result:
         image = as_plane(pages[number - 1])
@@ -77,8 +73,13 @@ def follow(
     return _followed(wanted, found_on, Follower(known))
 
 
-def _checked(numbers: Sequence[int] | None, count: int) -> Sequence[int]:
-    """The pages that are wanted, all by default; ValueError for one that there is not."""
+def _checked(pages: object, numbers: Sequence[int] | None, known: object) -> Sequence[int]:
+    """The pages that are wanted, all by default; ValueError for one that there is not, and for what are no pages."""
+    if not isinstance(pages, Sequence | np.ndarray):
+        raise ValueError(f"pages is {shown(pages)} but must be a sequence of images, such as load_pages(path).")
+    if not isinstance(known, Sequence) or not all(isinstance(page, Page) for page in known):
+        raise ValueError(f"known is {shown(known)} but must be the pages that have been followed before.")
+    count = len(pages)
     wanted = range(1, count + 1) if numbers is None else numbers
     if not isinstance(wanted, Sequence | np.ndarray):
         raise ValueError(f"numbers is {shown(numbers)} but must be a sequence of the numbers of pages.")

@@ -94,7 +94,7 @@ def test_a_line_through_slices_holds_the_voxels_that_it_fills(axis, closed):
         (((1.0, 1.0), (2.0, 2.0)), 0, 4.0, "at least 3"),
         (((1.0, 1.0), (2.0, 2.0), (3.0, np.nan)), 0, 4.0, "finite"),
         (((1.0, 1.0), (2.0, 2.0), (3.0, 0.0)), 3, 4.0, "axis across the slices is 3"),
-        (((1.0, 1.0), (2.0, 2.0), (3.0, 0.0)), 1, np.inf, "slice inf"),
+        (((1.0, 1.0), (2.0, 2.0), (3.0, 0.0)), 1, np.inf, "the last slice of the line is inf"),
     ],
 )
 def test_a_line_that_cannot_be_drawn_through_slices_is_refused(line, axis, last, sentence):
