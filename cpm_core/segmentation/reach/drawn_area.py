@@ -42,14 +42,15 @@ def drawn_area(points: Array, shape: tuple[int, ...]) -> Mask:
 
 
 def _cut_off(near: Mask, on: Mask) -> Mask:
-    """What a row of particles encloses together with the border of the image: parts within its convex hull."""
+    """What rows of particles that run to the border of the image enclose with it: parts within the hull of a row."""
     parts, count = scipy.ndimage.label(~near)
-    if count < 2:
-        return np.zeros_like(near)
+    rows, _ = scipy.ndimage.label(near, np.ones((3, 3), bool))
+    enclosed = np.zeros(count + 1, bool)
     hull: Callable[[Mask], Mask] = skimage.morphology.convex_hull_image
-    share = scipy.ndimage.mean(hull(on), parts, np.arange(count + 1))
-    share[0] = 0.0
-    return np.asarray((share >= _WITHIN)[parts])
+    for row in np.setdiff1d(np.concatenate([rows[[0, -1]].ravel(), rows[:, [0, -1]].ravel()]), 0).tolist():
+        enclosed |= scipy.ndimage.mean(hull(on & (rows == row)), parts, np.arange(count + 1)) >= _WITHIN
+    enclosed[0] = False
+    return np.asarray(enclosed[parts])
 
 
 def hollow_part(points: Array, area: Mask) -> Mask:

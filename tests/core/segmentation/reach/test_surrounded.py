@@ -111,3 +111,11 @@ def test_only_a_closed_line_encloses_more_than_it_covers():
     hollow = hollow_part(ring, drawn_area(ring, shape))
     assert hollow[disk(CELL, 12.0)].all()
     assert not hollow[~disk(CELL, 21.0)].any()
+
+
+def test_circles_all_over_an_image_enclose_nothing_between_them():
+    centers = [(row, col) for row in (14, 60, 106) for col in (14, 58, 102, 146)]
+    area = drawn_area(np.concatenate([circle(center, 12.0) for center in centers]), ROW.shape)
+    away = np.min([np.hypot(ROW - row, COL - col) for row, col in centers], axis=0)
+    assert not area[away > 14.0].any()
+    assert area[away < 10.0].all()
