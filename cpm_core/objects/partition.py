@@ -193,18 +193,13 @@ class Partition:
 
 def _not_around(inside: Array, before: Selection) -> Array:
     """Places without those around the object chosen before; instead of them the middle of each part without a place."""
-    around = before.inside[~_holds(before.mask, before.inside)]
+    around = before.inside[~before.holds(before.inside)]
     if not len(around) or not before.mask.any():
         return inside
     rest = inside[~among(inside, around)]
     parts, count = scipy.ndimage.label(np.pad(before.mask, 1), np.ones((3, 3), bool))
-    place = np.clip(np.rint(rest[_holds(before.mask, rest)]), 0, np.array(before.mask.shape) - 1).astype(int) + 1
+    place = np.clip(np.rint(rest[before.holds(rest)]), 0, np.array(before.mask.shape) - 1).astype(int) + 1
     empty = np.setdiff1d(np.arange(1, count + 1), parts[tuple(place.T)])
     depth = scipy.ndimage.distance_transform_edt(parts > 0)
     middles = np.array(scipy.ndimage.maximum_position(depth, parts, empty), float).reshape(-1, 2) - 1.0
     return np.concatenate([middles, rest])
-
-
-def _holds(mask: Mask, places: Array) -> Mask:
-    """Which places, shape (N, 2) [px], lie in a mask; one outside the image counts as the nearest one in it."""
-    return np.asarray(mask[tuple(np.rint(np.clip(places, 0, np.array(mask.shape) - 1)).astype(int).T)])

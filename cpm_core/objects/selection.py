@@ -47,6 +47,11 @@ class Selection:
         """Whether it holds no more than the pixels of the places inside: no object was found around them."""
         return bool(0 < np.count_nonzero(self.mask) <= len(self.inside))
 
+    def holds(self, places: Array) -> Mask:
+        """Which of places, shape (N, 2) [px], lie in it; one outside the image counts as the nearest one in it."""
+        pixel = np.rint(np.clip(places, 0, np.array(self.mask.shape) - 1)).astype(int)
+        return np.asarray(self.mask[tuple(pixel.T)])
+
 
 def confidence_of(outlines: Sequence[Outline], ground: Ground) -> float:
     """How well the image supports a boundary: mean over its length.

@@ -106,14 +106,7 @@ def bounds_of(values: Array, start: Array, closed: Mask, beta: float) -> Bounds 
     beta : float
         Damping: the less, the stronger an edge must be to hold a particle.
     """
-    area = drawn_area(start, values.shape)
-    if not area.any():
-        return None
-    hollow = hollow_part(start, area)
-    if np.count_nonzero(area & ~hollow) > _EVERYWHERE * area.size:
-        return None
-    found = _bounds(values, area, hollow, closed, beta)
-    return found if found.around or area.mean() <= _EVERYWHERE else None
+    return _bounds_of(values, *_drawn(start, values.shape), closed, beta)
 
 
 def thing_within(values: Array, places: Array, closed: Mask) -> Mask | None:
@@ -121,10 +114,24 @@ def thing_within(values: Array, places: Array, closed: Mask) -> Mask | None:
 
     `closed` is as for `bounds_of`.
     """
-    if len(places) < _LEAST_PLACES or not hollow_part(places, drawn_area(places, values.shape)).any():
+    if len(places) < _LEAST_PLACES:
         return None
-    bounds = bounds_of(values, places, closed, _BETA)
+    area, hollow = _drawn(places, values.shape)
+    bounds = _bounds_of(values, area, hollow, closed, _BETA) if hollow.any() else None
     return bounds.inside if bounds is not None and bounds.around else None
+
+
+def _drawn(start: Array, shape: tuple[int, ...]) -> tuple[Mask, Mask]:
+    """What a start covers, and what of it it only encloses."""
+    area = drawn_area(start, shape)
+    return area, hollow_part(start, area)
+
+
+def _bounds_of(values: Array, area: Mask, hollow: Mask, closed: Mask, beta: float) -> Bounds | None:
+    if not area.any() or np.count_nonzero(area & ~hollow) > _EVERYWHERE * area.size:
+        return None
+    found = _bounds(values, area, hollow, closed, beta)
+    return found if found.around or area.mean() <= _EVERYWHERE else None
 
 
 def _bounds(values: Array, area: Mask, hollow: Mask, closed: Mask, beta: float) -> Bounds:
@@ -160,15 +167,17 @@ def _bounded(strength: Array, pieces: Labels, shut: Mask, beta: float) -> tuple[
 
 def _things(values: Array, strength: Array, pieces: Labels, hollow: Mask, labels: Labels, shut: Mask) -> Mask:
     """The things that pieces of a start have been drawn around."""
-    found = np.zeros(pieces.shape, bool)
+    found, rim = np.zeros(pieces.shape, bool), _rim(shut)
+    boxes = scipy.ndimage.find_objects(pieces)
     for number in np.setdiff1d(pieces[hollow], 0).tolist():
-        piece = pieces == number
-        thing = surrounded(values, strength, piece & ~shut)
+        box = tuple(slice(max(side.start - 1, 0), side.stop + 1) for side in boxes[number - 1])
+        piece = pieces[box] == number
+        thing = surrounded(values[box], strength[box], piece & ~shut[box])
         if np.count_nonzero(thing) < _LEAST_SHARE * np.count_nonzero(piece) or _crossed(piece, thing) > _MOST_CROSSED:
             continue
-        bounded = np.isin(labels, np.setdiff1d(labels[piece], 0))
-        if _usual(strength, thing, shut) > _STRONGER * _usual(strength, bounded, shut):
-            found |= thing
+        bounded = np.isin(labels, np.setdiff1d(labels[box][piece], 0))
+        if _usual(strength[box], thing, rim[box]) > _STRONGER * _usual(strength, bounded, rim):
+            found[box] |= thing
     return found
 
 
@@ -180,9 +189,9 @@ def _crossed(piece: Mask, thing: Mask) -> float:
     return float((along <= near).mean()) if along.size else 0.0
 
 
-def _usual(strength: Array, mask: Mask, shut: Mask) -> float:
-    """Median edge strength along the boundary of a mask; 0 where there is none."""
-    along = strength[_beside(mask.astype(np.int32)) & ~_rim(shut)]
+def _usual(strength: Array, mask: Mask, rim: Mask) -> float:
+    """Median edge strength along the boundary of a mask, but at the rim of what is shut; 0 where there is none."""
+    along = strength[_beside(mask.astype(np.int32)) & ~rim]
     return float(np.median(along)) if along.size else 0.0
 
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import scipy
 import skimage
+from numpy.typing import NDArray
 
 from cpm_core.numerics.types import Array, Mask
 
@@ -42,20 +44,36 @@ def drawn_area(points: Array, shape: tuple[int, ...]) -> Mask:
 
 
 def _cut_off(near: Mask, on: Mask) -> Mask:
-    """What rows of particles that run to the border of the image enclose with it: parts within the hull of a row."""
+    """What rows of particles that run to the border of the image enclose with it: parts within the hull of such a row.
+
+    Rows that enclose nothing alone may be arcs of one line that leaves the image several times: of them the common hull
+    counts.
+    """
     parts, count = scipy.ndimage.label(~near)
     rows, _ = scipy.ndimage.label(near, np.ones((3, 3), bool))
-    enclosed = np.zeros(count + 1, bool)
-    hull: Callable[[Mask], Mask] = skimage.morphology.convex_hull_image
+    enclosed, arcs = np.zeros(count + 1, bool), np.zeros_like(on)
     for row in np.setdiff1d(np.concatenate([rows[[0, -1]].ravel(), rows[:, [0, -1]].ravel()]), 0).tolist():
-        enclosed |= scipy.ndimage.mean(hull(on & (rows == row)), parts, np.arange(count + 1)) >= _WITHIN
-    enclosed[0] = False
+        alone = _in_hull(on & (rows == row), parts, count)
+        enclosed |= alone
+        if not alone.any():
+            arcs |= on & (rows == row)
+    if arcs.any():
+        enclosed |= _in_hull(arcs, parts, count)
     return np.asarray(enclosed[parts])
+
+
+def _in_hull(on: Mask, parts: NDArray[np.integer[Any]], count: int) -> Mask:
+    """Which parts, by their numbers up to a count, lie for the most part in the convex hull of some pixels; not 0."""
+    hull: Callable[[Mask], Mask] = skimage.morphology.convex_hull_image
+    share = np.asarray(scipy.ndimage.mean(hull(on), parts, np.arange(count + 1)))
+    return np.asarray((share >= _WITHIN) & (np.arange(count + 1) > 0))
 
 
 def hollow_part(points: Array, area: Mask) -> Mask:
     """The part of a start's area that its particles, shape (N, 2) [px], only enclose; none of a filled one."""
-    nearest, _ = scipy.spatial.cKDTree(points).query(points, k=[min(len(points), 2)])
+    if len(points) < 2:
+        return np.zeros_like(area)
+    nearest, _ = scipy.spatial.cKDTree(points).query(points, k=[2])
     gap = max(_LEAST_LINK, _HOLLOW * float(np.median(nearest)))
     on = np.ones(area.shape, bool)
     on[tuple(np.clip(np.rint(points).astype(int), 0, np.array(area.shape) - 1).T)] = False

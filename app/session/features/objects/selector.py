@@ -18,6 +18,9 @@ _SAME_OBJECT = 0.5
 _UNCHANGED = 0.97
 """Overlap from which a selection is what an object is already."""
 
+_PLACES = 100
+"""About so many pixels tell which object a selection is."""
+
 _MOST_KEPT = 200
 """Number of selections that are kept."""
 
@@ -79,26 +82,28 @@ class Selector:
                 continue  # nothing was found, as from a start across an edge
             if any(overlap(selection.mask, other.selection.mask) > _SAME_OBJECT for other in found):
                 continue
-            known = self._known_as(selection) or self._known_at(seeds)
+            known = self._known_at(_places_in(selection))
             if known is None:
                 found.append(Proposal(selection, clicks))
             elif not known.frozen and overlap(known.mask(self.partition.shape), selection.mask) < _UNCHANGED:
                 found.append(Proposal(selection, clicks, known.number))
         return tuple(found)
 
-    def _known_as(self, selection: Selection) -> SegmentedObject | None:
-        """The object that a selection is for the most part."""
-        shape = selection.mask.shape
-        return next((item for item in self.items if overlap(item.mask(shape), selection.mask) > _SAME_OBJECT), None)
-
-    def _known_at(self, seeds: Array) -> SegmentedObject | None:
-        """The object that most of some seeds lie in."""
-        return next((item for item in self.items if item.encloses(seeds).mean() > 0.5), None)
+    def _known_at(self, places: Array) -> SegmentedObject | None:
+        """The object that most of some places lie in."""
+        return next((item for item in self.items if item.encloses(places).mean() > 0.5), None)
 
 
 def _enclosed(item: SegmentedObject) -> Array:
     """The places of an object that lie in it: not those of a line that was drawn around it."""
     return item.inside[item.encloses(item.inside)]
+
+
+def _places_in(selection: Selection) -> Array:
+    """The places that lie in a selection; of one that a line was drawn around, pixels all over it."""
+    within = selection.inside[selection.holds(selection.inside)]
+    pixels = np.argwhere(selection.mask)
+    return within if len(within) else pixels[:: max(len(pixels) // _PLACES, 1)].astype(float)
 
 
 def overlap(one: Mask, other: Mask) -> float:

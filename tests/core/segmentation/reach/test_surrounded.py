@@ -93,14 +93,14 @@ def test_further_clicks_change_the_object_within_a_circle_and_asking_again_does_
     assert dice(less.mask, disk(CELL)) > 0.9
 
 
-def test_a_circle_that_leaves_the_image_encloses_what_the_border_cuts_off():
-    center = (60.0, 8.0)
-    points = circle(center, 25.0)
-    kept = points[(points >= 0.0).all(axis=1)]
+@pytest.mark.parametrize(("center", "radius"), [((60.0, 8.0), 25.0), ((60.0, 80.0), 68.0)])
+def test_a_circle_that_leaves_the_image_once_or_twice_encloses_what_the_border_cuts_off(center, radius):
+    points = circle(center, radius)
+    kept = points[((points >= 0.0) & (points <= np.array(ROW.shape) - 1.0)).all(axis=1)]
     area = drawn_area(kept, ROW.shape)
     away = np.hypot(ROW - center[0], COL - center[1])
-    assert area[away < 23.0].all()
-    assert not area[away > 27.0].any()
+    assert area[away < radius - 2.0].all()
+    assert not area[away > radius + 2.0].any()
 
 
 def test_only_a_closed_line_encloses_more_than_it_covers():
