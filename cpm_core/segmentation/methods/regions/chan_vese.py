@@ -18,6 +18,16 @@ from cpm_core.segmentation.methods.states import LevelSetState
 
 MOST_STEPS = 500
 
+INSIDE = (
+    "λ₁", "Likeness inside", "Weight of the differences of gray levels from their mean inside.",
+    "More of it makes the inside more uniform.", (0.0, 100.0), (0.1, 5.0), 0.1,
+)  # fmt: skip
+OUTSIDE = (
+    "λ₂", "Likeness outside", "Weight of the differences of gray levels from their mean outside.",
+    "More of it makes the outside more uniform.", (0.0, 100.0), (0.1, 5.0), 0.1,
+)  # fmt: skip
+"""What is said of the two weights of Chan-Vese, and their ranges, whatever they act on."""
+
 
 @dataclass(frozen=True)
 class ChanVeseSettings(Settings):
@@ -28,14 +38,8 @@ class ChanVeseSettings(Settings):
         "More of it gives a shorter and rounder boundary and leaves out small regions.",
         (0.0, 100.0), (0.0, 1.0), 0.01,
     )  # fmt: skip
-    lambda1: float = number(
-        1.0, "λ₁", "Likeness inside", "Weight of the differences of gray levels from their mean inside.",
-        "More of it makes the inside more uniform.", (0.0, 100.0), (0.1, 5.0), 0.1,
-    )  # fmt: skip
-    lambda2: float = number(
-        1.0, "λ₂", "Likeness outside", "Weight of the differences of gray levels from their mean outside.",
-        "More of it makes the outside more uniform.", (0.0, 100.0), (0.1, 5.0), 0.1,
-    )  # fmt: skip
+    lambda1: float = number(1.0, *INSIDE)
+    lambda2: float = number(1.0, *OUTSIDE)
     tolerance: float = number(
         1e-4, "ε", "Tolerance", "Mean change of the function in a step at which the run ends.",
         "More of it ends the run sooner.", (0.0, 1.0), (1e-5, 1e-2), 1e-5, advanced=True,

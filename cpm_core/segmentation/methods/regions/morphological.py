@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from cpm_core.image.image import Image
 from cpm_core.segmentation.methods.gray import unit_gray
 from cpm_core.segmentation.methods.method import ContourMethod, Start
+from cpm_core.segmentation.methods.regions.chan_vese import INSIDE, OUTSIDE
 from cpm_core.segmentation.methods.settings import Settings, number
 from cpm_core.segmentation.methods.states import LevelSetState, until_at_rest
 
@@ -69,14 +70,8 @@ class MorphologicalChanVeseSettings(Settings):
     """Parameters of morphological Chan-Vese, as scikit-image has them."""
 
     smoothing: int = number(1, "μ", "Smoothness", *_SMOOTHING, (0, 20), (0, 4), 1)
-    lambda1: float = number(
-        0.7, "λ₁", "Likeness inside", "Weight of the differences of gray levels from their mean inside.",
-        "More of it makes the inside more uniform.", (0.0, 100.0), (0.1, 5.0), 0.1,
-    )  # fmt: skip
-    lambda2: float = number(
-        1.0, "λ₂", "Likeness outside", "Weight of the differences of gray levels from their mean outside.",
-        "More of it makes the outside more uniform.", (0.0, 100.0), (0.1, 5.0), 0.1,
-    )  # fmt: skip
+    lambda1: float = number(0.7, *INSIDE)
+    lambda2: float = number(1.0, *OUTSIDE)
 
 
 class _Turn:
@@ -101,6 +96,11 @@ class _Turn:
 
 
 _TURN = _Turn()
+
+
+def _run(image: Image, start: Start, steps: _Steps) -> Iterator[LevelSetState]:
+    first = start.mask(image.shape).astype(np.int8)
+    return until_at_rest(_states(first, steps), _EVERY, _REST, MOST_STEPS)
 
 
 def _states(first: Bits, steps: _Steps) -> Iterator[LevelSetState]:
@@ -132,8 +132,7 @@ def _geodesic(image: Image, start: Start, settings: MorphologicalGacSettings) ->
             factor, count, mask, settings.smoothing, settings.threshold, balloon, tell
         )
 
-    first = start.mask(image.shape).astype(np.int8)
-    return until_at_rest(_states(first, steps), _EVERY, _REST, MOST_STEPS)
+    return _run(image, start, steps)
 
 
 def _chan_vese(image: Image, start: Start, settings: MorphologicalChanVeseSettings) -> Iterator[LevelSetState]:
@@ -144,8 +143,7 @@ def _chan_vese(image: Image, start: Start, settings: MorphologicalChanVeseSettin
             gray, count, mask, settings.smoothing, settings.lambda1, settings.lambda2, tell
         )
 
-    first = start.mask(image.shape).astype(np.int8)
-    return until_at_rest(_states(first, steps), _EVERY, _REST, MOST_STEPS)
+    return _run(image, start, steps)
 
 
 _REFERENCE = "Márquez-Neila, Baumela and Álvarez (2014), doi:10.1109/TPAMI.2013.106; scikit-image's "
