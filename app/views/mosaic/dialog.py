@@ -5,10 +5,8 @@ from __future__ import annotations
 from functools import partial
 
 from PySide6.QtCore import QObject, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QCloseEvent, QKeyEvent
 from PySide6.QtWidgets import (
     QComboBox,
-    QDialog,
     QGridLayout,
     QHBoxLayout,
     QLabel,
@@ -41,20 +39,19 @@ from app.model.text.language import tr
 from app.session.features.side_by_side.parameter_sweep import Done, Sweep
 from app.session.session import Session
 from app.views.mosaic.picture import Picture
+from app.views.mosaic.run_dialog import RunDialog
 from app.views.mosaic.tile import Board, EnlargedTile
 from cpm_core.parameters import Parameters
 
 
-class MosaicDialog(QDialog):
+class MosaicDialog(RunDialog):
     """Runs the image with several values of two parameters, and uses those of the tile that the user chooses.
 
     `display` is the image as it is shown, `crop` the part of it that tiles show [px of the image].
     """
 
     def __init__(self, parent: QWidget, session: Session, sweep: Sweep, display: DisplayImage, crop: QRectF) -> None:
-        super().__init__(parent)
-        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self.setWindowTitle(tr("Mosaic of two parameters"))
+        super().__init__(parent, tr("Mosaic of two parameters"))
         self._session = session
         self._sweep = sweep
         self._picture = Picture(display, crop)
@@ -79,19 +76,9 @@ class MosaicDialog(QDialog):
         """Space for five by five tiles, within the screen."""
         return QSize(1000, 820).boundedTo(self.screen().availableSize() - QSize(40, 60))
 
-    # Qt interface
-
-    def closeEvent(self, event: QCloseEvent) -> None:
+    def end_runs(self) -> None:
         """Cancel the runs that are left."""
         self._sweep.cancel()
-        super().closeEvent(event)
-
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Close on Esc."""
-        if event.key() == Qt.Key.Key_Escape:
-            self.close()
-        else:
-            super().keyPressEvent(event)
 
     # Internal
 

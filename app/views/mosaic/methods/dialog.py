@@ -7,10 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from PySide6.QtCore import QSize, Qt, QTimer
-from PySide6.QtGui import QCloseEvent, QKeyEvent
 from PySide6.QtWidgets import (
     QCheckBox,
-    QDialog,
     QGridLayout,
     QHBoxLayout,
     QLabel,
@@ -26,6 +24,7 @@ from app.session.features.side_by_side.method_comparison import PLACES, MethodCo
 from app.session.session import Session
 from app.views.mosaic.methods.pane import Pane
 from app.views.mosaic.methods.settings_form import SettingsForm
+from app.views.mosaic.run_dialog import RunDialog
 from cpm_core.segmentation.methods import CONTOUR_METHODS
 from cpm_core.shapes.outlines import outlines_of
 
@@ -38,7 +37,7 @@ _PATIENCE = 300
 _SIDE = 260
 
 
-class CompareDialog(QDialog):
+class CompareDialog(RunDialog):
     """Up to four methods side by side, each running; `ask` asks for the file of an export."""
 
     def __init__(
@@ -49,9 +48,7 @@ class CompareDialog(QDialog):
         display: DisplayImage,
         ask: Callable[[QWidget], Path | None],
     ) -> None:
-        super().__init__(parent)
-        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self.setWindowTitle(tr("Compare methods"))
+        super().__init__(parent, tr("Compare methods"))
         self._session, self._comparison, self._ask = session, comparison, ask
         self._settings: dict[str, Any] = {}
         self._focus = 0
@@ -102,20 +99,10 @@ class CompareDialog(QDialog):
         ours = tr("These are the parameters of the window: change them there and run again.")
         self.form.show_settings(None if name in ("", "cpm") else self._settings_of(name), ours if name else "")
 
-    # Qt interface
-
-    def closeEvent(self, event: QCloseEvent) -> None:
+    def end_runs(self) -> None:
         """End all runs."""
         self._later.stop()
         self._comparison.cancel()
-        super().closeEvent(event)
-
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Close on Esc."""
-        if event.key() == Qt.Key.Key_Escape:
-            self.close()
-        else:
-            super().keyPressEvent(event)
 
     # Internal
 

@@ -17,7 +17,7 @@ from app.session.features.contour_review import ContourReview
 from app.session.session import Session
 from app.views.panels.contour_table.threshold import Threshold
 from app.views.panels.contour_table.view import ContourTable
-from app.views.panels.item_table.view import LEAST
+from app.views.panels.item_table.row_table import LEAST
 from app.views.widgets.scrolled import Scrolled
 
 _NARROW = 640

@@ -16,18 +16,15 @@ from PySide6.QtCore import (
     Qt,
     Signal,
 )
-from PySide6.QtGui import QKeyEvent, QResizeEvent, QShowEvent
-from PySide6.QtWidgets import QAbstractItemView, QLineEdit, QStyledItemDelegate, QTableView, QWidget
+from PySide6.QtGui import QKeyEvent, QShowEvent
+from PySide6.QtWidgets import QAbstractItemView, QLineEdit, QStyledItemDelegate, QWidget
 
-from app.views.panels.item_table.columns import place
 from app.views.panels.item_table.model import ItemModel, Sorted
-from app.views.panels.item_table.shown_columns import ShownColumns
+from app.views.panels.item_table.row_table import RowTable
 
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
 _ALONG = (Qt.Key.Key_Up, Qt.Key.Key_Down)
-LEAST = 48
-"""Minimum height of a table, and of what stands beside it [px]."""
 
 
 class NameDelegate(QStyledItemDelegate):
@@ -39,7 +36,7 @@ class NameDelegate(QStyledItemDelegate):
             super().setEditorData(editor, index)
 
 
-class ItemTable(QTableView):
+class ItemTable(RowTable):
     """Shows the items of a model, selects and names them.
 
     Parameters
@@ -56,30 +53,14 @@ class ItemTable(QTableView):
     """What its rows are called in menus."""
 
     def __init__(self, rows: ItemModel[Any], ordered: Sorted, name: str) -> None:
-        super().__init__()
+        super().__init__(rows, ordered, rows.columns, rows.name_column, name)
         self._showing = False
         self._stale = False
         self._rows = rows
-        self._sorted = ordered
-        rows.setParent(self)
-        ordered.setParent(self)
-        self.setModel(ordered)
         self.setItemDelegate(NameDelegate(self))
-        self.setAccessibleName(name)
-        self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
         self.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
         self.setEditTriggers(QAbstractItemView.EditTrigger.EditKeyPressed)
-        self.setSortingEnabled(True)
-        self.sortByColumn(0, Qt.SortOrder.AscendingOrder)
-        self.setShowGrid(False)
-        self.setAlternatingRowColors(True)
-        self.setWordWrap(False)
         self.setMouseTracking(True)
-        self.setTabKeyNavigation(False)
-        self.setMinimumHeight(LEAST)
-        self.verticalHeader().hide()
-        self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 8)
-        self._columns = ShownColumns(self, rows.columns, rows.name_column)
         self.entered.connect(lambda index: self.hover(self._key(index)))
         self.doubleClicked.connect(
             lambda at: self._edit_name(at.row()) if at.column() == rows.name_column else self.zoom_wanted.emit()
@@ -104,11 +85,6 @@ class ItemTable(QTableView):
     @abstractmethod
     def remove(self) -> None:
         """Do to the selected items what the key Delete stands for."""
-
-    def column(self, name: str) -> list[str]:
-        """The texts of a column, from top to bottom."""
-        number = place(self._rows.columns, name)
-        return [str(self._sorted.index(row, number).data()) for row in range(self._sorted.rowCount())]
 
     def name_selected(self) -> None:
         """Edit the name in the selected row."""
@@ -177,15 +153,9 @@ class ItemTable(QTableView):
         else:
             super().keyPressEvent(event)
 
-    def resizeEvent(self, event: QResizeEvent) -> None:
-        """Show the columns for which there is room."""
-        self._columns.fit(event.size().width())
-        super().resizeEvent(event)
-
     def showEvent(self, event: QShowEvent) -> None:
         """Lay out the columns, and update the table if items have changed while it was hidden."""
         super().showEvent(event)
-        self._columns.measure()
         if self._stale:
             self.show_items()
 

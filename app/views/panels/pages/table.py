@@ -6,16 +6,14 @@ from collections.abc import Sequence
 from typing import Any
 
 from PySide6.QtCore import QAbstractTableModel, QModelIndex, Qt, Signal
-from PySide6.QtGui import QKeyEvent, QResizeEvent, QShowEvent
-from PySide6.QtWidgets import QAbstractItemView, QTableView
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import QAbstractItemView
 
 from app.model.display.lengths import PixelSize
 from app.model.display.page_rows import PageRow
 from app.model.text.language import tr
-from app.views.panels.item_table.columns import place
 from app.views.panels.item_table.model import VALUE, Index, Role, Sorted
-from app.views.panels.item_table.shown_columns import ShownColumns
-from app.views.panels.item_table.view import LEAST
+from app.views.panels.item_table.row_table import RowTable
 from app.views.panels.pages.columns import COLUMNS, HAPPENS
 
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
@@ -67,38 +65,18 @@ class PageModel(QAbstractTableModel):
         return None
 
 
-class PageTable(QTableView):
+class PageTable(RowTable):
     """Shows the rows; a double click or Enter goes to the page of a row."""
 
     wanted = Signal(int)
     """The user wants to see a page."""
 
     def __init__(self) -> None:
-        super().__init__()
         self.rows = PageModel()
-        self._sorted = Sorted(self.rows, self)
-        self.rows.setParent(self)
-        self.setModel(self._sorted)
-        self.setAccessibleName(tr("Contours on all pages"))
-        self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
+        super().__init__(self.rows, Sorted(self.rows), COLUMNS, HAPPENS, tr("Contours on all pages"))
         self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
         self.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
-        self.setSortingEnabled(True)
-        self.sortByColumn(0, Qt.SortOrder.AscendingOrder)
-        self.setShowGrid(False)
-        self.setAlternatingRowColors(True)
-        self.setWordWrap(False)
-        self.setTabKeyNavigation(False)
-        self.setMinimumHeight(LEAST)
-        self.verticalHeader().hide()
-        self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 8)
-        self._columns = ShownColumns(self, COLUMNS, HAPPENS)
         self.doubleClicked.connect(self._go)
-
-    def column(self, name: str) -> list[str]:
-        """The texts of a column, from top to bottom."""
-        number = place(COLUMNS, name)
-        return [str(self._sorted.index(row, number).data()) for row in range(self._sorted.rowCount())]
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Go to the page of the row on Enter."""
@@ -106,16 +84,6 @@ class PageTable(QTableView):
             self._go(self.currentIndex())
         else:
             super().keyPressEvent(event)
-
-    def resizeEvent(self, event: QResizeEvent) -> None:
-        """Show the columns for which there is room."""
-        self._columns.fit(event.size().width())
-        super().resizeEvent(event)
-
-    def showEvent(self, event: QShowEvent) -> None:
-        """Lay out the columns."""
-        super().showEvent(event)
-        self._columns.measure()
 
     def _go(self, index: Index) -> None:
         self.wanted.emit(self.rows.page(self._sorted.mapToSource(index).row()))
