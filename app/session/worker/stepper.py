@@ -77,6 +77,11 @@ class Stepper:
         self._remaining = 0.0
         self._reconstruct()
 
+    def stay(self) -> None:
+        """Find the contours of the state at which the user stays, unless steps are still to be taken."""
+        if not self.stepping:
+            self._reconstruct()
+
     def discard(self, generation: int) -> None:
         """Stop and take the particles away; the run stays on the timeline, the next one has this number."""
         self.generation = generation

@@ -14,6 +14,7 @@ from PySide6.QtGui import QImage
 from app.model.display.display_image import display_of_edge_map
 from app.model.document import edits
 from app.views.features.run.run_control import RunControlFeature
+from app.views.features.run.timeline import TimelineFeature
 from cpm_core import PRESETS, Engine, Parameters
 from cpm_core.particles.initialization import circle
 from cpm_core.shapes import Circle
@@ -86,6 +87,19 @@ def test_single_steps_are_counted_one_by_one_and_none_is_lost(ready, hand) -> No
     assert ready.session.status.step == 7
     assert ready.session.status.phase == "paused"
     assert len(ready.session.scene.snapshot.metrics.step) == 7
+
+
+def test_no_single_step_is_lost_soon_after_going_along_the_timeline(ready, hand) -> None:
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: ready.session.idle)
+    ready.feature(TimelineFeature).navigation.go(1, 5)
+    hand.wait(lambda: ready.session.idle and ready.session.status.step == 5)
+    ready.session.set_pace(60.0)  # the steps last longer than the view has to stay for contours to be found
+    for _ in range(24):
+        hand.key(KEY.Key_Period)
+    hand.wait(lambda: ready.session.idle)
+    assert ready.session.status.step == 5 + 24
 
 
 def test_single_steps_are_the_engines_own(ready, hand) -> None:

@@ -176,7 +176,7 @@ class TimelineNavigation(TimelinePlace):
 
     def _reconstruct(self) -> None:
         if self._session.status.started and self._session.status.phase != "running":
-            self._session.post(RunCall(None, Run.halt))
+            self._session.post(RunCall(None, Run.stay))
 
     def _give_up_going(self, _: CommandFailed) -> None:
         """The failed command may have been the one that goes to another step."""
