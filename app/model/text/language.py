@@ -12,8 +12,8 @@ To add a language, say Dutch:
 1. ``python assets/languages/make_template.py`` writes ``assets/languages/cpm.pot`` with all sentences, also those
    of the core (parameters, shapes, samples) among them.
 2. ``msginit -i assets/languages/cpm.pot -l nl -o assets/languages/nl/LC_MESSAGES/cpm.po`` begins the translation.
-   The sentence "English" is translated by the name of the language in itself, the program replaces what is in braces,
-   and ``&`` stands before the letter that chooses an entry of a menu.
+   The sentence "English" is translated by the name of the language in itself, the program replaces what is in braces
+   (``{key:run}`` by the key of that action), and ``&`` stands before the letter that chooses an entry of a menu.
 3. ``python assets/languages/update.py`` brings all translations up to date, makes their catalogs, and lists the
    sentences that still lack a translation.
 
