@@ -44,6 +44,12 @@ OF_THE_SYSTEM = (
 )
 """What systems say of files, which errors pass on."""
 
+WORDS = (
+    *("image", "volume", "page", "frame", "plane", "slice", "channel", "series", "time", "row", "column"),
+    *("contour", "shape", "object", "points", "barrier", "two", "three", "four", "rows and columns"),
+)
+"""Single words that are values of sentences, and cannot be told from names in a source."""
+
 _PASSING_ON = frozenset({"join", "repr", "str", "sorted", "min", "max", "shortened", "shown", "map"})
 """Functions whose first argument says more than their name."""
 

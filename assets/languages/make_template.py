@@ -11,7 +11,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from core_templates import OF_THE_SYSTEM, templates
+from core_templates import OF_THE_SYSTEM, WORDS, templates
 
 from cpm_core.formats import WRITABLE
 from cpm_core.formats.writers import FOR_VOLUMES
@@ -94,6 +94,8 @@ def finished() -> Iterator[tuple[str, str]]:
                     yield said, f"{place}:{line}"
     for said in OF_THE_SYSTEM:
         yield said, "what the system says of files"
+    for said in WORDS:
+        yield said, "a word within sentences"
 
 
 def sentences() -> dict[str, list[str]]:

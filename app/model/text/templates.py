@@ -70,9 +70,12 @@ class Templates:
         return self._in_parts(said, otherwise, depth)
 
     def _in_parts(self, said: str, otherwise: Callable[[str], str], depth: int) -> str:
-        """A text of several sentences, or one with the name of a file and a colon before it."""
+        """A text of several sentences, one after the name of a file and a colon, or a word with a number."""
         parts = _END_OF_SENTENCE.split(said)
         if len(parts) > 1:
             return " ".join(self.translated(part, otherwise, depth + 1) for part in parts)
         head, colon, tail = said.partition(": ")
-        return f"{head}{colon}{self.translated(tail, otherwise, depth + 1)}" if colon else said
+        if colon:
+            return f"{head}{colon}{self.translated(tail, otherwise, depth + 1)}"
+        head, space, number = said.rpartition(" ")
+        return f"{self.translated(head, otherwise, depth + 1)}{space}{number}" if number.isdecimal() else said

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import errno
+import gettext
 import importlib
 import os
 import re
@@ -54,8 +55,14 @@ def extract():
 @pytest.fixture
 def in_brackets(monkeypatch, known):
     """A language made up of brackets."""
-    templates = {said.removeprefix("core\x04"): f"⟦{said.removeprefix('core' + chr(4))}⟧" for said in known}
-    monkeypatch.setattr(language, "_core", Templates(templates))
+
+    class Brackets(gettext.NullTranslations):
+        def gettext(self, message):
+            return f"⟦{message}⟧" if message in known else message
+
+    finished = [said.removeprefix("core\x04") for said in known if said.startswith("core\x04")]
+    monkeypatch.setattr(language, "_catalog", Brackets())
+    monkeypatch.setattr(language, "_core", Templates({said: f"⟦{said}⟧" for said in finished}))
 
 
 TEMPLATES = Templates(
@@ -65,6 +72,7 @@ TEMPLATES = Templates(
         "page {number} of {name}": "Seite {number} von {name}",
         "The file is damaged.": "Die Datei ist beschädigt.",
         "It was turned.": "Es wurde gedreht.",
+        "region of interest": "Bereich",
     }
 )
 
@@ -79,6 +87,7 @@ TEMPLATES = Templates(
         ("a.tif: The file is damaged.", "a.tif: Die Datei ist beschädigt."),
         ("It was turned. The file is damaged.", "Es wurde gedreht. Die Datei ist beschädigt."),
         ("It was turned. Nobody knows this.", "Es wurde gedreht. Nobody knows this."),
+        ("region of interest 3 has 0 pages", "0 Seiten hat Bereich 3"),
         ("Nobody knows this.", "Nobody knows this."),
         ("{name} has {count} pages", "{count} Seiten hat {name}"),
         ("", ""),
