@@ -12,9 +12,10 @@ sentence again among these templates. The same holds for errors within `app` tha
 To add a language, say Dutch:
 
 1. ``python assets/languages/update.py nl`` begins ``assets/languages/nl/LC_MESSAGES/cpm.po`` with all sentences.
-   The sentence "English" is translated by the name of the language in itself, the program replaces what is in braces,
-   and ``&`` stands before the letter that chooses an entry of a menu. An activity, such as "opening {name}", is put
-   into "Something unexpected happened while {activity}": translate both so that they fit, for instance by a noun.
+   The sentence "English" is translated by the name of the language in itself, the program replaces what is in braces
+   (``{key:run}`` by the key of that action), and ``&`` stands before the letter that chooses an entry of a menu. An
+   activity, such as "opening {name}", is put into "Something unexpected happened while {activity}": translate both so
+   that they fit, for instance by a noun.
 2. ``python assets/languages/update.py`` brings all translations up to date, makes their catalogs, and lists the
    sentences that still lack a translation. Translate "English" last: a language can be chosen once its name is there.
 
