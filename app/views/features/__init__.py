@@ -12,6 +12,7 @@ from app.views.features.edit.draw import DrawFeature
 from app.views.features.edit.modes import ModesFeature
 from app.views.features.edit.pixel_size import PixelSizeFeature
 from app.views.features.edit.undo_selection import HistoryFeature, UndoSelectionFeature
+from app.views.features.file.batch import BatchFeature
 from app.views.features.file.beginning import BeginningFeature
 from app.views.features.file.export import ClipboardFeature, ExportFeature
 from app.views.features.file.folder import FolderFeature
@@ -44,6 +45,7 @@ FEATURES: tuple[type[Feature], ...] = (
     StartFeature,
     FolderFeature,
     ExportFeature,
+    BatchFeature,
     RecoveryFeature,
     AnimationFeature,
     UndoSelectionFeature,
