@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from app.model.display.display_image import apply_window
 from app.model.display.space.picture import Colors
 from app.model.display.space.projection import Shaded
 from app.model.display.space.slices import ShownSlice
@@ -78,8 +77,7 @@ class Contents:
         )
 
     def _slice(self, axis: int) -> ShownSlice:
-        place = self.slices.across(axis)
-        return ShownSlice(place, self.table[apply_window(place.of(self.shaded.values), self.shaded.window)])
+        return ShownSlice(self.slices.across(axis), self.shaded, self.table)
 
     def _cut(self, shown: ShownParts) -> Cut | None:
         """The side of the first voxels is taken away, which is the one that is seen first."""

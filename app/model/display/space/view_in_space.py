@@ -97,7 +97,7 @@ class ViewInSpace:
         if self.projection is not None and self.table is not None:
             draw_projection(picture, self.projection, camera, self.spacing, self.table)
         for shown in self.slices:
-            draw_slice(picture, shown, camera, self.spacing)
+            draw_slice(picture, shown.place, shown.colors, camera, self.spacing)
         if self.box:
             self._draw_box(picture, camera, look)
         if self.wires is not None:

@@ -8,13 +8,14 @@ from functools import partial
 
 import numpy as np
 
-from app.model.display.display_image import DisplayImage, DisplayVolume, IntensityWindow, apply_window
+from app.model.display.display_image import DisplayImage, DisplayVolume, IntensityWindow
 from app.model.document.document import Document
 from app.model.volume.shape_sections import sections
 from app.model.volume.slices import Slice
 from app.model.volume.surface_section import section as lines_of
 from app.model.volume.surface_section import unmeasured
 from app.session.exchange.messages import Reconstruction, Snapshot
+from app.session.features.volumes.large_slices import AT_ONCE, LargeSlices, shaded
 from app.session.features.volumes.made_once import MadeOnce, Same
 from app.session.scene import NO_CONTOURS, Item, NearParticles, ReviewedContours, Scene
 from app.session.worker.commands.timeline import Compared
@@ -33,10 +34,13 @@ class Sections:
     ----------
     axis : int, optional
         The axis across which the view shows its slices; by default that which is worked on.
+    large : LargeSlices, optional
+        Makes the display images of large slices; without it they are made at once, as a film needs them.
     """
 
-    def __init__(self, axis: int | None = None) -> None:
+    def __init__(self, axis: int | None = None, large: LargeSlices | None = None) -> None:
         self.axis = axis
+        self.large = large
         self._parts = MadeOnce()
 
     def of(self, scene: Scene) -> Scene:
@@ -46,8 +50,12 @@ class Sections:
             return scene
         slices = slices if self.axis is None else slices.turned(self.axis)
         here = slices.current
-        image = self._parts.of("image", (volume, here), lambda: _image(volume, here))
-        display = self._parts.of("display", (image,), lambda: _display(image, volume))
+        image = self._parts.of("image", (volume, here), lambda: volume.cut(here.axis, here.index))
+        window = IntensityWindow(*volume.gray_range)  # that of the volume, so that slices do not flicker
+        if self.large is not None and image.values.size > AT_ONCE:
+            display = self.large.of(image, window)
+        else:
+            display = self._parts.of("display", (image,), lambda: shaded(image, window))
         drawn = (scene.document, here, volume)
         document, places = self._parts.of("document", drawn, lambda: _document(*drawn))
         reach = scene.document.parameters.d_min
@@ -111,15 +119,6 @@ def _compared(compared: Compared | None, here: Slice, volume: Image, reach: floa
     )
     result = replace(compared.result, contours=lines, surface=None) if isinstance(compared.result, Result) else None
     return replace(compared, position=position, result=result)
-
-
-def _image(volume: Image, here: Slice) -> Image:
-    return Image(here.of(volume.values), here.sides(volume.spacing), volume.unit, volume.source)
-
-
-def _display(image: Image, volume: Image) -> DisplayImage:
-    """The slice in the gray values of the whole volume, so that it does not flicker from slice to slice."""
-    return DisplayImage.of(apply_window(image.values, IntensityWindow(*volume.gray_range)))
 
 
 def sections_of(shapes: Iterable[Shape], here: Slice, volume: Image) -> Iterator[tuple[int, Shape]]:
