@@ -10,7 +10,7 @@ from app.model.display.space.picture import Colors
 from app.model.display.space.projection import Shaded
 from app.model.display.space.slices import ShownSlice
 from app.model.display.space.triangles import Cut, Mesh
-from app.model.display.space.view_in_space import Particles, ViewInSpace, Wires
+from app.model.display.space.view_in_space import ColoredMesh, Particles, ViewInSpace, Wires
 from app.model.volume.slices import Slices
 from cpm_core.image.image import Image
 
@@ -24,6 +24,7 @@ class ShownParts:
 
     particles: bool = True
     surface: bool = True
+    objects: bool = True
     slices: bool = False
     projection: bool = False
     box: bool = True
@@ -50,6 +51,8 @@ class Contents:
         What is drawn.
     table : ndarray of uint8, shape (256, 3)
         Color of each shade.
+    objects : tuple of ColoredMesh
+        Objects that have been selected, and those that are offered.
     """
 
     image: Image
@@ -59,6 +62,7 @@ class Contents:
     mesh: Mesh | None = None
     wires: Wires | None = None
     table: Colors = field(default_factory=lambda: GRAY)
+    objects: tuple[ColoredMesh, ...] = ()
 
     def view(self, shown: ShownParts) -> ViewInSpace:
         """The view of the parts that are shown."""
@@ -74,6 +78,7 @@ class Contents:
             self._cut(shown),
             shown.box,
             self.wires,
+            self.objects if shown.objects else (),
         )
 
     def _slice(self, axis: int) -> ShownSlice:

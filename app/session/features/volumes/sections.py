@@ -10,6 +10,7 @@ import numpy as np
 
 from app.model.display.display_image import DisplayImage, DisplayVolume, IntensityWindow
 from app.model.document.document import Document
+from app.model.volume.object_sections import objects_in, selection_in
 from app.model.volume.shape_sections import sections
 from app.model.volume.slices import Slice
 from app.model.volume.surface_section import section as lines_of
@@ -17,12 +18,13 @@ from app.model.volume.surface_section import unmeasured
 from app.session.exchange.messages import Reconstruction, Snapshot
 from app.session.features.volumes.large_slices import AT_ONCE, LargeSlices, shaded
 from app.session.features.volumes.made_once import MadeOnce, Same
-from app.session.scene import NO_CONTOURS, Item, NearParticles, ReviewedContours, Scene
+from app.session.scene import NO_CONTOURS, Item, NearParticles, ReviewedContours, Scene, ShownObjects
 from app.session.worker.commands.timeline import Compared
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import ReviewedContour
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array, Index
+from cpm_core.objects.segmented.segmented_object import SegmentedObjects
 from cpm_core.shapes import Shape
 from cpm_core.shapes.image_starts import ImageSeeds
 
@@ -57,7 +59,11 @@ class Sections:
         else:
             display = self._parts.of("display", (image,), lambda: shaded(image, window))
         drawn = (scene.document, here, volume)
-        document, places = self._parts.of("document", drawn, lambda: _document(*drawn))
+        cut = self._parts.of(
+            "objects", (scene.document.objects, here), lambda: objects_in(scene.document.objects, here)
+        )
+        document, places = self._parts.of("document", (*drawn, cut), lambda: _document(*drawn, cut))
+        shown = self._parts.of("shown", (scene.objects, here), lambda: _shown(scene.objects, here))
         reach = scene.document.parameters.d_min
         near = self._parts.of("near", (scene.snapshot, here, reach), lambda: _near(scene.snapshot, here, volume, reach))
         snapshot = self._parts.of("snapshot", (near,), lambda: _snapshot(scene.snapshot, near, here))
@@ -76,6 +82,7 @@ class Sections:
             contours=contours,
             overlays=self._overlays(scene, here),
             compared=self._compared(scene.compared, here, volume, reach),
+            objects=shown,
             slices=slices,
             volume=volume,
             near=near,
@@ -129,14 +136,23 @@ def sections_of(shapes: Iterable[Shape], here: Slice, volume: Image) -> Iterator
             yield index, cut
 
 
-def _document(document: Document, here: Slice, volume: Image) -> tuple[Document, dict[int | None, int]]:
-    """The document with the sections of its shapes, and the place of the first section of each shape."""
+def _document(
+    document: Document, here: Slice, volume: Image, objects: SegmentedObjects
+) -> tuple[Document, dict[int | None, int]]:
+    """The document with the sections of its shapes and objects, and the place of the first section of each shape."""
     places: dict[int | None, int] = {}
     shapes: list[Shape] = []
     for index, cut in sections_of(document.shapes, here, volume):
         places.setdefault(index, len(shapes))
         shapes.append(cut)
-    return replace(document, shapes=tuple(shapes)), places
+    return replace(document, shapes=tuple(shapes), objects=objects), places
+
+
+def _shown(shown: ShownObjects, here: Slice) -> ShownObjects:
+    """What a slice shows of the selection of objects."""
+    offered = tuple(replace(each, selection=selection_in(each.selection, here)) for each in shown.proposals)
+    preview = None if shown.preview is None else selection_in(shown.preview, here)
+    return replace(shown, proposals=offered, preview=preview)
 
 
 def _near(snapshot: Snapshot | None, here: Slice, volume: Image, reach: float) -> NearParticles | None:

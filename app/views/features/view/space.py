@@ -6,12 +6,15 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
+from PySide6.QtGui import QGuiApplication
+
 from app.model.display.space.view_in_space import ViewInSpace
 from app.model.export.provenance import comment_on
 from app.model.state.volume_limits import has_volume
 from app.model.text.language import tr
 from app.session.exchange.messages import Exported, Report
 from app.session.tasks.tasks import Task
+from app.views.canvas.tools.objects import NOT_INSIDE
 from app.views.volume.seen_in_space import SeenInSpace
 from app.views.volume.space_hand import SpaceHand
 from app.views.volume.space_panel import SpacePanel
@@ -39,7 +42,7 @@ class SpaceFeature(Feature):
         self._hand = SpaceHand(context.session, self.panel.view)
         self.panel.view.picked.connect(self._pick)
         context.canvas_area.level_drag.watch(self.panel.view)
-        for layer in (layers.particles, layers.image, layers.drawing):
+        for layer in (layers.particles, layers.image, layers.drawing, layers["objects"]):
             layer.changed.connect(self._show)
 
     def panels(self) -> Sequence[Panel]:
@@ -128,7 +131,10 @@ class SpaceFeature(Feature):
         """Move the slices there, and draw there what the tool in use draws without a slice."""
         self.context.workspace.slices.through(place)
         tool = self.context.canvas_area.canvas.tool
-        if tool is not None:
+        if tool is not None and tool.name == "objects":
+            inside = not QGuiApplication.keyboardModifiers() & NOT_INSIDE
+            self.context.workspace.object_selection.click_behind(self.panel.view.behind(place), inside)
+        elif tool is not None:
             self._hand.put(tool.name, place)
 
     def _reveal(self) -> None:
