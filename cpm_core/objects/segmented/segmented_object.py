@@ -10,12 +10,12 @@ import scipy
 
 from cpm_core.contours.contour import Contour, check_name
 from cpm_core.contours.surface import Surface
+from cpm_core.contours.surface.inside import inside_of
 from cpm_core.contours.surface.packing import PackedSurface
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Mask, Place, Position
 from cpm_core.objects.selection import Selection
 from cpm_core.parameters.quotation import shown
-from cpm_core.reconstruction.surface.inside import inside_of
 
 Line = tuple[Position, ...]
 

@@ -8,6 +8,7 @@ from functools import partial
 from PySide6.QtCore import QObject, Signal
 
 from app.model.display.display_image import DisplayImage, IntensityWindow, apply_window
+from app.model.text.language import tr
 from app.session.features.latest import Latest
 from app.session.signals import SessionSignals
 from cpm_core.image.image import Image
@@ -39,7 +40,7 @@ class LargeSlices(QObject):
     def __init__(self, session: SessionSignals) -> None:
         super().__init__(session)
         self._newest: _Made | None = None
-        self._latest = Latest(session, "cpm-slices", "drawing a slice")
+        self._latest = Latest(session, "cpm-slices", tr("drawing a slice"))
         self._latest.done.connect(self._take)
 
     def of(self, image: Image, window: IntensityWindow) -> DisplayImage:

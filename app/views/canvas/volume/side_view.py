@@ -46,7 +46,8 @@ class Cross:
 class SideView(Mirror):
     """Shows the slice across one axis, at first as a whole, and takes the tool in use.
 
-    The right button moves the cross, and a click of it opens the menu of what lies there; the wheel goes through the slices, with Ctrl it zooms, and the middle button pans.
+    The right button moves the cross, and its click opens the menu of what lies there; the wheel goes through the
+    slices, with Ctrl it zooms, and the middle button pans.
     """
 
     went = Signal(object)
