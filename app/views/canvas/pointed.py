@@ -43,7 +43,7 @@ class Pointed:
         found = hit_in(self._session.scene, at, reach, here)
         shape = found.index if found is not None else None
         near = found is not None and (found.part == "handle" or shapes[found.index].distance(at) <= reach)
-        contour = None if near else self._review.under(at, reach)
+        contour = None if near or len(at) == 3 else self._review.under(at, reach)  # a volume has a surface
         particles = not near and contour is None and self._has_particles(at, reach)
         number = 0 if near or contour is not None or particles else self._list.under(at)
         if near or not (contour is not None or particles or number):

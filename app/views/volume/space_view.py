@@ -20,7 +20,6 @@ from app.session.signals import SessionSignals
 from app.views.theme import theme
 from app.views.volume.space_gestures import WHOLE, Gesture, by_key, gesture, turn
 from app.views.volume.space_marks import SpaceMarks
-from cpm_core.numerics.types import Place
 
 _STILL = 150
 """Time without a change after which the picture is drawn at full size [ms]."""
@@ -32,9 +31,6 @@ _COARSEST = 4
 
 _WHEEL = 1.0015
 """What an eighth of a degree of the wheel enlarges."""
-
-_BEHIND = (0.5, 1.0, 1.5, 2.0, 3.0, 0.0)
-"""How far behind what is seen the inside of it is looked for [smallest sides of a voxel]."""
 
 _CLICK = 4.0
 """Distance within which a press and a release are a click [px of the screen]."""
@@ -126,14 +122,6 @@ class SpaceView(QWidget):
     def picture(self) -> QImage:
         """The picture as it is seen, with its marks."""
         return self.grab().toImage()
-
-    def behind(self, place: Place) -> tuple[Place, ...]:
-        """Places along the line of sight through a place [voxels], which lies on something seen, the nearest first."""
-        if self.camera is None or self._view is None:
-            return (place,)
-        sides = np.array(self._view.spacing)
-        way = min(self._view.spacing) * self.camera.axes[2] / sides
-        return tuple(tuple((np.array(place) + far * way).tolist()) for far in _BEHIND)
 
     def close_thread(self) -> None:
         """End the thread that draws."""

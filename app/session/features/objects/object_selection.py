@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -21,7 +21,7 @@ from app.session.scene import Proposal
 from app.session.session import Session
 from cpm_core.contours.result import Result
 from cpm_core.numerics.types import Array, Place
-from cpm_core.objects.faces.space import VolumePartition, VolumeSelection
+from cpm_core.objects.faces.space import VolumeSelection
 from cpm_core.objects.segmented.segmented_object import Click
 from cpm_core.shapes import Everywhere
 from cpm_core.shapes.image_starts import ImageStart
@@ -141,15 +141,6 @@ class ObjectSelection(QObject):
             return document
 
         self._session.edit(words, edit)
-
-    def click_behind(self, places: Sequence[Place], inside: bool = True) -> None:
-        """Say so of the first of places on a line of sight that lies in a body of a volume, or else of the first."""
-        partition = self.partitions.partition
-        if isinstance(partition, VolumePartition):
-            places = [
-                place for place, body in zip(places, partition.bodies_at(np.array(places)), strict=True) if body
-            ] or places
-        self.click((places[0],), inside)
 
     def take_back(self) -> None:
         """Take back the last click."""

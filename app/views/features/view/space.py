@@ -6,15 +6,12 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtGui import QGuiApplication
-
 from app.model.display.space.view_in_space import ViewInSpace
 from app.model.export.provenance import comment_on
 from app.model.state.volume_limits import has_volume
 from app.model.text.language import tr
 from app.session.exchange.messages import Exported, Report
 from app.session.tasks.tasks import Task
-from app.views.canvas.tools.objects import NOT_INSIDE
 from app.views.volume.seen_in_space import SeenInSpace
 from app.views.volume.space_hand import SpaceHand
 from app.views.volume.space_panel import SpacePanel
@@ -134,8 +131,7 @@ class SpaceFeature(Feature):
         self.context.workspace.slices.through(place)
         tool = self.context.canvas_area.canvas.tool
         if tool is not None and tool.name == "objects":
-            inside = not QGuiApplication.keyboardModifiers() & NOT_INSIDE
-            self.context.workspace.object_selection.click_behind(self.panel.view.behind(place), inside)
+            self._hand.select(self.context.workspace.object_selection, place)
         elif tool is not None:
             self._hand.put(tool.name, place)
 
