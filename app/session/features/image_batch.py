@@ -12,6 +12,7 @@ from PySide6.QtCore import QObject, Signal
 
 from app.model.document.saving import to_file
 from app.model.text.language import tr
+from app.model.text.reasons import cause
 from app.session.exchange.messages import CommandFailed, Report
 from app.session.session import Session
 from app.session.tasks.tasks import Task
@@ -103,7 +104,8 @@ class ImageBatch(QObject):
         try:
             output.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise ValueError(f"{output} is no folder, and none can be made: {error.strerror or error}.") from error
+            text = tr("{folder} is no folder, and none can be made: {reason}.")
+            raise ValueError(text.format(folder=output, reason=cause(error))) from error
         save_session(session, applied)
         batch = Batch(Order(images, session, fingerprint(applied), output, suffixes, session.parameters))
         for number, row in batch.known.items():

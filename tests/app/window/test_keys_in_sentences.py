@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import gettext
-import importlib.util
+import importlib
 import re
 from pathlib import Path
 
@@ -48,10 +48,9 @@ GERMAN_FIXED = (
 
 
 def _sentences() -> list[str]:
-    spec = importlib.util.spec_from_file_location("make_template", LANGUAGES / "make_template.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return list(module.sentences())
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(LANGUAGES))
+        return list(importlib.import_module("make_template").sentences())
 
 
 SENTENCES = _sentences()
