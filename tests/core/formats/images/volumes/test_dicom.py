@@ -277,6 +277,51 @@ def test_a_file_without_an_image_is_called_that(tmp_path):
         load_image(tmp_path / "a.dcm")
 
 
+def test_a_file_whose_pixels_were_taken_out_is_called_that(tmp_path):
+    write_slice(tmp_path / "a.dcm", VALUES[0], PixelData=None)
+    with pytest.raises(ValueError, match=r"a\.dcm holds no DICOM image: choose another file"):
+        load_image(tmp_path / "a.dcm")
+
+
+@pytest.mark.parametrize("along", [ACROSS, OBLIQUE], ids=["across", "oblique"])
+def test_the_planes_of_a_grid_of_doses_lie_at_their_offsets(tmp_path, along):
+    """It is one file, which tells the place of the first plane and the distances of the others from it."""
+    grid = {
+        "NumberOfFrames": 10,
+        "FrameIncrementPointer": 0x3004000C,
+        "GridFrameOffsetVector": [3.0 * k for k in range(10)],
+    }
+    write_slice(tmp_path / "dose.dcm", VALUES, (-20.0, 10.0, 5.0), along, **grid)
+    volume = load_volume(tmp_path / "dose.dcm")
+    assert np.array_equal(volume.values, VALUES)
+    assert volume.notes == ()
+    assert volume.spacing == pytest.approx((3.0, 0.75, 0.5), abs=1e-5)
+    write_series(tmp_path / "s", [3.0 * k for k in range(10)], along)
+    series = load_volume(tmp_path / "s")
+    np.testing.assert_allclose(
+        volume.geometry.affine(volume.spacing), series.geometry.affine(series.spacing), atol=1e-5
+    )
+
+
+def test_one_image_taken_out_of_a_volume_in_one_file_may_still_tell_the_places_of_all(tmp_path):
+    groups = [grouped(3.0 * k) for k in range(4)]
+    write_slice(tmp_path / "a.dcm", VALUES[0], NumberOfFrames=1, PerFrameFunctionalGroupsSequence=groups)
+    assert np.array_equal(load_image(tmp_path / "a.dcm").values, 2.0 * VALUES[0])
+
+
+def test_colors_that_pydicom_does_not_unpack_are_unpacked_by_imagecodecs(tmp_path):
+    codecs = pytest.importorskip("imagecodecs")
+    colors = np.stack([VALUES[plane] % 251 for plane in range(3)], -1).astype(np.uint8)
+    found = dataset(
+        VALUES[0].astype(np.uint8), SamplesPerPixel=3, PlanarConfiguration=0, PhotometricInterpretation="RGB"
+    )
+    found.PixelData = pydicom.encaps.encapsulate([codecs.jpegls_encode(colors)])
+    found.file_meta.TransferSyntaxUID = pydicom.uid.JPEGLSNearLossless
+    found["PixelData"].VR = "OB"
+    found.save_as(tmp_path / "a.dcm")
+    assert np.array_equal(load_image(tmp_path / "a.dcm").colors.samples, colors)
+
+
 def test_a_series_and_nibabel_agree_on_where_labels_lie(tmp_path):
     """The matrix of DICOM, turned into that of NIfTI by its definition."""
     write_series(tmp_path / "s", EVEN, OBLIQUE)
