@@ -7,6 +7,7 @@ import pytest
 from pydicom.uid import DeflatedExplicitVRLittleEndian, JPEG2000Lossless, RLELossless
 
 from cpm_core import load_image, load_volume
+from cpm_core.formats import open_stack
 from cpm_core.formats.images.medical.dicom import pixels
 from cpm_core.formats.images.medical.dicom.reader import reads
 
@@ -41,8 +42,9 @@ def test_of_a_series_with_a_gap_the_longest_even_part_is_taken_and_it_is_said(tm
     volume = load_volume(tmp_path / "s")
     assert volume.shape == (11, *SHAPE[1:])
     assert volume.notes == (
-        "Between slices 9 and 10 lie 3 mm, elsewhere 1 mm, so that 2 slices are missing; the 11 slices 10 to 20 were "
-        "taken.",
+        "Between slices 9 and 10 lie 3 mm, elsewhere 1 mm, so that 2 slices are missing; the longest even part has 11 "
+        "slices, 10 to 20.",
+        "Only these were taken.",
     )
     assert np.array_equal(volume.values[0], VALUES[9])
     assert volume.geometry.origin == pytest.approx((-20.0, 10.0, 16.0))
@@ -57,8 +59,19 @@ def test_of_two_spacings_the_longest_even_part_is_taken_and_it_is_said(tmp_path)
     volume = load_volume(tmp_path / "s")
     assert volume.spacing[0] == pytest.approx(1.0)
     assert volume.notes == (
-        "Its slices are from 1 to 1.7 mm apart, and 1 mm in the longest part; the 9 slices 1 to 9 were taken.",
+        "Its slices are from 1 to 1.7 mm apart; the longest even part has 9 slices, 1 to 9, 1 mm.",
+        "Only these were taken.",
     )
+
+
+def test_the_other_even_parts_of_a_series_are_volumes_by_choice(tmp_path):
+    heights = [*range(9), *range(11, 22)]
+    write_series(tmp_path / "s", heights, values=np.concatenate([VALUES, VALUES + 1]))
+    assert open_stack(tmp_path / "s").series == ("head", "head, slices 1 to 9")
+    volume = load_volume(tmp_path / "s", series=2)
+    assert (volume.shape, volume.notes) == ((9, *SHAPE[1:]), ())
+    assert np.array_equal(volume.values, VALUES[:9])
+    assert volume.geometry.origin == pytest.approx((-20.0, 10.0, 5.0))
 
 
 def test_without_an_even_part_large_enough_the_sentence_says_why_and_what_to_do(tmp_path):
