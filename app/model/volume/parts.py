@@ -41,8 +41,8 @@ class Parts:
         Whether pages are planes of a volume, as the file tells how far apart they are, or by its kind.
     planes : int
         How many of the pages make a volume.
-    doubts : str
-        What is wrong with the volume that they make, such as missing planes; in English, as the core says it.
+    doubts : tuple of str
+        What is wrong with the volume that they make, such as missing planes, in the sentences of the core.
     series_around : Path or None
         Folder with the slices of a series, of which the file seems to be one.
     """
@@ -58,7 +58,7 @@ class Parts:
     spacing: tuple[float, ...] = (1.0, 1.0, 1.0)
     unit: str | None = None
     planes: int = 0
-    doubts: str = ""
+    doubts: tuple[str, ...] = ()
     series_around: Path | None = None
 
     @classmethod
@@ -74,7 +74,7 @@ class Parts:
         first, end = stack.stretch or (0, pages)
         left_out = (ONLY_THESE,) if stack.stretch is not None and end - first >= MINIMUM_SIDE else ()
         return cls(pages, times, stack.channels, stack.series, stack.number + 1, stack.word, usual, deep,
-                   stack.spacing, stack.unit, end - first, " ".join((*stack.of_volume, *left_out)),
+                   stack.spacing, stack.unit, end - first, (*stack.of_volume, *left_out),
                    series_around if pages == 1 else None)  # fmt: skip
 
     @property

@@ -41,8 +41,8 @@ def test_a_series_with_a_gap_opens_its_longest_even_part_says_so_and_offers_the_
     assert window.session.image.shape[0] == 11
     assert np.array_equal(window.session.image.values, load_volume(tmp_path / "s").values)
     assert bar(window).text == (
-        "s: Between slices 9 and 10 lie 3 mm, elsewhere 1 mm, so that 2 slices are missing; the longest even part has "
-        "11 slices, 10 to 20. Only these were taken."
+        "s: Between slices 9 and 10 lie 3 mm, elsewhere 1 mm: 2 slices are missing. "
+        "The longest even part has 11 slices, 10 to 20, 1 mm apart. Only these were taken."
     )
     answer(window, hand, "Choose…")
     dialog = window.feature(StackFeature).dialog
@@ -60,7 +60,7 @@ def test_of_two_spacings_one_is_opened_and_the_window_says_which(window, hand, t
     write_series(tmp_path / "s", [*range(9), *(8 + 1.7 * k for k in range(1, 6))], values=MANY)
     open_file(window, hand, tmp_path / "s")
     assert window.session.image.spacing == pytest.approx((1.0, 0.75, 0.5))
-    assert "from 1 to 1.7 mm apart; the longest even part has 9 slices, 1 to 9, 1 mm." in bar(window).text
+    assert "from 1 to 1.7 mm apart. The longest even part has 9 slices, 1 to 9, 1 mm apart." in bar(window).text
     assert window.feature(SlicesFeature).bar.voxel.text() == "1 × 0.75 × 0.5 mm"
 
 
@@ -94,7 +94,7 @@ def test_without_an_even_part_a_slice_is_opened_and_no_volume_is_offered(window,
     open_file(window, hand, tmp_path / "s")
     assert window.session.image.ndim == 2
     assert "A volume needs at least 8 planes" in window.canvas_area.messages.text
-    assert bar(window).text.endswith("so that 4 slices are missing; the longest even part has 5 slices, 1 to 5.")
+    assert bar(window).text.endswith("4 slices are missing. The longest even part has 5 slices, 1 to 5, 1 mm apart.")
     assert [button.text() for button in bar(window).buttons] == ["Choose…"]
     assert not window.actions_by_name["open_stack"].isEnabled()
 

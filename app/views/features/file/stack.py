@@ -9,7 +9,7 @@ from pathlib import Path
 
 from app.model.state.situation import Situation
 from app.model.state.volume_limits import has_volume
-from app.model.text.language import tr
+from app.model.text.language import from_core, tr
 from app.model.volume.parts import Parts
 from app.session.exchange.messages import Opened
 from app.session.features.latest import Latest
@@ -81,7 +81,7 @@ class StackFeature(OfferingFeature):
         answers = [(tr("Choose…"), self.ask)]
         if parts.planes == parts.pages:  # all were taken, and only how far apart they are is in doubt
             answers.insert(0, (tr("Size of a voxel…"), lambda: self.context.do("pixel_size")))
-        self.bar.offer(tr("{name}: {doubts}").format(name=opened.path.name, doubts=parts.doubts), *answers)
+        self.bar.offer(f"{opened.path.name}: {' '.join(map(from_core, parts.doubts))}", *answers)
 
     def ask(self) -> None:
         """Ask which part is to be opened."""

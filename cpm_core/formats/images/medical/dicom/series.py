@@ -166,16 +166,12 @@ def _stretch(at: Array) -> tuple[int, int, tuple[str, ...]]:
     odd = begin - 1 if begin > 0 else end - 1
     ratio = float(gaps[odd]) / usual
     missing = round(ratio) - 1
-    longest = f"the longest even part has {end - begin} slices, {begin + 1} to {end}"
-    if missing >= 1 and math.isclose(ratio, missing + 1, rel_tol=_UNEVEN):
-        lack = "1 slice is missing" if missing == 1 else f"{missing} slices are missing"
-        why = f"Between slices {odd + 1} and {odd + 2} lie {gaps[odd]:.4g} mm, elsewhere {usual:.4g} mm, so that {lack}"
-    else:
-        why, longest = (
-            f"Its slices are from {gaps.min():.4g} to {gaps.max():.4g} mm apart",
-            f"{longest}, {usual:.4g} mm",
-        )
-    return begin, end, (f"{why}; {longest}.",)
+    longest = f"The longest even part has {end - begin} slices, {begin + 1} to {end}, {usual:.4g} mm apart."
+    if missing < 1 or not math.isclose(ratio, missing + 1, rel_tol=_UNEVEN):
+        return begin, end, (f"Its slices are from {gaps.min():.4g} to {gaps.max():.4g} mm apart.", longest)
+    lack = "1 slice is missing" if missing == 1 else f"{missing} slices are missing"
+    between = f"Between slices {odd + 1} and {odd + 2} lie {gaps[odd]:.4g} mm, elsewhere {usual:.4g} mm: {lack}."
+    return begin, end, (between, longest)
 
 
 def _longest(parts: list[tuple[int, int]]) -> tuple[int, int]:

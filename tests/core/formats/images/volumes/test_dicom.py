@@ -42,8 +42,8 @@ def test_of_a_series_with_a_gap_the_longest_even_part_is_taken_and_it_is_said(tm
     volume = load_volume(tmp_path / "s")
     assert volume.shape == (11, *SHAPE[1:])
     assert volume.notes == (
-        "Between slices 9 and 10 lie 3 mm, elsewhere 1 mm, so that 2 slices are missing; the longest even part has 11 "
-        "slices, 10 to 20.",
+        "Between slices 9 and 10 lie 3 mm, elsewhere 1 mm: 2 slices are missing.",
+        "The longest even part has 11 slices, 10 to 20, 1 mm apart.",
         "Only these were taken.",
     )
     assert np.array_equal(volume.values[0], VALUES[9])
@@ -59,7 +59,8 @@ def test_of_two_spacings_the_longest_even_part_is_taken_and_it_is_said(tmp_path)
     volume = load_volume(tmp_path / "s")
     assert volume.spacing[0] == pytest.approx(1.0)
     assert volume.notes == (
-        "Its slices are from 1 to 1.7 mm apart; the longest even part has 9 slices, 1 to 9, 1 mm.",
+        "Its slices are from 1 to 1.7 mm apart.",
+        "The longest even part has 9 slices, 1 to 9, 1 mm apart.",
         "Only these were taken.",
     )
 
