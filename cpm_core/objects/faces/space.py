@@ -45,6 +45,13 @@ class VolumeSelection:
         The places that have been said to be inside and outside [voxels].
     remark : str
         One sentence on what was unusual about the places, or empty.
+
+    Examples
+    --------
+    >>> result = cpm.segment(cpm.example("ball"), cpm.sphere((15, 15, 15), 4, 60), cpm.PRESETS["volume"])
+    >>> chosen = cpm.partition(result).select([(15, 15, 15)])
+    >>> round(chosen.volume / result.surface.volume, 3), round(chosen.area / result.surface.area, 3)
+    (1.0, 1.0)
     """
 
     mask: Mask
@@ -78,6 +85,13 @@ class VolumePartition:
         The volume.
     surface : Surface
         The surfaces along which it is cut, all in one.
+
+    Examples
+    --------
+    >>> result = cpm.segment(cpm.example("ball"), cpm.sphere((15, 15, 15), 4, 60), cpm.PRESETS["volume"])
+    >>> bodies = cpm.partition(result)
+    >>> bodies.shape, int(bodies.labels.max()), bodies.select([(15, 15, 15)]).remark
+    ((31, 31, 31), 1, '')
     """
 
     image: Image
