@@ -74,6 +74,8 @@ class Image(Pictured):
     ((40, 60), 2, [0.0, 70.7], '2cd5ef8e')
     >>> image.sized((2.0, 2.0), "mm")
     <Image drawn, 40 x 60 px, 2 mm a pixel>
+    >>> cpm.example("ball").cut(axis=0, index=15)
+    <Image ball, 31 x 31 px, 1 mm a pixel>
     >>> colored = cpm.example("colors")
     >>> colored.channel("red"), colored.gray("red").max().item(), colored.gray_at((32, 32), "green")
     ('red', 220.0, 50.0)
@@ -207,6 +209,17 @@ class Image(Pictured):
         made = copy.copy(self)
         for name, given in (("spacing", sizes), ("unit", unit), ("geometry", geometry)):
             object.__setattr__(made, name, given)
+        return made
+
+    def cut(self, axis: int, index: int) -> Image:
+        """A slice of a volume across an axis, as an image that shares the gray levels: they are not checked again."""
+        sides = tuple(side for other, side in enumerate(self.spacing) if other != axis)
+        made = object.__new__(type(self))
+        values = self.values[(slice(None),) * axis + (index,)]
+        given = {"values": values, "spacing": sides, "unit": self.unit, "source": self.source}
+        known = {"notes": (), "colors": None, "file_sha256": "", "geometry": None}
+        for name, value in (given | known).items():
+            object.__setattr__(made, name, value)
         return made
 
     @property

@@ -41,6 +41,8 @@ class Selection(Pictured):
     >>> chosen = cpm.partition(cpm.example("disks")).select([(32, 18)])
     >>> chosen.mask.shape, chosen.contours[0].closed, len(chosen.gaps), chosen.only_places
     ((64, 64), True, 0, False)
+    >>> chosen.found, chosen.same(chosen)
+    (True, True)
     >>> chosen.holds(np.array([(32.0, 18.0), (32.0, 46.0)])).tolist()
     [True, False]
     """
@@ -52,6 +54,15 @@ class Selection(Pictured):
     inside: Array
     outside: Array
     remark: str = ""
+
+    @property
+    def found(self) -> bool:
+        """Whether it has a boundary."""
+        return bool(self.contours)
+
+    def same(self, other: Selection) -> bool:
+        """Whether the same pixels have been chosen."""
+        return np.array_equal(self.mask, other.mask)
 
     @property
     def only_places(self) -> bool:
