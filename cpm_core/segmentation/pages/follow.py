@@ -60,6 +60,14 @@ def follow(
     Page
         Each page as soon as it is done. The numbers of its contours are their tracks, which overlap from page to page.
         A page that cannot be used has a sentence in place of a result; ValueError for one that there is not.
+
+    Examples
+    --------
+    >>> pages = [cpm.example("disk").values, np.roll(cpm.example("disk").values, 3, axis=1)]
+    >>> for page in cpm.follow(pages, cpm.circle((32, 32), 8)):
+    ...     print(page.number, [contour.number for contour in page.contours])
+    1 [1]
+    2 [1]
     """
     wanted = _checked(pages, numbers, known)
 
