@@ -7,11 +7,13 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import NoReturn
 
-from cpm_core.cli import info, run, skeleton
+from cpm_core.cli import info
 from cpm_core.cli.batch import command as batch_command
 from cpm_core.cli.bench import command as bench_command
 from cpm_core.cli.compare import command as compare_command
 from cpm_core.cli.figures import command as figures_command
+from cpm_core.cli.run import command as run_command
+from cpm_core.cli.skeleton import command as skeleton_command
 from cpm_core.cli.terminal import drop_output, say, take_any_character
 from cpm_core.formats.provenance import VERSION
 
@@ -78,6 +80,14 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"cpm {VERSION}", help="show the version")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for command in (run, batch_command, skeleton, compare_command, info, figures_command, bench_command):
+    for command in (
+        run_command,
+        batch_command,
+        skeleton_command,
+        compare_command,
+        info,
+        figures_command,
+        bench_command,
+    ):
         command.add_to(commands)
     return parser

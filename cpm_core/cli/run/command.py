@@ -31,10 +31,10 @@ from cpm_core.cli.arguments import (
     with_room,
 )
 from cpm_core.cli.batch.jobs import facts_of as outcome_of
-from cpm_core.cli.objects import add_objects, check_objects, choose, facts_of_object, sentence
-from cpm_core.cli.pages import StackRun, add_pages, check_pages, run_pages
+from cpm_core.cli.run.objects import add_objects, check_objects, choose, facts_of_object, sentence
+from cpm_core.cli.run.pages import StackRun, add_pages, check_pages, run_pages
+from cpm_core.cli.run.volume import run_volume
 from cpm_core.cli.terminal import Progress, counted, written
-from cpm_core.cli.volume import run_volume
 from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply

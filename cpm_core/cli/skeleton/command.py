@@ -20,7 +20,7 @@ from cpm_core.cli.arguments import (
     parameters_of,
     part_of,
 )
-from cpm_core.cli.centerlines import find_centerlines
+from cpm_core.cli.skeleton.centerlines import find_centerlines
 from cpm_core.cli.terminal import counted, written
 from cpm_core.formats import FOR_CENTERLINES, export, load_image, suffix_of
 from cpm_core.formats.printable import printable
