@@ -15,7 +15,7 @@ from app.model.state.status import RunStatus
 from app.model.state.surface_figures import SURFACE, VOLUME, in_words
 from app.model.state.volume_limits import has_volume
 from app.model.text.keys import with_keys
-from app.model.text.language import tr
+from app.model.text.language import from_core, tr
 from cpm_core.shapes import Barrier, Charge, Everywhere, Grid, Points, Shape, Stroke, Threshold
 
 FULL_SPEED = tr("full speed")
@@ -109,7 +109,7 @@ def _state(situation: Situation) -> str:
             return tr("Paused")
         case "finished":
             message = tr("Done – {reason}") if status.converged else tr("Stopped – {reason}")
-            return _sentence(message.format(reason=tr(status.stop_reason) if status.stop_reason else ""))
+            return _sentence(message.format(reason=from_core(status.stop_reason)))
     if document.starts or not needs_start(document.mode):
         return tr("Ready")
     return tr("Nothing to start from yet") if document.shapes else tr("Nothing drawn yet")

@@ -20,7 +20,7 @@ from cpm_core.image.image import Image
 from cpm_core.numerics.polyline import resampled
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Mask
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import counted, described, shown
 
 SPACING = 2.0
 """Distance of the points that a start gives along its outlines [px]."""
@@ -90,6 +90,10 @@ class Start:
             found |= polygon2mask(shape, outline)  # type: ignore[no-untyped-call]
         return found
 
+    def __repr__(self) -> str:
+        where = "around the objects" if self.around else "inside the objects"
+        return described("Start", counted(len(self.outlines), "outline"), where)
+
 
 class ContourState(Protocol):
     """A moment of the run of any method."""
@@ -148,6 +152,9 @@ class ContourMethod(Generic[S]):
     settings: type[S]
     evolve: Callable[[Image, Start, S], Iterator[ContourState]]
     most_steps: int
+
+    def __repr__(self) -> str:
+        return described("ContourMethod", self.name, self.title)
 
 
 AnyMethod = ContourMethod[Any]
