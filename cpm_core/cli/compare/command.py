@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -12,7 +11,8 @@ import numpy as np
 
 from cpm_core.cli.arguments import add_image, add_json, add_part, add_session, as_number, as_steps, part_of
 from cpm_core.cli.compare.settings import add_settings, chosen_settings
-from cpm_core.cli.terminal import say
+from cpm_core.cli.outcome import print_json
+from cpm_core.cli.terminal import announce_compilation, say
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.formats import load_image
 from cpm_core.formats.animations.comparison import Tile, check_comparison, write_comparison
@@ -93,6 +93,7 @@ def _compare(arguments: argparse.Namespace) -> None:
         check_comparison(path)
     image = _image(arguments, session)
     truth = None if arguments.truth is None else load_truth(arguments.truth, image.shape)
+    announce_compilation()
     tiles = []
     for name in names:
         moment = run_method(CONTOUR_METHODS[name], image, start, settings[name], max_steps)
@@ -107,7 +108,7 @@ def _end(arguments: argparse.Namespace, image: Image, start: Start, rows: Sequen
     if arguments.json:
         given = {"image": image.source, "around": start.around, "truth": None if truth is None else truth.source}
         plain = [{name: _finite(value) for name, value in asdict(row).items()} for row in rows]
-        print(json.dumps({**given, "methods": plain}))
+        print_json("compare", {**given, "methods": plain})
         return
     for path in arguments.export:
         print(printable(f"Wrote {path}"))
