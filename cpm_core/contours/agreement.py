@@ -20,6 +20,7 @@ from cpm_core.contours.rasterize import inside, paint
 from cpm_core.numerics.real_numbers import checked_number
 from cpm_core.numerics.segments import SegmentTree
 from cpm_core.numerics.types import Array, Mask
+from cpm_core.parameters.quotation import described
 
 TOLERANCE = 2.0
 """Default distance up to which two boundaries count as the same [px]."""
@@ -112,6 +113,14 @@ class Agreement:
         both = self.recall + self.precision
         return 2.0 * self.recall * self.precision / both if both > 0.0 else 0.0
 
+    def __repr__(self) -> str:
+        away = f"mean distance {self.mean_boundary_distance:.3g} px"
+        return described(type(self).__name__, f"F {self.f:.3f} within {self.tolerance:g} px", away, *self._of_areas())
+
+    def _of_areas(self) -> tuple[str, ...]:
+        """What is said of enclosed areas."""
+        return ()
+
 
 @dataclass(frozen=True, eq=False)
 class Comparison(Agreement):
@@ -135,6 +144,14 @@ class Comparison(Agreement):
         One for each object.
     objects : ObjectCounts
         How many objects have been found, missed and merged.
+
+    Examples
+    --------
+    >>> truth = cpm.segment(cpm.example("disks"), cpm.uniform_grid((64, 64)))
+    >>> found = cpm.segment(cpm.example("disks"), cpm.circle((32, 18), 4))
+    >>> agreed = cpm.compare(found.contours, cpm.Truth(truth.labels, truth.contours))
+    >>> round(agreed.f, 2), round(agreed.dice, 2), agreed.objects.found, agreed.hausdorff < 0.1
+    (1.0, 1.0, 2, True)
     """
 
     dice: float
@@ -145,6 +162,12 @@ class Comparison(Agreement):
     missing_area: Mask
     matches: tuple[Match, ...]
     objects: ObjectCounts
+
+    def _of_areas(self) -> tuple[str, ...]:
+        found = f"{self.objects.found} of {self.objects.found + self.objects.missed} objects found"
+        return f"Dice {self.dice:.3f}", found
+
+    __repr__ = Agreement.__repr__
 
 
 def agreement(contours: Sequence[Contour], others: Sequence[Contour], tolerance: float = TOLERANCE) -> Agreement:
@@ -197,6 +220,15 @@ def compare(
     ------
     ValueError
         When the tolerance is not a positive number.
+
+    Examples
+    --------
+    >>> result = cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8))
+    >>> inside = np.hypot(*(np.indices((64, 64)) - 32)) <= 20
+    >>> truth = cpm.Truth(inside.astype(np.int32), (cpm.Contour(cpm.circle((32, 32), 20), True),))
+    >>> found = cpm.compare(result.contours, truth)
+    >>> found.dice > 0.99, found.f, found.objects.found
+    (True, 1.0, 1)
     """
     _check(tolerance)
     a, b = _Boundary(contours), _Boundary(truth.contours)

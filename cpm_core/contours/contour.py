@@ -13,7 +13,7 @@ import numpy as np
 
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import counted, described, shown
 
 SAMPLING = 0.25
 """Distance between samples along contours that are compared [px]."""
@@ -86,6 +86,18 @@ class Contour:
     ------
     ValueError
         When the color is of another form.
+
+    Examples
+    --------
+    >>> corners = np.array([(2.0, 2.0), (2.0, 12.0), (12.0, 12.0), (12.0, 2.0)])
+    >>> square = cpm.Contour(corners, closed=True, name="a square")
+    >>> square
+    <Contour a square, closed, 40.0 px around 100.0 px², 4 vertices>
+    >>> square.length, square.area, square.box.tolist(), len(square.path)
+    (40.0, 100.0, [[2.0, 2.0], [12.0, 12.0]], 5)
+    >>> found = cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8)).contours[0]
+    >>> round(found.contrast, 2), found.length_by_hand
+    (0.92, 0)
     """
 
     points: Array
@@ -142,6 +154,12 @@ class Contour:
         """Enclosed area [px²]; 0 for an open curve, and for one in a volume."""
         return polyline.area(self.points) if self.closed and self.points.shape[1] == 2 else 0.0
 
+    def __repr__(self) -> str:
+        kind = "hole" if self.hole else "closed" if self.closed else "open"
+        around = f" around {self.area:,.1f} px²" if self.area else ""
+        vertices = counted(len(self.points), "vertex", "vertices")
+        return described("Contour", self.name, kind, f"{self.length:,.1f} px{around}", vertices)
+
 
 @dataclass(frozen=True, eq=False)
 class Bridge:
@@ -156,11 +174,22 @@ class Bridge:
         Length along it [px].
     strength : float
         Mean of the edge map along it [gray levels / px].
+
+    Examples
+    --------
+    >>> parameters = cpm.Parameters(max_gap=30, edge_floor=0.25)
+    >>> result = cpm.segment(cpm.example("gap"), cpm.circle((32, 32), 8), parameters)
+    >>> bridge = result.bridges[0]
+    >>> len(result.bridges), round(bridge.length), bridge.strength < result.contours[0].strength
+    (1, 9, True)
     """
 
     points: Array
     length: float
     strength: float
+
+    def __repr__(self) -> str:
+        return described("Bridge", f"{self.length:,.1f} px", f"strength {self.strength:.3g}")
 
 
 def numbers_of(contours: Sequence[Contour]) -> tuple[int, ...]:

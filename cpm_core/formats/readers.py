@@ -20,15 +20,15 @@ from numpy.typing import ArrayLike
 from cpm_core.formats.fingerprint import fingerprint
 from cpm_core.formats.images import foreign, numpy_array, resolution
 from cpm_core.formats.images.choice import Choice
-from cpm_core.formats.images.decoded import LUMINANCE_NOTE, Decoded, UnreadableError
+from cpm_core.formats.images.decoded import Decoded, UnreadableError
 from cpm_core.formats.images.medical import metaimage, nifti, nrrd
 from cpm_core.formats.images.medical.dicom import reader as dicom
-from cpm_core.formats.images.reading import LUMINANCE, checked_color, checked_unit
+from cpm_core.formats.images.reading import checked_unit
 from cpm_core.formats.images.stacks import frames, tiff_stack
 from cpm_core.formats.images.stacks.pages import Axis, Pages
 from cpm_core.formats.images.stacks.stack import Stack, plane_of, volume_of
 from cpm_core.formats.printable import printable
-from cpm_core.image.colors import CONTRAST, channel_of, most_contrast
+from cpm_core.image.colors import LUMINANCE, LUMINANCE_NOTE, checked_color, in_color
 from cpm_core.image.image import MINIMUM_SIDE, Image
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.parameters.quotation import shown
@@ -108,6 +108,12 @@ def load_image(
     ValueError
         When there is no such file, or it cannot be used or read again for its hash; one sentence with its name and
         what to do.
+
+    Examples
+    --------
+    >>> np.save("disk.npy", cpm.example("disk").values)
+    >>> cpm.load_image("disk.npy", spacing=0.5, unit="µm")
+    <Image disk.npy, 64 x 64 px, 0.5 µm a pixel>
     """
     file, choice = Path(path), Choice(page, channel, time, series)
     decoded = _in(checked_color(color), _read(file, lambda reader: reader.read(file, choice)))
@@ -146,6 +152,12 @@ def load_volume(
     ------
     ValueError
         When there is no such file, or it cannot be used; one sentence with its name and what to do.
+
+    Examples
+    --------
+    >>> np.save("ball.npy", cpm.example("ball").values)
+    >>> cpm.load_volume("ball.npy", spacing=(2.0, 1.0, 1.0), unit="mm")
+    <Image ball.npy, 31 x 31 x 31 voxels, 2 x 1 x 1 mm a voxel>
     """
     choice = Choice(None, channel, time, series)
     file = Path(path)
@@ -181,6 +193,13 @@ def load_pages(
     ------
     ValueError
         When there is no such file, or it cannot be used; a page that cannot be used raises it when it is asked for.
+
+    Examples
+    --------
+    >>> np.save("pages.npy", np.stack([cpm.example("disk").values, cpm.example("ring").values]))
+    >>> pages = cpm.load_pages("pages.npy")
+    >>> len(pages), pages[1].shape
+    (2, (64, 64))
     """
     file, wanted = Path(path), checked_color(color)
     opened: Stack = _read(file, lambda reader: reader.stack(file, Choice(None, channel, time, series)))
@@ -268,9 +287,7 @@ def _in(color: str, decoded: Decoded) -> Decoded:
     """What was read, in the gray levels of a channel of its colors."""
     if color == LUMINANCE or decoded.colors is None:
         return decoded
-    taken = most_contrast(decoded.colors) if color == CONTRAST else color
-    values = channel_of(decoded.values, decoded.colors, taken)
-    said = f"The channel {taken} of its colors was taken{', which varies the most' if color == CONTRAST else ''}."
+    values, said = in_color(decoded.values, decoded.colors, color)
     notes = tuple(said if note == LUMINANCE_NOTE else note for note in decoded.notes)
     return replace(decoded, values=values, colors=None, notes=notes)
 

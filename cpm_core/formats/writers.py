@@ -15,7 +15,8 @@ from types import MappingProxyType
 
 from cpm_core.contours.result import Result
 from cpm_core.formats.atomic import check_place, write_together
-from cpm_core.formats.contours import coco, contour_csv, contour_json, dxf, geojson, imagej, labelme, svg
+from cpm_core.formats.contours import coco, contour_csv, contour_json, geojson, imagej, labelme, svg
+from cpm_core.formats.contours.dxf import drawing as dxf
 from cpm_core.formats.masks import label_tiff, labels, nifti
 from cpm_core.formats.meshes import obj, ply, points_csv, stl, swc, vtk
 from cpm_core.formats.printable import printable
@@ -147,6 +148,13 @@ def export(
     ValueError
         When a suffix is not known, a file cannot be written there, or the result holds nothing such a file could show;
         with `refused`, nothing for any of them. Then nothing is written.
+
+    Examples
+    --------
+    >>> result = cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8))
+    >>> cpm.export(result, "disk.svg", "disk.measures.csv", "disk.tif")
+    >>> int(cpm.load_image("disk.tif").values.max())
+    1
     """
     files = list(map(Path, paths))
     for file in files:
@@ -220,6 +228,12 @@ def encoded(
     ------
     ValueError
         When the suffix is not known, or the result holds nothing such a file could show.
+
+    Examples
+    --------
+    >>> result = cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8))
+    >>> cpm.encoded(result, ".svg")[:5]
+    b'<?xml'
     """
     if not isinstance(suffix, str) or suffix not in {**_WRITERS, **_MESHES, **FOR_CENTERLINES}:
         raise ValueError(f"{shown(suffix)} names no format that can be written: choose one of {_known()}.")

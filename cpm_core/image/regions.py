@@ -14,7 +14,7 @@ from cpm_core.image.pyramid import to_scale
 from cpm_core.numerics import polyline
 from cpm_core.numerics.segments import Bands, cut, nearest_distances, segments_of
 from cpm_core.numerics.types import Array, Position
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import counted, described, shown
 
 Line = tuple[Position, ...]
 
@@ -45,6 +45,19 @@ class Regions:
     ------
     ValueError
         For too few corners or values that are not finite.
+
+    Examples
+    --------
+    >>> left = cpm.Regions(interest=[[(0, 0), (63, 0), (63, 31), (0, 31)]], barriers=[[(0, 20), (63, 20)]])
+    >>> left
+    <Regions 1 region of interest, 1 barrier>
+    >>> left.check((64, 64))
+    >>> left.contains(np.array([(32.0, 10.0), (32.0, 50.0)])).tolist(), left.allows(np.array([(32.0, 20.0)])).tolist()
+    ([True, False], [False])
+    >>> int(left.pixels((64, 64)).sum()), left.rims().shape, left.lines().shape
+    (1953, (4, 4), (1, 4))
+    >>> left.at_scale(1, (64, 64)).interest[0][1]
+    (31.25, -0.25)
     """
 
     interest: tuple[Line, ...] = ()
@@ -106,6 +119,10 @@ class Regions:
     def lines(self) -> Array:
         """Barriers as segments, shape (S, 4)."""
         return np.concatenate([np.zeros((0, 4)), *(segments_of(polyline.corners_of(line)) for line in self.barriers)])
+
+    def __repr__(self) -> str:
+        interest = counted(len(self.interest), "region of interest", "regions of interest")
+        return described("Regions", interest, counted(len(self.barriers), "barrier"))
 
 
 def _lines(noun: str, lines: Iterable[Iterable[Sequence[float]]], least: int) -> tuple[Line, ...]:

@@ -21,7 +21,7 @@ from cpm_core.image.volume_barriers import OFF, Walls, signed_distances
 from cpm_core.numerics import polyline
 from cpm_core.numerics.real_numbers import checked_number, real_numbers
 from cpm_core.numerics.types import Array, Index, Mask, Position
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import counted, described, shown
 
 Place = tuple[float, float, float]
 Pair = tuple[Place, Place]
@@ -80,6 +80,14 @@ class Extrusion:
         Where along the axis it begins and ends [voxels].
     closed : bool
         Whether the voxels are those that the line encloses, or those that it passes through.
+
+    Examples
+    --------
+    >>> tube = cpm.Extrusion(((8.0, 8.0), (8.0, 22.0), (22.0, 22.0), (22.0, 8.0)), axis=0, first=4, last=26)
+    >>> filled = np.zeros((31, 31, 31), bool)
+    >>> tube.fill(filled)
+    >>> int(filled.sum()), tube.hold(np.array([(15.0, 15.0, 15.0), (0.0, 15.0, 15.0)])).tolist()
+    (4508, [True, False])
     """
 
     line: tuple[Position, ...]
@@ -118,6 +126,10 @@ class Extrusion:
             at, on = np.where(near[:, None], off, 0) @ [sides[1], 1], (pixels - low) @ [sides[1], 1]
             found[found] = near & np.isin(at, on)
         return found
+
+    def __repr__(self) -> str:
+        slices = f"slices {self.first:g} to {self.last:g} across axis {self.axis}"
+        return described("Extrusion", counted(len(self.line), "corner"), slices, "closed" if self.closed else "open")
 
 
 @lru_cache(maxsize=_KEPT)
@@ -170,6 +182,19 @@ class VolumeRegions:
     ------
     ValueError
         For anything else, for values that are not finite, and for a direction without length.
+
+    Examples
+    --------
+    >>> half = cpm.VolumeRegions(interest=[((0, 0, 0), (30, 30, 20))], barriers=[((0, 0, 15.5), (0, 0, 1))])
+    >>> half
+    <VolumeRegions 1 region of interest, 1 barrier>
+    >>> half.check((31, 31, 31))
+    >>> half.contains(np.array([(15.0, 15.0, 10.0), (15.0, 15.0, 25.0)])).tolist()
+    [True, False]
+    >>> half.allows(np.array([(15.0, 15.0, 15.5)])).tolist(), int(half.voxels((31, 31, 31)).sum()), half.planes().shape
+    ([False], 20181, (1, 4))
+    >>> half.walls((31, 31, 31)).closed.shape
+    (31, 31, 31)
     """
 
     interest: tuple[Limit, ...] = ()
@@ -236,6 +261,10 @@ class VolumeRegions:
     def walls(self, shape: tuple[int, ...]) -> Walls:
         """What no particle crosses in a volume of this shape, at its full size."""
         return _walls(self, shape)
+
+    def __repr__(self) -> str:
+        interest = counted(len(self.interest), "region of interest", "regions of interest")
+        return described("VolumeRegions", interest, counted(len(self.barriers), "barrier"))
 
 
 AnyRegions = Regions | VolumeRegions

@@ -18,6 +18,8 @@ from numpy.typing import ArrayLike
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
 from cpm_core.field.edge_map import edge_map
+from cpm_core.image.drawing import raster
+from cpm_core.image.drawing.notebook import Pictured
 from cpm_core.image.image import Image, as_image, as_plane
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.types import Array, Mask
@@ -31,6 +33,7 @@ from cpm_core.objects.faces.space import VolumePartition
 from cpm_core.objects.outline.outline import SMOOTHING, outlines
 from cpm_core.objects.selection import Selection, confidence_of
 from cpm_core.parameters import PRESETS, Parameters
+from cpm_core.parameters.quotation import counted, described, sized
 from cpm_core.particles.initialization import uniform_grid
 from cpm_core.particles.volume_starts import everywhere
 from cpm_core.segmentation.reach.bounding import thing_within
@@ -65,6 +68,12 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
     ------
     ValueError
         For an unusable image, a result that does not know its image, or a volume without a closed surface.
+
+    Examples
+    --------
+    >>> partition = cpm.partition(cpm.example("disks"))
+    >>> partition.select([(32, 18)])
+    <Selection 301 px, 1 contour, 0 gaps, confidence 1.00>
     """
     if not isinstance(values, Result):
         image = as_image(values)
@@ -80,7 +89,7 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
 
 
 @dataclass(frozen=True, eq=False)
-class Partition:
+class Partition(Pictured):
     """An image that contours cut into faces.
 
     Attributes
@@ -93,6 +102,16 @@ class Partition:
         Outside the regions of interest nothing is selected; barriers are boundaries.
     channel : str
         Channel of a color image that is cut.
+
+    Examples
+    --------
+    >>> partition = cpm.partition(cpm.example("disks"))
+    >>> partition.shape, partition.labels.shape, len(partition.means) > 1, partition.values.shape
+    ((64, 64), (64, 64), True, (64, 64))
+    >>> chosen = partition.select([(32, 18)], outside=[(32, 46)])
+    >>> again = partition.selection_of(chosen.mask, chosen.inside)
+    >>> int(chosen.mask.sum()), bool((again.mask == chosen.mask).all())
+    (301, True)
     """
 
     image: Image
@@ -189,6 +208,12 @@ class Partition:
     @cached_property
     def _answers(self) -> Answers:
         return Answers()
+
+    def __repr__(self) -> str:
+        return described("Partition", self.image.source, sized(self.shape), counted(len(self.contours), "contour"))
+
+    def _repr_png_(self) -> bytes:
+        return raster.picture(self.image.values, self.shape, self.image.spacing, self.contours)
 
 
 def _not_around(inside: Array, before: Selection) -> Array:

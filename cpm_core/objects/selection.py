@@ -9,13 +9,16 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.field.interpolation import interpolate
+from cpm_core.image.drawing import raster
+from cpm_core.image.drawing.notebook import Pictured
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.objects.faces.faces import Ground
 from cpm_core.objects.outline.outline import Outline
+from cpm_core.parameters.quotation import counted, described
 
 
 @dataclass(frozen=True, eq=False)
-class Selection:
+class Selection(Pictured):
     """An object: a set of faces with its closed boundary.
 
     Attributes
@@ -32,6 +35,16 @@ class Selection:
         The places that have been said to be inside and outside [px].
     remark : str
         One sentence on what was unusual about the places, or empty.
+
+    Examples
+    --------
+    >>> chosen = cpm.partition(cpm.example("disks")).select([(32, 18)])
+    >>> chosen.mask.shape, chosen.contours[0].closed, len(chosen.gaps), chosen.only_places
+    ((64, 64), True, 0, False)
+    >>> chosen.found, chosen.same(chosen)
+    (True, True)
+    >>> chosen.holds(np.array([(32.0, 18.0), (32.0, 46.0)])).tolist()
+    [True, False]
     """
 
     mask: Mask
@@ -43,6 +56,15 @@ class Selection:
     remark: str = ""
 
     @property
+    def found(self) -> bool:
+        """Whether it has a boundary."""
+        return bool(self.contours)
+
+    def same(self, other: Selection) -> bool:
+        """Whether the same pixels have been chosen."""
+        return np.array_equal(self.mask, other.mask)
+
+    @property
     def only_places(self) -> bool:
         """Whether it holds no more than the pixels of the places inside: no object was found around them."""
         return bool(0 < np.count_nonzero(self.mask) <= len(self.inside))
@@ -51,6 +73,15 @@ class Selection:
         """Which of places, shape (N, 2) [px], lie in it; one outside the image counts as the nearest one in it."""
         pixel = np.rint(np.clip(places, 0, np.array(self.mask.shape) - 1)).astype(int)
         return np.asarray(self.mask[tuple(pixel.T)])
+
+    def __repr__(self) -> str:
+        pixels, contours = f"{np.count_nonzero(self.mask):,} px", counted(len(self.contours), "contour")
+        return described(
+            "Selection", pixels, contours, counted(len(self.gaps), "gap"), f"confidence {self.confidence:.2f}"
+        )
+
+    def _repr_png_(self) -> bytes:
+        return raster.picture(self.mask.astype(float), self.mask.shape, (1.0, 1.0), self.contours)
 
 
 def confidence_of(outlines: Sequence[Outline], ground: Ground) -> float:

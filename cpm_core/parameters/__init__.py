@@ -13,7 +13,7 @@ from typing import Literal, cast
 import numpy as np
 
 from cpm_core.parameters.choices import CHOICES, Accuracy, Channel, Edges, check_choice
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import call, shown
 from cpm_core.parameters.table import (
     AUTOMATIC,
     OF_CHARGES,
@@ -121,6 +121,20 @@ class Parameters:
     ------
     ValueError
         When a value lies outside its range; the message names the field, the value and the range.
+
+    Examples
+    --------
+    >>> cpm.Parameters(beta=0.6, smoothing="auto")
+    Parameters(beta=0.6, smoothing='auto')
+    >>> cpm.Parameters().exponent_in(2), cpm.Parameters().exponent_in(3)
+    (2.0, 3.0)
+    >>> cpm.Parameters(beta=0.6).steering == cpm.Parameters(beta=0.6, max_gap=20).steering
+    True
+    >>> try:
+    ...     cpm.Parameters(beta=-1)
+    ... except ValueError as error:
+    ...     print(error)
+    beta is -1 but must be a number from 0 to 4.
     """
 
     reach: float = UNLIMITED_REACH
@@ -174,6 +188,14 @@ class Parameters:
     def exponent_in(self, dimension: int) -> float:
         """`exponent` in an image with so many axes."""
         return float(dimension) if self.exponent == "auto" else float(self.exponent)
+
+    def __repr__(self) -> str:
+        changed = [
+            f"{field.name}={getattr(self, field.name)!r}"
+            for field in fields(self)
+            if getattr(self, field.name) != field.default
+        ]
+        return call("Parameters", changed)
 
 
 def _check(info: ParameterInfo, value: object) -> None:

@@ -9,12 +9,14 @@ from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
 
 from app.model.document import edits
 from app.model.document.naming import describe
+from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.session.scene import Scene
 from app.session.signals import OF_THE_PROGRAM, OPENING
 from app.session.workspace import Workspace
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.crosshair import Crosshair
+from app.views.canvas.image_view import ImageView
 from app.views.canvas.layers.image.level_drag import LevelDrag
 from app.views.canvas.pointed import Pointed
 from app.views.canvas.selected_places import part_around, selected_places
@@ -27,7 +29,9 @@ from cpm_core.numerics.types import Place, Position
 from cpm_core.shapes import Circle, Shape, Sphere
 
 FIRST_TOOL = "circle"
-OFFERED = tr("Enter takes the object around the start, the tool Objects (W) corrects it, Esc drops it.")
+OFFERED = tr(
+    "Enter takes the object around the start, the tool Objects ({key:objects}) corrects it, {key:escape} drops it."
+)
 
 _ARROWS = {
     Qt.Key.Key_Up: (-1.0, 0.0),
@@ -112,11 +116,17 @@ class CanvasArea(QWidget):
         keyed = self.crosshair.at
         if point is None and keyed is None:
             return self._pointed.chosen, self.rect().center()
-        inside = QPointF(self.canvas.mapFrom(self, point)) if point is not None else self.canvas.point(keyed or (0, 0))
-        at = self.canvas.position(inside)
-        return self._pointed.choose(self.canvas.placed(at), self.canvas.reach()), self.canvas.mapTo(
-            self, inside.toPoint()
-        )
+        view = self.canvas if point is None else self._view_at(point)
+        inside = QPointF(view.mapFrom(self, point)) if point is not None else view.point(keyed or (0, 0))
+        thing = self._pointed.choose(view.placed(view.position(inside)), view.reach(), view.here)
+        return thing, view.mapTo(self, inside.toPoint())
+
+    def _view_at(self, point: QPoint) -> ImageView:
+        """The view of an image or slice at a point: the canvas, or one beside it."""
+        widget = self.childAt(point)
+        while widget is not None and not isinstance(widget, ImageView):
+            widget = widget.parentWidget()
+        return widget or self.canvas
 
     def escape(self) -> None:
         """Cancel the draft or hide the cross-hair; otherwise dismiss the message and deselect everything."""
@@ -141,7 +151,7 @@ class CanvasArea(QWidget):
         self._hint = text
         tool = self.canvas.tool
         if tool is not None and self._session.document.image is not None:
-            offered = OFFERED if self._selection.proposals and not self._selection.selecting else ""
+            offered = with_keys(OFFERED) if self._selection.proposals and not self._selection.selecting else ""
             text = self.crosshair.advice or tool.advice or offered or text
         self.strip.say_next(text)
 

@@ -9,8 +9,10 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
+from cpm_core.image.drawing import axes
 from cpm_core.numerics.real_numbers import checked_number, real_numbers, voxel_sides
 from cpm_core.numerics.types import Array, Index
+from cpm_core.parameters.quotation import counted, described
 
 _WHOLE = "a whole number of at least 4"
 
@@ -18,7 +20,7 @@ _FARTHEST = 1e9
 """Largest coordinate of a vertex, beyond any volume that can be processed [voxels]."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Surface:
     """Triangles in a volume.
 
@@ -39,6 +41,22 @@ class Surface:
         Number of components that were left out, because they had too few particles or vertices without any near.
     whole : Surface or None
         The surface that this one has fewer triangles than; None for one with all its triangles.
+    numbers : ndarray of int64, shape (F,), or None
+        Number, from 1 up, of the object that each triangle bounds; None where objects have none of their own.
+
+    Examples
+    --------
+    >>> result = cpm.segment(cpm.example("ball"), cpm.sphere((15, 15, 15), 4, 60), cpm.PRESETS["volume"])
+    >>> surface = result.surface
+    >>> surface.closed, surface.components, surface.euler, surface.free_edges, surface.nonmanifold_edges
+    (True, 1, 2, 0, 0)
+    >>> round(surface.volume / (4 / 3 * np.pi * 9**3), 2), round(surface.area / (4 * np.pi * 9**2), 1)
+    (1.0, 1.0)
+    >>> surface.normals.shape == surface.vertices.shape, int(surface.component_of_vertex.max())
+    (True, 0)
+    >>> len(surface.decimated(1000).faces) <= 1000
+    True
+    >>> axes = surface.plot()
     """
 
     vertices: NDArray[np.float64]
@@ -48,6 +66,7 @@ class Surface:
     unsupported: float = np.nan
     left_out: int = 0
     whole: Surface | None = field(default=None, repr=False)
+    numbers: NDArray[np.int64] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         vertices = _rows_of_three("vertices", self.vertices).copy()
@@ -57,6 +76,10 @@ class Surface:
         wrong = faces[(faces < 0) | (faces >= len(vertices))]
         if len(wrong):
             raise ValueError(f"A triangle names vertex {wrong[0]}, but there are {len(vertices)} vertices, from 0.")
+        if self.numbers is not None and (
+            np.shape(self.numbers) != (len(faces),) or np.min(self.numbers, initial=1) < 1
+        ):
+            raise ValueError("The numbers of a surface must be one of at least 1 for each triangle.")
         farthest = float(np.abs(vertices).max(initial=0.0))
         if farthest > _FARTHEST:
             raise ValueError(f"A vertex lies at {farthest:g} voxels, but must lie within {_FARTHEST:g}: correct it.")
@@ -64,6 +87,34 @@ class Surface:
         for name, values in (("vertices", vertices), ("faces", faces)):
             values.flags.writeable = False
             object.__setattr__(self, name, values)
+
+    def __repr__(self) -> str:
+        return described(
+            "Surface", counted(len(self.vertices), "vertex", "vertices"), counted(len(self.faces), "triangle"),
+            counted(self.components, "part"), "closed" if self.closed else "open",
+        )  # fmt: skip
+
+    def plot(self, ax: axes.Axes | None = None) -> axes.Axes:
+        """Draw the surface by matplotlib, in units of length.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes with ``projection="3d"``; by default those of a new figure.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes (x is the column, y the row, z the plane).
+
+        Raises
+        ------
+        ValueError
+            When matplotlib is not installed, or `ax` are no axes in space.
+        """
+        ax = axes.axes_for(ax, space=True)
+        axes.show_triangles(ax, self._physical, self.faces, self.unit)
+        return ax
 
     @cached_property
     def normals(self) -> Array:
@@ -154,7 +205,7 @@ class Surface:
             return self
         places, corners = contracted(self._physical, self.faces, wanted, limit * min(self.spacing))
         vertices = places / np.array(self.spacing)
-        return replace(self, vertices=vertices, faces=corners, whole=self.whole or self)
+        return replace(self, vertices=vertices, faces=corners, whole=self.whole or self, numbers=None)
 
     @property
     def components(self) -> int:

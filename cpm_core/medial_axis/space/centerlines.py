@@ -24,6 +24,7 @@ from cpm_core.numerics.real_numbers import checked_number, real_numbers, voxel_s
 from cpm_core.numerics.reproducible.gaussian import gaussian_filter1d
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters.provenance import Provenance
+from cpm_core.parameters.quotation import counted, described
 
 _SMOOTHING = 1.5
 """Width of the Gaussian along a branch [voxels of the line]."""
@@ -67,6 +68,9 @@ class Branch:
         """Whether it ends where it begins."""
         return self.nodes[0] == self.nodes[1] and len(self.points) > 2
 
+    def __repr__(self) -> str:
+        return described("Branch", counted(len(self.points), "vertex", "vertices"), "closed" if self.closed else "open")
+
 
 @dataclass(frozen=True, eq=False)
 class Centerlines:
@@ -86,6 +90,14 @@ class Centerlines:
         Where the volume lies in space.
     provenance : Provenance
         How they were found.
+
+    Examples
+    --------
+    >>> inside = np.zeros((12, 12, 40), bool)
+    >>> inside[4:9, 4:9, 4:36] = True
+    >>> lines = cpm.centerlines(inside)
+    >>> len(lines.contours), len(lines.radii[0]) == len(lines.contours[0].points), lines.lengths.shape
+    (1, True, (1,))
     """
 
     branches: tuple[Branch, ...]
@@ -116,6 +128,10 @@ class Centerlines:
         steps = [np.diff(branch.points * self.spacing, axis=0) for branch in self.branches]
         return np.array([np.linalg.norm(step, axis=1).sum() for step in steps])
 
+    def __repr__(self) -> str:
+        branches = counted(len(self.branches), "branch", "branches")
+        return described("Centerlines", self.source, branches, f"{self.lengths.sum():,.1f} {self.unit or 'voxels'}")
+
 
 def centerlines(
     inside: ArrayLike, spacing: tuple[float, ...] = (1.0, 1.0, 1.0), unit: str | None = None, pruning: float = 1.0
@@ -143,6 +159,14 @@ def centerlines(
     ------
     ValueError
         When `inside` is no volume, or `spacing` is not three positive numbers.
+
+    Examples
+    --------
+    >>> inside = np.zeros((12, 12, 40), bool)
+    >>> inside[4:9, 4:9, 4:36] = True
+    >>> lines = cpm.centerlines(inside, spacing=(1.0, 1.0, 0.5), unit="mm")
+    >>> len(lines.branches), round(float(lines.lengths.sum())) in range(11, 17)
+    (1, True)
     """
     mask = inside if isinstance(inside, np.ndarray) and inside.dtype == np.bool_ else real_numbers(inside) != 0
     if mask.ndim != 3:

@@ -20,7 +20,7 @@ from cpm_core.image.image import Image
 from cpm_core.numerics.polyline import resampled
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Mask
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import counted, described, shown
 
 SPACING = 2.0
 """Distance of the points that a start gives along its outlines [px]."""
@@ -45,6 +45,14 @@ class Start:
     ------
     ValueError
         When there is no outline, or one of fewer than three corners or with corners at no usable place.
+
+    Examples
+    --------
+    >>> start = cpm.Start((cpm.circle((32, 32), 8),))
+    >>> start
+    <Start 1 outline, inside the objects>
+    >>> start.onward, start.points.shape, len(start.curves(4.0)), int(start.mask((64, 64)).sum())
+    (1.0, (26, 2), 1, 194)
     """
 
     outlines: tuple[Array, ...]
@@ -90,9 +98,22 @@ class Start:
             found |= polygon2mask(shape, outline)  # type: ignore[no-untyped-call]
         return found
 
+    def __repr__(self) -> str:
+        where = "around the objects" if self.around else "inside the objects"
+        return described("Start", counted(len(self.outlines), "outline"), where)
+
 
 class ContourState(Protocol):
-    """A moment of the run of any method."""
+    """A moment of the run of any method.
+
+    Examples
+    --------
+    >>> method = cpm.CONTOUR_METHODS["chan_vese"]
+    >>> start = cpm.Start((cpm.circle((32, 32), 8),))
+    >>> state = next(method.evolve(cpm.example("disk"), start, method.settings()))
+    >>> state.step, state.stop_reason, state.converged, len(state.contours), len(state.points)
+    (0, '', False, 1, 0)
+    """
 
     @property
     def step(self) -> int:
@@ -139,6 +160,12 @@ class ContourMethod(Generic[S]):
         `stop_reason`. A later state never changes an earlier one.
     most_steps : int
         Steps after which a run that is not at rest is ended.
+
+    Examples
+    --------
+    >>> method = cpm.CONTOUR_METHODS["chan_vese"]
+    >>> method.title, method.settings().__class__.__name__, method.most_steps
+    ('Chan-Vese', 'ChanVeseSettings', 500)
     """
 
     name: str
@@ -148,6 +175,9 @@ class ContourMethod(Generic[S]):
     settings: type[S]
     evolve: Callable[[Image, Start, S], Iterator[ContourState]]
     most_steps: int
+
+    def __repr__(self) -> str:
+        return described("ContourMethod", self.name, self.title)
 
 
 AnyMethod = ContourMethod[Any]

@@ -10,7 +10,7 @@ from typing import Any
 from cpm_core.contours.agreement import Comparison, compare
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.image.image import Image, as_plane
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import counted, described, shown
 from cpm_core.segmentation.methods.method import AnyMethod, ContourMethod, ContourState, Start
 
 
@@ -32,9 +32,22 @@ class Moment:
     state: ContourState
     seconds: float
 
+    def __repr__(self) -> str:
+        return described("Moment", self.method.name, f"step {self.state.step}", f"{self.seconds:.3g} s")
+
 
 def moments(method: AnyMethod, image: Image, start: Start, settings: Any = None) -> Iterator[Moment]:
-    """Run a method step by step; `settings` are the defaults of the method unless given."""
+    """Run a method step by step; `settings` are the defaults of the method unless given.
+
+    Examples
+    --------
+    >>> start = cpm.Start((cpm.circle((32, 32), 8),))
+    >>> for moment in cpm.moments(cpm.CONTOUR_METHODS["chan_vese"], cpm.example("disk"), start):
+    ...     if moment.state.step == 3:
+    ...         break
+    >>> len(moment.state.contours), moment.seconds > 0
+    (1, True)
+    """
     if not isinstance(method, ContourMethod):
         raise ValueError(f"the method is {shown(method)} but must be one of CONTOUR_METHODS.")
     if not isinstance(start, Start):
@@ -54,7 +67,15 @@ def moments(method: AnyMethod, image: Image, start: Start, settings: Any = None)
 def run_method(
     method: AnyMethod, image: Image, start: Start, settings: Any = None, max_steps: int | None = None
 ) -> Moment:
-    """The last moment of a whole run, or that after `max_steps`; the time includes that for the contours."""
+    """The last moment of a whole run, or that after `max_steps`; the time includes that for the contours.
+
+    Examples
+    --------
+    >>> start = cpm.Start((cpm.circle((32, 32), 8),))
+    >>> moment = cpm.run_method(cpm.CONTOUR_METHODS["chan_vese"], cpm.example("disk"), start, max_steps=20)
+    >>> len(moment.state.contours), moment.state.step
+    (1, 20)
+    """
     last = None
     for last in moments(method, image, start, settings):
         if last.state.step == max_steps:
@@ -88,6 +109,15 @@ class Facts:
         Overlap of the areas, and agreement of the boundaries up to a tolerance.
     hausdorff, mean_distance : float or None
         Largest and mean distance of the boundaries [px].
+
+    Examples
+    --------
+    >>> start = cpm.Start((cpm.circle((32, 32), 8),))
+    >>> moment = cpm.run_method(cpm.CONTOUR_METHODS["cpm"], cpm.example("disk"), start)
+    >>> result = cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8))
+    >>> facts = cpm.facts_of(moment, cpm.Truth(result.labels, result.contours))
+    >>> facts.method, facts.contours, round(facts.dice, 2), facts.f
+    ('cpm', 1, 1.0, 1.0)
     """
 
     method: str
@@ -101,9 +131,22 @@ class Facts:
     hausdorff: float | None = None
     mean_distance: float | None = None
 
+    def __repr__(self) -> str:
+        agreed = "" if self.f is None else f"F {self.f:.3f}"
+        steps, contours = counted(self.steps, "step"), counted(self.contours, "contour")
+        return described("Facts", self.method, steps, f"{self.seconds:.3g} s", contours, agreed)
+
 
 def facts_of(moment: Moment, truth: Truth | None = None) -> Facts:
-    """What is said of a moment of a run, beside a ground truth where one is known."""
+    """What is said of a moment of a run, beside a ground truth where one is known.
+
+    Examples
+    --------
+    >>> start = cpm.Start((cpm.circle((32, 32), 8),))
+    >>> moment = cpm.run_method(cpm.CONTOUR_METHODS["cpm"], cpm.example("disk"), start)
+    >>> cpm.facts_of(moment).contours
+    1
+    """
     if not isinstance(moment, Moment):
         raise ValueError(f"the moment is {shown(moment)} but must be one of a run: take those of `moments`.")
     state = moment.state

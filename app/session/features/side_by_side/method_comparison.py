@@ -76,7 +76,7 @@ class _Run:
                 self.frames.put(frame)
         except Exception as error:  # an error is shown in its place, and the others go on
             title = CONTOUR_METHODS[method].title
-            self.frames.put(Frame(method, over=True, trouble=sentence(error, f"running {title}")))
+            self.frames.put(Frame(method, over=True, trouble=sentence(error, tr("running {name}").format(name=title))))
 
     def _shown(self) -> Iterator[Frame]:
         method, image, start, settings, truth = self._work
@@ -167,7 +167,7 @@ class MethodComparison(QObject):
             write_comparison(image, start, tiles, paths)
             return ComparisonWritten(paths)
 
-        self._session.tasks.start(tr("Writing the comparison…"), work, "writing the comparison", cancellable=False)
+        self._session.tasks.start(tr("Writing the comparison…"), work, tr("writing the comparison"), cancellable=False)
 
     def close(self) -> None:
         """End all runs and wait for their threads."""

@@ -19,7 +19,8 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.display.display_image import DisplayImage
-from app.model.text.language import tr
+from app.model.text.language import from_core, tr
+from app.model.text.reasons import reason
 from app.session.features.side_by_side.method_comparison import PLACES, MethodComparison
 from app.session.session import Session
 from app.views.mosaic.methods.pane import Pane
@@ -85,7 +86,7 @@ class CompareDialog(RunDialog):
                 else:
                     self._comparison.clear(place)
         except ValueError as error:
-            self.words.setText(str(error))
+            self.words.setText(reason(error))
         else:
             self.words.setText("")
 
@@ -95,7 +96,7 @@ class CompareDialog(RunDialog):
         for number, pane in enumerate(self.panes):
             pane.mark(number == place)
         name = self.panes[place].method
-        self.heading.setText(tr(CONTOUR_METHODS[name].title) if name else "")
+        self.heading.setText(from_core(CONTOUR_METHODS[name].title) if name else "")
         ours = tr("These are the parameters of the window: change them there and run again.")
         self.form.show_settings(None if name in ("", "cpm") else self._settings_of(name), ours if name else "")
 
@@ -167,7 +168,7 @@ class CompareDialog(RunDialog):
         try:
             self._comparison.run(self._focus, name, self._settings_of(name))
         except ValueError as error:
-            self.words.setText(str(error))
+            self.words.setText(reason(error))
 
     def _draw(self, place: int) -> None:
         self.panes[place].show_frame(self._comparison.frames[place])

@@ -11,7 +11,7 @@ from cpm_core.contours.contour import Contour, numbers_of
 from cpm_core.numerics.polyline import inside, middles
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Position
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import described, shown
 
 _PROBES = 16
 """Samples along a contour that are tested for containment; the majority decides where contours touch."""
@@ -74,6 +74,12 @@ class Measures:
     net_area_in_units: float
     by_hand: float = 0.0
 
+    def __repr__(self) -> str:
+        kind = "closed" if self.closed else "open"
+        return described(
+            "Measures", f"number {self.number}", self.name, kind, f"{self.length:,.1f} px", f"{self.area:,.1f} px²"
+        )
+
 
 def contour_labels(contours: Sequence[Contour]) -> tuple[int, ...]:
     """Label of each contour: 1, 2, ... over the closed ones in their order, 0 for open ones and holes.
@@ -120,6 +126,14 @@ def measure(
     ------
     ValueError
         When the spacing is not two positive numbers.
+
+    Examples
+    --------
+    >>> result = cpm.segment(cpm.example("ring"), cpm.uniform_grid((64, 64)))
+    >>> for row in cpm.measure(result.contours, result.spacing):
+    ...     print(row.number, row.label, row.inside, round(row.area), round(row.net_area))
+    1 1 0 1804 1495
+    2 2 1 309 309
     """
     _check_spacing(spacing)
     around = containment(contours)
@@ -193,6 +207,12 @@ def containment(contours: Sequence[Contour]) -> tuple[int | None, ...]:
     -------
     tuple of (int or None)
         For each contour the index of the one around it; None when there is none.
+
+    Examples
+    --------
+    >>> result = cpm.segment(cpm.example("ring"), cpm.uniform_grid((64, 64)))
+    >>> cpm.containment(result.contours)  # the second lies in the first
+    (None, 0)
     """
     count = len(contours)
     if not count:
