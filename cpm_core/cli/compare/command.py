@@ -23,7 +23,7 @@ from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
-from cpm_core.segmentation.methods import CONTOUR_METHODS, Facts, Start, facts_of, method_named, run_method
+from cpm_core.segmentation.methods import CONTOUR_METHODS, Facts, Start, facts_of, method_named, run_method, runnable
 from cpm_core.shapes import Barrier, Charge, Circle, Region
 from cpm_core.shapes.outlines import outlines_of
 
@@ -59,7 +59,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
         nargs="+",
         action="extend",
         default=[],
-        help=f"which methods ({', '.join(CONTOUR_METHODS)}; default: all)",
+        help=f"which methods ({', '.join(CONTOUR_METHODS)}; default: all that are installed)",
     )
     add_settings(methods)
     methods.add_argument("--max-steps", metavar="N", type=as_number, help="stop each after so many steps at most")
@@ -81,9 +81,7 @@ def _compare(arguments: argparse.Namespace) -> None:
     session = load_session(Path(arguments.session)) if arguments.session else SessionFile()
     if arguments.image is None and session.image is None:
         raise ValueError("No IMAGE is given: name one, or with --session FILE a session that has one.")
-    names = list(dict.fromkeys(arguments.methods)) or list(CONTOUR_METHODS)
-    for name in names:
-        method_named(name)
+    names = _methods(arguments.methods)
     settings = chosen_settings(arguments, names, session.parameters if arguments.session else Parameters())
     max_steps = as_steps(arguments.max_steps)
     start = _start(arguments, session)
@@ -101,6 +99,18 @@ def _compare(arguments: argparse.Namespace) -> None:
             _tell(tiles[-1].facts, truth, first=len(tiles) == 1)
     write_comparison(image, start, tiles, arguments.export)
     _end(arguments, image, start, [tile.facts for tile in tiles], truth)
+
+
+def _methods(named: Sequence[str]) -> list[str]:
+    """The methods that are named, or all that can run; what the others lack is said."""
+    for name in named:
+        if method_named(name).missing:
+            raise ValueError(method_named(name).missing)
+    if not named:
+        for method in CONTOUR_METHODS.values():
+            if method.missing:
+                say(f"cpm: {method.missing}")
+    return list(dict.fromkeys(named or runnable()))
 
 
 def _end(arguments: argparse.Namespace, image: Image, start: Start, rows: Sequence[Facts], truth: Truth | None) -> None:

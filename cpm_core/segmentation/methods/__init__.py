@@ -1,11 +1,11 @@
 """The classical methods beside the charged particles: the same image, the same drawn start, one interface.
 
 `method` says what a method is; `registry` has all of them by name; `run` runs one. Snakes are in `parametric`, level
-sets in `level_sets`, and what scikit-image has in `regions`.
+sets in `level_sets`, and what scikit-image and OpenCV have in `regions`.
 """
 
 from cpm_core.segmentation.methods.method import AnyMethod, ContourMethod, ContourState, Start
-from cpm_core.segmentation.methods.registry import CONTOUR_METHODS, method_named
+from cpm_core.segmentation.methods.registry import CONTOUR_METHODS, method_named, runnable
 from cpm_core.segmentation.methods.run import Facts, Moment, facts_of, moments, run_method
 from cpm_core.segmentation.methods.settings import Settings
 
@@ -22,4 +22,5 @@ __all__ = [
     "method_named",
     "moments",
     "run_method",
+    "runnable",
 ]

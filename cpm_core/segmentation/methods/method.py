@@ -6,6 +6,8 @@ described by a `ContourMethod`, which is all that the command line, the benchmar
 
 from __future__ import annotations
 
+import importlib
+import importlib.util
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -119,6 +121,38 @@ S = TypeVar("S")
 
 
 @dataclass(frozen=True)
+class Needed:
+    """A package that a method needs and that need not be installed.
+
+    Attributes
+    ----------
+    name : str
+        Name by which it is imported.
+    package : str
+        Name by which it is installed.
+    extra : str
+        What of this program is installed with it.
+    """
+
+    name: str
+    package: str
+    extra: str
+
+    @property
+    def missing(self) -> str:
+        """A sentence that says how it is installed; empty where it is."""
+        if importlib.util.find_spec(self.name) is not None:
+            return ""
+        return f'{self.package} is not installed: install it (pip install "cpm-particles[{self.extra}]").'
+
+    def module(self) -> Any:
+        """The package itself; ValueError where it is not installed."""
+        if self.missing:
+            raise ValueError(self.missing)
+        return importlib.import_module(self.name)
+
+
+@dataclass(frozen=True)
 class ContourMethod(Generic[S]):
     """A method that finds contours from a start, as those see it who compare methods.
 
@@ -139,6 +173,8 @@ class ContourMethod(Generic[S]):
         `stop_reason`. A later state never changes an earlier one.
     most_steps : int
         Steps after which a run that is not at rest is ended.
+    needs : Needed, optional
+        A package that it needs and that need not be installed.
     """
 
     name: str
@@ -148,6 +184,13 @@ class ContourMethod(Generic[S]):
     settings: type[S]
     evolve: Callable[[Image, Start, S], Iterator[ContourState]]
     most_steps: int
+    needs: Needed | None = None
+
+    @property
+    def missing(self) -> str:
+        """A sentence that says what it lacks to run; empty where it can run."""
+        lacks = self.needs.missing if self.needs else ""
+        return lacks and f"{self.title} cannot run, as {lacks}"
 
 
 AnyMethod = ContourMethod[Any]

@@ -9,7 +9,9 @@ import PIL.Image
 import pytest
 
 from cpm_core.formats.sessions.session_file import SessionFile, save_session
-from cpm_core.segmentation.methods import CONTOUR_METHODS
+from cpm_core.segmentation.methods import runnable
+from cpm_core.segmentation.methods.method import Needed
+from cpm_core.segmentation.methods.regions.grab_cut import GRAB_CUT
 from cpm_core.shapes import Ellipse, Stroke
 
 ROW, COL = np.indices((56, 60))
@@ -63,7 +65,7 @@ def test_a_method_that_finds_nothing_is_told_as_well(image, mask, command):
 
 def test_all_methods_are_compared_unless_some_are_named(image, command):
     rows = json.loads(command("compare", image, *CIRCLE, "--max-steps", 1, "--json")[1])["methods"]
-    assert [row["method"] for row in rows] == list(CONTOUR_METHODS)
+    assert [row["method"] for row in rows] == list(runnable())
     assert {row["steps"] for row in rows} == {1}
 
 
@@ -105,6 +107,18 @@ def test_a_session_gives_image_and_start(image, command, tmp_path):
     status, out, _ = command("compare", image, "--session", session, "--methods", "gvf", "--json")
     assert status == 0
     assert json.loads(out)["methods"][0]["contours"] == 1
+
+
+def test_a_method_whose_package_is_missing_is_left_out_and_said(image, command, monkeypatch):
+    lacking = Needed("no_such_package", "no-such-package", "opencv")
+    monkeypatch.setitem(vars(GRAB_CUT), "needs", lacking)
+    status, out, err = command("compare", image, *CIRCLE, "--max-steps", 1, "--json")
+    assert status == 0
+    assert "grab_cut" not in {row["method"] for row in json.loads(out)["methods"]}
+    assert 'pip install "cpm-particles[opencv]"' in err
+    status, _, err = command("compare", image, *CIRCLE, "--methods", "cpm", "grab_cut")
+    assert status == 2
+    assert "Grab cut cannot run, as no-such-package is not installed" in err
 
 
 @pytest.mark.parametrize(

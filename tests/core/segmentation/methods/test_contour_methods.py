@@ -18,6 +18,7 @@ from cpm_core.segmentation.methods import (
     method_named,
     moments,
     run_method,
+    runnable,
 )
 from cpm_core.segmentation.methods.level_sets.evolution import Band, distance_of
 from cpm_core.segmentation.methods.level_sets.geodesic import GeodesicSettings
@@ -34,7 +35,7 @@ START = Start((ring((31.0, 33.0), 10.0),))
 OWN = {"snake": Start((ring((31.0, 33.0), 20.0),))}
 """Starts of methods that would collapse from inside."""
 
-NAMES = sorted(CONTOUR_METHODS)
+NAMES = sorted(runnable())
 CLASSICAL = sorted(set(NAMES) - {"cpm"})
 
 
