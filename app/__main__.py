@@ -44,11 +44,14 @@ def _run(arguments: Sequence[str]) -> int:
 def _open_window(path: str | None) -> int:
     # Qt is imported only here, so that the command line works without it.
     try:
+        from PySide6.QtCore import QLocale
+
         from app.model.text import language
         from app.session.storage.preferences import Preferences
 
         # Before any module whose sentences are translated while it is imported.
-        language.use_language(Preferences().get(language.KEY, language.OF_THE_DESKTOP))
+        of_the_system = QLocale.system().uiLanguages()
+        language.use_language(Preferences().get(language.KEY, language.OF_THE_DESKTOP), of_the_system)
         from app.views.window.display import why_no_window
 
         reason = why_no_window()

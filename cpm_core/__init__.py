@@ -43,12 +43,14 @@ The model on one page
     of the charges, and the kinetic and potential **energy**, which the damping takes out of a run until it is at rest
     (`dynamics.energies`).
 
-`Engine` composes all of them, step by step (`segmentation.engine`); `segment` is a whole run in one call, and `follow`
-one on each page of a stack, from the contours of the page before (`segmentation.pages`).
-`contours.measurements` measures each contour and finds which lies in which. Where the **ground truth** is known, as a
-mask or as contours, `compare` measures the agreement with it (`contours.agreement`, `contours.ground_truth`).
+`Engine` composes all of them, step by step (`segmentation.engine`); `segment` is a whole run in one call, `evolve` the
+same as an iterator over its steps, and `follow` one on each page of a stack, from the contours of the page before
+(`segmentation.pages`). `contours.measurements` measures each contour and finds which lies in which; `Result.labels` and
+`Result.table` are the pixels inside and their measurements. Where the **ground truth** is known, as a mask or as
+contours, `compare` measures the agreement with it (`contours.agreement`, `contours.ground_truth`).
 `formats` reads and writes files: `export` chooses the format of contours by the suffix, `encoded` returns the same
-without a file, `load_contours` reads them; `write_animation` and `strip` show a run frame by frame.
+without a file, `load_contours` reads them; `write_animation` and `strip` show a run frame by frame; `write_figure`
+draws image and contours for a publication, and so does ``plot`` of images and results, on axes of matplotlib.
 
 The **skeleton** is the middle line of an object with the distance to its boundary, from which the object can be
 reconstructed (`medial_axis`). It needs no seeds. In a volume it is the center lines
@@ -71,6 +73,7 @@ from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.learning import teach
 from cpm_core.contours.measurements import containment, measure
+from cpm_core.contours.measurements.table import Table
 from cpm_core.contours.result import Result
 from cpm_core.contours.surface import Surface
 from cpm_core.dynamics.energies import Energies
@@ -80,8 +83,10 @@ from cpm_core.field.electric_field import electric_field
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats import encoded, export, load_contours, load_image, load_pages, load_volume
 from cpm_core.formats.animations.animation import write_animation
+from cpm_core.formats.animations.figure import write_figure
 from cpm_core.formats.animations.snapshot_strip import strip
 from cpm_core.formats.ground_truth_file import load_truth
+from cpm_core.formats.images.examples import example
 from cpm_core.formats.meshes.swc import write_swc
 from cpm_core.formats.provenance import VERSION
 from cpm_core.image.geometry import Geometry
@@ -99,6 +104,7 @@ from cpm_core.particles.state import Particles, State
 from cpm_core.particles.volume_starts import box, everywhere, in_slice, on_strong_edges, sphere
 from cpm_core.reconstruction import reconstruct_curve, reconstruct_surface
 from cpm_core.segmentation.engine import Engine
+from cpm_core.segmentation.evolve import Evolution, Evolved, evolve
 from cpm_core.segmentation.method import METHODS, Method
 from cpm_core.segmentation.methods import (
     CONTOUR_METHODS,
@@ -130,6 +136,8 @@ __all__ = [
     "ContourState",
     "Energies",
     "Engine",
+    "Evolution",
+    "Evolved",
     "Extrusion",
     "Facts",
     "Forces",
@@ -148,6 +156,7 @@ __all__ = [
     "Start",
     "State",
     "Surface",
+    "Table",
     "TrackEvent",
     "Truth",
     "VolumePartition",
@@ -164,6 +173,8 @@ __all__ = [
     "electric_field",
     "encoded",
     "everywhere",
+    "evolve",
+    "example",
     "export",
     "facts_of",
     "follow",
@@ -191,5 +202,6 @@ __all__ = [
     "teach",
     "uniform_grid",
     "write_animation",
+    "write_figure",
     "write_swc",
 ]

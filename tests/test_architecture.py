@@ -20,6 +20,7 @@ CORE_LIBRARIES = {"numpy", "scipy", "skimage", "numba", "llvmlite", "PIL", "tiff
 
 LATE_LIBRARIES = {
     "cpm_core.cli.figures.plotting": {"matplotlib"},
+    "cpm_core.image.drawing.axes": {"matplotlib"},
     "cpm_core.formats.animations.mp4": {"imageio_ffmpeg"},
     "cpm_core.cli.batch.workers": {"distributed"},
 }

@@ -12,6 +12,7 @@ from app.model.document.modes import MODES, needs_start
 from app.model.state.resolve import FIRST_PACE, PACES, Resolved, resolve
 from app.model.state.situation import Situation, can_step
 from app.model.state.status import RunStatus
+from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.session.core_functions import Core
 from app.session.document.editing import Editing
@@ -119,7 +120,10 @@ class RunControl(Editing):
             self._progress.forget()
             self.post(RunCall(None, Run.discard, self._generation))
             if kept:
-                self.say(tr("The run is kept on the timeline: click it there, or press Ctrl+End, to go back to it."))
+                kept_on = tr(
+                    "The run is kept on the timeline: click it there, or press {key:timeline_last}, to go back to it."
+                )
+                self.say(with_keys(kept_on))
 
     def hold(self, command: Command) -> None:
         """Pause the run by a command after which it stays at some step."""

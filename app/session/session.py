@@ -15,7 +15,7 @@ from app.model.document.samples import sample_at
 from app.model.document.saving import restored
 from app.model.export.order import ExportOrder
 from app.model.state.status import RunStatus
-from app.model.text.language import tr
+from app.model.text.language import from_core, tr
 from app.model.volume.slices import Slices
 from app.session.core_functions import Core
 from app.session.exchange.messages import ImageReady, NotOpened, Opened
@@ -155,7 +155,7 @@ class Session(RunControl):
             self.post(WarmUp(volumes=True))
         self._restore_runs(opened)
         if opened.notes:
-            self.say(" ".join(opened.notes))
+            self.say(" ".join(map(from_core, opened.notes)))
 
     def _follow(self, before: Document, after: Document, complete: bool) -> None:
         """Give the image the size of a pixel that has been set by hand, before all that follows from an edit."""

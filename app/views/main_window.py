@@ -14,6 +14,7 @@ from PySide6.QtWidgets import QMainWindow
 from app.model.display.lengths import prefer_unit
 from app.model.preferences.table import UNIT
 from app.model.state.volume_limits import NOT_IN_VOLUMES
+from app.model.text.keys import use_names
 from app.model.text.language import tr
 from app.session.storage.preferences import Preferences
 from app.session.workspace import Workspace
@@ -213,16 +214,19 @@ class MainWindow(QMainWindow):
         for spec in self.actions_by_name.specs:
             menu = spec.menu.partition(">")[0]
             group = tr("Tools") if spec.group == "tool" else MENUS[menu].replace("&", "")
-            title = spec.text.replace("&", "").rstrip("…")
-            made.add(spec.name, title, group, spec.shortcuts, partial(self.actions_by_name.use_keys, spec.name))
+            made.add(spec.name, spec.title, group, spec.shortcuts, partial(self.actions_by_name.use_keys, spec.name))
         for action in self.docks.actions:
             keys = [key.toString() for key in action.shortcuts()]
             made.add(action.objectName(), action.text(), tr("Panels"), keys, partial(use_keys, action))
-        made.changed.connect(self._use_keys)
-        self._use_keys()
+        made.changed.connect(lambda: self._use_keys(made))
+        self._use_keys(made)
         return made
 
-    def _use_keys(self) -> None:
+    def _use_keys(self, shortcuts: Shortcuts) -> None:
+        use_names(shortcuts.names())
+        self.actions_by_name.show_keys()
+        self.canvas_area.messages.show_keys()
+        self.canvas_area.refresh()
         for feature in self.features.values():
             feature.use_keys()
 

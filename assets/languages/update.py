@@ -1,7 +1,10 @@
 """Brings the translations up to date with the sentences of the window, and lists what they lack.
 
-Run ``python assets/languages/update.py``; it needs ``msgmerge`` and ``msgfmt`` of gettext. ``--check`` only lists, from
-the catalogs as they are, and needs nothing.
+Run ``python assets/languages/update.py``; it needs ``msgmerge`` and ``msgfmt`` of gettext. Names of languages, such as
+``fr ja``, begin those that are not there yet. ``--check`` only lists, from the catalogs as they are, and needs nothing.
+
+A catalog is made once a translation has given the name of its language, for "English". Until then the language cannot
+be chosen, and `update.py` only tells how much of it there is.
 """
 
 from __future__ import annotations
@@ -15,7 +18,7 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from make_template import sentences, template
+from make_template import CORE, NAME, sentences, template
 
 HERE = Path(__file__).parent
 
@@ -59,8 +62,26 @@ def catalogs() -> list[Path]:
     return sorted(HERE.glob("*/LC_MESSAGES/cpm.mo"))
 
 
+_HEAD = """msgid ""
+msgstr ""
+"Project-Id-Version: CPM\\n"
+"Language: {name}\\n"
+"MIME-Version: 1.0\\n"
+"Content-Type: text/plain; charset=UTF-8\\n"
+"Content-Transfer-Encoding: 8bit\\n"
+"""
+
+
+def begin(name: str) -> None:
+    """Begin the translation into a language, unless it is there."""
+    po = HERE / name / "LC_MESSAGES" / "cpm.po"
+    if not po.exists():
+        po.parent.mkdir(parents=True, exist_ok=True)
+        po.write_text(_HEAD.format(name=name), encoding="utf-8")
+
+
 def update() -> None:
-    """Merge the sentences of the window into each translation, and make its catalog again."""
+    """Merge the sentences of the window into each translation, and make its catalog again if it has a name."""
     with tempfile.TemporaryDirectory() as folder:
         pot = Path(folder) / "cpm.pot"
         pot.write_text(template(), encoding="utf-8")
@@ -68,7 +89,14 @@ def update() -> None:
             merge = ["msgmerge", "--quiet", "--update", "--backup=none", "--no-location", "--no-fuzzy-matching"]
             subprocess.run([*merge, str(po), str(pot)], check=True)
             subprocess.run(["msgattrib", "--no-obsolete", "-o", str(po), str(po)], check=True)
-            subprocess.run(["msgfmt", "--check-format", "-o", str(po.with_suffix(".mo")), str(po)], check=True)
+            made = Path(folder) / "cpm.mo"
+            subprocess.run(["msgfmt", "--check-format", "-o", str(made), str(po)], check=True)
+            known = translation(made)
+            if known.gettext(NAME):
+                shutil.copyfile(made, po.with_suffix(".mo"))
+            else:
+                there = sum(bool(known.gettext(said)) for said in sentences())
+                print(f"{po.parents[1].name}: has no name yet; {there} of {len(sentences())} sentences are translated")
 
 
 def main() -> int:
@@ -76,13 +104,15 @@ def main() -> int:
     if "--check" not in sys.argv[1:]:
         if shutil.which("msgmerge") is None:
             sys.exit("msgmerge was not found: install gettext, or only check with --check.")
+        for name in sys.argv[1:]:
+            begin(name)
         update()
     count = 0
     for catalog in catalogs():
         name = catalog.parents[1].name
         for said in lacking(catalog):
             count += 1
-            print(f"{name}: not translated: {said}")
+            print(f"{name}: not translated: {said.removeprefix(CORE)}")
         for problem in wrong(catalog):
             count += 1
             print(f"{name}: {problem}")

@@ -10,9 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from cpm_core.formats import READABLE, WRITABLE, check_export
-from cpm_core.formats.images.decoded import LUMINANCE_NOTE
 from cpm_core.formats.sessions.session_file import SUFFIX
-from cpm_core.image.colors import CONTRAST
+from cpm_core.image.colors import CONTRAST, LUMINANCE_NOTE
 from cpm_core.image.geometry import CONVENTIONS
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import most_scales

@@ -20,6 +20,7 @@ from cpm_core.contours.rasterize import inside, paint
 from cpm_core.numerics.real_numbers import checked_number
 from cpm_core.numerics.segments import SegmentTree
 from cpm_core.numerics.types import Array, Mask
+from cpm_core.parameters.quotation import described
 
 TOLERANCE = 2.0
 """Default distance up to which two boundaries count as the same [px]."""
@@ -112,6 +113,14 @@ class Agreement:
         both = self.recall + self.precision
         return 2.0 * self.recall * self.precision / both if both > 0.0 else 0.0
 
+    def __repr__(self) -> str:
+        away = f"mean distance {self.mean_boundary_distance:.3g} px"
+        return described(type(self).__name__, f"F {self.f:.3f} within {self.tolerance:g} px", away, *self._of_areas())
+
+    def _of_areas(self) -> tuple[str, ...]:
+        """What is said of enclosed areas."""
+        return ()
+
 
 @dataclass(frozen=True, eq=False)
 class Comparison(Agreement):
@@ -145,6 +154,12 @@ class Comparison(Agreement):
     missing_area: Mask
     matches: tuple[Match, ...]
     objects: ObjectCounts
+
+    def _of_areas(self) -> tuple[str, ...]:
+        found = f"{self.objects.found} of {self.objects.found + self.objects.missed} objects found"
+        return f"Dice {self.dice:.3f}", found
+
+    __repr__ = Agreement.__repr__
 
 
 def agreement(contours: Sequence[Contour], others: Sequence[Contour], tolerance: float = TOLERANCE) -> Agreement:

@@ -13,7 +13,7 @@ import numpy as np
 
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import counted, described, shown
 
 SAMPLING = 0.25
 """Distance between samples along contours that are compared [px]."""
@@ -142,6 +142,12 @@ class Contour:
         """Enclosed area [px²]; 0 for an open curve, and for one in a volume."""
         return polyline.area(self.points) if self.closed and self.points.shape[1] == 2 else 0.0
 
+    def __repr__(self) -> str:
+        kind = "hole" if self.hole else "closed" if self.closed else "open"
+        around = f" around {self.area:,.1f} px²" if self.area else ""
+        vertices = counted(len(self.points), "vertex", "vertices")
+        return described("Contour", self.name, kind, f"{self.length:,.1f} px{around}", vertices)
+
 
 @dataclass(frozen=True, eq=False)
 class Bridge:
@@ -161,6 +167,9 @@ class Bridge:
     points: Array
     length: float
     strength: float
+
+    def __repr__(self) -> str:
+        return described("Bridge", f"{self.length:,.1f} px", f"strength {self.strength:.3g}")
 
 
 def numbers_of(contours: Sequence[Contour]) -> tuple[int, ...]:

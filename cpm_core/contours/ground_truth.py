@@ -13,7 +13,10 @@ from numpy.typing import NDArray
 from cpm_core.contours.contour import Contour, sampled
 from cpm_core.contours.graph.graph import chains
 from cpm_core.contours.rasterize import inside, paint
+from cpm_core.image.drawing import raster
+from cpm_core.image.drawing.notebook import Pictured
 from cpm_core.numerics.types import Array
+from cpm_core.parameters.quotation import counted, described, sized
 
 Labels = NDArray[np.int32]
 
@@ -25,7 +28,7 @@ _CLEAR = 0.125
 
 
 @dataclass(frozen=True, eq=False)
-class Truth:
+class Truth(Pictured):
     """The true objects and boundaries of an image.
 
     Attributes
@@ -59,6 +62,12 @@ class Truth:
         if self.labels.max(initial=0) > 1:
             return self.labels
         return np.asarray(scipy.ndimage.label(self.labels)[0], dtype=np.int32)
+
+    def __repr__(self) -> str:
+        return described("Truth", self.source, sized(self.shape), counted(len(self.contours), "contour"))
+
+    def _repr_png_(self) -> bytes:
+        return raster.picture((self.labels > 0).astype(float), self.shape, (1.0, 1.0), self.contours)
 
 
 def truth_of_contours(

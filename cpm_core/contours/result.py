@@ -5,22 +5,34 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Bridge, Contour
+from cpm_core.contours.measurements import centroid, contour_labels
+from cpm_core.contours.measurements.regions import region_table, volume_table
+from cpm_core.contours.measurements.table import Table
+from cpm_core.contours.rasterize import paint
 from cpm_core.contours.surface import Surface
+from cpm_core.contours.surface.inside import numbered
+from cpm_core.image.drawing import axes, raster
+from cpm_core.image.drawing.notebook import Pictured
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.provenance import Provenance
+from cpm_core.parameters.quotation import counted, described
+
+_MOST_NAMES = 400
+"""Labels that are written into a picture."""
 
 
-@dataclass(frozen=True, eq=False)
-class Result:
+@dataclass(frozen=True, eq=False, repr=False)
+class Result(Pictured):
     """Outcome of a run.
 
     Attributes
@@ -72,6 +84,124 @@ class Result:
     regions: AnyRegions | None = None
     channel: str = "luminance"
     provenance: Provenance = field(default_factory=Provenance, repr=False)
+
+    @cached_property
+    def labels(self) -> NDArray[np.int32]:
+        """Label of each pixel or voxel, an array in the shape of the image, read-only; 0 outside.
+
+        Every closed contour fills its inside with its own label, counted from 1 in the order of `contours`; one inside
+        another has its own, so that the hole of a ring can be told from the ring. The holes of chosen objects have the
+        label 0. Open contours enclose nothing. In a volume each object inside a closed surface has a label, the
+        largest 1; without such a surface all are 0. Files of labels hold the same.
+        """
+        found = np.zeros(self.shape, np.int32)
+        whole = self.surface and (self.surface.whole or self.surface)
+        if whole is not None and whole.closed:
+            found[:] = numbered(whole, self.shape)
+        elif len(self.shape) == 2:
+            found[:] = paint(self.contours, self.shape)
+        found.flags.writeable = False
+        return found
+
+    def table(self, *, in_units: bool = False) -> Table:
+        """Measure what the closed contours enclose, or the objects in a volume: one row a label of `labels`.
+
+        Parameters
+        ----------
+        in_units : bool
+            Whether lengths are in `unit` rather than in px; in a volume, in voxels.
+
+        Returns
+        -------
+        Table
+            Columns by name, which are those of ``skimage.measure.regionprops`` where they mean the same: ``area``
+            without what lies inside, ``area_filled`` with it, ``area_convex``, ``perimeter`` with that of holes,
+            ``centroid-0`` (row) and ``centroid-1``, ``box-0`` to ``box-3`` (least row and column, largest row and
+            column), ``axis_major_length``, ``axis_minor_length``, ``eccentricity``, ``orientation``,
+            ``equivalent_diameter_area``, ``solidity``, ``circularity`` (4π area_filled over the square of the outer
+            perimeter), and of the gray levels inside ``intensity_mean``, ``intensity_std``, ``intensity_min`` and
+            ``intensity_max``. Of a volume: ``volume``, ``equivalent_diameter``, ``centroid``, ``box`` and gray levels.
+        """
+        sides, unit = (self.spacing, self.unit) if in_units else ((1.0,) * len(self.shape), None)
+        gray = None if self.image is None else self.image.gray(self.channel)
+        if len(self.shape) == 3:
+            return volume_table(self.labels, gray, sides, unit)
+        return region_table(self.contours, self.labels, gray, sides, unit)
+
+    def plot(
+        self,
+        ax: axes.Axes | None = None,
+        *,
+        image: bool = True,
+        contours: bool = True,
+        particles: bool = False,
+        labels: bool = False,
+        scale_bar: bool = True,
+    ) -> axes.Axes:
+        """Draw by matplotlib: the image with the contours; of a volume the surface.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where; by default in a new figure. For a surface, axes with ``projection="3d"``.
+        image, contours, particles, labels, scale_bar : bool
+            What is drawn on an image: the image itself, contours, particles, the name or label of each closed contour,
+            and a scale bar, in px where the size of a pixel is not known.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes, in px of the image.
+
+        Raises
+        ------
+        ValueError
+            When matplotlib is not installed.
+        """
+        if self.surface is not None:
+            return self.surface.plot(ax)
+        ax = axes.axes_for(ax)
+        if image and self.image is not None:
+            self.image.plot(ax, scale_bar=False)
+        else:
+            axes.frame(ax, self.shape, self.spacing)
+        if contours:
+            axes.show_curves(ax, self.contours)
+        if particles and len(self.particles):
+            axes.show_particles(ax, self.particles)
+        if labels:
+            named = [(one.name or str(n), centroid(one)) for one, n in self._labeled if n][:_MOST_NAMES]
+            axes.show_names(ax, [name for name, _ in named], [place for _, place in named])
+        if scale_bar:
+            axes.show_scale_bar(ax, self.shape, self.spacing, self.unit)
+        return ax
+
+    @property
+    def _labeled(self) -> list[tuple[Contour, int]]:
+        return list(zip(self.contours, contour_labels(self.contours), strict=True))
+
+    def __repr__(self) -> str:
+        closed = sum(contour.closed for contour in self.contours)
+        found = counted(len(self.contours), "contour") + (f" ({closed} closed)" if closed else "")
+        if self.surface is not None:
+            found = f"a surface of {counted(len(self.surface.faces), 'triangle')}"
+        return described(
+            "Result",
+            self.source,
+            found,
+            counted(len(self.particles), "particle") if len(self.particles) else "",
+            f"{self.stop_reason.partition(':')[0]} after {counted(self.steps, 'step')}"
+            if self.steps
+            else self.stop_reason,
+        )
+
+    def _repr_png_(self) -> bytes:
+        image = self.image
+        colors = None if image is None or image.colors is None else image.colors.samples
+        values = None if image is None else image.values
+        dots = self.particles if len(self.shape) == 3 else None
+        curves = () if len(self.shape) == 3 else self.contours
+        return raster.picture(values, self.shape, self.spacing, curves, dots, colors)
 
     @property
     def geometry(self) -> Geometry | None:

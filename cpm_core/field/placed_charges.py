@@ -95,6 +95,9 @@ class PlacedCharge:
         object.__setattr__(self, "position", tuple(place.tolist()))
         object.__setattr__(self, "strength", float(strength))
 
+    def __repr__(self) -> str:
+        return f"PlacedCharge({self.position}, {self.strength})"
+
 
 Charges = tuple[PlacedCharge, ...]
 

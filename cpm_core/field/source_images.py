@@ -13,8 +13,8 @@ from typing import NamedTuple
 from cpm_core.field.edge_map import automatic_smoothing, prepared
 from cpm_core.image.colors import Colors, channel_of
 from cpm_core.image.denoising import Cleaned
+from cpm_core.image.gray_levels.tone import toned
 from cpm_core.image.pyramid import pyramid
-from cpm_core.image.tone import toned
 from cpm_core.image.vesselness import vesselness
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters

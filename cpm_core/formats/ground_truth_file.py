@@ -8,15 +8,24 @@ from pathlib import Path
 
 import numpy as np
 
+from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import Truth, truth_of_contours, truth_of_mask
 from cpm_core.formats import load_image
-from cpm_core.formats.contours.contour_files import CONTOURS_READABLE, read_contours
+from cpm_core.formats.contours.reading.contents import Plane
+from cpm_core.formats.contours.reading.contour_file import CONTOURS_READABLE, read_contours
 
 _BESIDE = 1.0
 """Distance that vertices may lie outside the image [px]."""
 
 
-def load_truth(path: str | os.PathLike[str], shape: Sequence[int], *, holes: bool = True) -> Truth:
+def load_truth(
+    path: str | os.PathLike[str],
+    shape: Sequence[int],
+    *,
+    holes: bool = True,
+    spacing: Sequence[float] = (1.0, 1.0),
+    unit: str | None = None,
+) -> Truth:
     """Read the ground truth of an image.
 
     Parameters
@@ -30,6 +39,10 @@ def load_truth(path: str | os.PathLike[str], shape: Sequence[int], *, holes: boo
     holes : bool
         For contours: whether one inside another is a hole, and one inside that hole again an object; see
         `cpm_core.contours.rasterize.inside`.
+    spacing : sequence of float
+        Size of a pixel along (row, col), for contours in a unit of length (drawings for CAD).
+    unit : str, optional
+        Unit of `spacing`.
 
     Returns
     -------
@@ -44,18 +57,26 @@ def load_truth(path: str | os.PathLike[str], shape: Sequence[int], *, holes: boo
     """
     file, rows, cols = Path(path), *map(int, shape)
     if file.suffix.lower() in CONTOURS_READABLE:
-        found = read_contours(file)
-        _check_size(file.name, found.shape or (rows, cols), (rows, cols))
-        beyond = np.concatenate([contour.points for contour in found.contours])
-        if beyond.min() < -0.5 - _BESIDE or (beyond > np.array([rows, cols]) - 0.5 + _BESIDE).any():
-            raise ValueError(
-                f"{file.name} has contours that reach out of the image of {rows} x {cols} px: choose the ground truth "
-                "of this very image, in pixels of it."
-            )
-        return truth_of_contours(found.contours, (rows, cols), file.name, holes=holes)
+        plane = Plane((rows, cols), (float(spacing[0]), float(spacing[1])), unit)
+        return truth_of_contours(_contours(file, plane, (rows, cols)), (rows, cols), file.name, holes=holes)
     image = load_image(file)
     _check_size(file.name, image.shape, (rows, cols))
     return truth_of_mask(image.values, file.name)
+
+
+def _contours(file: Path, plane: Plane, shape: tuple[int, int]) -> tuple[Contour, ...]:
+    """Contours of a file that fit into an image."""
+    found, (rows, cols) = read_contours(file, plane), shape
+    if not found.contours:
+        raise ValueError(f"{file.name} holds single points, and no lines to compare with: choose other contours.")
+    _check_size(file.name, found.shape or shape, shape)
+    beyond = np.concatenate([contour.points for contour in found.contours])
+    if beyond.min() < -0.5 - _BESIDE or (beyond > np.array([rows, cols]) - 0.5 + _BESIDE).any():
+        raise ValueError(
+            f"{file.name} has contours that reach out of the image of {rows} x {cols} px: choose the ground truth "
+            "of this very image, in pixels of it."
+        )
+    return found.contours
 
 
 def _check_size(name: str, found: Sequence[int], wanted: tuple[int, int]) -> None:

@@ -20,15 +20,15 @@ from numpy.typing import ArrayLike
 from cpm_core.formats.fingerprint import fingerprint
 from cpm_core.formats.images import foreign, numpy_array, resolution
 from cpm_core.formats.images.choice import Choice
-from cpm_core.formats.images.decoded import LUMINANCE_NOTE, Decoded, UnreadableError
+from cpm_core.formats.images.decoded import Decoded, UnreadableError
 from cpm_core.formats.images.medical import metaimage, nifti, nrrd
 from cpm_core.formats.images.medical.dicom import reader as dicom
-from cpm_core.formats.images.reading import LUMINANCE, checked_color, checked_unit
+from cpm_core.formats.images.reading import checked_unit
 from cpm_core.formats.images.stacks import frames, tiff_stack
 from cpm_core.formats.images.stacks.pages import Axis, Pages
 from cpm_core.formats.images.stacks.stack import Stack, plane_of, volume_of
 from cpm_core.formats.printable import printable
-from cpm_core.image.colors import CONTRAST, channel_of, most_contrast
+from cpm_core.image.colors import LUMINANCE, LUMINANCE_NOTE, checked_color, in_color
 from cpm_core.image.image import MINIMUM_SIDE, Image
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.parameters.quotation import shown
@@ -268,9 +268,7 @@ def _in(color: str, decoded: Decoded) -> Decoded:
     """What was read, in the gray levels of a channel of its colors."""
     if color == LUMINANCE or decoded.colors is None:
         return decoded
-    taken = most_contrast(decoded.colors) if color == CONTRAST else color
-    values = channel_of(decoded.values, decoded.colors, taken)
-    said = f"The channel {taken} of its colors was taken{', which varies the most' if color == CONTRAST else ''}."
+    values, said = in_color(decoded.values, decoded.colors, color)
     notes = tuple(said if note == LUMINANCE_NOTE else note for note in decoded.notes)
     return replace(decoded, values=values, colors=None, notes=notes)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,10 +11,23 @@ from skimage.color import rgb2hed
 
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.choices import CHOICES, check_choice
+from cpm_core.parameters.quotation import shown
 
 _PRIMARIES = ("red", "green", "blue")
+WEIGHTS = (0.2125, 0.7154, 0.0721)
+"""Share of red, green and blue in the luminance (ITU-R BT.709)."""
+
+LUMINANCE_NOTE = "Color was turned into luminance."
+LUMINANCE = "luminance"
+
+_BLOCK = 2**18
+"""Pixels whose colors are computed at once; those of the whole image would take many times its memory."""
+
 CONTRAST = "contrast"
 """What is asked for in place of the name of a channel when that shall be taken whose gray levels vary the most."""
+
+COLORS = (LUMINANCE, *_PRIMARIES, CONTRAST)
+"""What gray levels can be made of colors."""
 
 _STAINS = ("hematoxylin", "eosin", "dab")
 
@@ -79,3 +93,105 @@ def _through_stain(colors: Colors, stain: int) -> Array:
     for row, line in zip(light, colors.samples, strict=True):  # without three more images of eight bytes a sample
         row[:] = colors.white * _DARKEST ** rgb2hed(line)[..., stain]
     return light
+
+
+class Reduced(NamedTuple):
+    """Gray levels of pixels of several samples, their colors where they have any, and what was done."""
+
+    values: NDArray[Any]
+    colors: Colors | None
+    notes: tuple[str, ...]
+
+
+def full_scale(values: NDArray[Any]) -> float:
+    """Gray level of white: the largest value of an integer type, else 1 or the largest value that occurs."""
+    if values.dtype.kind == "b":
+        return 1.0
+    if values.dtype.kind in "ui":
+        return float(np.iinfo(values.dtype).max)
+    return max(1.0, float(np.max(values, initial=1.0)))
+
+
+def reduced(samples: NDArray[Any], alpha: NDArray[Any] | None = None, white: float | None = None) -> Reduced:
+    """Reduce the samples of each pixel to its gray level.
+
+    Parameters
+    ----------
+    samples : ndarray, shape (H, W, 1) or (H, W, 3)
+        Gray, or red, green and blue.
+    alpha : ndarray, shape (H, W), optional
+        Opacity from 0 to the full scale of its type. Transparent parts become white, as on paper.
+    white : float, optional
+        Value of white; by default that of the type of `samples`.
+
+    Returns
+    -------
+    Reduced
+        Gray levels in the range of `samples`, of opaque gray samples unchanged, and the channels of colored ones.
+    """
+    said: list[str] = []
+    count, shape = samples.shape[-1], samples.shape[:2]
+    alike = all(np.array_equal(samples[..., 0], samples[..., other]) for other in range(1, count))
+    white = full_scale(samples) if white is None else white
+    if not alike:
+        said.append(LUMINANCE_NOTE)
+    elif count > 1:
+        said.append("Its three color channels are the same; one was taken.")
+    flat = (samples[..., :1] if alike else samples).reshape(-1, 1 if alike else count)
+    clear = None
+    if alpha is not None and np.any(alpha != full_scale(alpha)):
+        said.append("Transparent parts were laid on white.")
+        clear = alpha.reshape(-1, 1)
+    if alike and clear is None:
+        return Reduced(samples[..., 0], None, tuple(said))
+    gray = np.empty(len(flat))
+    colors = None if alike else np.empty(flat.shape, np.uint8)
+    most = 1.0 if clear is None else full_scale(clear)
+    for first in range(0, len(flat), _BLOCK):
+        place = slice(first, first + _BLOCK)
+        part = flat[place]
+        if clear is not None:
+            opacity = clear[place] / most
+            part = part * opacity + white * (1.0 - opacity)
+        gray[place] = part[:, 0] if colors is None else luminance(part)
+        if colors is not None:
+            colors[place] = part if part.dtype == np.uint8 else _bytes_of(part, white)
+    kept = None if colors is None else Colors(colors.reshape(*shape, count), white)
+    return Reduced(gray.reshape(shape), kept, tuple(said))
+
+
+def _bytes_of(samples: NDArray[Any], white: float) -> NDArray[np.float64]:
+    """Samples from 0 to white as whole numbers from 0 to 255."""
+    shares = np.asarray(np.clip(samples, 0.0, white), np.float64) / white
+    return np.rint(np.nan_to_num(255.0 * shares))
+
+
+def luminance(channels: NDArray[Any]) -> NDArray[np.float64]:
+    """Luminance of red, green and blue, which are the last axis, in their range."""
+    gray = np.zeros(channels.shape[:-1])
+    for channel, weight in enumerate(WEIGHTS):
+        gray += np.float64(weight) * channels[..., channel]  # of half precision too
+    return gray
+
+
+def in_color(luminance: NDArray[Any], colors: Colors, color: str) -> tuple[Array, str]:
+    """Gray levels of one of `COLORS`, and a sentence that tells it.
+
+    Raises
+    ------
+    ValueError
+        When there is no such choice.
+    """
+    checked_color(color)
+    if color == LUMINANCE:
+        return luminance, LUMINANCE_NOTE
+    taken = most_contrast(colors) if color == CONTRAST else color
+    varies = ", which varies the most" if color == CONTRAST else ""
+    return channel_of(luminance, colors, taken), f"The channel {taken} of its colors was taken{varies}."
+
+
+def checked_color(given: object) -> str:
+    """What gray levels are made of color; ValueError for what is none of `COLORS`."""
+    if not isinstance(given, str) or given not in COLORS:
+        raise ValueError(f"color is {shown(given)} but must be one of {', '.join(COLORS)}.")
+    return given

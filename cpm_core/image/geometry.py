@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from cpm_core.numerics.real_numbers import checked_number, real_numbers
 from cpm_core.numerics.types import Array
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import described, shown
 
 Convention = Literal["LPS", "RAS"]
 """Where x, y and z point: to the Left, Posterior (back) and Superior (head) of a patient, or Right, Anterior and
@@ -148,6 +148,10 @@ class Geometry:
         """How far the angle between two axes is from a right one at most [degrees]."""
         along = np.array(self.directions)
         return math.degrees(math.asin(min(float(np.abs(along @ along.T)[np.triu_indices(3, 1)].max()), 1.0)))
+
+    def __repr__(self) -> str:
+        origin = ", ".join(f"{place:.6g}" for place in self.origin)
+        return described("Geometry", f"origin ({origin}) in {self.convention}", f"axes to {' '.join(self.letters)}")
 
 
 def from_affine(affine: Any, convention: Convention) -> tuple[Geometry, Triple]:

@@ -5,18 +5,21 @@ from __future__ import annotations
 import copy
 import hashlib
 import math
-from dataclasses import dataclass
+from dataclasses import InitVar, dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cpm_core.image.colors import Colors, channel_of
+from cpm_core.image.colors import LUMINANCE, Colors, channel_of, checked_color, in_color, reduced
+from cpm_core.image.drawing import axes, raster
+from cpm_core.image.drawing.notebook import Pictured
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.gray_levels import usable
 from cpm_core.numerics.memory import check_room
 from cpm_core.numerics.real_numbers import real_numbers, voxel_sides
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import described, shown, sized
 
 MINIMUM_SIDE = 8
 """Least number of pixels along each axis [px]: in smaller images the edges cannot be separated from the border."""
@@ -27,15 +30,16 @@ _BYTES_A_VOXEL = 40
 _COUNTS = {2: "two", 3: "three"}
 
 
-@dataclass(frozen=True, eq=False)
-class Image:
+@dataclass(frozen=True, eq=False, repr=False)
+class Image(Pictured):
     """Gray levels on a regular grid, pixel centers at integers: an image (row, col) or a volume (plane, row, col).
 
     Parameters
     ----------
-    values : array_like of real numbers, shape (H, W) or (P, H, W)
+    values : array_like of real numbers, shape (H, W), (P, H, W), (H, W, 3) or (H, W, 4)
         Gray levels. They are copied to float64 and are then read-only. Pixels without data are filled, and extreme
-        gray levels divided by a power of ten (`gray_levels.usable`).
+        gray levels divided by a power of ten (`gray_levels.usable`). Three or four values a pixel are red, green, blue
+        and opacity, from which `color` makes gray levels.
     spacing : tuple of float, optional
         Size of a pixel along each axis, in `unit`; 1 px each where it is not known.
     unit : str, optional
@@ -50,6 +54,10 @@ class Image:
         Hash of the bytes of its file; empty for an image that is not from a file.
     geometry : Geometry, optional
         Where it lies in space; None where that is not known. What is written lies there as well.
+    color : {"luminance", "red", "green", "blue", "contrast"}, optional
+        What gray levels are made of color, as in `load_image`: how bright it is to the eye, one of its channels, or
+        the channel whose gray levels vary the most. With the luminance the image keeps its colors, so that
+        `Parameters.channel` can choose another one for a run.
 
     Raises
     ------
@@ -66,11 +74,15 @@ class Image:
     colors: Colors | None = None
     file_sha256: str = ""
     geometry: Geometry | None = None
+    color: InitVar[str] = LUMINANCE
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, color: str) -> None:
+        checked_color(color)
         given = np.asarray(self.values)
         if given.dtype.kind not in "buif":
             raise ValueError(f"{self.source} holds values of type {given.dtype}, but gray levels must be real numbers.")
+        if given.ndim == 3 and given.shape[-1] in (3, 4) and min(given.shape[:2]) >= MINIMUM_SIDE:
+            given = self._take_colors(given, color)
         if given.ndim not in (2, 3) or (given.ndim == 3 and given.shape[-1] < MINIMUM_SIDE):
             raise _not_a_plane(self.source, given.shape)
         if given.ndim == 3 and min(given.shape) < MINIMUM_SIDE:
@@ -104,6 +116,59 @@ class Image:
         object.__setattr__(self, "values", values)
         object.__setattr__(self, "spacing", spacing)
         object.__setattr__(self, "notes", (*self.notes, *changes))
+
+    def _take_colors(self, samples: NDArray[Any], color: str) -> NDArray[Any]:
+        """Gray levels of colors, which are kept beside the luminance."""
+        found = reduced(samples[..., :3], samples[..., 3] if samples.shape[-1] == 4 else None)
+        values, notes = found.values, found.notes
+        if found.colors is not None and color == LUMINANCE:
+            object.__setattr__(self, "colors", found.colors)
+        elif found.colors is not None:
+            values, said = in_color(values, found.colors, color)
+            notes = (said, *notes[1:])
+        object.__setattr__(self, "notes", (*self.notes, *notes))
+        return values
+
+    def __repr__(self) -> str:
+        known = self.unit is not None or len(set(self.spacing)) > 1
+        size = f"{' x '.join(f'{side:.4g}' for side in dict.fromkeys(self.spacing))} {self.unit or ''}".strip()
+        word = ("voxels", "voxel") if self.ndim == 3 else ("px", "pixel")
+        return described(
+            "Image", self.source, sized(self.shape, word[0]), f"{size} a {word[1]}" if known else "",
+            "in color" if self.colors is not None else "",
+        )  # fmt: skip
+
+    def _repr_png_(self) -> bytes:
+        colors = None if self.colors is None else self.colors.samples
+        return raster.picture(self.values, self.shape, self.spacing, colors=colors)
+
+    def plot(self, ax: axes.Axes | None = None, *, scale_bar: bool = True) -> axes.Axes:
+        """Draw the image by matplotlib; of a volume its middle plane.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where; by default in a new figure.
+        scale_bar : bool
+            Whether there is a scale bar, in px where the size of a pixel is not known.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes, in px of the image: row 0 is on top.
+
+        Raises
+        ------
+        ValueError
+            When matplotlib is not installed.
+        """
+        ax = axes.axes_for(ax)
+        plane = self.values if self.ndim == 2 else self.values[self.shape[0] // 2]
+        spacing = self.spacing[-2:]
+        axes.show_image(ax, plane, spacing, None if self.colors is None else self.colors.samples)
+        if scale_bar:
+            axes.show_scale_bar(ax, plane.shape, spacing, self.unit)
+        return ax
 
     @cached_property
     def sha256(self) -> str:

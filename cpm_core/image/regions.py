@@ -14,7 +14,7 @@ from cpm_core.image.pyramid import to_scale
 from cpm_core.numerics import polyline
 from cpm_core.numerics.segments import Bands, cut, nearest_distances, segments_of
 from cpm_core.numerics.types import Array, Position
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import counted, described, shown
 
 Line = tuple[Position, ...]
 
@@ -106,6 +106,10 @@ class Regions:
     def lines(self) -> Array:
         """Barriers as segments, shape (S, 4)."""
         return np.concatenate([np.zeros((0, 4)), *(segments_of(polyline.corners_of(line)) for line in self.barriers)])
+
+    def __repr__(self) -> str:
+        interest = counted(len(self.interest), "region of interest", "regions of interest")
+        return described("Regions", interest, counted(len(self.barriers), "barrier"))
 
 
 def _lines(noun: str, lines: Iterable[Iterable[Sequence[float]]], least: int) -> tuple[Line, ...]:

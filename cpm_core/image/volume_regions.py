@@ -21,7 +21,7 @@ from cpm_core.image.volume_barriers import OFF, Walls, signed_distances
 from cpm_core.numerics import polyline
 from cpm_core.numerics.real_numbers import checked_number, real_numbers
 from cpm_core.numerics.types import Array, Index, Mask, Position
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import counted, described, shown
 
 Place = tuple[float, float, float]
 Pair = tuple[Place, Place]
@@ -118,6 +118,10 @@ class Extrusion:
             at, on = np.where(near[:, None], off, 0) @ [sides[1], 1], (pixels - low) @ [sides[1], 1]
             found[found] = near & np.isin(at, on)
         return found
+
+    def __repr__(self) -> str:
+        slices = f"slices {self.first:g} to {self.last:g} across axis {self.axis}"
+        return described("Extrusion", counted(len(self.line), "corner"), slices, "closed" if self.closed else "open")
 
 
 @lru_cache(maxsize=_KEPT)
@@ -236,6 +240,10 @@ class VolumeRegions:
     def walls(self, shape: tuple[int, ...]) -> Walls:
         """What no particle crosses in a volume of this shape, at its full size."""
         return _walls(self, shape)
+
+    def __repr__(self) -> str:
+        interest = counted(len(self.interest), "region of interest", "regions of interest")
+        return described("VolumeRegions", interest, counted(len(self.barriers), "barrier"))
 
 
 AnyRegions = Regions | VolumeRegions

@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.graph.graph import Graph
+from cpm_core.image.drawing import axes, raster
+from cpm_core.image.drawing.notebook import Pictured
 from cpm_core.image.geometry import Geometry
 from cpm_core.medial_axis.blur_correction import half_width
 from cpm_core.medial_axis.boundary import Boundary
@@ -24,13 +26,14 @@ from cpm_core.medial_axis.disks import along, covered
 from cpm_core.medial_axis.medial_axis import Axis
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.provenance import Provenance
+from cpm_core.parameters.quotation import counted, described
 
 _THICK = 95.0
 """Percentile of the length that `Skeleton.thickness` covers."""
 
 
 @dataclass(frozen=True, eq=False)
-class Skeleton:
+class Skeleton(Pictured):
     """Center lines of the objects in an image.
 
     Attributes
@@ -98,6 +101,40 @@ class Skeleton:
         for contour, radii in zip(self.contours, self.radii, strict=True):
             disks.append(along(contour.path, np.append(radii, radii[0]) if contour.closed else radii))
         return covered(np.concatenate(disks), self.shape)
+
+    def plot(self, ax: axes.Axes | None = None, *, scale_bar: bool = True) -> axes.Axes:
+        """Draw the branches by matplotlib, on whatever `ax` shows.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where, such as the axes of `Image.plot`; by default in a new figure.
+        scale_bar : bool
+            Whether there is a scale bar, in px where the size of a pixel is not known.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes, in px of the image.
+
+        Raises
+        ------
+        ValueError
+            When matplotlib is not installed.
+        """
+        ax = axes.axes_for(ax)
+        axes.frame(ax, self.shape, self.spacing)
+        axes.show_curves(ax, self.contours)
+        if scale_bar:
+            axes.show_scale_bar(ax, self.shape, self.spacing, self.unit)
+        return ax
+
+    def __repr__(self) -> str:
+        branches = counted(len(self.contours), "branch", "branches")
+        return described("Skeleton", self.source, branches, f"{self.length:,.1f} px")
+
+    def _repr_png_(self) -> bytes:
+        return raster.picture(self.rebuilt().astype(float), self.shape, self.spacing, self.contours)
 
 
 def branches(axis: Axis, boundary: Boundary, smoothing: float) -> list[tuple[Contour, Array]]:

@@ -26,6 +26,7 @@ from cpm_core.medial_axis.structure import Structure, find_structure, with_axis
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import OF_CHARGES, OF_STARTS, PRESETS, Parameters, invalidating
 from cpm_core.parameters.provenance import Provenance, taken
+from cpm_core.parameters.quotation import described, sized
 from cpm_core.particles.initialization import inside_image
 from cpm_core.particles.state import Particles
 
@@ -245,6 +246,9 @@ class SkeletonMethod(ImageFields):
         contours, radii = tuple(contour for contour, _ in drawn), tuple(radii for _, radii in drawn)
         reason = "the skeleton is found" if contours else _nothing(found)
         return replace(state, contours=contours, radii=radii, stop_reason=reason, converged=bool(contours))
+
+    def __repr__(self) -> str:
+        return described("SkeletonMethod", self.image.source, sized(self.image.shape, ""))
 
 
 def _nothing(found: Structure) -> str:

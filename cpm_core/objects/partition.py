@@ -18,6 +18,8 @@ from numpy.typing import ArrayLike
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
 from cpm_core.field.edge_map import edge_map
+from cpm_core.image.drawing import raster
+from cpm_core.image.drawing.notebook import Pictured
 from cpm_core.image.image import Image, as_image, as_plane
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.types import Array, Mask
@@ -31,6 +33,7 @@ from cpm_core.objects.faces.space import VolumePartition
 from cpm_core.objects.outline.outline import SMOOTHING, outlines
 from cpm_core.objects.selection import Selection, confidence_of
 from cpm_core.parameters import PRESETS, Parameters
+from cpm_core.parameters.quotation import counted, described, sized
 from cpm_core.particles.initialization import uniform_grid
 from cpm_core.particles.volume_starts import everywhere
 from cpm_core.segmentation.reach.bounding import thing_within
@@ -80,7 +83,7 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
 
 
 @dataclass(frozen=True, eq=False)
-class Partition:
+class Partition(Pictured):
     """An image that contours cut into faces.
 
     Attributes
@@ -189,6 +192,12 @@ class Partition:
     @cached_property
     def _answers(self) -> Answers:
         return Answers()
+
+    def __repr__(self) -> str:
+        return described("Partition", self.image.source, sized(self.shape), counted(len(self.contours), "contour"))
+
+    def _repr_png_(self) -> bytes:
+        return raster.picture(self.image.values, self.shape, self.image.spacing, self.contours)
 
 
 def _not_around(inside: Array, before: Selection) -> Array:

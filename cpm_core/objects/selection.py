@@ -9,13 +9,16 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.field.interpolation import interpolate
+from cpm_core.image.drawing import raster
+from cpm_core.image.drawing.notebook import Pictured
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.objects.faces.faces import Ground
 from cpm_core.objects.outline.outline import Outline
+from cpm_core.parameters.quotation import counted, described
 
 
 @dataclass(frozen=True, eq=False)
-class Selection:
+class Selection(Pictured):
     """An object: a set of faces with its closed boundary.
 
     Attributes
@@ -51,6 +54,15 @@ class Selection:
         """Which of places, shape (N, 2) [px], lie in it; one outside the image counts as the nearest one in it."""
         pixel = np.rint(np.clip(places, 0, np.array(self.mask.shape) - 1)).astype(int)
         return np.asarray(self.mask[tuple(pixel.T)])
+
+    def __repr__(self) -> str:
+        pixels, contours = f"{np.count_nonzero(self.mask):,} px", counted(len(self.contours), "contour")
+        return described(
+            "Selection", pixels, contours, counted(len(self.gaps), "gap"), f"confidence {self.confidence:.2f}"
+        )
+
+    def _repr_png_(self) -> bytes:
+        return raster.picture(self.mask.astype(float), self.mask.shape, (1.0, 1.0), self.contours)
 
 
 def confidence_of(outlines: Sequence[Outline], ground: Ground) -> float:

@@ -13,7 +13,7 @@ from typing import Literal, cast
 import numpy as np
 
 from cpm_core.parameters.choices import CHOICES, Accuracy, Channel, Edges, check_choice
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import call, shown
 from cpm_core.parameters.table import (
     AUTOMATIC,
     OF_CHARGES,
@@ -174,6 +174,14 @@ class Parameters:
     def exponent_in(self, dimension: int) -> float:
         """`exponent` in an image with so many axes."""
         return float(dimension) if self.exponent == "auto" else float(self.exponent)
+
+    def __repr__(self) -> str:
+        changed = [
+            f"{field.name}={getattr(self, field.name)!r}"
+            for field in fields(self)
+            if getattr(self, field.name) != field.default
+        ]
+        return call("Parameters", changed)
 
 
 def _check(info: ParameterInfo, value: object) -> None:

@@ -13,6 +13,7 @@ from cpm_core.image.pyramid import to_image, to_scale
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.types import Array
 from cpm_core.numerics.vectors import Vector
+from cpm_core.parameters.quotation import counted, described
 from cpm_core.particles.coverage import Coverage
 from cpm_core.particles.coverage.space import SurfaceCoverage
 from cpm_core.particles.mesh import MeshForce
@@ -119,6 +120,9 @@ class Particles:
             np.concatenate([self.distance, np.full((newborn, MEMORY), np.nan)]),
             np.concatenate([self.identity, np.arange(first, first + newborn)]),
         )
+
+    def __repr__(self) -> str:
+        return described("Particles", f"{len(self):,} with {self.position.shape[1]} coordinates")
 
 
 def _mean(history: Array, one: NDArray[np.int64], other: NDArray[np.int64]) -> Array:
@@ -266,3 +270,9 @@ class State:
     def stopped(self, reason: str, converged: bool = False) -> State:
         """State as this one, the last one of its run."""
         return replace(self, stop_reason=reason, converged=converged)
+
+    def __repr__(self) -> str:
+        particles = counted(self.count, "particle")
+        return described(
+            "State", f"step {self.step}", f"scale {self.scale}", particles, self.stop_reason.partition(":")[0]
+        )

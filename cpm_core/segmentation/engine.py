@@ -25,6 +25,7 @@ from cpm_core.numerics.types import Array
 from cpm_core.parameters import OF_SKELETONS, PARAMETERS, Parameters
 from cpm_core.parameters.choices import CHOICES
 from cpm_core.parameters.provenance import Provenance, taken
+from cpm_core.parameters.quotation import counted, described, sized
 from cpm_core.particles.initialization import starting_points
 from cpm_core.particles.state import State
 from cpm_core.segmentation import interventions
@@ -233,6 +234,9 @@ class Engine(RunFields):
         """The state after a step; a method of its own so that experiments can replace it."""
         after: State = self._laws.stepped(state, field, self.regions, parameters)
         return after
+
+    def __repr__(self) -> str:
+        return described("Engine", self.image.source, sized(self.image.shape, ""), counted(self.scales, "scale"))
 
 
 _METRICS = {name: name for name in ("epsilon", "count", "born", "deleted", "scale")} | {"numbered": "next_identity"}

@@ -12,11 +12,10 @@ from cpm_core.field.image_fields import ImageFields
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.numerics.real_numbers import checked_number
 from cpm_core.parameters import Parameters
 from cpm_core.particles.state import State
 from cpm_core.reconstruction.by_hand.operations import carried_out
-from cpm_core.segmentation.engine import Engine
+from cpm_core.segmentation.evolve import evolve
 
 
 def segment(
@@ -57,22 +56,12 @@ def segment(
     ValueError
         For an unusable image, seeds or parameters; the message says what to do.
     """
-    _check_steps(max_steps)
-    chosen = parameters or Parameters()
-    engine = Engine(values, chosen, regions)
-    state = engine.start(seeds)
-    while not state.stop_reason:
-        state = engine.step(state, chosen, charges)
+    run = evolve(values, seeds, parameters, max_steps, regions, charges)
+    next(run)
+    for moment in run:
         if progress is not None:
-            progress(state)
-        if state.step == max_steps and not state.stop_reason:
-            state = state.stopped(f"stopped after {max_steps} steps, as asked")
-    return engine.result(state, chosen)
-
-
-def _check_steps(given: int | None) -> None:
-    if given is not None:
-        checked_number("max_steps", given, lambda steps: steps >= 1 and steps == int(steps), "at least 1, and whole")
+            progress(moment.state)
+    return run.result
 
 
 def with_hand_edits(

@@ -9,11 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from app.model.display.round_numbers import round_down
 from app.model.text.language import tr
+from cpm_core.image.drawing.scale_bar import KNOWN, Bar, longest_bar
 
-_METRIC = {"nm": 1e-9, "µm": 1e-6, "mm": 1e-3, "m": 1.0}
-_KNOWN = {**_METRIC, "um": 1e-6, "cm": 1e-2}
 _PIXEL = "px"
 _OF_THE_IMAGE = "image"
 
@@ -54,30 +52,15 @@ def shown_in(spacing: Sequence[float], unit: str | None) -> PixelSize:
     sizes = tuple(float(size) for size in spacing)
     if _preferred == _PIXEL and len(set(sizes)) == 1:
         return PixelSize((1.0,) * len(sizes), None, 1.0 / sizes[0])
-    if unit in _KNOWN and _preferred in _KNOWN:
-        factor = _KNOWN[unit] / _KNOWN[_preferred]
+    if unit in KNOWN and _preferred in KNOWN:
+        factor = KNOWN[unit] / KNOWN[_preferred]
         return PixelSize(tuple(size * factor for size in sizes), _preferred, factor)
     return PixelSize(sizes, unit)
 
 
-@dataclass(frozen=True, slots=True)
-class Bar:
-    """A scale bar of round length, `pixels` of the image long."""
-
-    pixels: float
-    label: str
-
-
 def bar(most: float, spacing: float, unit: str | None) -> Bar:
-    """The longest scale bar of round length, 1, 2 or 5 times a power of ten, in a readable unit.
-
-    `most` is its maximum length [px of the image], `spacing` the size of a pixel [unit], px without a unit.
-    """
-    size, name = (most * spacing, unit) if unit else (most, _PIXEL)
-    if _preferred == _OF_THE_IMAGE:
-        size, name = _readable(size, name)
-    length = round_down(size)
-    return Bar(most * (length / size), f"{length:g} {name}" if length < 1e6 else f"{length:,.0f} {name}")
+    """The longest scale bar of round length, in a readable unit or in the one that is preferred; see `longest_bar`."""
+    return longest_bar(most, spacing, unit, keep_unit=_preferred != _OF_THE_IMAGE)
 
 
 def size_text(spacing: Sequence[float], unit: str | None) -> str:
@@ -101,13 +84,3 @@ def measured(pixels: float, spacing: Sequence[float], unit: str | None, decimals
         return f"{pixels:,.{decimals}f} {_PIXEL}"
     length = pixels * size.spacing[0]
     return f"{length:,.0f} {size.unit}" if length >= 1000.0 else f"{length:.4g} {size.unit}"
-
-
-def _readable(size: float, unit: str) -> tuple[float, str]:
-    """The size in the metric unit in which it has one to three digits; unchanged in any other unit."""
-    if unit not in _KNOWN:
-        return size, unit
-    meters = size * _KNOWN[unit]
-    fitting = [name for name, worth in _METRIC.items() if meters >= 0.999999 * worth]
-    name = fitting[-1] if fitting else "nm"
-    return meters / _METRIC[name], name

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.model.text.language import tr
+from app.model.text.language import from_core, tr
 from cpm_core.contours.measurements import Measures, centroid, measure
 from cpm_core.segmentation.pages.page import Page, StackResult, Track
 
@@ -48,7 +48,7 @@ def page_rows(found: StackResult) -> tuple[PageRow, ...]:
 
 def _rows(page: Page, tracks: dict[int, Track], first: int) -> list[PageRow]:
     if page.result is None:
-        return [PageRow(page.number, 0, None, 0.0, 0.0, page.trouble)]
+        return [PageRow(page.number, 0, None, 0.0, 0.0, from_core(page.trouble))]
     rows = []
     for contour, measures in zip(page.contours, measure(page.contours, page.result.spacing), strict=True):
         happens = _happens(tracks[contour.number], page.number, first)

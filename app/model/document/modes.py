@@ -32,7 +32,8 @@ class ModeInfo:
     method : str
         Name among the core's `METHODS`.
     hint : str
-        What to do next when everything is ready for a run; empty for the usual hint.
+        What to do next when everything is ready for a run, with the names of keys (see `with_keys`); empty for the
+        usual hint.
     """
 
     title: str
@@ -58,7 +59,7 @@ MODES: Mapping[Mode, ModeInfo] = MappingProxyType(
             tr("Start everywhere and find all objects; nothing has to be drawn."),
             "automatic",
             "cpm",
-            tr("Press Space to run; particles start everywhere."),
+            tr("Press {key:run} to run; particles start everywhere."),
         ),
         "skeleton": ModeInfo(
             tr("S&keleton"),
@@ -66,7 +67,7 @@ MODES: Mapping[Mode, ModeInfo] = MappingProxyType(
             tr("Find the middle lines of objects and how thick they are; nothing has to be drawn."),
             "noisy",
             "skeleton",
-            tr("Press Space to find the skeleton of what is in the image."),
+            tr("Press {key:run} to find the skeleton of what is in the image."),
         ),
     }
 )

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from app.model.text.language import tr
+from app.model.text.language import from_core
 from cpm_core.shapes import Shape
 
 
 def describe(shape: Shape) -> str:
     """The kind of a shape in a few words."""
-    return tr(shape.title)
+    return from_core(shape.title)

@@ -11,7 +11,7 @@ from typing import Any
 
 from app.model.document.document import Mode
 from app.model.text.assets import asset
-from app.model.text.language import tr
+from app.model.text.language import from_core
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.shapes import SHAPES, Shape
 
@@ -39,8 +39,8 @@ def samples() -> tuple[Sample, ...]:
     listed = json.loads(asset("samples/samples.json").read_text(encoding="utf-8"))
     return tuple(
         Sample(
-            title=tr(entry["title"]),
-            about=tr(entry["about"]),
+            title=from_core(entry["title"]),
+            about=from_core(entry["about"]),
             path=asset(f"samples/{entry['file']}"),
             shapes=tuple(_shape(drawn) for drawn in entry["shapes"]),
             parameters=replace(PRESETS[entry["preset"]], **entry.get("parameters", {})),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.model.text.language import tr
+from app.model.text.language import from_core, tr
 from cpm_core.formats import FOR_VOLUMES, WRITABLE
 
 
@@ -60,14 +60,14 @@ _SAME = {".tiff": ".tif"}
 def formats() -> tuple[Format, ...]:
     """All formats that can be written, those of one group next to each other; new ones are last."""
     known = {one.suffix for one in _KNOWN} | _SAME.keys()
-    others = (Format(suffix, tr(text), _OTHERS) for suffix, text in WRITABLE.items() if suffix not in known)
+    others = (Format(suffix, from_core(text), _OTHERS) for suffix, text in WRITABLE.items() if suffix not in known)
     return (*(one for one in _KNOWN if one.suffix in WRITABLE), *others)
 
 
 def formats_of_volumes() -> tuple[Format, ...]:
     """All formats in which the result of a volume can be written, in groups; new ones are last."""
     known = {one.suffix for one in _OF_VOLUMES} | _SAME.keys()
-    others = (Format(suffix, tr(text), _OTHERS) for suffix, text in FOR_VOLUMES.items() if suffix not in known)
+    others = (Format(suffix, from_core(text), _OTHERS) for suffix, text in FOR_VOLUMES.items() if suffix not in known)
     return (*(one for one in _OF_VOLUMES if one.suffix in FOR_VOLUMES), *others)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from app.model.parameters.controls import acts
-from app.model.text.language import tr
+from app.model.text.language import from_core, tr
 from cpm_core.parameters.choices import CHOICES
 
 CHANNEL = "channel"
@@ -66,9 +66,9 @@ def choice_controls() -> tuple[ChoiceControl, ...]:
     return tuple(
         ChoiceControl(
             name,
-            tr(info.title),
-            tr(info.meaning),
-            tuple((value, _TITLES.get(value, value), tr(about)) for value, about in info.choices.items()),
+            from_core(info.title),
+            from_core(info.meaning),
+            tuple((value, _TITLES.get(value, value), from_core(about)) for value, about in info.choices.items()),
             acts(info.invalidates),
         )
         for name, info in CHOICES.items()

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
 
-from app.model.text.language import tr
+from app.model.text.language import from_core, tr
 from app.model.text.wording import FORMULAS, Wording, rich
 from cpm_core.parameters import AUTOMATIC, DEFAULTS, OF_STARTS, PARAMETERS, Parameters
 from cpm_core.parameters.choices import Invalidates
@@ -155,7 +155,7 @@ def acts(invalidates: Invalidates) -> str:
 
 def controls() -> tuple[Control, ...]:
     """All controls in the order shown: how far a start reaches, the motion, which contours there are, advanced ones."""
-    made = [_ratio() if name == "w1" else _from_core(name) for name in PARAMETERS]
+    made = [_ratio() if name == "w1" else _of_parameter(name) for name in PARAMETERS]
     return tuple(sorted(made, key=lambda control: (control.advanced, control.name not in OF_STARTS, not control.moves)))
 
 
@@ -192,22 +192,22 @@ def with_value(parameters: Parameters, name: str, value: float | str) -> Paramet
     return replace(parameters, **fields)
 
 
-def _from_core(name: str) -> Control:
+def _of_parameter(name: str) -> Control:
     info = PARAMETERS[name]
     return Control(
         name=name,
         symbol=info.symbol,
-        unit=tr(info.unit) if info.unit else "",
-        title=tr(info.title),
+        unit=from_core(info.unit) if info.unit else "",
+        title=from_core(info.title),
         low=info.low,
         high=info.high,
         slider_low=info.slider_low,
         slider_high=info.slider_high,
         step=info.step,
         default=DEFAULTS[name],
-        meaning=tr(info.meaning),
-        more=tr(info.more),
-        equation=tr(info.equation) if info.equation else "",
+        meaning=from_core(info.meaning),
+        more=from_core(info.more),
+        equation=from_core(info.equation) if info.equation else "",
         advanced=info.advanced,
         acts=acts(info.invalidates),
         automatic=name in AUTOMATIC,
@@ -233,8 +233,8 @@ def _ratio() -> Control:
         step=0.01,
         default=standard.w1 / standard.w2,
         meaning=tr("Repulsion between particles as a fraction of the attraction by edges."),
-        more=tr(coulomb.more),
-        equation=tr(coulomb.equation),
+        more=from_core(coulomb.more),
+        equation=from_core(coulomb.equation),
         advanced=False,
         acts=acts(coulomb.invalidates),
         moves=True,

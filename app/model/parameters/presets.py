@@ -12,6 +12,7 @@ from typing import Any
 
 from app.model.text.assets import asset
 from app.model.text.language import tr
+from app.model.text.reasons import reason
 from cpm_core.formats.sessions.plain_values import parameters_from_plain
 from cpm_core.parameters import PLANE_PRESETS, Parameters
 
@@ -114,7 +115,7 @@ def read(content: bytes, source: str) -> Preset:
             raise ValueError(tr("its description is too long."))
         return Preset(checked_name(name), _parameters(kept.get("parameters")), about, drawn)
     except (TypeError, ValueError) as error:
-        raise ValueError(tr("{file} cannot be used: {reason}").format(file=source, reason=error)) from error
+        raise ValueError(tr("{file} cannot be used: {reason}").format(file=source, reason=reason(error))) from error
 
 
 def _opened(content: bytes, source: str) -> Mapping[str, Any]:

@@ -14,7 +14,8 @@ from app.model.state.situation import Situation
 from app.model.state.status import RunStatus
 from app.model.state.surface_figures import SURFACE, VOLUME, in_words
 from app.model.state.volume_limits import has_volume
-from app.model.text.language import tr
+from app.model.text.keys import with_keys
+from app.model.text.language import from_core, tr
 from cpm_core.shapes import Barrier, Charge, Everywhere, Grid, Points, Shape, Stroke, Threshold
 
 FULL_SPEED = tr("full speed")
@@ -108,7 +109,7 @@ def _state(situation: Situation) -> str:
             return tr("Paused")
         case "finished":
             message = tr("Done – {reason}") if status.converged else tr("Stopped – {reason}")
-            return _sentence(message.format(reason=tr(status.stop_reason) if status.stop_reason else ""))
+            return _sentence(message.format(reason=from_core(status.stop_reason)))
     if document.starts or not needs_start(document.mode):
         return tr("Ready")
     return tr("Nothing to start from yet") if document.shapes else tr("Nothing drawn yet")
@@ -117,67 +118,84 @@ def _state(situation: Situation) -> str:
 def _hint(situation: Situation) -> str:
     document, status, selected = situation.document, situation.status, situation.selected
     if status.phase == "empty":
-        return tr("Open an image (Ctrl+O) or drop one here.")
+        return with_keys(tr("Open an image ({key:open}) or drop one here."))
     shape = document.shapes[selected] if selected is not None and selected < len(document.shapes) else None
     if status.started:
         return _hint_on_run(status) or (_what_a_charge_does(shape) if isinstance(shape, Charge) else "")
     if isinstance(shape, Charge):
         return _what_a_charge_does(shape)
     if not needs_start(document.mode):
-        return MODES[document.mode].hint
+        return with_keys(MODES[document.mode].hint)
     if not document.shapes:
         return _first_hint(situation)
     if not document.starts:
         return _hint_on_starts(situation)
     if shape is not None:
         return _what_can_be_done_to(shape)
-    return MODES[document.mode].hint or tr("Press Space to run.")
+    return with_keys(MODES[document.mode].hint or tr("Press {key:run} to run."))
 
 
 def _first_hint(situation: Situation) -> str:
     if has_volume(situation):
-        return tr("Drag to draw a sphere in or around an object; Page Up and Page Down go through the slices.")
+        return with_keys(
+            tr(
+                "Drag to draw a sphere in or around an object; {key:previous_slice} and {key:next_slice} go through "
+                "the slices."
+            )
+        )
     return tr("Drag on the image to draw a circle in or around an object.")
 
 
 def _hint_on_starts(situation: Situation) -> str:
     if has_volume(situation):
         return tr("Now draw where particles start: a sphere, a box, a stroke or points.")
-    return tr("Now draw where particles start: a circle, a stroke or points; or start everywhere (Ctrl+G).")
+    return with_keys(
+        tr("Now draw where particles start: a circle, a stroke or points; or start everywhere ({key:start_grid}).")
+    )
 
 
 def _hint_on_run(status: RunStatus) -> str:
     if status.stale:
         if status.phase == "running":
-            return tr("A start or the scales have changed: Reset (R) to begin from them.")
+            return with_keys(tr("A start or the scales have changed: Reset ({key:reset}) to begin from them."))
         return tr("A start or the scales have changed: Run starts again from them.")
     if status.steered:
-        return tr("The parameters have changed: Resume (Space) goes on with them, Reset (R) starts over.")
+        return with_keys(
+            tr("The parameters have changed: Resume ({key:run}) goes on with them, Reset ({key:reset}) starts over.")
+        )
     return ""
 
 
 def _what_can_be_done_to(shape: Shape) -> str:
     name = describe(shape)
     if isinstance(shape, Everywhere):
-        return tr("Press Space to run; Delete removes the {shape}.").format(shape=name)
+        return with_keys(tr("Press {key:run} to run; {key:delete} removes the {shape}."), shape=name)
     message = {
-        Grid: tr("Arrow keys or the select tool (S) move the {shape}, < and > change its spacing; Delete removes it."),
-        Threshold: tr(
-            "< and > change how strong an edge must be for the {shape}, arrow keys move it; Delete removes it."
+        Grid: tr(
+            "Arrow keys or the select tool ({key:select}) move the {shape}, < and > change its spacing; "
+            "{key:delete} removes it."
         ),
-        Stroke: tr("Arrow keys or the select tool (S) move the {shape}; Delete removes it."),
-        Points: tr("Arrow keys or the select tool (S) move the {shape}; Delete removes it."),
-        Barrier: tr("Arrow keys or the select tool (S) move the {shape}; Delete removes it."),
-    }.get(type(shape), tr("Arrow keys or the select tool (S) move the {shape}, < and > resize it; Delete removes it."))
-    return message.format(shape=name)
+        Threshold: tr(
+            "< and > change how strong an edge must be for the {shape}, arrow keys move it; {key:delete} removes it."
+        ),
+        Stroke: tr("Arrow keys or the select tool ({key:select}) move the {shape}; {key:delete} removes it."),
+        Points: tr("Arrow keys or the select tool ({key:select}) move the {shape}; {key:delete} removes it."),
+        Barrier: tr("Arrow keys or the select tool ({key:select}) move the {shape}; {key:delete} removes it."),
+    }.get(
+        type(shape),
+        tr(
+            "Arrow keys or the select tool ({key:select}) move the {shape}, < and > resize it; {key:delete} removes it."
+        ),
+    )
+    return with_keys(message, shape=name)
 
 
 def _what_a_charge_does(charge: Charge) -> str:
     message = tr(
         "Drag the {shape} of strength {strength} or move it with arrow keys; < and > make it weaker and stronger; "
-        "Delete removes it."
+        "{key:delete} removes it."
     )
-    return message.format(shape=describe(charge), strength=f"{abs(charge.strength):g}")
+    return with_keys(message, shape=describe(charge), strength=f"{abs(charge.strength):g}")
 
 
 def _sentence(text: str) -> str:

@@ -12,6 +12,7 @@ from app.model.document.changes import ChangeInWords
 from app.model.document.document import Document
 from app.model.document.naming import describe
 from app.model.text.language import tr
+from app.model.text.reasons import reason
 from app.session.document.undo_history import Change, Erasure, History, Turned
 from app.session.scene import ReviewedContours
 from app.session.signals import EDITING, RUNNING, SessionSignals
@@ -71,7 +72,7 @@ class Editing(SessionSignals):
         try:
             after = edit(before)
         except ValueError as error:
-            self.say(str(error), True, EDITING)
+            self.say(reason(error), True, EDITING)
             return
         if after != before or erasure is not None:
             self._history.push(Change(name, before, after, gesture, erasure))

@@ -40,7 +40,7 @@ class ContourLearning(QObject):
         self._review = review
         self._asked: TrackedContours | None = None
         self._starting = False
-        self._latest = Latest(session, "cpm-learning", "measuring contours")
+        self._latest = Latest(session, "cpm-learning", tr("measuring contours"))
         self._latest.done.connect(self._take)
         self._latest.failed.connect(self._give_up)
         session.scene_changed.connect(self._follow)

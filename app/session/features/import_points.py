@@ -34,4 +34,4 @@ def read_points(session: Session, path: Path) -> None:
             raise ValueError(message.format(name=path.name, count=len(positions), most=MOST))
         return PointsRead(path, Points(tuple((row, col) for row, col in positions.tolist())))
 
-    session.tasks.start(tr("Reading {name}…").format(name=path.name), work, f"reading {path.name}")
+    session.tasks.start(tr("Reading {name}…").format(name=path.name), work, tr("reading {name}").format(name=path.name))

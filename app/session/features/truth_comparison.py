@@ -60,7 +60,7 @@ class GroundTruth(QObject):
         self._path: Path | None = None
         self._session = session
         self._review = review
-        self._latest = Latest(session, "cpm-comparison", "comparing with the ground truth")
+        self._latest = Latest(session, "cpm-comparison", tr("comparing with the ground truth"))
         self._latest.done.connect(self._take)
         self._latest.failed.connect(self._give_up)
         session.listen(TruthRead, self._take_truth)
@@ -89,7 +89,7 @@ class GroundTruth(QObject):
         self._session.tasks.start(
             tr("Reading {name}…").format(name=file.name),
             lambda task: TruthRead(generation, load_truth(file, shape, holes=holes)),
-            f"reading {file.name}",
+            tr("reading {name}").format(name=file.name),
             partial(CommandFailed, topic=_TOPIC),
         )
 

@@ -12,6 +12,7 @@ from PySide6.QtCore import QLockFile, QObject, QSettings, QTimer, Signal
 
 from app.model.preferences.table import AUTOSAVE, AUTOSAVE_EVERY
 from app.model.text.language import tr
+from app.model.text.reasons import cause
 from app.session.exchange.error_messages import sentence
 from app.session.storage.preferences import Preferences
 from app.session.storage.session_file import DocumentFile
@@ -103,7 +104,7 @@ class Journal(QObject):
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            self.put.emit(_in_vain(f"{folder}: {error.strerror or error}."))
+            self.put.emit(_in_vain(f"{folder}: {cause(error)}."))
             return False
         if not self._lock.tryLock(0):
             self.put.emit(_in_vain(tr("Nothing can be written into {folder}.").format(folder=folder)))
@@ -121,7 +122,7 @@ class Journal(QObject):
         except OSError as error:
             _log.warning("the journal was not removed: %s", error)
         except Exception as error:  # the user can still work without a journal
-            trouble = _in_vain(sentence(error, "keeping unsaved work"))
+            trouble = _in_vain(sentence(error, tr("keeping unsaved work")))
         self._worked.emit(trouble)
         return trouble
 

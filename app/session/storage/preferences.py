@@ -12,6 +12,7 @@ from PySide6.QtCore import QByteArray, QObject, QSettings, Signal
 
 from app.model.preferences.preference import Preference
 from app.model.text.language import tr
+from app.model.text.reasons import cause
 from cpm_core.parameters.quotation import shown
 
 Value = TypeVar("Value", bool, int, float, str, list[str], QByteArray)
@@ -100,7 +101,7 @@ class Preferences(QObject):
             copy = shutil.copy(path, path.with_name(f"{path.name}.unread"))
         except OSError as error:
             text = tr("{path} cannot be read, so that the preferences are the default ones: {reason}.")
-            self.complain(text.format(path=path, reason=error.strerror or error))
+            self.complain(text.format(path=path, reason=cause(error)))
         else:
             text = tr("The preferences in {path} cannot be read and are the default ones; that file is kept as {copy}.")
             self.complain(text.format(path=path, copy=copy))

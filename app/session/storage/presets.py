@@ -111,7 +111,7 @@ class PresetStore(QObject):
             try:
                 preset = read(path.read_bytes(), path.name)
             except (ValueError, OSError) as error:
-                troubles.append(sentence(error, f"reading {path.name}"))
+                troubles.append(sentence(error, tr("reading {name}").format(name=path.name)))
                 continue
             found.setdefault(preset.name, (preset, path))
         self._own = tuple(found[name][0] for name in sorted(found, key=str.casefold))

@@ -97,7 +97,7 @@ def _clear(folder: Path) -> None:
 
 def _kept_apart(journal: Path, error: Exception) -> str:
     """Set a journal aside that cannot be read, and say where it is; where only reading has failed, it stays."""
-    reason = _sentence(error, "reading unsaved work")
+    reason = _sentence(error, tr("reading unsaved work"))
     kept = tr("Unsaved work of an earlier session cannot be restored. {reason} It is kept as {path}.")
     passing = isinstance(error, OSError) or isinstance(error.__cause__, OSError)
     if passing:

@@ -14,6 +14,7 @@ from PySide6.QtCore import QObject, Signal
 from app.model.document.document import Document
 from app.model.document.saving import View, changed_parts, to_file
 from app.model.text.language import tr
+from app.model.text.reasons import reason
 from app.session.exchange.messages import CommandFailed, Opened, Report
 from app.session.session import Session
 from app.session.signals import SAVING
@@ -144,7 +145,11 @@ class DocumentFile(QObject):
             return written
 
         self._saving = self._session.tasks.start(
-            waiting.name, work, f"saving {order.path.name}", partial(CommandFailed, topic=SAVING), cancellable=False
+            waiting.name,
+            work,
+            tr("saving {name}").format(name=order.path.name),
+            partial(CommandFailed, topic=SAVING),
+            cancellable=False,
         )
         waiting.end()
 
@@ -182,7 +187,7 @@ class DocumentFile(QObject):
         try:
             save_session(order.file, order.path)
         except ValueError as error:
-            self._session.say(str(error), True, SAVING)
+            self._session.say(reason(error), True, SAVING)
             return False
         self._session.pass_on(Written(order, self.runs.edition))
         return True

@@ -9,6 +9,7 @@ from pathlib import Path
 from app.model.display.display_image import display_of
 from app.model.document.modes import suited
 from app.model.text.language import tr
+from app.model.text.reasons import reason
 from app.model.volume.parts import Parts
 from app.session.core_functions import Core
 from app.session.exchange.messages import ImageReady, NotOpened, Opened, Report, Saved
@@ -104,7 +105,7 @@ def _read(core: Core, wanted: Wanted, parts: Parts | None, go_on: Callable[[], N
         except ValueError as error:
             if asked:
                 raise
-            refused = (str(error),)
+            refused = (reason(error),)
     if image is None:
         image = core.load_image(path, go_on, **chosen)
     image.gray_range  # noqa: B018 - found here, because the window asks for it
@@ -147,7 +148,7 @@ class Opener:
         self._task = self._tasks.start(
             tr("Opening {name}…").format(name=name),
             work,
-            f"opening {name}",
+            tr("opening {name}").format(name=name),
             lambda sentence: NotOpened(sentence, wanted.otherwise),
         )
         return self._task

@@ -21,6 +21,7 @@ from app.model.display.display_image import (
     volume_of_potential,
 )
 from app.model.display.iso_lines import iso_lines
+from app.model.text.language import tr
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Overlays
@@ -90,6 +91,6 @@ class OverlayMaker:
             try:
                 arrays[name] = OVERLAYS[name](method, parameters, charges)
             except Exception as error:  # the run does not depend on what is shown over the image
-                trouble = sentence(error, "preparing what lies over the image")
+                trouble = sentence(error, tr("preparing what lies over the image"))
         self._made.put(Overlays(image_generation, arrays, trouble))
         self._shown = key

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from app.model.text.language import tr
 from app.session.exchange.contour_tracking import ContourTracker
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.mailbox import Mailbox
@@ -187,6 +188,6 @@ class Reconstructor:
             found = Reconstruction.of(request.generation, result, self._tracker, thorough=request.last)
             found = replace(found, missed=missed if request.last else ())
         except Exception as error:  # no error may end the thread
-            found = ReconstructionFailed(request.generation, sentence(error, "reconstructing contours"))
+            found = ReconstructionFailed(request.generation, sentence(error, tr("reconstructing contours")))
         self._latest = found
         self.results.put(found)

@@ -13,6 +13,7 @@ import numpy as np
 from app.model.display.plots import RunMetrics
 from app.model.document.document import Document
 from app.model.document.modes import MODES
+from app.model.text.reasons import reason
 from app.session.timeline.branches import BranchNode
 from app.session.timeline.outline import Outline
 from app.session.timeline.run_actions import RunAction, Stepped
@@ -251,7 +252,7 @@ class RecordedRun:
                 method = self._make(run.document)
                 begun[number] = first(method, run.document)
             except ValueError as error:
-                fault = fault or str(error)
+                fault = fault or reason(error)
                 continue
             self._begun[number] = Begun(run.document, -generation)
             self._keep_method(number, method)

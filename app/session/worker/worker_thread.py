@@ -7,6 +7,7 @@ import threading
 from collections import deque
 from collections.abc import Iterator
 
+from app.model.text.language import tr
 from app.session.core_functions import Core
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.mailbox import Mailbox
@@ -114,7 +115,7 @@ class WorkerThread:
             self._run.step()
         except Exception as error:  # no error may end the thread
             self._run.halt()
-            self._reports.append(RunFailed(self._run.generation, sentence(error, "taking a step")))
+            self._reports.append(RunFailed(self._run.generation, sentence(error, tr("taking a step"))))
 
     def _guarded_execute(self, command: Command) -> None:
         if command.kind is not None and command is not self._newest[command.kind]:

@@ -9,6 +9,7 @@ from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
 
 from app.model.document import edits
 from app.model.document.naming import describe
+from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.session.scene import Scene
 from app.session.signals import OF_THE_PROGRAM, OPENING
@@ -27,7 +28,9 @@ from cpm_core.numerics.types import Place, Position
 from cpm_core.shapes import Circle, Shape, Sphere
 
 FIRST_TOOL = "circle"
-OFFERED = tr("Enter takes the object around the start, the tool Objects (W) corrects it, Esc drops it.")
+OFFERED = tr(
+    "Enter takes the object around the start, the tool Objects ({key:objects}) corrects it, {key:escape} drops it."
+)
 
 _ARROWS = {
     Qt.Key.Key_Up: (-1.0, 0.0),
@@ -141,7 +144,7 @@ class CanvasArea(QWidget):
         self._hint = text
         tool = self.canvas.tool
         if tool is not None and self._session.document.image is not None:
-            offered = OFFERED if self._selection.proposals and not self._selection.selecting else ""
+            offered = with_keys(OFFERED) if self._selection.proposals and not self._selection.selecting else ""
             text = self.crosshair.advice or tool.advice or offered or text
         self.strip.say_next(text)
 

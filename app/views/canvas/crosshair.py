@@ -9,6 +9,7 @@ import pyqtgraph as pg
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QCursor
 
+from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.coordinates import to_xy
@@ -54,8 +55,8 @@ class Crosshair:
         tool = self._canvas.tool
         if self._at is None or tool is None:
             return ""
-        text = tr("Arrow keys move the cross-hair, with Shift by 10 px. {what} Esc puts it away.")
-        return text.format(what=tool.by_keys)
+        text = tr("Arrow keys move the cross-hair, with Shift by 10 px. {what} {key:escape} puts it away.")
+        return with_keys(text, what=tool.by_keys)
 
     def toggle(self) -> None:
         """Show or hide it."""

@@ -195,7 +195,7 @@ class ExportDialog(QDialog):
         self._task = self._session.tasks.start(
             tr("Closing contours…"),
             lambda task: Closed(self, order, closed(result, order, image, parameters)),
-            "closing contours",
+            tr("closing contours"),
             lambda trouble: Closed(self, order, None, trouble),
         )
 

@@ -19,6 +19,7 @@ from PySide6.QtWidgets import (
 
 from app.model.export.formats import Format, formats, listed
 from app.model.text.language import tr
+from app.model.text.reasons import reason
 from app.views.window.file_dialogs import ask_for_folder
 from cpm_core.formats import WRITABLE, check_export, suffix_of
 
@@ -115,7 +116,7 @@ class FileFields(QWidget):
         try:
             check_export(self.path)
         except ValueError as error:
-            return str(error)
+            return reason(error)
         return ""
 
     def _browse(self) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from PySide6.QtCore import QSize, Qt
-from PySide6.QtGui import QKeyEvent
+from PySide6.QtGui import QKeySequence, QShortcut
 from PySide6.QtWidgets import (
     QDialog,
     QFrame,
@@ -19,6 +19,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.views.widgets.action_spec import LAYER, ActionSpec
 from app.views.widgets.key_text import native
@@ -26,7 +27,7 @@ from app.views.window.keys.panel_action import PanelAction
 from app.views.window.menus.menu_bar import MENUS
 
 KeyTable = Sequence[tuple[tuple[str, ...], str]]
-"""Rows of equivalent keys and their effect."""
+"""Rows of equivalent keys, which may be those of actions (see `with_keys`), and their effect."""
 
 _POINTER: KeyTable = (
     ((tr("left"),), tr("current tool")),
@@ -44,7 +45,7 @@ _IMAGE: KeyTable = (
     (("Enter",), tr("press and release at the cross-hair")),
     (("Enter", "Enter"), tr("end a path")),
     (("Backspace",), tr("remove the last corner")),
-    (("Esc",), tr("cancel")),
+    (("{key:escape}",), tr("cancel")),
     (("Enter",), tr("take the object that is offered; name it")),
     (("1 … 9",), tr("class of the object")),
     (("<", ">"), tr("size of shape or ring, strength, spacing")),
@@ -54,8 +55,11 @@ _FIELDS: KeyTable = (
     (("Esc",), tr("restore the value, go back to the image")),
     (("↑↓",), tr("next slider; next row of a table")),
     (("←→",), tr("move the slider")),
-    (("Space",), tr("run or pause, unless a name is typed")),
+    (("{key:run}",), tr("run or pause, unless a name is typed")),
 )
+KEYS = "keys"
+"""Name of the action that opens the sheet and closes it."""
+
 _COLUMNS, _WIDTH, _KEYS = 4, 296, 100
 """Maximum number of columns, the width of each, and the width of the keys in it [px]."""
 
@@ -75,6 +79,9 @@ class CheatSheet(QDialog):
 
     def __init__(self, window: QMainWindow, specs: Iterable[ActionSpec]) -> None:
         super().__init__(window)
+        specs = list(specs)
+        for key in next((spec.shortcuts for spec in specs if spec.name == KEYS), ()):
+            QShortcut(QKeySequence(key), self, self.close)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(tr("Keys"))
         self.setObjectName("cheat_sheet")
@@ -95,7 +102,7 @@ class CheatSheet(QDialog):
         area.setWidgetResizable(True)
         area.setFrameShape(QFrame.Shape.NoFrame)
         area.setWidget(inside)
-        foot = QLabel(tr("? or Esc closes this sheet."))
+        foot = QLabel(with_keys(tr("{key:keys} or Esc closes this sheet.")))
         foot.setObjectName("dim")
         layout = QVBoxLayout(self)
         layout.addWidget(area)
@@ -108,13 +115,6 @@ class CheatSheet(QDialog):
     def text(self) -> str:
         """All texts of the sheet."""
         return "\n".join(label.text() for label in self.findChildren(QLabel))
-
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Close also on the key that opens it."""
-        if event.key() == Qt.Key.Key_Question:
-            self.close()
-        else:
-            super().keyPressEvent(event)
 
 
 def groups(window: QMainWindow, specs: Iterable[ActionSpec]) -> list[tuple[str, KeyTable]]:
@@ -133,14 +133,18 @@ def groups(window: QMainWindow, specs: Iterable[ActionSpec]) -> list[tuple[str, 
         rows.sort(key=lambda row: _order(row[0][0]))
     sections = (
         (titles[_TOOLS], found.pop(_TOOLS)),
-        (tr("Keys on the image"), _IMAGE),
+        (tr("Keys on the image"), _with_keys(_IMAGE)),
         (tr("Mouse on the image"), _POINTER),
-        (tr("In fields and tables"), _FIELDS),
+        (tr("In fields and tables"), _with_keys(_FIELDS)),
         (titles[_LAYERS], found.pop(_LAYERS)),
         (tr("Panels"), panels),
         *((titles[name], lines) for name, lines in found.items()),
     )
     return [(title, rows) for title, rows in sections if rows]
+
+
+def _with_keys(table: KeyTable) -> KeyTable:
+    return [(tuple(map(with_keys, keys)), meaning) for keys, meaning in table]
 
 
 def _order(key: str) -> tuple[int, str, int]:

@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QDialog, QDialogButtonBox, QHBoxLayout, QListWidge
 
 from app.model.parameters.controls import controls
 from app.model.text.assets import asset
+from app.model.text.keys import key_of
 from app.model.text.language import tr
 from app.views.help.guide_pages import PAGES, Page
 from app.views.widgets.action_spec import ActionSpec
@@ -37,7 +38,7 @@ class Guide(QDialog):
         super().__init__(parent)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(tr("Guide"))
-        self._specs = {spec.name: spec for spec in specs}
+        self._specs: dict[str, ActionSpec] = {}
         self._open_sample = open_sample
         self.contents = QListWidget()
         self.contents.setObjectName("contents")
@@ -59,12 +60,19 @@ class Guide(QDialog):
         layout.addWidget(buttons)
         self.contents.currentRowChanged.connect(self._turn)
         self.resize(_SIZE.boundedTo(self.screen().availableSize()))
+        self.use_actions(specs)
         self.turn_to(self._names[0])
 
     @property
     def page(self) -> str:
         """Name of the page that is open."""
         return self._names[self.contents.currentRow()]
+
+    def use_actions(self, specs: Iterable[ActionSpec]) -> None:
+        """Name actions and their keys as they are now."""
+        self._specs = {spec.name: spec for spec in specs}
+        if self.contents.currentRow() >= 0:
+            self._turn(self.contents.currentRow())
 
     def turn_to(self, name: str) -> None:
         """Open a page by its name."""
@@ -90,11 +98,12 @@ class Guide(QDialog):
     def _named(self, text: str) -> str:
         """A text with actions in braces replaced by name and key, and parameters (``{=beta}``) by label and symbol."""
         text = re.sub(r"\{=(\w+)\}", lambda found: _LABELS[found.group(1)], text)
+        text = re.sub(r"\{key:(\w+)\}", lambda found: html.escape(key_of(found.group(1))), text)
         return re.sub(r"\{(\w+)\}", lambda found: self._action(found.group(1)), text)
 
     def _action(self, name: str) -> str:
         spec = self._specs[name]
-        words = html.escape(spec.text.replace("&", "").rstrip("…"))
+        words = html.escape(spec.title)
         keys = f" ({html.escape(native(spec.shortcuts[0]))})" if spec.shortcuts else ""
         return f"<b>{words}</b>{keys}"
 
@@ -102,7 +111,7 @@ class Guide(QDialog):
         cell = "<td style='padding: 2px 14px 2px 0'>"
         rows = [
             f"<tr>{cell}<b>{html.escape(tr(' or ').join(map(native, spec.shortcuts[:2])))}</b></td>"
-            f"{cell}{html.escape(spec.tip)}</td></tr>"
+            f"{cell}{html.escape(spec.said)}</td></tr>"
             for spec in self._specs.values()
             if spec.shortcuts
         ]

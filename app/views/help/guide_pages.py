@@ -1,7 +1,7 @@
 """The texts of the guide: first steps, four real tasks on sample images, and the use of the canvas.
 
 A text may name an action in braces, as in ``{run}``, or a parameter, as in ``{=beta}``; the guide inserts the name in
-the menu and the key of the action, or the label and symbol of the parameter.
+the menu and the key of the action, or the label and symbol of the parameter. ``{key:run}`` is the key alone.
 """
 
 from __future__ import annotations
@@ -158,16 +158,16 @@ _CANVAS = Page(
         tr("Arrow keys move the selected shape by 1 px, with Shift by 10 px; &lt; and &gt; make a selected circle "
            "smaller and larger."),
         tr("Strokes, regions of interest and barriers are drawn freehand by dragging, or corner by corner by clicking. "
-           "Enter or a double-click ends the path, Backspace removes the last corner, Esc cancels."),
+           "Enter or a double-click ends the path, Backspace removes the last corner, {key:escape} cancels."),
         tr("Particles stay inside a region of interest and do not cross a barrier."),
         tr("Shapes that are drawn during a run act at once: new starts add their particles; regions of interest, "
            "barriers and placed charges act at the next step, and a run at rest goes on. A start that is moved or "
            "removed acts from the next run."),
         tr("Changed parameters act at once; a run at rest goes on with them after Resume."),
         tr("Enter on the image shows a cross-hair, which arrow keys move: every tool can be used by keys."),
-        tr("The keyboard belongs to the image: Enter or Esc in a field gives it back, Space runs and letters choose "
-           "tools wherever no text is typed. {go_to_sliders} goes to the sliders, {next_area} to the next area of the "
-           "window, {keys} shows all keys."),
+        tr("The keyboard belongs to the image: Enter or Esc in a field gives it back, {key:run} runs and letters "
+           "choose tools wherever no text is typed. {go_to_sliders} goes to the sliders, {next_area} to the next area "
+           "of the window, {keys} shows all keys."),
         tr("All changes of shapes and parameters can be undone: {undo}."),
     ),
 )  # fmt: skip

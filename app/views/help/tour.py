@@ -9,6 +9,7 @@ from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt, QTimer, Signal
 from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPalette, QPen
 from PySide6.QtWidgets import QApplication, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
+from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.views.widgets.own_escape import keep_escape
 
@@ -30,7 +31,7 @@ class Stop:
     Attributes
     ----------
     title, text : str
-        What the bubble says.
+        What the bubble says; the text may name keys of actions (see `with_keys`).
     target : callable
         Returns the widget that it explains, None when that is not visible.
     watch : callable
@@ -106,7 +107,7 @@ class Tour(QWidget):
         self._at = max(0, stop)
         here = self._stops[self._at]
         self.title.setText(f"<b>{here.title}</b>")
-        self.text.setText(here.text)
+        self.show_keys()
         self._count.setText(tr("{step} of {steps}").format(step=self._at + 1, steps=len(self._stops)))
         self.back.setEnabled(self._at > 0)
         last = self._at == len(self._stops) - 1
@@ -114,6 +115,10 @@ class Tour(QWidget):
         self.skip.setEnabled(not last)
         self._done = here.watch()
         self._place()
+
+    def show_keys(self) -> None:
+        """Name the keys as they are now."""
+        self.text.setText(with_keys(self._stops[self._at].text))
 
     def end(self) -> None:
         """End the tour; for a moment its place takes clicks, so that a double click does not draw on the image."""
@@ -192,7 +197,7 @@ class Tour(QWidget):
         heights = []
         for stop in self._stops:  # as high as the longest one, so that the buttons stay where they are
             self.title.setText(f"<b>✓ {stop.title}</b>")
-            self.text.setText(stop.text)
+            self.text.setText(with_keys(stop.text))
             layout.invalidate()
             heights.append(layout.totalHeightForWidth(_WIDTH))
         self.setFixedSize(_WIDTH, max(heights))

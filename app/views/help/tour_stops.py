@@ -30,7 +30,8 @@ def stops(window: QMainWindow, session: Session, reveal: Callable[[str], None]) 
         ),
         Stop(
             tr("Run"),
-            tr("Press Space. Particles move to the edges and repel each other along them until they come to rest."),
+            tr("Press {key:run}. Particles move to the edges and repel each other along them until they come to "
+               "rest."),
             doings.button("primary"),
             lambda: doings.has_run,
             doings.run,
@@ -44,7 +45,7 @@ def stops(window: QMainWindow, session: Session, reveal: Callable[[str], None]) 
         Stop(
             tr("Export"),
             tr("When the run has found contours, export them as vector graphics, table or mask. "
-               "The guide (F1) explains three examples."),
+               "The guide ({key:guide}) explains four examples."),
             doings.button("export"),
             lambda: doings.is_exporting,
         ),

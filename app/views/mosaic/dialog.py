@@ -35,7 +35,9 @@ from app.model.document.document import NOTHING_TO_START_FROM
 from app.model.document.modes import acting_in
 from app.model.parameters.controls import Control, controls
 from app.model.state.time_left import in_words
+from app.model.text.keys import with_keys
 from app.model.text.language import tr
+from app.model.text.reasons import reason
 from app.session.features.side_by_side.parameter_sweep import Done, Sweep
 from app.session.session import Session
 from app.views.mosaic.picture import Picture
@@ -140,7 +142,7 @@ class MosaicDialog(RunDialog):
                 raise ValueError(NOTHING_TO_START_FROM)
             planned = plan(document.parameters, self.down.axis(), self.across.axis())
         except ValueError as error:
-            self._say(str(error))
+            self._say(reason(error))
             return
         self._plan = planned
         lines = 2 if self._session.scene.truth is None else 3
@@ -174,8 +176,9 @@ class MosaicDialog(RunDialog):
             caption = chosen.caption(tile)
             self._session.edit(tr("use {values}").format(values=caption), lambda document: pick(document, chosen, tile))
             self._say(
-                tr("Now using {values}. Undo (Ctrl+Z in the window) restores the previous values.").format(
-                    values=caption
+                with_keys(
+                    tr("Now using {values}. Undo ({key:undo}) in the window restores the previous values."),
+                    values=caption,
                 )
             )
 

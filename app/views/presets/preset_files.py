@@ -13,6 +13,7 @@ from app.model.document import edits
 from app.model.document.document import Document
 from app.model.parameters.presets import SUFFIX, Preset
 from app.model.text.language import tr
+from app.model.text.reasons import reason
 from app.session.storage.presets import PresetStore
 from app.views.presets.preset_gallery import PresetGallery, picture_of
 from app.views.window.dialogs import Button, Question, ask_for_one, ask_for_text
@@ -73,7 +74,7 @@ class PresetFiles(QObject):
         try:
             do()
         except (ValueError, OSError) as error:
-            session.say(str(error), True, _TOPIC)
+            session.say(reason(error), True, _TOPIC)
 
     def _list(self) -> None:
         self.gallery.show_presets(self.store.presets)

@@ -76,7 +76,7 @@ class SpaceView(QWidget):
         self._pressed: QPointF | None = None
         self._last = QPointF()
         self._gesture: Gesture = turn
-        self._painter = Latest(session, "cpm-space", "drawing the view in space")
+        self._painter = Latest(session, "cpm-space", tr("drawing the view in space"))
         self._painter.done.connect(self._take)
         self._still = QTimer(self, interval=_STILL, singleShot=True)
         self._still.timeout.connect(partial(self._ask, 1))

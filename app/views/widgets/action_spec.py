@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from PySide6.QtWidgets import QMenu
 
 from app.model.state.situation import Condition, Situation, always
+from app.model.text.keys import with_keys
 
 TOGGLE, STATE = "toggle", "state"
 """Groups of actions that the user checks, and of those whose check mark follows `ActionSpec.holds`."""
@@ -33,7 +34,7 @@ class ActionSpec:
     shortcuts : tuple of str
         Keys; the first one is shown.
     tip : str
-        One sentence for the tooltip and the status bar.
+        One sentence for the tooltip and the status bar; it may name keys of actions (see `with_keys`).
     icon : str
         Name of the icon, empty for none.
     group : str
@@ -69,6 +70,16 @@ class ActionSpec:
     worded: Callable[[Situation], str] | None = None
     pictured: Callable[[Situation], str] | None = None
     short: str = ""
+
+    @property
+    def title(self) -> str:
+        """Its text without the marks of menus."""
+        return self.text.replace("&", "").rstrip("…")
+
+    @property
+    def said(self) -> str:
+        """Its tip with the keys of actions as they are now."""
+        return with_keys(self.tip)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -60,7 +60,7 @@ class Actions:
                 action.setChecked(spec.holds(situation))
             if spec.worded is not None and action.text() != (text := spec.worded(situation)):
                 action.setText(text)
-                action.setToolTip(tooltip(text, spec))
+                self._tell(spec.name)
             if spec.pictured is not None and self._icons[spec.name] != (wanted := spec.pictured(situation)):
                 self._icons[spec.name] = wanted
                 self._tint(spec.name)
@@ -69,34 +69,28 @@ class Actions:
         """Gray what volumes lack, with the reason in place of the tip; it returns with the next image."""
         if not (volume or self._limited):
             return
-        for name, (text, tip) in OTHERWISE_IN_VOLUMES.items() if volume != self._limited else ():
-            action, spec = self._actions[name], self._specs[name]
-            told = replace(spec, text=text, tip=tip) if volume else spec
-            action.setText(told.text)
-            action.setStatusTip(told.tip)
-            action.setToolTip(tooltip(told.text, told))
+        changed, self._limited = volume != self._limited, volume
+        for name, (text, _) in OTHERWISE_IN_VOLUMES.items() if changed else ():
+            self._actions[name].setText(text if volume else self._specs[name].text)
             if name in ICONS_IN_VOLUMES:
-                self._icons[name] = ICONS_IN_VOLUMES[name] if volume else spec.icon
+                self._icons[name] = ICONS_IN_VOLUMES[name] if volume else self._specs[name].icon
                 self._tint(name)
         for name in NOT_IN_VOLUMES.keys() & self._actions.keys():
-            action, spec = self._actions[name], self._specs[name]
-            if volume:
-                action.setEnabled(False)
-            elif spec.when is always:
-                action.setEnabled(True)
-            if volume != self._limited:
-                told = replace(spec, tip=NOT_IN_VOLUMES[name]) if volume else spec
-                action.setStatusTip(told.tip)
-                action.setToolTip(tooltip(action.text(), told))
-        self._limited = volume
+            if volume or self._specs[name].when is always:
+                self._actions[name].setEnabled(not volume)
+        for name in {*OTHERWISE_IN_VOLUMES, *NOT_IN_VOLUMES} & self._actions.keys() if changed else ():
+            self._tell(name)
 
     def use_keys(self, name: str, keys: tuple[str, ...]) -> None:
-        """Give an action other keys; menus and tooltips follow, and all that shows `specs`."""
-        spec = self._specs[name] = replace(self._specs[name], shortcuts=keys)
-        action = self._actions[name]
-        action.setShortcuts([QKeySequence(key) for key in keys])
-        action.setToolTip(tooltip(action.text(), spec))
+        """Give an action other keys; menus and all that shows `specs` follow, and tooltips by `show_keys`."""
+        self._specs[name] = replace(self._specs[name], shortcuts=keys)
+        self._actions[name].setShortcuts([QKeySequence(key) for key in keys])
         self._changing = [self._specs[known.name] for known in self._changing]
+
+    def show_keys(self) -> None:
+        """Say the keys as they are now in all tips, which may name those of other actions."""
+        for name in self._specs:
+            self._tell(name)
 
     def use_theme(self, theme: Theme) -> None:
         """Tint the icons."""
@@ -121,10 +115,17 @@ class Actions:
             action.setIconText(spec.short)
         if spec.icon:
             self._icons[spec.name] = spec.icon
-        action.setStatusTip(spec.tip)
-        action.setToolTip(tooltip(spec.text, spec))
         parent.addAction(action)
         return action
+
+    def _tell(self, name: str) -> None:
+        """Set the tips of an action, in a volume those that hold there."""
+        spec, action = self._specs[name], self._actions[name]
+        if self._limited:
+            _, otherwise = OTHERWISE_IN_VOLUMES.get(name, ("", spec.tip))
+            spec = replace(spec, tip=NOT_IN_VOLUMES.get(name, otherwise))
+        action.setStatusTip(spec.said)
+        action.setToolTip(tooltip(action.text(), spec))
 
     def _tint(self, name: str) -> None:
         if self._theme is not None:
@@ -135,4 +136,4 @@ class Actions:
 def tooltip(text: str, spec: ActionSpec) -> str:
     """Name, key and tip of an action in one line."""
     keys = f" ({native(spec.shortcuts[0])})" if spec.shortcuts else ""
-    return f"{text.replace('&', '').rstrip('…')}{keys}: {spec.tip}"
+    return f"{text.replace('&', '').rstrip('…')}{keys}: {spec.said}"

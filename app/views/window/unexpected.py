@@ -9,6 +9,7 @@ from types import TracebackType
 
 from PySide6.QtCore import QObject, Signal
 
+from app.model.text.language import tr
 from app.session.exchange.error_messages import sentence
 from app.session.signals import UNEXPECTED, SessionSignals
 
@@ -43,7 +44,7 @@ class UnexpectedErrors(QObject):
                 self._before[0](kind, error, trace)
             return
         _log.error("an error that nothing expects", exc_info=(kind, error, trace))
-        self.happened.emit(sentence(error, "working"))
+        self.happened.emit(sentence(error, tr("working")))
 
     def _say(self, trouble: str) -> None:
         self._session.trouble(trouble, UNEXPECTED)

@@ -12,9 +12,10 @@ from typing import Any
 
 from cpm_core.cli.figures import pictures, recovery, silhouettes, skeletons, studies
 from cpm_core.cli.figures.pages import Page
-from cpm_core.cli.figures.plotting import draw, require_matplotlib
+from cpm_core.cli.figures.plotting import draw
 from cpm_core.cli.figures.recovery import from_start_to_result
 from cpm_core.formats.atomic import write_together
+from cpm_core.image.drawing.axes import require_matplotlib
 
 INDEX, MEASURED = "README.md", "figures.json"
 

@@ -11,6 +11,15 @@ import scipy
 from numpy.typing import NDArray
 
 from cpm_core.cli.figures.pages import Map, Page, Panel, Picture, Stairs
+from cpm_core.image.drawing.axes import (
+    require_matplotlib,
+    show_curves,
+    show_field,
+    show_image,
+    show_junctions,
+    show_particles,
+)
+from cpm_core.image.drawing.palette import CLOSED, FIELD, HALO, JUNCTION, OPEN, PARTICLE
 from cpm_core.numerics.types import Array
 
 if TYPE_CHECKING:
@@ -18,9 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-# The colors of the window's canvas: hues of Okabe and Ito, distinct for color-blind people, with a dark halo.
-PARTICLE, CLOSED, OPEN, JUNCTION, FIELD = "#f0e442", "#56b4e9", "#ff9d1e", "#ff7ac6", "#ff9ad5"
-HALO, TEXT, DIM, PAPER = "#101216", "#1b1f24", "#5a6470", "#ffffff"
+TEXT, DIM, PAPER = "#1b1f24", "#5a6470", "#ffffff"
 _SERIES = ("#0072b2", "#d55e00", "#009e73")
 _HEAT = "cividis"
 
@@ -29,22 +36,6 @@ _MARGIN, _GAP, _HEAD, _LEGEND, _TITLE, _LINE, _WIDEST, _PANEL = 18, 14, 30, 24, 
 """Sizes on a page [px]; the last two are the largest widths of a page and of a panel of one column."""
 
 _CHART, _TALLEST_CHART = 0.7, 320
-_ARROWS = 26
-_DOTS = ((700, 5.0), (2500, 2.5), (np.inf, 0.5))
-"""Largest number of particles on a picture, and area of their dots [pt²]; the smallest dots have no halo."""
-
-_DARKEST, _BRIGHTEST = 0.1, 0.86
-"""Brightness of the extreme gray levels, on which lines and their halos must be visible."""
-
-
-def require_matplotlib() -> None:
-    """Raise ValueError, with what to install, unless matplotlib can be imported."""
-    try:
-        import matplotlib  # noqa: F401
-    except ImportError:
-        raise ValueError(
-            "the figures are drawn by matplotlib, which is not installed: get it with pip install matplotlib."
-        ) from None
 
 
 def draw(page: Page, title: str) -> bytes:
@@ -136,46 +127,20 @@ def _panel(sheet: _Sheet, panel: Panel, left: int, top: int, width: int) -> None
 
 
 def _picture(axes: Axes, panel: Picture) -> None:
-    rows, cols = panel.values.shape
-    low, high = np.percentile(panel.values, (0.2, 99.8))
-    unit = (high - low) / (_BRIGHTEST - _DARKEST)
-    darkest, brightest = low - _DARKEST * unit, high + (1.0 - _BRIGHTEST) * unit
-    axes.imshow(panel.values, cmap="gray", vmin=darkest, vmax=brightest, interpolation="nearest", aspect="auto")
-    axes.set(xlim=(-0.5, cols - 0.5), ylim=(rows - 0.5, -0.5), xticks=[], yticks=[])
-    for spine in axes.spines.values():
-        spine.set_visible(False)
+    show_image(axes, panel.values)
+    axes.set_aspect("auto")
     if panel.field is not None:
-        _arrows(axes, panel.field)
-    for halo, width in ((True, 2.6), (False, 1.5)):
-        for contour in panel.contours:
-            color = HALO if halo else CLOSED if contour.closed else OPEN
-            row, col = contour.path.T
-            axes.plot(col, row, color=color, linewidth=width, solid_joinstyle="round")
-    junctions = _junctions(panel)
-    axes.scatter(junctions[:, 1], junctions[:, 0], s=26.0, c=JUNCTION, edgecolors=HALO, linewidths=0.7, zorder=4)
+        show_field(axes, panel.field)
+    show_curves(axes, panel.contours)
+    show_junctions(axes, _junctions(panel))
     if panel.particles is not None:
-        row, col = panel.particles.T
-        size = next(size for most, size in _DOTS if len(panel.particles) <= most)
-        if size > _DOTS[-1][1]:
-            axes.scatter(col, row, s=2.4 * size, c=HALO, linewidths=0.0, zorder=5)
-        axes.scatter(col, row, s=size, c=PARTICLE, linewidths=0.0, zorder=6)
+        show_particles(axes, panel.particles)
 
 
 def _junctions(panel: Picture) -> Array:
     """Ends of contours that are junctions, shape (N, 2)."""
     ends = [one.points[end] for one in panel.contours for end, at in zip((0, -1), one.junctions, strict=True) if at]
     return np.array(ends).reshape(-1, 2)
-
-
-def _arrows(axes: Axes, field: Array) -> None:
-    shape = field.shape[1:]
-    step = max(1, round(max(shape) / _ARROWS))
-    row, col = np.mgrid[step // 2 : shape[0] : step, step // 2 : shape[1] : step]
-    down, right = field[:, row, col]
-    axes.quiver(
-        col, row, right, down, angles="xy", scale_units="xy", scale=1.0 / (0.9 * step), units="dots", width=1.6,
-        color=FIELD, headwidth=4.0, headlength=4.5, headaxislength=4.0,
-    )  # fmt: skip
 
 
 def _stairs(axes: Axes, panel: Stairs) -> None:

@@ -9,8 +9,10 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
+from cpm_core.image.drawing import axes
 from cpm_core.numerics.real_numbers import checked_number, real_numbers, voxel_sides
 from cpm_core.numerics.types import Array, Index
+from cpm_core.parameters.quotation import counted, described
 
 _WHOLE = "a whole number of at least 4"
 
@@ -18,7 +20,7 @@ _FARTHEST = 1e9
 """Largest coordinate of a vertex, beyond any volume that can be processed [voxels]."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Surface:
     """Triangles in a volume.
 
@@ -64,6 +66,34 @@ class Surface:
         for name, values in (("vertices", vertices), ("faces", faces)):
             values.flags.writeable = False
             object.__setattr__(self, name, values)
+
+    def __repr__(self) -> str:
+        return described(
+            "Surface", counted(len(self.vertices), "vertex", "vertices"), counted(len(self.faces), "triangle"),
+            counted(self.components, "part"), "closed" if self.closed else "open",
+        )  # fmt: skip
+
+    def plot(self, ax: axes.Axes | None = None) -> axes.Axes:
+        """Draw the surface by matplotlib, in units of length.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes with ``projection="3d"``; by default those of a new figure.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes (x is the column, y the row, z the plane).
+
+        Raises
+        ------
+        ValueError
+            When matplotlib is not installed, or `ax` are no axes in space.
+        """
+        ax = axes.axes_for(ax, space=True)
+        axes.show_triangles(ax, self._physical, self.faces, self.unit)
+        return ax
 
     @cached_property
     def normals(self) -> Array:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from cpm_core.numerics.types import Array
+from cpm_core.parameters.quotation import counted, described
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -35,3 +36,6 @@ class Forces:
     def total(self) -> Array:
         """Sum of all forces: the acceleration with which the next step begins."""
         return self.coulomb + self.lorentz + self.placed + self.friction + self.damping
+
+    def __repr__(self) -> str:
+        return described("Forces", f"on {counted(len(self.coulomb), 'particle')}")

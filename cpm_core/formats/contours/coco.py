@@ -14,11 +14,9 @@ from cpm_core.contours.rasterize import Labels, paint
 from cpm_core.contours.result import Result
 from cpm_core.formats.contours.appearance import rgb
 from cpm_core.formats.contours.json_text import pairs, rounded, text
+from cpm_core.formats.contours.reading.coco import HOLES, OBJECT, OUTLINES
 from cpm_core.formats.provenance import ENTRY, PROGRAM, facts_of
 from cpm_core.medial_axis.skeleton import Skeleton
-
-_CATEGORY = "object"
-"""Category of an instance without a name."""
 
 _Part = tuple[Contour, Measures]
 
@@ -28,8 +26,9 @@ def encode(result: Result | Skeleton) -> bytes:
 
     Names are categories. Coordinates are x, y in px from the corner of the image. An instance without anything inside
     it is one polygon, or several for an object of several parts. The polygons of this format have no holes: an instance
-    with holes, or with other contours in it, is a run-length mask, which equals its label in the label mask. Its
-    ``gross_area`` is what its contours enclose. Open contours are left out. ValueError when no contour is closed.
+    with holes, or with other contours in it, is a run-length mask, which equals its label in the label mask; beside it
+    its ``outlines`` are polygons, of which ``holes`` tells those that are holes. Its ``gross_area`` is what its
+    contours enclose. Open contours are left out. ValueError when no contour is closed.
     """
     rows = measure(result.contours, result.spacing, contrast=False)
     closed = [pair for pair in zip(result.contours, rows, strict=True) if pair[1].label and len(pair[0].points) > 2]
@@ -38,14 +37,15 @@ def encode(result: Result | Skeleton) -> bytes:
             f"No contour of {result.source} is closed, and a COCO file holds only closed ones: "
             "let it run on, or export to GeoJSON or CSV."
         )
-    categories = sorted({contour.name or _CATEGORY for contour, _ in closed})
+    categories = sorted({contour.name or OBJECT for contour, _ in closed})
     surrounding = {row.inside for row in rows if row.closed}
     labels = paint(result.contours, result.shape) if surrounding - {0} else None
     instances = []
     for _, group in groupby(sorted(closed, key=lambda pair: pair[1].label), key=lambda pair: pair[1].label):
         parts = list(group)
         filled = labels is None or surrounding.isdisjoint(row.number for _, row in parts)
-        instances.append(_instance(parts, categories, None if filled else labels))
+        own = [one for one in result.contours if one.hole and one.group == parts[0][0].group and len(one.points) > 2]
+        instances.append(_instance(parts, categories, None if filled else labels, own))
     height, width = result.shape
     return text(
         {
@@ -62,23 +62,30 @@ def encode(result: Result | Skeleton) -> bytes:
     )
 
 
-def _instance(parts: Sequence[_Part], categories: Sequence[str], labels: Labels | None) -> dict[str, Any]:
+def _instance(
+    parts: Sequence[_Part], categories: Sequence[str], labels: Labels | None, holes: Sequence[Contour]
+) -> dict[str, Any]:
     """One label: its parts as polygons, or as a run-length mask out of a label mask."""
     (first, row), *_ = parts
     outlines = [np.array(pairs(contour.points)) for contour, _ in parts]
     corners = np.concatenate(outlines)
     low, size = corners.min(axis=0), np.ptp(corners, axis=0)
     polygons: Any = [rounded(outline.ravel()) for outline in outlines]
+    masked: dict[str, Any] = {}
+    if labels is not None:
+        masked[OUTLINES] = [*polygons, *(rounded(np.array(pairs(hole.points)).ravel()) for hole in holes)]
+        masked[HOLES] = [False] * len(polygons) + [True] * len(holes)
     return {
         "id": row.number,
         "image_id": 1,
-        "category_id": 1 + categories.index(first.name or _CATEGORY),
+        "category_id": 1 + categories.index(first.name or OBJECT),
         "segmentation": polygons if labels is None else _runs(labels, row.label, parts),
         "area": round(sum(row.net_area for _, row in parts), 4),
         "gross_area": round(sum(row.area for _, row in parts), 4),
         "bbox": rounded(np.concatenate([low, size])),
         "iscrowd": 0,
         "color": list(rgb(first)),
+        **masked,
     }
 
 

@@ -22,9 +22,9 @@ def encode(result: Result | Skeleton) -> bytes:
 
     A closed contour is a polygon whose interior rings are the contours directly inside it, so it covers the pixels of
     its label in the label mask; each of those is a feature of its own as well, unless it is just a hole in an object.
-    An open one is a line, a single vertex a point. Coordinates are (x, y) in px from the corner of the image, the
-    center of the first pixel at (0.5, 0.5). How they were found is an entry of the collection, a foreign member as the
-    format allows.
+    An open one is a line, a single vertex a point. The name of a contour is that of its class, too. Coordinates are
+    (x, y) in px from the corner of the image, the center of the first pixel at (0.5, 0.5). How they were found is an
+    entry of the collection, a foreign member as the format allows.
     """
     return text({"type": "FeatureCollection", ENTRY: facts_of(result), "features": features_of(result)})
 
@@ -44,6 +44,7 @@ def features_of(result: Result | Skeleton) -> list[dict[str, Any]]:
                 "objectType": "annotation",
                 "name": title(contour, row.number),
                 "color": list(rgb(contour)),
+                **({"classification": {"name": contour.name, "color": list(rgb(contour))}} if contour.name else {}),
                 "closed": row.closed,
                 "junctions": list(contour.junctions),
                 "inside": row.inside,

@@ -10,15 +10,12 @@ from typing import Any
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
 from cpm_core.formats.contours.json_text import pairs, text
+from cpm_core.formats.contours.reading.labelme import CONTOUR
 from cpm_core.formats.provenance import ENTRY, facts_of
 from cpm_core.medial_axis.skeleton import Skeleton
 
 _VERSION = "5.5.0"
 """Version of labelme whose format this is; later versions read it."""
-
-
-_LABEL = "contour"
-"""Class of a contour without a name."""
 
 
 def located(result: Result | Skeleton, file: Path, image: Path) -> Result | Skeleton:
@@ -35,15 +32,16 @@ def encode(result: Result | Skeleton) -> bytes:
 
     The label of a shape, its class, is the name of the contour, or "contour". Coordinates are (x, y) in px from the
     corner of the image. The image is referenced by the source of the result (see `located`). A hole is a polygon of its
-    own. Colors are left out, because labelme chooses them by label. How they were found is an entry of the file, which
-    labelme keeps when it writes the file again.
+    own, in the group of its object. Colors are left out, because labelme chooses them by label. How they were found is
+    an entry of the file, which labelme keeps when it writes the file again.
     """
     rows, cols = result.shape
+    names = {contour.group: contour.name for contour in result.contours if not contour.hole}
     shapes: list[dict[str, Any]] = [
         {
-            "label": contour.name or _LABEL,
+            "label": contour.name or (names.get(contour.group) if contour.hole else "") or CONTOUR,
             "points": pairs(contour.points),
-            "group_id": None,
+            "group_id": contour.group or None,
             "description": "",
             "shape_type": _kind(contour),
             "flags": {},

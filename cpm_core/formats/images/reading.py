@@ -9,20 +9,9 @@ from typing import Any
 
 from cpm_core.formats.images import resolution
 from cpm_core.formats.images.choice import Choice
-from cpm_core.image.colors import CONTRAST
+from cpm_core.image.colors import LUMINANCE, checked_color
 from cpm_core.numerics.real_numbers import checked_number
 from cpm_core.parameters.quotation import shown
-
-LUMINANCE = "luminance"
-COLORS = (LUMINANCE, "red", "green", "blue", CONTRAST)
-"""What gray levels are made of color as a file is read."""
-
-
-def checked_color(given: object) -> str:
-    """What gray levels are made of color; ValueError for what is none of `COLORS`."""
-    if not isinstance(given, str) or given not in COLORS:
-        raise ValueError(f"color is {shown(given)} but must be one of {', '.join(COLORS)}.")
-    return given
 
 
 def checked_unit(given: object) -> str | None:

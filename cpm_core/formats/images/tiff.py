@@ -18,7 +18,8 @@ import tifffile
 from numpy.typing import NDArray
 
 from cpm_core.formats.images import packing, raster, resolution
-from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size, from_samples, full_scale, upright
+from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size, from_samples, upright
+from cpm_core.image.colors import full_scale
 from cpm_core.image.gray_levels import NO_DATA
 
 # tifffile logs a warning for everything unusual in a file; the user gets one sentence on what matters instead.

@@ -15,12 +15,11 @@ from skimage.draw import line
 
 from cpm_core.contours.contour import Contour, numbers_of
 from cpm_core.contours.measurements import contour_labels
-from cpm_core.contours.rasterize import MOST_LABELS, label_type, paint
+from cpm_core.contours.rasterize import MOST_LABELS, label_type
 from cpm_core.contours.result import Result
 from cpm_core.contours.surface import Surface
 from cpm_core.formats.provenance import PROGRAM, facts_of, text_of
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.reconstruction.surface.inside import numbered
 
 _GOLDEN, _PLASTIC, _SILVER = 0.6180339887, 0.7548776662, 0.4142135624
 """Steps of hue, saturation and brightness from one label to the next; multiples of them are spread evenly."""
@@ -54,14 +53,13 @@ def labels_of(result: Result | Skeleton, *, outlines: bool = False) -> NDArray[n
         return paint_branches(result)
     if outlines:
         return paint_lines(result.contours, numbers_of(result.contours), result.shape)
-    return paint(result.contours, result.shape)
+    return result.labels.astype(label_type(len(result.contours)))
 
 
 def _volume_labels(surface: Surface, result: Result) -> NDArray[np.unsignedinteger]:
     if not surface.closed:
         raise ValueError(f"{result.source} has no closed surface, so that nothing is inside: write the surface itself.")
-    labels = numbered(surface.whole or surface, result.shape)
-    return labels.astype(label_type(int(labels.max())))
+    return result.labels.astype(label_type(int(result.labels.max())))
 
 
 def paint_branches(skeleton: Skeleton) -> NDArray[np.unsignedinteger]:

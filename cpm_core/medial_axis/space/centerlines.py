@@ -24,6 +24,7 @@ from cpm_core.numerics.real_numbers import checked_number, real_numbers, voxel_s
 from cpm_core.numerics.reproducible.gaussian import gaussian_filter1d
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters.provenance import Provenance
+from cpm_core.parameters.quotation import counted, described
 
 _SMOOTHING = 1.5
 """Width of the Gaussian along a branch [voxels of the line]."""
@@ -66,6 +67,9 @@ class Branch:
     def closed(self) -> bool:
         """Whether it ends where it begins."""
         return self.nodes[0] == self.nodes[1] and len(self.points) > 2
+
+    def __repr__(self) -> str:
+        return described("Branch", counted(len(self.points), "vertex", "vertices"), "closed" if self.closed else "open")
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,6 +119,10 @@ class Centerlines:
         """Length of each branch, in `unit`."""
         steps = [np.diff(branch.points * self.spacing, axis=0) for branch in self.branches]
         return np.array([np.linalg.norm(step, axis=1).sum() for step in steps])
+
+    def __repr__(self) -> str:
+        branches = counted(len(self.branches), "branch", "branches")
+        return described("Centerlines", self.source, branches, f"{self.lengths.sum():,.1f} {self.unit or 'voxels'}")
 
 
 def centerlines(

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
+from cpm_core.contours.surface.inside import inside_of
 from cpm_core.field.image_fields import ImageFields
 from cpm_core.field.volume.volume_field import VolumeField
 from cpm_core.field.volume.volume_space import check_parameters
@@ -20,7 +21,6 @@ from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.provenance import Provenance, taken
 from cpm_core.parameters.quotation import shown
-from cpm_core.reconstruction.surface.inside import inside_of
 from cpm_core.reconstruction.surface.iso.pipeline import find_surface
 
 _TAKEN = ("smoothing", "gamma", "edge_floor", "polarity", "pruning")

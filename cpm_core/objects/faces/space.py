@@ -15,11 +15,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.contours.surface import Surface
+from cpm_core.contours.surface.inside import inside_of
 from cpm_core.image.image import Image
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.runs import runs_of
 from cpm_core.numerics.types import Array, Index, Mask
-from cpm_core.reconstruction.surface.inside import inside_of
+from cpm_core.parameters.quotation import counted, described, sized
 
 _BESIDE = 0.75
 """Distance from a surface at which the bodies on both sides are looked up [smallest sides of a voxel]."""
@@ -61,6 +62,10 @@ class VolumeSelection:
     def area(self) -> float:
         """Area of their boundary, in the unit of the spacing, squared."""
         return self.surface.area
+
+    def __repr__(self) -> str:
+        voxels = f"{np.count_nonzero(self.mask):,} voxels"
+        return described("VolumeSelection", voxels, counted(len(self.surface.faces), "triangle"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,6 +177,9 @@ class VolumePartition:
         step = _BESIDE * min(surface.spacing) * surface.normals / np.array(surface.spacing)
         inner, outer = self._bodies_at(surface.vertices - step), self._bodies_at(surface.vertices + step)
         return _most_frequent(surface.component_of_vertex, inner), _most_frequent(surface.component_of_vertex, outer)
+
+    def __repr__(self) -> str:
+        return described("VolumePartition", self.image.source, sized(self.shape, "voxels"))
 
 
 def _as_places(given: ArrayLike) -> Array:

@@ -22,7 +22,7 @@ from cpm_core.image.image import Image
 from cpm_core.numerics.polyline import resampled
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Mask
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import counted, described, shown
 
 SPACING = 2.0
 """Distance of the points that a start gives along its outlines [px]."""
@@ -91,6 +91,10 @@ class Start:
         for outline in self.outlines:
             found |= polygon2mask(shape, outline)  # type: ignore[no-untyped-call]
         return found
+
+    def __repr__(self) -> str:
+        where = "around the objects" if self.around else "inside the objects"
+        return described("Start", counted(len(self.outlines), "outline"), where)
 
 
 class ContourState(Protocol):
@@ -191,6 +195,9 @@ class ContourMethod(Generic[S]):
         """A sentence that says what it lacks to run; empty where it can run."""
         lacks = self.needs.missing if self.needs else ""
         return lacks and f"{self.title} cannot run, as {lacks}"
+
+    def __repr__(self) -> str:
+        return described("ContourMethod", self.name, self.title)
 
 
 AnyMethod = ContourMethod[Any]

@@ -10,7 +10,7 @@ from typing import Any
 from cpm_core.contours.agreement import Comparison, compare
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.image.image import Image, as_plane
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import counted, described, shown
 from cpm_core.segmentation.methods.method import AnyMethod, ContourMethod, ContourState, Start
 
 
@@ -31,6 +31,9 @@ class Moment:
     method: AnyMethod
     state: ContourState
     seconds: float
+
+    def __repr__(self) -> str:
+        return described("Moment", self.method.name, f"step {self.state.step}", f"{self.seconds:.3g} s")
 
 
 def moments(method: AnyMethod, image: Image, start: Start, settings: Any = None) -> Iterator[Moment]:
@@ -102,6 +105,11 @@ class Facts:
     f: float | None = None
     hausdorff: float | None = None
     mean_distance: float | None = None
+
+    def __repr__(self) -> str:
+        agreed = "" if self.f is None else f"F {self.f:.3f}"
+        steps, contours = counted(self.steps, "step"), counted(self.contours, "contour")
+        return described("Facts", self.method, steps, f"{self.seconds:.3g} s", contours, agreed)
 
 
 def facts_of(moment: Moment, truth: Truth | None = None) -> Facts:

@@ -12,6 +12,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
 from cpm_core.numerics.polyline import thinned
 from cpm_core.numerics.types import Array, Position
+from cpm_core.parameters.quotation import counted, described
 from cpm_core.particles.initialization import loop, stroke
 from cpm_core.segmentation.pages.tracks import TrackEvent
 
@@ -44,6 +45,9 @@ class Page:
     def contours(self) -> tuple[Contour, ...]:
         """Its contours; none for a page that could not be used."""
         return () if self.result is None else self.result.contours
+
+    def __repr__(self) -> str:
+        return described(f"Page {self.number}", self.trouble or counted(len(self.contours), "contour"))
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,6 +19,7 @@ from cpm_core.contours.rasterize import paint
 from cpm_core.contours.review import Neighborhood
 from cpm_core.numerics.polyline import sampled
 from cpm_core.numerics.types import Array, Index
+from cpm_core.parameters.quotation import described
 
 LEAST_OVERLAP = 0.2
 """Least overlap of two contours of one track."""
@@ -78,6 +79,9 @@ class TrackEvent:
         if several:
             words = words.replace("track ", "tracks ", 1).replace("splits", "split")
         return f"Page {self.page}: {words}."
+
+    def __repr__(self) -> str:
+        return described("TrackEvent", self.sentence)
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,12 +14,13 @@ from PySide6.QtGui import QImage, QPainter
 from PySide6.QtWidgets import QStyleOptionGraphicsItem
 
 from app.model.display.coloring import QUANTITIES, SHADES, InsertionTimes, age, colored, convergence, speed
-from app.model.display.round_numbers import round_down, round_up
+from app.model.display.round_numbers import round_up
 from app.session.worker.recorded_run import RunRecord
 from app.views.canvas.items.discs import Discs
 from app.views.theme import color_maps, theme
 from cpm_core import Engine, Parameters
 from cpm_core.dynamics.equilibrium import epsilon
+from cpm_core.image.drawing.scale_bar import round_down
 from cpm_core.particles.coverage import no_coverage
 from cpm_core.particles.state import Particles, State
 from tests.app.conftest import disc

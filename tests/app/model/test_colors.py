@@ -1,10 +1,10 @@
-"""The pictures of the gallery have the colors of the window's canvas."""
+"""Pictures of the library and the gallery have the colors of the window's canvas."""
 
 import pytest
 
 from app.views.theme import theme
 from app.views.theme.icons import RIM
-from cpm_core.cli.figures import plotting
+from cpm_core.image.drawing import palette
 
 
 @pytest.mark.parametrize(
@@ -12,7 +12,7 @@ from cpm_core.cli.figures import plotting
     [("PARTICLE", "MOVING"), *((name, name) for name in ("CLOSED", "OPEN", "JUNCTION", "FIELD", "HALO"))],
 )
 def test_the_gallery_and_the_window_mean_the_same_by_a_color(drawn, shown):
-    assert getattr(plotting, drawn) == getattr(theme, shown)
+    assert getattr(palette, drawn) == getattr(theme, shown)
 
 
 def luminance(color):

@@ -77,7 +77,7 @@ def test_it_is_selected_in_turn_and_deleted_like_any_shape(ready, hand) -> None:
     hand.key(KEY.Key_N)
     hand.key(KEY.Key_N)
     assert isinstance(ready.session.document.shapes[ready.session.selected], Everywhere)
-    assert "Delete removes" in ready.canvas_area.hint.text()
+    assert "Del removes" in ready.canvas_area.hint.text()
     hand.key(KEY.Key_Up)
     hand.key(KEY.Key_Delete)
     assert not ready.session.document.image_starts

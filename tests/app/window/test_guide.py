@@ -73,7 +73,7 @@ def test_all_keys_are_listed(window, guide) -> None:
     text = guide.text.toPlainText()
     for entry in window.actions_by_name.specs:
         if entry.shortcuts:
-            assert entry.tip in text, entry.name
+            assert entry.said in text, entry.name
 
 
 def test_the_guide_is_one_window_that_can_be_closed_and_opened_again(window, hand, guide) -> None:

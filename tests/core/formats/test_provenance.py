@@ -83,8 +83,8 @@ def in_set(content):
 
 
 def in_dxf(content):
-    assert not ezdxf.read(io.StringIO(content.decode("ascii"))).audit().errors
-    lines = content.decode("ascii").splitlines()
+    assert not ezdxf.read(io.StringIO(content.decode())).audit().errors
+    lines = content.decode().splitlines()
     told = [text for code, text in zip(lines[::2], lines[1::2], strict=True) if code == "999"]
     assert max(map(len, told)) < 256, "release 12 has no longer lines"
     whole = "\n".join(told).replace("\n  ", " ")

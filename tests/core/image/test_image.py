@@ -61,7 +61,7 @@ def test_every_kind_of_real_number_keeps_its_value(kind):
     ("values", "words"),
     [
         (np.zeros(64), "dot.png has 1 dimension (64,)"),
-        (np.zeros((8, 8, 3)), "dot.png has 3 dimensions (8, 8, 3)"),
+        (np.zeros((8, 8, 5)), "dot.png has 3 dimensions (8, 8, 5)"),
         (np.zeros((2, 8, 8, 3)), "dot.png has 4 dimensions"),
         (np.zeros((1, 1)), "dot.png is 1 x 1 px"),
         (np.zeros((MINIMUM_SIDE - 1, 100)), "dot.png is 7 x 100 px"),

@@ -287,7 +287,11 @@ _SKIPPED = {
     "load_truth",
     "load_volume",
     "write_animation",
+    "write_figure",
     "write_swc",
+    "Evolution",
+    "Evolved",
+    "Table",
     "Contour",
 }
 """What is no function, what the library makes for others to read, and what needs files, which has a part of its own."""

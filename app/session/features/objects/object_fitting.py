@@ -68,7 +68,7 @@ class ObjectFitting(QObject):
                     found.append((selection, item.clicks, item.number))
             return Fitted(partition.image, tuple(found))
 
-        self._session.tasks.start(tr("Fitting objects to the contours…"), work, "fitting objects")
+        self._session.tasks.start(tr("Fitting objects to the contours…"), work, tr("fitting objects"))
 
     def find_like(self, number: int) -> None:
         """Add all objects that are like one and not among the objects yet."""
@@ -85,7 +85,7 @@ class ObjectFitting(QObject):
             new = (each for each in alike if (each.mask & taken).sum() < _COVERED * each.mask.sum())
             return Alike(partition.image, tuple(new), chosen.category)
 
-        self._session.tasks.start(tr("Finding objects like this one…"), work, "finding objects")
+        self._session.tasks.start(tr("Finding objects like this one…"), work, tr("finding objects"))
 
     def _add(self, alike: Alike) -> None:
         if alike.image is not self._session.image:

@@ -44,7 +44,7 @@ class ObjectList(QObject):
         self._session = session
         self._known = session.document.objects
         self._grays: Grays | None = None
-        self._latest = Latest(session, "cpm-object-measures", "measuring objects")
+        self._latest = Latest(session, "cpm-object-measures", tr("measuring objects"))
         self._latest.done.connect(self._use_grays)
         session.document_changed.connect(self._follow)
 

@@ -79,7 +79,7 @@ class ObjectSelection(QObject):
         self._selector: Selector | None = None
         self._asked: Question | None = None
         self._remark, self._was_ready = "", False
-        self._latest = Latest(session, "cpm-objects", "selecting objects")
+        self._latest = Latest(session, "cpm-objects", tr("selecting objects"))
         self._latest.done.connect(self._use)
         self.partitions = Partitions(session, lambda: self._wanted)
         self.partitions.changed.connect(self._use_partition)

@@ -71,7 +71,7 @@ class Partitions(QObject):
         self._asked_for: Source | None = None
         self._everywhere: Prepared | None = None
         self._task: Task | None = None
-        self._latest = Latest(session, "cpm-partition", "preparing the selection of objects")
+        self._latest = Latest(session, "cpm-partition", tr("preparing the selection of objects"))
         self._latest.done.connect(self._take)
         self._quiet = QTimer(self, singleShot=True, interval=_QUIET)
         self._quiet.timeout.connect(self.look)
@@ -134,7 +134,7 @@ class Partitions(QObject):
             return Prepared(source, _ready(partition(found)))
 
         name = tr("Finding contours everywhere, to select objects from…")
-        self._task = self._session.tasks.start(name, work, "preparing the selection of objects")
+        self._task = self._session.tasks.start(name, work, tr("preparing the selection of objects"))
         self.changed.emit()
 
     def _take(self, prepared: Prepared) -> None:

@@ -96,7 +96,7 @@ def run_pages(order: PageOrder, core: Core, task: Task) -> Iterator[PageDone]:
             raise
         except Exception as error:  # one page must not end the others
             known = isinstance(error, ValueError | MemoryError)
-            trouble = trouble_of(error) if known else sentence(error, f"running page {number}")
+            trouble = trouble_of(error) if known else sentence(error, tr("running page {number}").format(number=number))
             yield PageDone(Page(number, None, trouble=trouble), document, given)
             continue
         page = follower.take(number, result)

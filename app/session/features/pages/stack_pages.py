@@ -55,7 +55,7 @@ class StackPages(Paging):
         self._core = core
         self._seen: Result | None = None
         self._drawn: tuple[Mapping[str, Any], ...] = ()
-        self._linking = Latest(session, "cpm-pages", "following objects through the pages")
+        self._linking = Latest(session, "cpm-pages", tr("following objects through the pages"))
         self._linking.done.connect(self._take_linked)
         self._later = QTimer(self, singleShot=True)
         self._later.timeout.connect(self._link)
@@ -94,7 +94,7 @@ class StackPages(Paging):
         before = () if self.result is None else tuple(page for page in self.result.pages if page.number < first)
         order = PageOrder(self._source, range(first, self.count + 1), document, self.following, kept, before)
         title = tr("Running {count} pages…").format(count=len(order.numbers))
-        self.task = self._session.tasks.start(title, partial(self._work, order), "running the pages")
+        self.task = self._session.tasks.start(title, partial(self._work, order), tr("running the pages"))
         self.changed.emit()
 
     def cancel(self) -> None:
@@ -181,7 +181,9 @@ class StackPages(Paging):
             export_stack(result, path)
             return Exported(path)
 
-        self._session.tasks.start(tr("Writing {name}…").format(name=path.name), work, f"writing {path.name}")
+        self._session.tasks.start(
+            tr("Writing {name}…").format(name=path.name), work, tr("writing {name}").format(name=path.name)
+        )
 
     def _unsaved(self) -> bool:
         return any(page.unsaved for number, page in self._kept.items() if number != self.number)

@@ -136,7 +136,7 @@ class MethodComparison(QObject):
             notes: list[str] = []
             return ComparisonWritten(write_comparison(image, start, tiles, paths, notes.append), tuple(notes))
 
-        self._session.tasks.start(tr("Writing the comparison…"), work, "writing the comparison", cancellable=False)
+        self._session.tasks.start(tr("Writing the comparison…"), work, tr("writing the comparison"), cancellable=False)
 
     def close(self) -> None:
         """End all runs and wait for their threads."""

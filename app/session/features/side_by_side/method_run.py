@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from app.model.text.language import tr
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.mailbox import Mailbox
 from cpm_core.contours.contour import Contour
@@ -127,7 +128,8 @@ class MethodRun:
                 self.frames.put(frame)
         except Exception as error:  # an error is shown in its place, and the others go on
             title = CONTOUR_METHODS[method].title
-            self.frames.put(Frame(self._order, over=True, trouble=sentence(error, f"running {title}")))
+            trouble = sentence(error, tr("running {name}").format(name=title))
+            self.frames.put(Frame(self._order, over=True, trouble=trouble))
 
     def _shown(self) -> Iterator[Frame]:
         order, due = self._order, 0.0

@@ -80,7 +80,7 @@ class Sweep(QObject):
         self.task = self._session.tasks.start(
             tr("Running a mosaic of {count} tiles…").format(count=tiles),
             lambda task: self._run(_Runs(image, document, task, truth.dice), plan, task),
-            "running a mosaic",
+            tr("running a mosaic"),
         )
 
     def cancel(self) -> None:
@@ -137,7 +137,7 @@ class _Runs:
             result = self._result(tile)
             return None if result is None else Done(tile, result, self._dice(result.contours))
         except Exception as error:  # an error is shown in its tile, and the others go on
-            return Done(tile, None, trouble=sentence(error, "running a tile"))
+            return Done(tile, None, trouble=sentence(error, tr("running a tile")))
 
     def _result(self, tile: Tile) -> Result | None:
         parameters, document = tile.parameters, self._document

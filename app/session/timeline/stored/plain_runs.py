@@ -15,6 +15,7 @@ from app.model.display.plots import RunMetrics
 from app.model.document.document import Document, ImageReference
 from app.model.document.saving import restored, to_file
 from app.model.text.language import tr
+from app.model.text.reasons import reason
 from app.session.timeline.recording import MOST_RUNS
 from app.session.timeline.run_actions import Stepped
 from app.session.timeline.state_cache import Place
@@ -130,7 +131,7 @@ def _sentence(*faults: Exception) -> str:
     if not faults:
         return ""
     message = tr("A part of the recorded runs is damaged and was left out ({fault}); all else was opened.")
-    return message.format(fault=str(faults[0]).rstrip("."))
+    return message.format(fault=reason(faults[0]).rstrip("."))
 
 
 def _run_to_plain(run: StoredRun) -> dict[str, Any]:

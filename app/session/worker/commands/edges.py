@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from app.model.text.language import tr
 from app.session.exchange.messages import Report
 from app.session.worker.commands.run import Command, CommandContext
 from cpm_core.field.image_fields import ImageFields
@@ -30,7 +31,7 @@ class FindEdges(Command):
     parameters: Parameters
 
     latest_only = True
-    activity = "looking for edges"
+    activity = tr("looking for edges")
     topic = EDGES
 
     def execute(self, context: CommandContext) -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from app.model.text.language import tr
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.messages import Report
 from app.session.worker.commands.run import Command, CommandContext
@@ -52,7 +53,7 @@ class Probe(Command):
     reach: float
 
     latest_only = True
-    activity = "working out the forces on a particle"
+    activity = tr("working out the forces on a particle")
 
     def execute(self, context: CommandContext) -> None:
         """Find the particle and report its forces."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from app.model.text.language import tr
 from app.session.exchange.contour_tracking import ContourTracker
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.messages import Reconstruction, Report, Snapshot
@@ -54,7 +55,7 @@ class TakeFrame(Command):
 
     def failure_report(self, error: Exception) -> Report:
         """The animation cannot be made."""
-        return FrameTaken(self.task, sentence=sentence(error, "taking a picture of a step"))
+        return FrameTaken(self.task, sentence=sentence(error, tr("taking a picture of a step")))
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from app.model.display.display_image import DisplayImage, IntensityWindow, apply_window, percentile_window
+from app.model.text.language import tr
 from app.session.exchange.messages import Report
 from app.session.worker.commands.run import Command, CommandContext
 from cpm_core.image.image import Image
@@ -38,7 +39,7 @@ class FindWindow(Command):
     percent: float
 
     latest_only = True
-    activity = "looking for the range of gray values"
+    activity = tr("looking for the range of gray values")
 
     def execute(self, context: CommandContext) -> None:
         """Find the range."""
@@ -55,7 +56,7 @@ class Shade(Command):
     channel: str = "luminance"
 
     latest_only = True
-    activity = "changing the levels"
+    activity = tr("changing the levels")
 
     def execute(self, context: CommandContext) -> None:
         """Make the display image."""

@@ -14,6 +14,7 @@ from typing import Any, ClassVar, Concatenate, ParamSpec
 
 from app.model.document.document import Document
 from app.model.export.order import ExportOrder, account, chosen, closed, source_of
+from app.model.text.language import tr
 from app.session.core_functions import Core
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.messages import (
@@ -38,18 +39,18 @@ from cpm_core.shapes.image_starts import NO_SEEDS
 P = ParamSpec("P")
 
 _ACTIVITIES: Mapping[Callable[..., object], str] = {
-    Run.use: "changing to another image",
-    Run.set_parameters: "changing parameters",
-    Run.set_overlays: "preparing what lies over the image",
-    Run.place: "placing charges",
-    Run.limit: "changing what limits the particles",
-    Run.join: "adding particles",
-    Run.erase: "erasing particles",
-    Run.turn_erasures: "bringing particles back",
-    Run.edit_by_hand: "editing contours",
-    Run.rename_branch: "renaming a branch",
-    Run.drop_branch: "deleting a branch",
-    Run.set_timeline_budget: "making room",
+    Run.use: tr("changing to another image"),
+    Run.set_parameters: tr("changing parameters"),
+    Run.set_overlays: tr("preparing what lies over the image"),
+    Run.place: tr("placing charges"),
+    Run.limit: tr("changing what limits the particles"),
+    Run.join: tr("adding particles"),
+    Run.erase: tr("erasing particles"),
+    Run.turn_erasures: tr("bringing particles back"),
+    Run.edit_by_hand: tr("editing contours"),
+    Run.rename_branch: tr("renaming a branch"),
+    Run.drop_branch: tr("deleting a branch"),
+    Run.set_timeline_budget: tr("making room"),
 }
 """What methods of the run do, as it stands after "while" in an error message."""
 
@@ -87,7 +88,7 @@ class Command:
     latest_only: ClassVar[bool] = False
     """Whether only the last of many in a row is worth the work, as while a slider is moved."""
 
-    activity: ClassVar[str] = "working"
+    activity: ClassVar[str] = tr("working")
     """What it does, as it stands after "while" in an error message."""
 
     topic: ClassVar[str] = ""
@@ -170,7 +171,7 @@ class Start(Command):
 
     def failure_report(self, error: Exception) -> Report:
         """There is no run."""
-        return RunFailed(self.generation, sentence(error, "starting"))
+        return RunFailed(self.generation, sentence(error, tr("starting")))
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,7 +190,7 @@ class FindSeeds(Command):
 
     def failure_report(self, error: Exception) -> Report:
         """There are none."""
-        return SeedsFound(self.image_generation, NO_SEEDS, sentence(error, "looking for places to start from"))
+        return SeedsFound(self.image_generation, NO_SEEDS, sentence(error, tr("looking for places to start from")))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -267,7 +268,7 @@ class Export(Deliver):
 
     def failure_report(self, error: Exception) -> Report:
         """Nothing has been written."""
-        return CommandFailed(sentence(error, f"writing {self.path.name}"), "exporting")
+        return CommandFailed(sentence(error, tr("writing {name}").format(name=self.path.name)), "exporting")
 
 
 @dataclass(frozen=True, slots=True)
@@ -284,7 +285,7 @@ class Copy(Deliver):
 
     suffix: str = ""
 
-    activity = "copying contours"
+    activity = tr("copying contours")
     topic = "exporting"
 
     def deliver(self, context: CommandContext, result: Result | Skeleton) -> None:
@@ -298,7 +299,7 @@ class WarmUp(Command):
 
     volumes: bool = False
 
-    activity = "preparing"
+    activity = tr("preparing")
 
     def execute(self, context: CommandContext) -> None:
         """Compile or load them."""

@@ -8,6 +8,7 @@ from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
 
 from app.model.document.document import Document, ImageReference
+from app.model.text.language import tr
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.messages import CommandFailed, Report, RunFailed, RunsKept
 from app.session.timeline.stored.plain_runs import Plain, RunsWriter, from_plain
@@ -41,7 +42,7 @@ class CollectRuns(Command):
     done: threading.Event = field(default_factory=threading.Event)
     found: list[RunsCollected] = field(default_factory=list)
 
-    activity = "collecting the runs"
+    activity = tr("collecting the runs")
 
     def execute(self, context: CommandContext) -> None:
         """Collect them, unless another image has been opened."""
@@ -101,4 +102,4 @@ class RestoreRuns(Command):
 
     def failure_report(self, error: Exception) -> Report:
         """There is no run."""
-        return RunFailed(self.generation, sentence(error, "bringing back the runs"))
+        return RunFailed(self.generation, sentence(error, tr("bringing back the runs")))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from app.model.text.language import tr
 from app.session.exchange.messages import Report
 from app.session.worker.commands.run import Command, CommandContext
 from cpm_core.contours.agreement import Agreement, agreement
@@ -28,7 +29,7 @@ class Seek(Command):
     wanted: Callable[[], bool] = _always
 
     latest_only = True
-    activity = "going to another step"
+    activity = tr("going to another step")
 
     def execute(self, context: CommandContext) -> None:
         """Go to the step."""
@@ -49,7 +50,7 @@ class Compare(Command):
     against: Result | None = None
 
     latest_only = True
-    activity = "comparing branches"
+    activity = tr("comparing branches")
     topic = "comparing"
 
     def execute(self, context: CommandContext) -> None:

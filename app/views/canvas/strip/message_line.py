@@ -6,6 +6,7 @@ from PySide6.QtCore import QPoint, Qt, QTimer, Signal
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QToolButton, QVBoxLayout
 
 from app.model.state.messages import Message, Messages
+from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.views.canvas.strip.fitting_label import FittingLabel
 from app.views.theme.icons import icon
@@ -36,7 +37,6 @@ class MessageLine(QFrame):
         self.details.clicked.connect(self._show_details)
         self._button = QToolButton()
         self._button.setAutoRaise(True)
-        self._button.setToolTip(tr("Dismiss (Esc)"))
         self._button.setAccessibleName(tr("Dismiss message"))
         self._button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self._button.clicked.connect(self.dismiss)
@@ -82,6 +82,10 @@ class MessageLine(QFrame):
     def clear(self) -> None:
         """Take away all messages."""
         self._use(Messages())
+
+    def show_keys(self) -> None:
+        """Name the keys as they are now."""
+        self._button.setToolTip(with_keys(tr("Dismiss ({key:escape})")))
 
     def use_theme(self, theme: Theme) -> None:
         """Tint the button."""

@@ -7,6 +7,7 @@ import math
 import numpy as np
 from PySide6.QtCore import Qt
 
+from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.views.canvas.tools.tool import Cursor, Tool, ToolContext
 from app.views.theme import theme
@@ -26,7 +27,10 @@ class ContourTool(Tool):
     """
 
     name = "contours"
-    tip = tr("Click contours, drag a frame around them, or drag across them to select; X rejects, K keeps.")
+    tip = tr(
+        "Click contours, drag a frame around them, or drag across them to select; {key:reject} rejects, "
+        "{key:keep} keeps."
+    )
     clicks = True
     by_keys = tr("Enter selects the contour under it.")
 
@@ -48,9 +52,14 @@ class ContourTool(Tool):
     def advice(self) -> str:
         """What can be done with contours."""
         if self._corner is not None or self._last is not None:
-            return tr("Shift adds to the selection, Alt removes from it; Esc cancels.")
+            return with_keys(tr("Shift adds to the selection, Alt removes from it; {key:escape} cancels."))
         if self._review.selected:
-            return tr("X rejects, K keeps, Enter names; Shift adds to the selection, Alt removes from it.")
+            return with_keys(
+                tr(
+                    "{key:reject} rejects, {key:keep} keeps, Enter names; Shift adds to the selection, "
+                    "Alt removes from it."
+                )
+            )
         return tr("Click a contour to select it, or drag a frame around several.") if self._review.items else ""
 
     def press(self, at: Position, reach: float) -> None:

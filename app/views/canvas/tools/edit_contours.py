@@ -6,6 +6,7 @@ import math
 
 from PySide6.QtCore import Qt
 
+from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.views.canvas.tools.tool import Cursor, Tool, ToolContext
 from app.views.theme import theme
@@ -50,13 +51,18 @@ class EditContoursTool(Tool):
         """What can be done now."""
         if self._dragged and self._held is not None:
             if self._held.at_end:
-                return tr("Let go on another end to join; anywhere else to extend. Esc cancels.")
-            return tr("Let go to redraw this stretch along the edge; with Shift it only bends. Esc cancels.")
+                return with_keys(tr("Let go on another end to join; anywhere else to extend. {key:escape} cancels."))
+            return with_keys(
+                tr("Let go to redraw this stretch along the edge; with Shift it only bends. {key:escape} cancels.")
+            )
         if len(self._editing.marked) == 2:
-            return tr("Delete removes the stretch between the marks; Esc removes the marks.")
+            return with_keys(tr("Delete removes the stretch between the marks; {key:escape} removes the marks."))
         if self._editing.marked:
-            return tr(
-                "Click a second place on this contour to mark a stretch; Shift+X cuts at the mark, Shift+C closes."
+            return with_keys(
+                tr(
+                    "Click a second place on this contour to mark a stretch; {key:cut_contour} cuts at the mark, "
+                    "{key:close_contours} closes."
+                )
             )
         if not self._review.items:
             return tr("There are no contours to edit yet: let the particles run, or draw one with the outline tool.")

@@ -6,6 +6,7 @@ import math
 
 from PySide6.QtCore import Qt
 
+from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.views.canvas.tools.tool import Cursor, Tool, ToolContext
 from app.views.theme import theme
@@ -54,9 +55,16 @@ class ObjectTool(Tool):
                 return tr("Finding contours everywhere. Clicks are answered as soon as that is done.")
             return ""
         if self._selection.selecting:
-            return tr("Click what is missing, Alt-click what is too much. Enter takes it, Esc drops it.")
+            return with_keys(
+                tr("Click what is missing, Alt-click what is too much. Enter takes it, {key:escape} drops it.")
+            )
         if self._selection.proposals:
-            return tr("Enter takes what was found around the start; click and Alt-click correct it, Esc drops it.")
+            return with_keys(
+                tr(
+                    "Enter takes what was found around the start; click and Alt-click correct it, "
+                    "{key:escape} drops it."
+                )
+            )
         if self._list.chosen:
             return tr("Enter names it, 1 to 9 set its class, Delete removes it. Click in the next object.")
         return tr("Click in an object, or drag across it.")

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from PySide6.QtCore import Qt
 
 from app.model.document import edits
+from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.model.volume.slices import Slice
 from app.session.signals import EDITING
@@ -151,13 +152,14 @@ class PathTool(Tool):
         if not self._corners:
             return "" if self.used else self.kind.tip
         if self._freehand and self._first:
-            return tr("Let go to end it; Esc cancels.")
+            return with_keys(tr("Let go to end it; {key:escape} cancels."))
         ends = (
             tr("Enter, a double click or the first corner ends it;")
             if self.kind.closed
             else (tr("Enter or a double click ends it;"))
         )
-        return ends + " " + tr("Shift keeps to eight directions; Backspace takes the last corner back; Esc cancels.")
+        bends = tr("Shift keeps to eight directions; Backspace takes the last corner back; {key:escape} cancels.")
+        return f"{ends} {with_keys(bends)}"
 
     def press(self, at: Place, reach: float) -> None:
         """Place a corner; a press on the last corner, or on the first one of a closed path, finishes it."""

@@ -6,6 +6,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QButtonGroup, QFrame, QHBoxLayout, QLabel, QSlider, QSpinBox, QToolButton
 
 from app.model.display.lengths import size_text
+from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.model.volume.slices import AXES, Slices
 from cpm_core.image.image import Image
@@ -50,7 +51,6 @@ class SliceBar(QFrame):
             row.addWidget(button)
         group.idClicked.connect(self.turned)
         self.slider.setAccessibleName(tr("Slice"))
-        self.slider.setToolTip(tr("Go through the slices: Page Up and Page Down, or the wheel with Shift."))
         self.slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.slider.setPageStep(_JUMP)
         self.number.setAccessibleName(tr("Number of the slice"))
@@ -69,6 +69,11 @@ class SliceBar(QFrame):
         self.slider.valueChanged.connect(self.moved)
         self.number.valueChanged.connect(self.moved)
         self.hide()
+
+    def show_keys(self) -> None:
+        """Name the keys as they are now."""
+        said = tr("Go through the slices: {key:previous_slice} and {key:next_slice}, or the wheel with Shift.")
+        self.slider.setToolTip(with_keys(said))
 
     def show_slices(self, slices: Slices | None, image: Image | None) -> None:
         """Show where the slices are, or hide when there are none."""

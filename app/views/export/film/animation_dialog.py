@@ -20,6 +20,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.text.language import tr
+from app.model.text.reasons import reason
 from app.session.storage.preferences import Preferences
 from app.views.export.film.frame_renderer import NARROWEST, WIDEST, frame_size
 from app.views.export.film.step_choice import every
@@ -163,7 +164,7 @@ def _missing(suffix: str) -> str:
         if suffix in mp4.ANIMATES:
             mp4.check()
     except ValueError as error:
-        return str(error)
+        return reason(error)
     return ""
 
 

@@ -112,7 +112,7 @@ class Filming(QObject):
             self._take(self._renderer.draw(report))
         except Exception as error:  # it would be the same for each further try
             self._task.cancel()
-            self._session.say(sentence(error, "drawing a film"), True, FILMING)
+            self._session.say(sentence(error, tr("drawing a film")), True, FILMING)
             self.stop()
             return
         self._next += 1

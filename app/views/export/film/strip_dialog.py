@@ -20,6 +20,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.text.language import tr
+from app.model.text.reasons import reason
 from app.views.export.film.frame_renderer import to_picture
 from app.views.export.film.step_choice import evenly, written
 from cpm_core.numerics.types import Pixels
@@ -156,7 +157,7 @@ class StripDialog(QDialog):
         try:
             self.plan  # noqa: B018  # evaluated for its error
         except ValueError as error:
-            self._error.setText(str(error))
+            self._error.setText(reason(error))
             self._later.stop()
             return
         self._error.setText("")

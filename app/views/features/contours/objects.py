@@ -120,6 +120,10 @@ class ObjectsFeature(Feature):
                   height=250, shortcut="F10"),
         )  # fmt: skip
 
+    def use_keys(self) -> None:
+        """Name the keys as they are now."""
+        self.panel.show_keys()
+
     def ask_name(self) -> None:
         """Ask for the name of the chosen object, in the table if it has the focus, else on the canvas."""
         chosen = self._list.items

@@ -12,7 +12,7 @@ from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature, FeatureContext, Panel
 from app.views.window.file_dialogs import Files, all_files
 from cpm_core.formats import READABLE
-from cpm_core.formats.contours.contour_files import CONTOURS_READABLE
+from cpm_core.formats.contours.reading.contour_file import CONTOURS_READABLE
 
 _SPAN = 48.0
 """Minimum side of the part of the image that is shown around a difference [px]."""

@@ -28,7 +28,7 @@ class StackFeature(OfferingFeature):
         super().__init__(context)
         self.dialog: PartDialog | None = None
         self._opened: Opened | None = None
-        self._looking = Latest(context.session, "cpm-parts", "looking into the file")
+        self._looking = Latest(context.session, "cpm-parts", tr("looking into the file"))
         self._looking.done.connect(self._show_parts)
 
     def action_specs(self) -> Sequence[ActionSpec]:

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QApplication, QPushButton
 from app.model.document.samples import sample_called
 from app.model.text.language import tr
 from app.views.help.about import About
-from app.views.help.cheat_sheet import CheatSheet
+from app.views.help.cheat_sheet import KEYS, CheatSheet
 from app.views.help.guide import Guide
 from app.views.help.tour import Tour
 from app.views.help.tour_stops import stops
@@ -37,10 +37,10 @@ class HelpFeature(Feature):
         """Keys, guide, tour and about."""
         window = self.context.window
         return (
-            ActionSpec(name="keys", menu="Help", text=tr("&Keys"), do=self._show_keys, shortcuts=("?",),
+            ActionSpec(name=KEYS, menu="Help", text=tr("&Keys"), do=self._show_keys, shortcuts=("?",),
                        tip=tr("Show all keys.")),
             ActionSpec(name="guide", menu="Help", text=tr("&Guide"), do=self.show_guide, shortcuts=("F1",),
-                       tip=tr("First steps, three examples step by step, and the use of the canvas."), icon="guide"),
+                       tip=tr("First steps, examples step by step, and the use of the canvas."), icon="guide"),
             ActionSpec(name="tour", menu="Help", text=tr("&Tour of the window"), do=self.begin_tour,
                        tip=tr("Five steps to a first result.")),
             ActionSpec(name="about", menu="Help", text=tr("&About CPM"), do=lambda: About(window).open(),
@@ -81,6 +81,13 @@ class HelpFeature(Feature):
         self.guide.show()
         self.guide.raise_()
         self.guide.activateWindow()
+
+    def use_keys(self) -> None:
+        """Name the keys as they are now."""
+        if self.guide is not None:
+            self.guide.use_actions(self.context.action_specs())
+        if self.tour is not None:
+            self.tour.show_keys()
 
     def close(self) -> bool:
         """Close the guide."""

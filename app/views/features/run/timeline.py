@@ -87,6 +87,10 @@ class TimelineFeature(Feature):
         """Color the buttons."""
         self.panel.use_theme(theme)
 
+    def use_keys(self) -> None:
+        """Name the keys as they are now."""
+        self.panel.show_keys()
+
     def _memory_label(self) -> QLabel:
         label = QLabel()
         navigation = self.navigation

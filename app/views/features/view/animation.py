@@ -13,6 +13,7 @@ from PySide6.QtCore import QRectF
 from app.model.export.provenance import comment_on
 from app.model.state.situation import has_particles
 from app.model.text.language import tr
+from app.model.text.reasons import reason
 from app.session.exchange.messages import Exported, Report
 from app.session.signals import FILMING
 from app.session.tasks.tasks import Task
@@ -92,13 +93,13 @@ class AnimationFeature(Feature):
         try:
             check_animation(path)
         except ValueError as error:
-            session.say(str(error), True, FILMING)
+            session.say(reason(error), True, FILMING)
             return None
         frames: queue.Queue[Pixels | None] = queue.Queue()
         task = session.tasks.start(
             tr("Writing {name}…").format(name=path.name),
             partial(_encode, frames, len(plan.steps), path, plan.frames_per_second, self._comment),
-            f"writing {path.name}",
+            tr("writing {name}").format(name=path.name),
         )
         self._film(
             task,
@@ -165,7 +166,7 @@ class AnimationFeature(Feature):
             taken = list(_taken(frames, task))
             return StripReady(task, strip(taken, captions, columns=plan.columns))
 
-        task = self._strip_task = session.tasks.start(tr("Drawing the strip…"), compose, "drawing the strip")
+        task = self._strip_task = session.tasks.start(tr("Drawing the strip…"), compose, tr("drawing the strip"))
         renderer = FrameRenderer(session.scene, self.context.canvas_area.canvas, part, frame_size(part, plan.width))
         self._film(task, renderer, [(branch, step) for step in plan.steps], frames)
 
@@ -198,7 +199,9 @@ class AnimationFeature(Feature):
             return Exported(path)
 
         name = tr("Writing {name}…").format(name=path.name)
-        return self.context.session.tasks.start(name, work, f"writing {path.name}", cancellable=False)
+        return self.context.session.tasks.start(
+            name, work, tr("writing {name}").format(name=path.name), cancellable=False
+        )
 
     # Both
 

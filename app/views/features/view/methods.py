@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QWidget
 from app.model.display.display_image import DisplayImage
 from app.model.export.formats import formats
 from app.model.state.situation import has_image
-from app.model.text.language import tr
+from app.model.text.language import from_core, tr
 from app.session.features.side_by_side.method_comparison import ComparisonWritten
 from app.views.features.view.run_dialog import RunDialogFeature
 from app.views.mosaic.methods import CompareDialog
@@ -53,4 +53,4 @@ class MethodsFeature(RunDialogFeature[CompareDialog]):
     def _tell(self, report: ComparisonWritten) -> None:
         names = ", ".join(file.name for file in report.files)
         wrote = tr("Wrote {name}.").format(name=names)
-        self.context.session.say(" ".join((wrote, *report.notes)) if names else " ".join(report.notes))
+        self.context.session.say(" ".join((*((wrote,) if names else ()), *map(from_core, report.notes))))

@@ -67,6 +67,10 @@ class PagesFeature(Feature):
                   height=250, shortcut="Shift+F11"),
         )  # fmt: skip
 
+    def use_keys(self) -> None:
+        """Name the keys as they are now."""
+        self.bar.show_keys()
+
     def export(self) -> None:
         """Ask where to write what was found on all pages, and write it."""
         found = self._pages.result

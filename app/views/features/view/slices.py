@@ -77,6 +77,10 @@ class SlicesFeature(Feature):
                            holds=lambda _: self._wanted)  # fmt: skip
         return (*through, *axes, sides)
 
+    def use_keys(self) -> None:
+        """Name the keys as they are now."""
+        self.bar.show_keys()
+
     def _go(self, by: int) -> None:
         """Go to another slice of a volume, or to another page of a stack."""
         (self._pages if self._pages.count else self._slices).go(by)

@@ -79,7 +79,9 @@ class SpaceFeature(Feature):
             return Exported(path)
 
         name = tr("Writing {name}…").format(name=path.name)
-        return self.context.session.tasks.start(name, work, f"writing {path.name}", cancellable=False)
+        return self.context.session.tasks.start(
+            name, work, tr("writing {name}").format(name=path.name), cancellable=False
+        )
 
     def ask_for_turntable(self) -> None:
         """Ask where to save a full turn, and write it."""
@@ -105,7 +107,7 @@ class SpaceFeature(Feature):
             return Exported(path) if written else None
 
         return self.context.session.tasks.start(
-            tr("Writing {name}…").format(name=path.name), work, f"writing {path.name}"
+            tr("Writing {name}…").format(name=path.name), work, tr("writing {name}").format(name=path.name)
         )
 
     # Internal

@@ -21,7 +21,8 @@ from PySide6.QtWidgets import (
 
 from app.model.display.display_image import DisplayImage
 from app.model.document.objects import add_region
-from app.model.text.language import tr
+from app.model.text.language import from_core, tr
+from app.model.text.reasons import reason
 from app.session.features.side_by_side.method_comparison import MethodComparison
 from app.session.features.side_by_side.method_run import Frame
 from app.session.session import Session
@@ -94,7 +95,7 @@ class CompareDialog(RunDialog):
         for number, pane in enumerate(self.panes):
             pane.mark(number == place)
         name = self.panes[place].method
-        self.heading.setText(tr(CONTOUR_METHODS[name].title) if name else "")
+        self.heading.setText(from_core(CONTOUR_METHODS[name].title) if name else "")
         ours = tr("These are the parameters of the window: change them there and run again.")
         own = self._compared.settings_of(name) if name not in ("", "cpm") else None
         self.form.show_settings(own, ours if name else "")
@@ -205,7 +206,7 @@ class CompareDialog(RunDialog):
         try:
             work()
         except ValueError as error:
-            self.words.setText(str(error))
+            self.words.setText(reason(error))
         else:
             self.words.setText("")
 
@@ -229,7 +230,7 @@ class CompareDialog(RunDialog):
     def _keep(self) -> None:
         frame = self._comparison.frames[self._focus]
         if frame is not None:
-            title = tr(CONTOUR_METHODS[frame.method].title)
+            title = from_core(CONTOUR_METHODS[frame.method].title)
             self._session.edit(tr("keep what {method} has found").format(method=title),
                                lambda document: add_region(document, frame.contours, title))  # fmt: skip
             self.words.setText(tr("{method} is an object of the window now.").format(method=title))

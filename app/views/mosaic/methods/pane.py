@@ -11,7 +11,7 @@ from PySide6.QtGui import QColor, QPalette
 from PySide6.QtWidgets import QComboBox, QFrame, QLabel, QVBoxLayout, QWidget
 
 from app.model.display.display_image import DisplayImage
-from app.model.text.language import tr
+from app.model.text.language import from_core, tr
 from app.session.features.side_by_side.method_run import Frame
 from app.views.canvas.coordinates import image_rectangle, to_xy
 from app.views.canvas.items.curves import Curves
@@ -39,9 +39,9 @@ class Pane(QFrame):
         self.choice = QComboBox()
         self.choice.setAccessibleName(tr("Method {number}").format(number=number))
         for name, method in CONTOUR_METHODS.items():
-            self.choice.addItem(tr(method.title), name)
+            self.choice.addItem(from_core(method.title), name)
             last = self.choice.count() - 1
-            words = "\n".join(filter(None, (tr(method.about), method.reference, method.missing)))
+            words = "\n".join(filter(None, (from_core(method.about), method.reference, from_core(method.missing))))
             self.choice.setItemData(last, words, Qt.ItemDataRole.ToolTipRole)
         self.choice.addItem(tr("None"), "")
         self.picture = pg.GraphicsView(background=theme.CANVAS)
@@ -133,7 +133,7 @@ def _words(frame: Frame) -> str:
     first = tr("{steps} steps, {seconds} s").format(steps=facts.steps, seconds=f"{facts.seconds:.2f}")
     if not frame.over:
         return first
-    return "\n".join([f"{first}, {tr(facts.stop_reason)}", *_agreement(facts)])
+    return "\n".join([f"{first}, {from_core(facts.stop_reason)}", *_agreement(facts)])
 
 
 def _agreement(facts: Facts) -> list[str]:

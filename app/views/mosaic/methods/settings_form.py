@@ -9,7 +9,7 @@ from functools import partial
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QDoubleSpinBox, QLabel, QSlider, QVBoxLayout, QWidget
 
-from app.model.text.language import tr
+from app.model.text.language import from_core
 from cpm_core.parameters import ParameterInfo
 from cpm_core.segmentation.methods import Settings
 
@@ -52,7 +52,7 @@ class SettingsForm(QWidget):
 
     def _add_row(self, rows: QVBoxLayout, name: str, info: ParameterInfo, value: float) -> None:
         unit = f" {info.unit}" if info.unit else ""
-        label = QLabel(f"{tr(info.title)}  {info.symbol}")
+        label = QLabel(f"{from_core(info.title)}  {info.symbol}")
         field = QDoubleSpinBox()
         field.setDecimals(max(0, -math.floor(math.log10(info.step))))
         field.setRange(info.low, info.high)
@@ -63,11 +63,11 @@ class SettingsForm(QWidget):
         slider = QSlider(Qt.Orientation.Horizontal)
         slider.setRange(0, _NOTCHES)
         slider.setValue(_notch(info, value))
-        words = f"{tr(info.meaning)} {tr(info.more)}"
+        words = f"{from_core(info.meaning)} {from_core(info.more)}"
         for widget in (label, field, slider):
             widget.setToolTip(words)
         for widget in (field, slider):
-            widget.setAccessibleName(tr(info.title))
+            widget.setAccessibleName(from_core(info.title))
             widget.setAccessibleDescription(words)
         field.valueChanged.connect(partial(self._take, name, slider, info))
         slider.valueChanged.connect(lambda notch: field.setValue(_value(info, notch)))

@@ -48,11 +48,11 @@ def _by_hand(item: Item) -> float:
 COLUMNS: tuple[Column[Item], ...] = (
     Column("number", tr("#"), tr("Number; it stays with the contour through sliders and runs."),
            lambda i: str(i.measures.number), lambda i: i.measures.number, "0000"),
-    Column("name", tr("Name"), tr("Name and color; double-click or press F2 to rename."), lambda i: i.contour.name,
-           lambda i: i.contour.name.casefold() or "\uffff", "left ventricle", False),
+    Column("name", tr("Name"), tr("Name and color; double-click or press {key:name_contour} to rename."),
+           lambda i: i.contour.name, lambda i: i.contour.name.casefold() or "\uffff", "left ventricle", False),
     Column("verdict", tr("Verdict"),
-           tr("K keeps, X rejects. Kept contours stay through sliders and runs; those rejected or left out as learned "
-              "are not exported."),
+           tr("{key:keep} keeps, {key:reject} rejects. Kept contours stay through sliders and runs; those rejected or "
+              "left out as learned are not exported."),
            _verdict, lambda i: 2 if i.reviewed.left_out else _ORDER[i.reviewed.verdict], "✗ as learned", False),
     Column("kind", tr("Kind"), tr("Closed, or open with two ends."),
            lambda i: tr("closed") if i.contour.closed else tr("open"), lambda i: float(not i.contour.closed), "closed",

@@ -9,6 +9,7 @@ from typing import Any, Generic
 from PySide6.QtCore import QAbstractTableModel, QModelIndex, QObject, QPersistentModelIndex, QSortFilterProxyModel, Qt
 
 from app.model.display.lengths import PixelSize
+from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.views.panels.item_table.columns import Column, Row, place
 
@@ -113,7 +114,7 @@ class ItemModel(QAbstractTableModel, Generic[Row]):
             case Role.DisplayRole:
                 return column.title.format(unit=self._unit)
             case Role.ToolTipRole:
-                return column.tip
+                return with_keys(column.tip)
             case Role.TextAlignmentRole if column.numeric:
                 return Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
         return None

@@ -9,6 +9,7 @@ from typing import Any
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtWidgets import QMenu, QTableView
 
+from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.views.panels.item_table.columns import Column
 
@@ -91,7 +92,7 @@ class ShownColumns:
             menu.addSeparator()
         for index, column in enumerate(self._columns):
             shown = menu.addAction(str(table.model().headerData(index, Qt.Orientation.Horizontal)))
-            shown.setToolTip(column.tip)
+            shown.setToolTip(with_keys(column.tip))
             shown.setCheckable(True)
             shown.setChecked(not table.isColumnHidden(index))
             shown.setEnabled(index != self._names)

@@ -8,6 +8,7 @@ from functools import partial
 from PySide6.QtCore import QSize
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QMenu, QToolButton, QVBoxLayout, QWidget
 
+from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.session.features.objects.object_list import ObjectList
 from app.session.session import Session
@@ -75,6 +76,10 @@ class ObjectPanel(QWidget):
         column.addStretch(1)
         return beside
 
+    def show_keys(self) -> None:
+        """Name the keys as they are now."""
+        self._show()
+
     def _fill(self, fill_classes: Callable[[QMenu], None]) -> None:
         self._classes.clear()
         fill_classes(self._classes)
@@ -90,7 +95,7 @@ class ObjectPanel(QWidget):
     def _summary(self) -> str:
         objects = self._list.objects
         if not objects.items:
-            return tr("No objects yet. Take the tool Select objects (W) and click in one.")
+            return with_keys(tr("No objects yet. Take the tool Select objects ({key:objects}) and click in one."))
         if len(objects.items) == 1:
             return tr("1 object.")
         return tr("{count} objects.").format(count=len(objects.items))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QCheckBox, QFrame, QHBoxLayout, QLabel, QPushButton, QSlider, QSpinBox
 
+from app.model.text.keys import with_keys
 from app.model.text.language import tr
 
 _JUMP = 10
@@ -26,7 +27,6 @@ class PageBar(QFrame):
         self.slider, self.number, self.of = QSlider(Qt.Orientation.Horizontal), QSpinBox(), QLabel()
         self.follow, self.run = QCheckBox(tr("Follow")), QPushButton()
         self.slider.setAccessibleName(tr("Page"))
-        self.slider.setToolTip(tr("Go through the pages: Page Up and Page Down."))
         self.slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.slider.setPageStep(_JUMP)
         self.slider.setTracking(False)
@@ -51,6 +51,10 @@ class PageBar(QFrame):
         self.follow.toggled.connect(self.followed)
         self.run.clicked.connect(self.asked)
         self.hide()
+
+    def show_keys(self) -> None:
+        """Name the keys as they are now."""
+        self.slider.setToolTip(with_keys(tr("Go through the pages: {key:previous_slice} and {key:next_slice}.")))
 
     def show_pages(self, number: int, count: int, *, following: bool, running: bool, possible: bool) -> None:
         """Show which page is open; hidden where there are not several."""

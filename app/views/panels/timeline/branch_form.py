@@ -126,7 +126,7 @@ def timeline_button(name: str, tip: str, do: Callable[[], object]) -> QToolButto
     button.setObjectName(f"timeline_{name}")
     button.setAutoRaise(True)
     button.setToolTip(tip)
-    button.setAccessibleName(tip.partition("(")[0].strip().rstrip("."))
+    button.setAccessibleName(tip.partition(" (")[0].rstrip("."))
     button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
     button.clicked.connect(lambda _=False: do())
     return button

@@ -19,6 +19,7 @@ from PySide6.QtWidgets import (
     QWidgetAction,
 )
 
+from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.session.features.timeline.navigation import TimelineNavigation
 from app.session.worker.recorded_run import MEGABYTE
@@ -37,6 +38,13 @@ _WIDE = 600
 _ROWS = 3
 """Number of branches that are always seen; the track scrolls to further ones."""
 
+_TIPS = {
+    "first": tr("Go to the first step of the run ({key:timeline_first})."),
+    "back": tr("Go one step back ({key:timeline_back})."),
+    "play": tr("Play or pause the recorded steps ({key:timeline_play})."),
+    "forward": tr("Go one recorded step forward ({key:timeline_forward})."),
+    "last": tr("Go to the last step of the branch ({key:timeline_last})."),
+}
 _NARROW, _TRACK = 316, 120
 """Least width of the panel and of its track [px]."""
 
@@ -52,16 +60,14 @@ class TimelinePanel(QWidget):
         self.view = TimelineView(navigation)
         self.setFocusProxy(self.view)
         self.view.step_requested.connect(navigation.go)
-        self.buttons = {
-            name: timeline_button(name, tip, do)
-            for name, tip, do in (
-                ("first", tr("Go to the first step of the run (Home)."), navigation.to_first),
-                ("back", tr("Go one step back (,)."), lambda: navigation.by(-1)),
-                ("play", tr("Play or pause the recorded steps."), navigation.toggle_play),
-                ("forward", tr("Go one recorded step forward."), lambda: navigation.by(1)),
-                ("last", tr("Go to the last step of the branch (End)."), navigation.to_last),
-            )
+        moves: dict[str, Callable[[], object]] = {
+            "first": navigation.to_first,
+            "back": lambda: navigation.by(-1),
+            "play": navigation.toggle_play,
+            "forward": lambda: navigation.by(1),
+            "last": navigation.to_last,
         }
+        self.buttons = {name: timeline_button(name, with_keys(_TIPS[name]), do) for name, do in moves.items()}
         self.step = QSpinBox()
         self.step.setKeyboardTracking(False)
         self.step.setAccessibleName(tr("Step"))
@@ -136,6 +142,11 @@ class TimelinePanel(QWidget):
         self.more.setVisible(not wide)
         style = Qt.ToolButtonStyle
         self.parameters.setToolButtonStyle(style.ToolButtonTextOnly if wide else style.ToolButtonIconOnly)
+
+    def show_keys(self) -> None:
+        """Name the keys as they are now."""
+        for name, button in self.buttons.items():
+            button.setToolTip(with_keys(_TIPS[name]))
 
     def minimumSizeHint(self) -> QSize:
         """Room for the buttons and a short track."""

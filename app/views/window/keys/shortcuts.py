@@ -9,8 +9,9 @@ from PySide6.QtGui import QAction, QKeySequence
 
 from app.model.preferences import shortcuts
 from app.model.preferences.shortcuts import Keyed
+from app.model.text.keys import Named
 from app.session.storage.preferences import Preferences
-from app.views.widgets.key_text import portable
+from app.views.widgets.key_text import native, portable
 
 Apply = Callable[[tuple[str, ...]], None]
 """Gives an action its keys."""
@@ -43,6 +44,13 @@ class Shortcuts(QObject):
     def keys(self, name: str) -> tuple[str, ...]:
         """Keys of an action."""
         return shortcuts.keys_of(self._actions[name][0], self._chosen)
+
+    def names(self) -> dict[str, Named]:
+        """What sentences call the actions."""
+        return {
+            name: Named(native(next(iter(self.keys(name)), "")), action.title)
+            for name, (action, _) in self._actions.items()
+        }
 
     def holder(self, key: str, besides: str) -> Keyed | None:
         """The action that has a key, apart from the one named `besides`."""

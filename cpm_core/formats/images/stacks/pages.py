@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Literal, overload
 
 from cpm_core.image.image import Image
+from cpm_core.parameters.quotation import counted, described
 
 Axis = Literal["z", "t", "c"]
 """Planes, points in time, channels."""
@@ -66,6 +67,9 @@ class Pages(Sequence[Image]):
         if isinstance(places, range):
             return _Chosen(self, places)
         return self._read(places + 1)
+
+    def __repr__(self) -> str:
+        return described("Pages", self.name, counted(len(self), self.word))
 
 
 class _Chosen(Sequence[Image]):

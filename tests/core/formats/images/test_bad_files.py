@@ -18,8 +18,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from cpm_core.formats import load_image, readers
-from cpm_core.formats.images import decoded
 from cpm_core.formats.images.decoded import Decoded
+from cpm_core.image import colors
 from cpm_core.image.image import Image
 
 VALUES = (np.add.outer(np.arange(24) * 7, np.arange(30) * 5) % 251).astype(np.uint8)
@@ -284,7 +284,7 @@ def test_colors_and_transparency_are_the_same_however_many_pixels_are_computed_a
     clear = np.dstack([VALUES, VALUES[::-1], VALUES[:, ::-1], VALUES])
     PIL.Image.fromarray(clear).save(tmp_path / "a.png")
     whole = load_image(tmp_path / "a.png")
-    monkeypatch.setattr(decoded, "_BLOCK", 7)
+    monkeypatch.setattr(colors, "_BLOCK", 7)
     parts = load_image(tmp_path / "a.png")
     np.testing.assert_array_equal(parts.values, whole.values)
     np.testing.assert_array_equal(parts.colors.samples, whole.colors.samples)

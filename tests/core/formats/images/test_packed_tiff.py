@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from cpm_core.formats import load_image
 from cpm_core.formats.images import packing as tiff_packing
-from cpm_core.formats.images.decoded import WEIGHTS
+from cpm_core.image.colors import WEIGHTS
 
 RAMP = np.arange(24 * 20).reshape(24, 20)
 LZW, ZSTD, DEFLATE, NONE = 5, 50000, 8, 1

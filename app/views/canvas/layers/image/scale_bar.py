@@ -6,12 +6,13 @@ import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen
 
-from app.model.display.lengths import Bar, bar, shown_in
+from app.model.display.lengths import bar, shown_in
 from app.model.text.language import tr
 from app.session.scene import Scene
 from app.views.canvas.items.pinned import INK, MARGIN, Pinned
 from app.views.canvas.layers.layer import Layer, Requests
 from app.views.canvas.layers.options import Switch
+from cpm_core.image.drawing.scale_bar import Bar
 
 LONGEST = 160.0
 """Largest length of the bar [px of the screen]; it is never shorter than 2/5 of it."""

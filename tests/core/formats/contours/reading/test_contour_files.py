@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from cpm_core.formats import export
-from cpm_core.formats.contours.contour_files import load_contours, read_contours
+from cpm_core.formats.contours.reading.contour_file import load_contours, read_contours
 
-from ..drawn import RESULT
+from ...drawn import RESULT
 
 KEPT = [contour for contour in RESULT.contours if len(contour.points) > 1]
 
@@ -110,7 +110,7 @@ def test_rectangles_and_circles_of_labelme_are_closed_contours(tmp_path):
         ("a.json", "3", "is damaged or holds no contours"),
         ("a.json", {"type": "Sphere"}, "is damaged or holds no contours"),
         ("a.json", {"shapes": [{"shape_type": "polygon", "points": [1], "label": ""}]}, "is damaged"),
-        ("a.json", {"images": [], "annotations": []}, "is a COCO file, which cannot be read"),
+        ("a.json", {"images": [], "annotations": []}, "holds no contours"),
         ("a.geojson", {"type": "FeatureCollection", "features": []}, "holds no contours"),
         ("a.geojson", {"type": "LineString", "coordinates": [[1, "x"], [2, 3]]}, "is damaged"),
         ("a.geojson", '{"type": "LineString", "coordinates": [[1, NaN], [2, 3]]}', "not finite numbers"),

@@ -11,7 +11,7 @@ from cpm_core.contours.contour import Contour, numbers_of
 from cpm_core.numerics.polyline import inside, middles
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Position
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import described, shown
 
 _PROBES = 16
 """Samples along a contour that are tested for containment; the majority decides where contours touch."""
@@ -73,6 +73,12 @@ class Measures:
     net_area: float
     net_area_in_units: float
     by_hand: float = 0.0
+
+    def __repr__(self) -> str:
+        kind = "closed" if self.closed else "open"
+        return described(
+            "Measures", f"number {self.number}", self.name, kind, f"{self.length:,.1f} px", f"{self.area:,.1f} px²"
+        )
 
 
 def contour_labels(contours: Sequence[Contour]) -> tuple[int, ...]:

@@ -1,0 +1,82 @@
+"""Figures for publications: the image with contours and a scale bar as SVG, PNG or PDF, drawn by matplotlib."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from cpm_core.contours.result import Result
+from cpm_core.formats.atomic import check_place, write_together
+from cpm_core.formats.provenance import facts_of, text_of
+from cpm_core.image.drawing.axes import FIGURES, encoded_figure, new_figure
+from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.parameters.quotation import shown
+
+
+def write_figure(
+    result: Result | Skeleton,
+    *paths: str | os.PathLike[str],
+    image: bool = True,
+    contours: bool = True,
+    particles: bool = False,
+    labels: bool = False,
+    scale_bar: bool = True,
+) -> None:
+    """Write a figure: the image with contours and a scale bar, as SVG, PNG or PDF.
+
+    Contours stay lines in SVG and PDF, and texts stay texts in SVG, so that both can be changed in a drawing program.
+    It needs matplotlib (``pip install matplotlib``).
+
+    Parameters
+    ----------
+    result : Result or Skeleton
+        What is drawn; of a volume the surface.
+    *paths : path-like
+        Files to write, with the suffix ``.svg``, ``.png`` or ``.pdf``. Existing ones are replaced.
+    image, contours, particles, labels, scale_bar : bool
+        What is drawn, as in `Result.plot`.
+
+    Raises
+    ------
+    ValueError
+        For another suffix, a file that cannot be written, or without matplotlib. Then nothing is written.
+
+    Examples
+    --------
+    >>> result = cpm.segment(cpm.example("disks"), cpm.uniform_grid((64, 64)))
+    >>> cpm.write_figure(result, "disks.pdf", labels=True)
+    """
+    files = list(map(Path, paths))
+    for file in files:
+        check_figure(file)
+    contents = [
+        (file, encoded(result, file.suffix.lower(), image, contours, particles, labels, scale_bar)) for file in files
+    ]
+    write_together(contents)
+
+
+def check_figure(path: str | os.PathLike[str]) -> None:
+    """Raise a `ValueError` for a path to which no figure can be written."""
+    file = Path(path)
+    if file.suffix.lower() not in FIGURES:
+        raise ValueError(f"{shown(file.name)} names no figure: choose one of {', '.join(FIGURES)}.")
+    check_place(file)
+
+
+def encoded(
+    result: Result | Skeleton,
+    suffix: str,
+    image: bool = True,
+    contours: bool = True,
+    particles: bool = False,
+    labels: bool = False,
+    scale_bar: bool = True,
+) -> bytes:
+    """What `write_figure` writes, as bytes."""
+    surface = result.surface if isinstance(result, Result) else None
+    figure, ax = new_figure(result.shape if surface is None else None, result.spacing)
+    if isinstance(result, Skeleton):
+        result.plot(ax, scale_bar=scale_bar)
+    else:
+        result.plot(ax, image=image, contours=contours, particles=particles, labels=labels, scale_bar=scale_bar)
+    return encoded_figure(figure, suffix, text_of(facts_of(result)))

@@ -1,0 +1,1 @@
+"""DXF: drawings for CAD, their frame and their colors."""

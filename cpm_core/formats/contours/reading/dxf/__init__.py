@@ -1,0 +1,1 @@
+"""Reading of DXF: its group codes, its entities, and the drawing as a whole."""

@@ -1,0 +1,55 @@
+"""Masks: the outlines of their objects, so that painting them gives the same mask again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import scipy
+import skimage
+from numpy.typing import NDArray
+from PIL import Image
+
+from cpm_core.numerics import polyline
+from cpm_core.numerics.types import Array
+
+MOST_PIXELS = 2**28
+"""Most pixels of a mask in a file of contours."""
+
+
+def outlines(mask: NDArray[np.generic], row: int = 0, col: int = 0) -> list[tuple[Array, bool]]:
+    """Closed curves around the pixels of a mask, and whether each is the boundary of a hole.
+
+    `row` and `col` are the place of the first pixel. Curves run between the centers of pixels inside and outside.
+    """
+    padded = np.pad(np.asarray(mask) != 0, 1).astype(np.float64)
+    curves = [curve[:-1] - 1.0 for curve in skimage.measure.find_contours(padded, 0.5, fully_connected="low")]  # type: ignore[no-untyped-call]
+    found = []
+    for curve in curves:
+        on_edge = curve[0]
+        low = np.floor(on_edge).astype(int)
+        high = np.ceil(on_edge).astype(int)
+        filled = low if padded[low[0] + 1, low[1] + 1] else high
+        hole = not bool(polyline.inside(curve, filled[None].astype(float))[0])
+        found.append((curve + np.array([row, col]), hole))
+    return found
+
+
+def numbered_colors(file: Path) -> NDArray[np.integer] | None:
+    """The numbers of the colors of a PNG that has a table of them; None for other files."""
+    try:
+        with Image.open(file, formats=("PNG",)) as picture:
+            if picture.mode == "P" and picture.width * picture.height <= MOST_PIXELS:
+                return np.array(picture, dtype=np.int32)
+    except (OSError, SyntaxError, ValueError):  # no PNG, or a damaged one, of which the reader of images tells
+        return None
+    return None
+
+
+def objects(labels: NDArray[np.integer]) -> Iterator[tuple[int, list[tuple[Array, bool]]]]:
+    """Each label of a mask with its `outlines`; 0 is the background."""
+    for number, window in enumerate(scipy.ndimage.find_objects(labels), start=1):
+        if window is not None:
+            rows, cols = window
+            yield number, outlines(labels[window] == number, rows.start, cols.start)

@@ -1,0 +1,92 @@
+"""Small drawn images, to try things on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.image.image import Image
+from cpm_core.numerics.types import Array
+from cpm_core.parameters.quotation import shown
+
+_BRIGHT = 200.0
+
+
+def example(name: str = "disk") -> Image:
+    """Draw a small image to try things on.
+
+    Parameters
+    ----------
+    name : {"disk", "ring", "disks", "gap", "colors", "ball"}
+        What is drawn, each with smooth edges: a disk of radius 20 around (32, 32), a ring of radii 10 and 24 there, two
+        disks of radius 10 around (32, 18) and (32, 46), a disk whose edge fades out on one side, a red disk on a green
+        ground; and a volume with a ball of radius 9 around (15, 15, 15).
+
+    Returns
+    -------
+    Image
+        Of 64 x 64 px, each 0.5 µm wide, or of 31 x 31 x 31 voxels of 1 mm.
+
+    Raises
+    ------
+    ValueError
+        When there is no such example.
+
+    Examples
+    --------
+    >>> cpm.example("disk")
+    <Image disk, 64 x 64 px, 0.5 µm a pixel>
+    >>> cpm.example("ball").shape
+    (31, 31, 31)
+    """
+    if not isinstance(name, str) or name not in _DRAWN:
+        raise ValueError(f"there is no example {shown(name)}: choose one of {', '.join(_DRAWN)}.")
+    if name == "ball":
+        return Image(
+            _BRIGHT * _within(np.linalg.norm(np.indices((31, 31, 31)) - 15.0, axis=0), 9.0), (1.0,) * 3, "mm", name
+        )
+    return Image(_DRAWN[name](), (0.5, 0.5), "µm", name)
+
+
+def _within(distance: Array, radius: float) -> Array:
+    """1 inside a radius, 0 outside, and between them on a width of one pixel."""
+    return np.clip(radius + 0.5 - distance, 0.0, 1.0)
+
+
+def _around(row: float, col: float) -> Array:
+    """Distance of each pixel from a place."""
+    return np.asarray(np.hypot(*(np.indices((64, 64)) - np.array([row, col])[:, None, None])))
+
+
+def _disk() -> Array:
+    return _BRIGHT * _within(_around(32, 32), 20.0)
+
+
+def _ring() -> Array:
+    return _BRIGHT * (_within(_around(32, 32), 24.0) - _within(_around(32, 32), 10.0))
+
+
+def _disks() -> Array:
+    return _BRIGHT * (_within(_around(32, 18), 10.0) + _within(_around(32, 46), 10.0))
+
+
+def _gap() -> Array:
+    """A disk beside whose right edge the ground is as bright as itself."""
+    row, col = np.indices((64, 64))
+    ground = np.clip((col - 44.0) / 4.0, 0.0, 1.0) * np.clip((6.5 - np.abs(row - 32.0)) / 2.0, 0.0, 1.0)
+    return np.asarray(np.maximum(_disk(), _BRIGHT * ground))
+
+
+def _colors() -> NDArray[np.uint8]:
+    disk = _within(_around(32, 32), 20.0)
+    return np.asarray(np.stack([40 + 180 * disk, 140 - 90 * disk, 60 + 0 * disk], axis=-1), dtype=np.uint8)
+
+
+_DRAWN: Mapping[str, Callable[[], NDArray[Any]]] = MappingProxyType(
+    {"disk": _disk, "ring": _ring, "disks": _disks, "gap": _gap, "colors": _colors, "ball": _disk}
+)
+"""What is drawn, by name; the ball is drawn in three dimensions."""

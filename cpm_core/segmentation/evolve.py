@@ -1,0 +1,270 @@
+"""A run step by step: an iterator over its states, whose parameters can be changed and which can be stopped."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from numpy.typing import ArrayLike
+
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.result import Result
+from cpm_core.field.placed_charges import PlacedCharge
+from cpm_core.image.drawing import axes, raster
+from cpm_core.image.drawing.notebook import Pictured
+from cpm_core.image.image import Image
+from cpm_core.image.volume_regions import AnyRegions
+from cpm_core.numerics.real_numbers import checked_number
+from cpm_core.numerics.types import Array
+from cpm_core.parameters import Parameters
+from cpm_core.parameters.quotation import counted, described, shown
+from cpm_core.particles.state import State
+from cpm_core.segmentation.engine import Engine
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Evolved(Pictured):
+    """A moment of a run: its particles, and on demand its contours.
+
+    Attributes
+    ----------
+    engine : Engine
+        What computes the steps of the run.
+    state : State
+        All that the next step depends on.
+    parameters : Parameters
+        Those of the step that led here.
+
+    Examples
+    --------
+    >>> run = cpm.evolve(cpm.example(), cpm.circle((32, 32), 8))
+    >>> first = next(run)
+    >>> first
+    <Evolved, step 0, scale 2, 25 particles>
+    >>> first.step, first.scale, first.count, first.position.shape, first.points.shape
+    (0, 2, 25, (25, 2), (25, 2))
+    >>> for moment in run:
+    ...     pass
+    >>> moment.converged, moment.stop_reason.split(":")[0]
+    (True, 'at rest')
+    >>> len(moment.contours), moment.result.contours[0].closed
+    (1, True)
+    >>> axes = moment.plot()
+    """
+
+    engine: Engine
+    state: State
+    parameters: Parameters
+
+    @property
+    def step(self) -> int:
+        """Number of steps so far."""
+        return self.state.step
+
+    @property
+    def scale(self) -> int:
+        """Scale of the image, 0 for the image itself; a run goes from coarse to fine."""
+        return self.state.scale
+
+    @property
+    def count(self) -> int:
+        """Number of particles."""
+        return self.state.count
+
+    @property
+    def position(self) -> Array:
+        """Positions of the particles, shape (N, D) [px of the image]."""
+        return self.state.position
+
+    @property
+    def points(self) -> Array:
+        """The same as `position`: what all methods that can be compared call it."""
+        return self.state.position
+
+    @property
+    def stop_reason(self) -> str:
+        """Why the run ended, in words; empty while it continues."""
+        return self.state.stop_reason
+
+    @property
+    def converged(self) -> bool:
+        """Whether the particles came to rest."""
+        return self.state.converged
+
+    @cached_property
+    def result(self) -> Result:
+        """What has been found so far, reconstructed at the first access."""
+        return self.engine.result(self.state, self.parameters)
+
+    @property
+    def contours(self) -> tuple[Contour, ...]:
+        """The contours that are reconstructed from the particles, at the first access."""
+        return self.result.contours
+
+    def plot(self, ax: axes.Axes | None = None, *, contours: bool = False, scale_bar: bool = True) -> axes.Axes:
+        """Draw the image with the particles by matplotlib; of a volume the surface. See `Result.plot`."""
+        if contours or self.engine.image.ndim == 3:
+            return self.result.plot(ax, particles=True, contours=contours, scale_bar=scale_bar)
+        ax = self.engine.image.plot(ax, scale_bar=scale_bar)
+        axes.show_particles(ax, self.position)
+        return ax
+
+    def __repr__(self) -> str:
+        return described(
+            "Evolved", f"step {self.step}", f"scale {self.scale}", counted(self.count, "particle"),
+            self.stop_reason.partition(":")[0],
+        )  # fmt: skip
+
+    def _repr_png_(self) -> bytes:
+        image = self.engine.image
+        colors = None if image.colors is None else image.colors.samples
+        return raster.picture(image.values, image.shape, image.spacing, (), self.position, colors)
+
+
+class Evolution(Iterator[Evolved]):
+    """The states of a run, one after the other; `evolve` makes it.
+
+    The first is the start. Parameters, placed charges and the end can be set between two steps.
+
+    Parameters
+    ----------
+    engine : Engine
+        What computes the steps.
+    state : State
+        The first state.
+    parameters : Parameters
+        For the first steps.
+    max_steps : int, optional
+        Greatest number of steps.
+    charges : sequence of PlacedCharge
+        For the first steps.
+
+    Examples
+    --------
+    >>> run = cpm.evolve(cpm.example(), cpm.circle((32, 32), 8))
+    >>> for moment in run:
+    ...     if moment.step == 5:  # damp what follows, and attract the particles to a place
+    ...         run.parameters = cpm.Parameters(beta=1.5)
+    ...         run.charges = [cpm.PlacedCharge((32, 50), 1.0)]
+    ...     if moment.step == 12:
+    ...         run.stop()
+    >>> run
+    <Evolution of disk, step 12, stopped, as asked>
+    >>> run.moment.state.charges[0].strength, len(run.charges), run.parameters.beta
+    (1.0, 1, 1.5)
+    >>> run.result
+    <Result, disk, 0 contours, 25 particles, stopped, as asked after 12 steps>
+    """
+
+    def __init__(
+        self,
+        engine: Engine,
+        state: State,
+        parameters: Parameters,
+        max_steps: int | None = None,
+        charges: Sequence[PlacedCharge] = (),
+    ) -> None:
+        self._engine = engine
+        self._moment = Evolved(engine, state, parameters)
+        self._begun = False
+        self._max_steps = max_steps
+        self.parameters = parameters
+        self.charges = charges
+
+    @property
+    def parameters(self) -> Parameters:
+        """Parameters of the next step; another number of scales is not possible in a run."""
+        return self._parameters
+
+    @parameters.setter
+    def parameters(self, given: Parameters) -> None:
+        if not isinstance(given, Parameters):
+            raise ValueError(f"parameters is {shown(given)} but must be Parameters: use dataclasses.replace on them.")
+        if not self._engine.suits(given):
+            raise ValueError(f"scales is {given.scales} but must stay {self._engine.scales} in a run: begin another.")
+        self._parameters = given
+
+    @property
+    def charges(self) -> Sequence[PlacedCharge]:
+        """Placed charges of the next step."""
+        return self._charges
+
+    @charges.setter
+    def charges(self, given: Sequence[PlacedCharge]) -> None:
+        self._charges = tuple(given)
+
+    @property
+    def moment(self) -> Evolved:
+        """The newest moment."""
+        return self._moment
+
+    @property
+    def result(self) -> Result:
+        """What has been found so far, with the present parameters for the contours."""
+        return self._engine.result(self._moment.state, self._parameters)
+
+    def stop(self, reason: str = "stopped, as asked") -> None:
+        """End the run: nothing follows the newest moment. `reason` is what `Result.stop_reason` says."""
+        if not self._moment.stop_reason:
+            self._moment = Evolved(self._engine, self._moment.state.stopped(reason), self._parameters)
+
+    def __next__(self) -> Evolved:
+        if not self._begun:
+            self._begun = True
+            return self._moment
+        before = self._moment.state
+        if before.stop_reason:
+            raise StopIteration
+        state = self._engine.step(before, self._parameters, self._charges)
+        if state.step == self._max_steps and not state.stop_reason:
+            state = state.stopped(f"stopped after {self._max_steps} steps, as asked")
+        self._moment = Evolved(self._engine, state, self._parameters)
+        return self._moment
+
+    def __repr__(self) -> str:
+        moment = self._moment
+        reason = moment.stop_reason.partition(":")[0]
+        return described(f"Evolution of {self._engine.image.source}", f"step {moment.step}", reason)
+
+
+def evolve(
+    values: ArrayLike | Image,
+    seeds: ArrayLike,
+    parameters: Parameters | None = None,
+    max_steps: int | None = None,
+    regions: AnyRegions | None = None,
+    charges: Sequence[PlacedCharge] = (),
+) -> Evolution:
+    """Run step by step: an iterator over the states of a run, from the start until the particles are at rest.
+
+    Parameters
+    ----------
+    values, seeds, parameters, max_steps, regions, charges
+        As for `segment`.
+
+    Returns
+    -------
+    Evolution
+        Gives a moment of the run at each step, the first being the start, with the particles and, computed when they
+        are asked for, the contours. Its `parameters` and `charges` can be set at any time, and `stop` ends the run.
+
+    Raises
+    ------
+    ValueError
+        For an unusable image, seeds or parameters; the message says what to do.
+
+    Examples
+    --------
+    >>> for moment in cpm.evolve(cpm.example(), cpm.circle((32, 32), 8)):
+    ...     if moment.step % 100 == 0:
+    ...         print(moment.step, moment.count, len(moment.contours))
+    0 25 1
+    """
+    if max_steps is not None:
+        checked_number(
+            "max_steps", max_steps, lambda count: count >= 1 and count == int(count), "at least 1, and whole"
+        )
+    chosen = parameters or Parameters()
+    engine = Engine(values, chosen, regions)
+    return Evolution(engine, engine.start(seeds), chosen, max_steps, charges)

@@ -1,0 +1,168 @@
+"""Keys in sentences are those that the actions have now; none that can be changed stands there as fixed text."""
+
+from __future__ import annotations
+
+import gettext
+import importlib.util
+import re
+from pathlib import Path
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QAbstractButton, QLabel, QTableView, QWidget
+
+from app.model.document import edits
+from app.model.text.keys import Named, use_names, with_keys
+from app.views.features.help.help import HelpFeature
+from app.views.features.run.timeline import TimelineFeature
+from app.views.help.cheat_sheet import CheatSheet
+from app.views.widgets.key_text import native
+from cpm_core.shapes import Circle, Everywhere
+
+LANGUAGES = Path(__file__).parents[3] / "assets" / "languages"
+
+NAMED = re.compile(r"\{key:(\w+)\}")
+
+FIXED = (
+    # In fields, dialogs and on the divider, these keys are not those of an action.
+    r"Enter or Esc (in a field )?gives it back", r"or Esc closes this sheet", r"Esc ends the comparison",
+    r"press Space to enlarge", r"Enlarge \(Space\)",
+    # While corners, marks or objects are there, the canvas itself takes these.
+    r"Backspace (removes|takes back|takes the last)", r"Delete removes (the stretch|it\. Click)",
+    # Words, names and measures.
+    r"^&?(Delete|Space|Menu)\b", r"A\. C\.", r"\bF \{f\}", r"^F$", r"^U shape$", r"whole U\b", r"in space",
+)  # fmt: skip
+"""What sentences say of keys that no action has, or with words that are no keys."""
+
+WORDS = {
+    "Escape": r"\bEsc(ape)?\b", "PgUp": r"\b(PgUp|Page Up)\b", "PgDown": r"\b(PgDown|Page Down)\b",
+}  # fmt: skip
+"""How people write keys that are named otherwise in code."""
+
+IN_GERMAN = r"(Strg|Umschalt|Alt)\+\w|Leertaste|\bEntf\b|\bBild (auf|ab)\b|\b(Pos1|Ende)\)|\(F\d+\)|\bEsc\b|\([A-Z,.]\)"
+GERMAN_FIXED = (
+    r"Enter oder Esc gibt", r"Enter oder Esc in einem Feld", r"oder Esc schließt diese", r"Esc beendet den Vergleich",
+    r"Leertaste vergrößert", r"Vergrößern \(Leertaste\)", r"Entf löscht (den Abschnitt|es\. )", r"Alt\+Enter",
+    r"Entf löscht es\.", r"Strg\+Enter", r"Welche Seite an jedem Rand.*",
+)  # fmt: skip
+
+
+def _sentences() -> list[str]:
+    spec = importlib.util.spec_from_file_location("make_template", LANGUAGES / "make_template.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return list(module.sentences())
+
+
+SENTENCES = _sentences()
+
+
+def pattern_of(key: str) -> str:
+    """How a sentence says a key: a letter or sign by itself only in parentheses or before a verb."""
+    if len(key) == 1:
+        return rf"\({re.escape(key)}\)" + (rf"|(?<![\w.“]){key} [a-z]+s\b" if key.isalpha() and key not in "AI" else "")
+    return WORDS.get(key, rf"(?<![\w+])(?<!Alt-){re.escape(key)}(?![\w+])")
+
+
+def without(said: str, fixed: tuple[str, ...]) -> str:
+    return re.sub("|".join(fixed), "", said)
+
+
+@pytest.fixture
+def renamed(window) -> dict[str, str]:
+    """The keys that all actions named in sentences have been given, by the names of the actions."""
+    actions = sorted({name for said in SENTENCES for name in NAMED.findall(said)})
+    keys = {name: f"Ctrl+Alt+Shift+F{number}" for number, name in enumerate(actions, start=1)}
+    for name, key in keys.items():
+        window.shortcuts.choose(name, key)
+    yield {name: native(key) for name, key in keys.items()}
+    window.shortcuts.reset()
+
+
+def texts_of(window) -> list[str]:
+    """All that the widgets of a window say, and what they would say under the pointer."""
+    found = [action.toolTip() for action in window.actions()] + [action.statusTip() for action in window.actions()]
+    for widget in window.findChildren(QWidget):
+        found += [widget.toolTip(), widget.accessibleName()]
+        if isinstance(widget, QLabel | QAbstractButton):
+            found.append(widget.text())
+        if isinstance(widget, QTableView) and widget.model() is not None:
+            model = widget.model()
+            found += [
+                str(model.headerData(column, Qt.Orientation.Horizontal, Qt.ItemDataRole.ToolTipRole))
+                for column in range(model.columnCount())
+            ]
+    return found
+
+
+def test_no_sentence_says_a_key_that_can_be_changed_as_fixed_text(window) -> None:
+    keys = {key for action in window.shortcuts.actions for key in action.default}
+    patterns = re.compile("|".join(sorted(map(pattern_of, keys), key=len, reverse=True)))
+    assert [said for said in SENTENCES if patterns.search(without(said, FIXED))] == []
+
+
+def test_no_translation_does_so_either() -> None:
+    with (LANGUAGES / "de" / "LC_MESSAGES" / "cpm.mo").open("rb") as stream:
+        german = gettext.GNUTranslations(stream)
+    told = {said: german.gettext(said) for said in SENTENCES}
+    wrong = [
+        other for said, other in told.items() if other != said and re.search(IN_GERMAN, without(other, GERMAN_FIXED))
+    ]
+    assert wrong == []
+
+
+def test_every_key_in_a_sentence_is_that_of_an_action(window) -> None:
+    known = {action.name for action in window.shortcuts.actions}
+    assert {name for said in SENTENCES for name in NAMED.findall(said)} <= known
+
+
+def test_changed_keys_are_in_every_sentence_of_the_window(window, renamed) -> None:
+    said = texts_of(window)
+    assert not [text for text in said if "{key:" in text]
+    timeline = window.feature(TimelineFeature).panel
+    for name, button in timeline.buttons.items():
+        assert f"({renamed[f'timeline_{name}']})" in button.toolTip()
+    for name in ("objects", "escape", "previous_slice", "next_slice", "name_contour", "keep", "reject"):
+        assert any(renamed[name] in text for text in said), name
+    assert renamed["reject"] in window.actions_by_name["contours"].toolTip()
+    assert renamed["reject"] in window.actions_by_name["contours"].statusTip()
+
+
+@pytest.mark.parametrize(("shape", "action"), [(Circle((32.0, 32.0), 10.0), "select"), (Everywhere("grid"), "run")])
+def test_the_hint_follows_a_changed_key_at_once(window, shape, action) -> None:
+    window.session.edit("draw", lambda document: edits.add_shape(document, shape))
+    window.session.select(0)
+    hint, before = window.canvas_area.hint, native(window.shortcuts.keys(action)[0])
+    assert before in hint.text()
+    window.shortcuts.choose(action, "Ctrl+F7")
+    assert native("Ctrl+F7") in hint.text()
+    assert before not in hint.text()
+    window.shortcuts.reset()
+    assert before in hint.text()
+
+
+def test_guide_tour_and_sheet_follow_changed_keys_while_they_are_open(window, hand) -> None:
+    feature = window.feature(HelpFeature)
+    feature.show_guide("canvas")
+    window.actions_by_name["tour"].trigger()
+    feature.tour.go(2)
+    window.shortcuts.choose("run", "Ctrl+F7")
+    assert native("Ctrl+F7") in feature.guide.text.toPlainText()
+    assert native("Ctrl+F7") in feature.tour.text.text()
+    feature.tour.end()
+    feature.guide.close()
+    window.shortcuts.choose("keys", "Ctrl+F8")
+    window.actions_by_name["keys"].trigger()
+    sheet = window.findChild(CheatSheet)
+    assert native("Ctrl+F7") in sheet.text()
+    assert native("Ctrl+F8") in sheet.text()
+    hand.wait(sheet.isActiveWindow)
+    hand.qtbot.keyClick(sheet, Qt.Key.Key_F8, Qt.KeyboardModifier.ControlModifier)
+    assert not sheet.isVisible()
+
+
+def test_an_action_without_a_key_is_called_by_its_title() -> None:
+    use_names({"run": Named("", "Run"), "open": Named("", "Open"), "reset": Named("{", "Reset")})
+    assert with_keys("Press {key:run} to run.") == "Press “Run” to run."
+    assert with_keys("Open an image ({key:open}) or drop one here.") == "Open an image or drop one here."
+    assert with_keys("Reset ({key:reset}) removes the {shape}.", shape="circle") == "Reset ({) removes the circle."

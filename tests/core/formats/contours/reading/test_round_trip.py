@@ -1,0 +1,120 @@
+"""What is exported is read back: vertices to a hundredth of a pixel, with the names, colors and objects that fit in."""
+
+import string
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cpm_core import Contour, Image
+from cpm_core.contours.rasterize import paint
+from cpm_core.formats import WRITABLE, encoded, export
+from cpm_core.formats.contours.reading.contour_file import decode_contours, load_contours, plane_of, read_contours
+
+from ...drawn import RESULT
+
+NEAR = 0.01
+WHOLE = (".json", ".csv", ".geojson", ".zip", ".labelme.json", ".svg", ".dxf")
+"""Formats that hold open and closed contours with all their vertices."""
+WITHOUT_COLORS = (".labelme.json",)
+
+places = st.integers(0, 8000).map(lambda number: number / 16)
+points = st.lists(st.tuples(places, places), min_size=3, max_size=12, unique=True).map(np.array)
+names = st.text(string.ascii_letters + "äß日 -_.", max_size=12).map(str.strip)
+colors = st.sampled_from(["", "#e69f00", "#0072b2", "#000000", "#ffffff", "#102030"])
+contours = st.builds(Contour, points, st.booleans(), name=names, color=colors)
+
+
+def result_of(*drawn, unit=None, spacing=(1.0, 1.0)):
+    return replace(RESULT, contours=drawn, bridges=(), shape=(501, 501), unit=unit, spacing=spacing)
+
+
+def off(found, original):
+    """How far the vertices of a closed contour are off, wherever it begins and however it turns."""
+    distance = np.linalg.norm(found.points[:, None] - original.points, axis=2)
+    return max(distance.min(axis=1).max(), distance.min(axis=0).max())
+
+
+@settings(max_examples=25, deadline=None)
+@given(drawn=st.lists(contours, min_size=1, max_size=4), spacing=st.sampled_from([0.02, 1.0, 3.7]))
+@pytest.mark.parametrize("suffix", WHOLE)
+def test_any_contours_come_back(suffix, drawn, spacing):
+    result = result_of(*drawn, unit="mm", spacing=(spacing, 0.5 * spacing))
+    found = decode_contours(encoded(result, suffix), f"a{suffix}").contours
+    assert [one.closed for one in found] == [one.closed for one in drawn]
+    assert max(off(one, original) for one, original in zip(found, drawn, strict=True)) < NEAR
+    assert [one.name for one in found] == [one.name for one in drawn]
+    if suffix not in WITHOUT_COLORS:
+        assert [one.color for one in found] == [one.color for one in drawn]
+
+
+RING = [np.array([(20.0, 20.0), (20.0, 60.25), (60.5, 60.0), (60.0, 20.125)]) + 0.1 * k for k in range(2)]
+INNER = np.array([(30.0, 30.0), (30.0, 50.0), (50.3, 50.0), (50.0, 30.0)])
+OBJECT = (
+    Contour(RING[0], True, name="cell", color="#e69f00", group=3),
+    Contour(INNER, True, group=3, hole=True),
+    Contour(RING[1] + (0.0, 90.0), True, name="cell", color="#e69f00", group=4),
+)
+
+
+@pytest.mark.parametrize("suffix", [".json", ".geojson", ".labelme.json", ".coco.json"])
+def test_holes_stay_holes_of_their_object(suffix):
+    result = result_of(*OBJECT)
+    found = decode_contours(encoded(result, suffix), f"a{suffix}").contours
+    outer, hole = found[:2]
+    assert [one.hole for one in found] == [False, True, False]
+    assert outer.group == hole.group != 0
+    assert max(off(one, original) for one, original in zip(found, OBJECT, strict=True)) < NEAR
+    np.testing.assert_array_equal(paint(found, (501, 501)) > 0, paint(OBJECT, (501, 501)) > 0)
+
+
+def test_instances_with_something_in_them_come_back_to_a_fraction_of_a_pixel():
+    closed = [contour for contour in RESULT.contours if contour.closed]
+    found = decode_contours(encoded(RESULT, ".coco.json"), "a.coco.json")
+    assert found.shape == RESULT.shape
+    assert max(off(one, original) for one, original in zip(found.contours, closed, strict=True)) < NEAR
+    assert [(one.name, one.color.lower()) for one in found.contours] == [
+        (one.name, one.color.lower()) for one in closed
+    ]
+
+
+@pytest.mark.parametrize("suffix", [".png", ".tif", ".nii", ".nii.gz"])
+def test_outlines_of_a_label_mask_paint_the_same_mask(tmp_path, suffix):
+    file = tmp_path / f"labels{suffix}"
+    export(RESULT, file, tell=lambda sentence: None)
+    painted = paint(RESULT.contours, RESULT.shape)
+    found = load_contours(file)
+    assert all(contour.closed for contour in found)
+    again = paint(found, RESULT.shape)
+    np.testing.assert_array_equal(again, painted)
+
+
+def test_a_selection_alone_is_read(tmp_path):
+    export(replace(RESULT, contours=RESULT.contours[:1]), tmp_path / "a.roi")
+    (found,) = load_contours(tmp_path / "a.roi")
+    assert off(found, RESULT.contours[0]) < NEAR
+    assert (found.name, found.color) == ("cell", "#e69f00")
+
+
+def test_single_points_are_kept_beside_the_contours(tmp_path):
+    for suffix in WHOLE:
+        export(RESULT, tmp_path / f"a{suffix}")
+        np.testing.assert_allclose(read_contours(tmp_path / f"a{suffix}").places, [(55.0, 80.5)], atol=NEAR)
+
+
+def test_every_format_of_contours_in_a_plane_is_read_back():
+    others = {".png", ".tif", ".tiff", ".nii", ".nii.gz", ".roi", ".coco.json", ".measures.csv"}
+    assert set(WRITABLE) == {*WHOLE, *others}
+
+
+def test_drawings_for_cad_are_placed_by_the_image_they_belong_to(tmp_path):
+    """Without what CPM tells in comments, unit and height come from the image."""
+    export(RESULT, tmp_path / "a.dxf")
+    lines = (tmp_path / "a.dxf").read_text("utf-8").splitlines()
+    (tmp_path / "b.dxf").write_text("\n".join(lines[lines.index("0") :]) + "\n", "utf-8")
+    millimeters = Image(np.zeros((60, 90)), (0.5e-3, 0.25e-3), "mm")
+    found = load_contours(tmp_path / "b.dxf", millimeters)
+    assert max(off(one, original) for one, original in zip(found, RESULT.contours[:4], strict=True)) < NEAR
+    assert read_contours(tmp_path / "b.dxf", plane_of(millimeters)).notes == ()

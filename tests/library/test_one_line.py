@@ -1,0 +1,83 @@
+"""Every public object is shown on one line, however long its parts and names are."""
+
+from __future__ import annotations
+
+import inspect
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import cpm_core as cpm
+from cpm_core.parameters import DEFAULTS, PARAMETERS
+
+WIDEST = 120
+ABSTRACT = {"ContourState", "Method"}
+"""Interfaces, of which there are no objects."""
+
+
+@pytest.fixture(scope="module")
+def objects():
+    """An object of each public class."""
+    image = cpm.example("disks")
+    seeds = cpm.uniform_grid((64, 64))
+    result = cpm.segment(image, seeds)
+    ball = cpm.example("ball")
+    surface = cpm.segment(ball, cpm.sphere((15, 15, 15), 4, 60), cpm.PRESETS["volume"])
+    engine, state = cpm.Engine(image), cpm.Engine(image).start(seeds)
+    partition, bodies = cpm.partition(result), cpm.partition(surface)
+    gac = cpm.CONTOUR_METHODS["gac"]
+    start = cpm.Start((cpm.circle((32, 18), 5),))
+    moment = cpm.run_method(gac, image, start, max_steps=2)
+    pages = list(cpm.follow([image, image], cpm.circle((32, 18), 5)))
+    truth = cpm.Truth(result.labels, result.contours)
+    evolution = cpm.evolve(image, seeds)
+    return [
+        image, result, ball, surface, surface.surface, engine, state, state.particles, partition, bodies, gac, start,
+        moment, pages[0], cpm.TrackEvent("splits", 3, 1, tuple(range(2, 60))), truth, evolution, next(evolution),
+        result.contours[0], result.table(),
+        cpm.compare(result.contours, truth), cpm.facts_of(moment, truth), engine.forces(state, cpm.Parameters()),
+        engine.energies(state, cpm.Parameters()), cpm.skeleton(image), partition.select([(32, 18)]),
+        bodies.select([(15, 15, 15)]), cpm.centerlines(surface.labels), cpm.Geometry(), cpm.Parameters(),
+        cpm.PlacedCharge((1 / 3, 2 / 3), 1 / 7), cpm.Bridge(seeds[:3], 12.0, 3.0),
+        cpm.Regions([seeds[[0, 3, 20]]], [seeds[:2]]), cpm.VolumeRegions([((0, 0, 0), (9, 9, 9))]),
+        cpm.Extrusion(tuple(map(tuple, seeds[[0, 3, 20]].tolist())), 0, 2, 7), *cpm.measure(result.contours),
+    ]  # fmt: skip
+
+
+def test_there_is_an_object_of_every_public_class(objects):
+    classes = {name for name in cpm.__all__ if inspect.isclass(getattr(cpm, name))} - ABSTRACT
+    assert classes <= {type(one).__name__ for one in objects}
+
+
+def test_each_is_shown_on_one_line(objects):
+    for one in objects:
+        text = repr(one)
+        assert type(one).__name__ in text, text
+        assert text.isprintable(), text
+        assert len(text) <= WIDEST, text
+
+
+@given(st.text(max_size=300))
+def test_names_of_any_length_and_letters_fit(name):
+    text = repr(cpm.Image(np.eye(9), source=name))
+    assert len(text) <= WIDEST
+    assert text.isprintable()
+
+
+@given(st.data())
+def test_parameters_are_shown_by_what_differs_from_the_defaults(data):
+    names = data.draw(st.sets(st.sampled_from([n for n in PARAMETERS if n not in ("w1", "w2", "scales")])))
+    given_ = {n: data.draw(st.floats(PARAMETERS[n].low, min(PARAMETERS[n].high, 1e6))) for n in sorted(names)}
+    shown = repr(cpm.Parameters(**given_))
+    assert len(shown) <= WIDEST
+    if "…" not in shown:
+        assert eval(shown, {"Parameters": cpm.Parameters}) == cpm.Parameters(**given_)
+    assert repr(cpm.Parameters()) == "Parameters()"
+    assert {field.name for field in fields(cpm.Parameters)} == set(DEFAULTS)
+
+
+def test_a_preset_differs_from_another_in_its_line():
+    assert repr(replace(cpm.Parameters(), beta=0.6)) == "Parameters(beta=0.6)"
