@@ -120,8 +120,7 @@ def _methods(named: Sequence[str], compared: Compared) -> list[str]:
     """The methods that are named, else those of a session, or all that can run; what the others lack is said."""
     named = named or [name for name in compared.methods if name]
     for name in named:
-        if method_named(name).missing:
-            raise ValueError(method_named(name).missing)
+        method_named(name).check()
     if not named:
         for method in CONTOUR_METHODS.values():
             if method.missing:

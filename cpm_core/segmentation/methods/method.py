@@ -143,16 +143,12 @@ class Needed:
     extra: str
 
     @property
-    def missing(self) -> str:
-        """A sentence that says how it is installed; empty where it is."""
-        if importlib.util.find_spec(self.name) is not None:
-            return ""
-        return f'{self.package} is not installed: install it (pip install "cpm-particles[{self.extra}]").'
+    def installed(self) -> bool:
+        """Whether it is there."""
+        return importlib.util.find_spec(self.name) is not None
 
     def module(self) -> Any:
-        """The package itself; ValueError where it is not installed."""
-        if self.missing:
-            raise ValueError(self.missing)
+        """The package itself, imported when it is needed first."""
         return importlib.import_module(self.name)
 
 
@@ -190,14 +186,23 @@ class ContourMethod(Generic[S]):
     most_steps: int
     needs: Needed | None = None
 
+    def check(self) -> None:
+        """ValueError, which says how it is installed, when a package is missing that it needs."""
+        needs = self.needs
+        if needs is not None and not needs.installed:
+            raise ValueError(
+                f"{self.title} needs the package {needs.package}: install it "
+                f'(pip install "cpm-particles[{needs.extra}]").'
+            )
+
     @property
     def missing(self) -> str:
-        """A sentence that says what it lacks to run; empty where it can run."""
-        lacks = self.needs.missing if self.needs else ""
-        return lacks and f"{self.title} cannot run, as {lacks}"
-
-    def __repr__(self) -> str:
-        return described("ContourMethod", self.name, self.title)
+        """What `check` says; empty where nothing is missing."""
+        try:
+            self.check()
+        except ValueError as error:
+            return str(error)
+        return ""
 
 
 AnyMethod = ContourMethod[Any]

@@ -155,7 +155,7 @@ def test_a_method_whose_package_is_missing_is_left_out_and_said(image, command, 
     assert 'pip install "cpm-particles[opencv]"' in err
     status, _, err = command("compare", image, *CIRCLE, "--methods", "cpm", "grab_cut")
     assert status == 2
-    assert "Grab cut cannot run, as no-such-package is not installed" in err
+    assert "Grab cut needs the package no-such-package: install it" in err
 
 
 def test_a_session_gives_methods_settings_and_the_side_of_the_start(image, mask, command, tmp_path):
