@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from app.model.display.differences import Difference
 from app.model.display.display_image import DisplayImage, DisplayVolume
 from app.model.document.document import Document
+from app.model.document.objects import AnySelection
 from app.model.text.language import tr
 from app.model.volume.slices import Slices
 from app.session.exchange.contour_tracking import TrackedContours
@@ -33,7 +34,6 @@ from cpm_core.image.image import Image
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array, Index
 from cpm_core.objects.segmented.segmented_object import Click
-from cpm_core.objects.selection import Selection
 from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds
 
 
@@ -112,7 +112,7 @@ class Proposal:
 
     Attributes
     ----------
-    selection : Selection
+    selection : Selection or VolumeSelection
         The object.
     clicks : tuple of Click
         What it was selected by.
@@ -120,7 +120,7 @@ class Proposal:
         Number of the object that it would replace; 0 for a new one.
     """
 
-    selection: Selection
+    selection: AnySelection
     clicks: tuple[Click, ...]
     number: int = 0
 
@@ -133,7 +133,7 @@ class ShownObjects:
     ----------
     proposals : tuple of Proposal
         Objects that are offered: that of the clicks, or those of the starts of the run.
-    preview : Selection or None
+    preview : Selection, VolumeSelection or None
         What a click under the pointer would take.
     chosen : frozenset of int
         Numbers of the chosen objects.
@@ -142,7 +142,7 @@ class ShownObjects:
     """
 
     proposals: tuple[Proposal, ...] = ()
-    preview: Selection | None = None
+    preview: AnySelection | None = None
     chosen: frozenset[int] = frozenset()
     hovered: int = 0
 

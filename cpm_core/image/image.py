@@ -192,6 +192,17 @@ class Image(Pictured):
             object.__setattr__(made, name, given)
         return made
 
+    def cut(self, axis: int, index: int) -> Image:
+        """A slice of a volume across an axis, as an image that shares the gray levels: they are not checked again."""
+        sides = tuple(side for other, side in enumerate(self.spacing) if other != axis)
+        made = object.__new__(type(self))
+        values = self.values[(slice(None),) * axis + (index,)]
+        given = {"values": values, "spacing": sides, "unit": self.unit, "source": self.source}
+        known = {"notes": (), "colors": None, "file_sha256": "", "geometry": None}
+        for name, value in (given | known).items():
+            object.__setattr__(made, name, value)
+        return made
+
     @property
     def shape(self) -> tuple[int, ...]:
         """Number of pixels along each axis, (rows, columns) or (planes, rows, columns)."""

@@ -46,6 +46,15 @@ class Selection(Pictured):
     remark: str = ""
 
     @property
+    def found(self) -> bool:
+        """Whether it has a boundary."""
+        return bool(self.contours)
+
+    def same(self, other: Selection) -> bool:
+        """Whether the same pixels have been chosen."""
+        return np.array_equal(self.mask, other.mask)
+
+    @property
     def only_places(self) -> bool:
         """Whether it holds no more than the pixels of the places inside: no object was found around them."""
         return bool(0 < np.count_nonzero(self.mask) <= len(self.inside))

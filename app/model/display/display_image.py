@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,9 @@ _ROWS = 64
 
 _OVERVIEW = 256
 """Longest side of the smallest level [px]."""
+
+_PREVIEW = 1024
+"""Longest side of the finest level of a preview [px]."""
 
 _CODES = 1 << 12
 """Entries of the table of the gamma curve."""
@@ -44,9 +48,15 @@ class DisplayImage:
     levels : tuple of ndarray
         The shades, and each time the means of two by two pixels of the level before. A pixel ``(i, j)`` of level k
         covers the pixels from ``(i, j) 2^k`` up to ``(i + 1, j + 1) 2^k``; at the end there may be fewer.
+    finest : int
+        Level of the first of them: 0, or more for a preview, which lacks the finer ones.
+    size : tuple of int
+        Rows and columns at full size, of a preview; empty where the levels tell it.
     """
 
     levels: tuple[Shades, ...]
+    finest: int = 0
+    size: tuple[int, ...] = ()
 
     @staticmethod
     def of(shades: Shades) -> DisplayImage:
@@ -56,15 +66,22 @@ class DisplayImage:
             levels.append(_halved(levels[-1]))
         return DisplayImage(tuple(levels))
 
+    @staticmethod
+    def preview(values: Array, window: IntensityWindow) -> DisplayImage:
+        """Shades of few of the gray values, made at once, until all of them have been made."""
+        finest = max(0, math.ceil(math.log2(max(values.shape) / _PREVIEW)))
+        some = values[:: 2**finest, :: 2**finest]
+        return replace(DisplayImage.of(apply_window(some, window)), finest=finest, size=values.shape)
+
     @property
     def shades(self) -> Shades:
-        """The shades at full size."""
+        """The shades at full size, or the finest that there are."""
         return self.levels[0]
 
     @property
     def shape(self) -> tuple[int, int]:
         """Rows and columns at full size."""
-        rows, cols = self.shades.shape[:2]
+        rows, cols = self.size or self.shades.shape[:2]
         return rows, cols
 
     def reduced(self, side: float) -> Shades:

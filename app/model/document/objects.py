@@ -13,8 +13,10 @@ from app.model.document.document import Document
 from app.model.text.language import tr
 from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.result import Result
+from cpm_core.contours.surface import Surface
 from cpm_core.numerics.polyline import length, thinned
 from cpm_core.numerics.types import Array
+from cpm_core.objects.faces.space import VolumeSelection
 from cpm_core.objects.objects_result import boundaries_result
 from cpm_core.objects.segmented.segmented_object import (
     Click,
@@ -28,6 +30,9 @@ from cpm_core.objects.segmented.union import union
 from cpm_core.objects.selection import Selection
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.shapes import Barrier, Polygon, Region
+
+AnySelection = Selection | VolumeSelection
+"""What has been selected, in an image or in a volume."""
 
 _DECIMALS = 3
 """Decimals of what a session keeps of a selection, such as vertices [px], which are accurate to about a tenth."""
@@ -62,7 +67,7 @@ def begin_change(document: Document, number: int) -> Document:
     return _with(document, clicks=clicks, edited=number, category=item.category)
 
 
-def take(document: Document, taken: Iterable[tuple[Selection, tuple[Click, ...], int]]) -> Document:
+def take(document: Document, taken: Iterable[tuple[AnySelection, tuple[Click, ...], int]]) -> Document:
     """The document with objects of selections, and no selection in progress.
 
     Each selection comes with its clicks and the number of the object that it replaces, 0 for a new one. Empty
@@ -71,7 +76,7 @@ def take(document: Document, taken: Iterable[tuple[Selection, tuple[Click, ...],
     objects = document.objects
     items = list(objects.items)
     for selection, clicks, number in taken:
-        if not selection.contours:
+        if not selection.found:
             continue
         at = next((index for index, item in enumerate(items) if item.number == number), None)
         if at is not None:
@@ -103,7 +108,7 @@ def add_region(document: Document, contours: Iterable[Contour], name: str) -> Do
     return _with(document, items=(*objects.items, item))
 
 
-def replace_boundaries(document: Document, found: Iterable[tuple[Selection, tuple[Click, ...], int]]) -> Document:
+def replace_boundaries(document: Document, found: Iterable[tuple[AnySelection, tuple[Click, ...], int]]) -> Document:
     """The document in which objects have the boundaries of selections, given as in `take`."""
     selecting = document.objects
     known = {item.number for item in selecting.items}
@@ -111,8 +116,10 @@ def replace_boundaries(document: Document, found: Iterable[tuple[Selection, tupl
     return _with(changed, clicks=selecting.clicks, edited=selecting.edited)
 
 
-def made(selection: Selection, clicks: tuple[Click, ...], number: int, category: int) -> SegmentedObject:
+def made(selection: AnySelection, clicks: tuple[Click, ...], number: int, category: int) -> SegmentedObject:
     """The object of a selection that is not empty."""
+    if isinstance(selection, VolumeSelection):
+        return SegmentedObject(number, clicks, category=category, surface=(selection.packed,))
     boundary = tuple(_line(contour.points) for contour in selection.contours)
     gaps = tuple(_line(gap) for gap in selection.gaps)
     confidence = round(min(max(float(selection.confidence), 0.0), 1.0), _DECIMALS)
@@ -121,7 +128,7 @@ def made(selection: Selection, clicks: tuple[Click, ...], number: int, category:
     return SegmentedObject(number, clicks, boundary, gaps, confidence, round(strength, _DECIMALS), category=category)
 
 
-def _from_selection(item: SegmentedObject, selection: Selection, clicks: tuple[Click, ...]) -> SegmentedObject:
+def _from_selection(item: SegmentedObject, selection: AnySelection, clicks: tuple[Click, ...]) -> SegmentedObject:
     """An object with the boundary of a selection; name, class and color stay."""
     found = made(selection, clicks, item.number, item.category)
     return replace(found, name=item.name, color=item.color, frozen=item.frozen, hidden=item.hidden)
@@ -230,10 +237,26 @@ def objects_result(document: Document) -> Result | None:
     shown = [item for item in objects.items if not item.hidden]
     if image is None or not shown:
         return None
+    surface = surface_of(shown, image.spacing, image.unit)
     contours = [contour for item in shown for contour in _contours(objects, item)]
     bridges = [Bridge(np.array(gap), length(gap), 0.0) for item in shown for gap in item.gaps]
     found = boundaries_result(contours, bridges, image.shape, image.spacing, image.unit, image.name)
-    return replace(found, provenance=Provenance("objects", sha256=image.sha256))
+    return replace(found, surface=surface, provenance=Provenance("objects", sha256=image.sha256))
+
+
+def surface_of(items: Iterable[SegmentedObject], spacing: tuple[float, ...], unit: str | None) -> Surface | None:
+    """The surfaces of objects in a volume as one, with the number of its object for each triangle."""
+    bodies = [(item.number, item.body) for item in items if item.body is not None]
+    if not bodies:
+        return None
+    firsts = np.cumsum([0, *(len(body.vertices) for _, body in bodies)])
+    return Surface(
+        spacing=spacing,
+        unit=unit,
+        vertices=np.concatenate([body.vertices for _, body in bodies]),
+        faces=np.concatenate([body.faces + first for (_, body), first in zip(bodies, firsts, strict=False)]),
+        numbers=np.concatenate([np.full(len(body.faces), number) for number, body in bodies]),
+    )
 
 
 def _contours(objects: SegmentedObjects, item: SegmentedObject) -> list[Contour]:

@@ -89,6 +89,13 @@ def _without(given: Given, numbers: set[int]) -> Result | None:
     return replace(found, contours=left, bridges=bridges)
 
 
+def _objects(given: Given) -> Result | None:
+    found = objects_result(given.document)
+    if found is None or found.surface is None:
+        return found
+    return replace(found, image=given.image)  # which says where a volume lies in space
+
+
 SOURCES: tuple[Source, ...] = (
     Source("all", tr("All that are not rejected"), _all),
     Source("kept", tr("Kept ones only"), _kept),
@@ -96,7 +103,7 @@ SOURCES: tuple[Source, ...] = (
     Source(
         "objects",
         tr("Objects"),
-        lambda given: objects_result(given.document),
+        _objects,
         needs_run=False,
         without_run=lambda document: any(not item.hidden for item in document.objects.items),
     ),
@@ -192,17 +199,21 @@ def account(
     objects = len({one.group for one in after.contours}) if whole else 0
     surface = after.surface if isinstance(after, Result) else None
     triangles = 0 if surface is None else len(surface.faces)
+    if surface is not None and surface.numbers is not None:
+        objects = len(set(surface.numbers.tolist()))
     return Account(len(after.contours) - missing, missing, bridged, learned, objects, triangles)
 
 
 def in_words(counts: Account) -> str:
     """What is written and what is left out, in one line."""
-    if counts.triangles:
-        return tr("a surface of {count} triangles").format(count=f"{counts.triangles:,}")
     if counts.objects:
         parts = [tr("1 object") if counts.objects == 1 else tr("{count} objects").format(count=counts.objects)]
+    elif counts.triangles:
+        parts = []
     else:
         parts = [tr("1 contour") if counts.written == 1 else tr("{count} contours").format(count=counts.written)]
+    if counts.triangles:
+        parts.append(tr("a surface of {count} triangles").format(count=f"{counts.triangles:,}"))
     if counts.bridged:
         parts.append(tr("{count} of them closed for the export").format(count=counts.bridged))
     if counts.left_out:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from weakref import WeakKeyDictionary
+
 import numpy as np
 
 from app.model.volume.slices import Slice
@@ -11,16 +14,55 @@ from cpm_core.contours.surface import Surface
 from cpm_core.numerics.types import Array, Index
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class _Extents:
+    """The triangles of a surface along an axis, in the order in which they begin.
+
+    A slice meets only those that begin before it, by no more than the tallest is tall.
+    """
+
+    order: Index
+    lowest: Array
+    tallest: float
+
+    @classmethod
+    def of(cls, surface: Surface, axis: int) -> _Extents:
+        corners = surface.vertices[:, axis][surface.faces]
+        lowest = corners.min(axis=1)
+        order = np.argsort(lowest)
+        return cls(order, lowest[order], float((corners.max(axis=1) - lowest).max(initial=0.0)))
+
+    def near(self, index: float) -> Index:
+        """Triangles that a slice may cut, in their own order."""
+        begin, end = np.searchsorted(self.lowest, (index - self.tallest, index))
+        return np.sort(self.order[begin:end])
+
+
+_extents: WeakKeyDictionary[Surface, tuple[_Extents, ...]] = WeakKeyDictionary()
+
+
+def prepare(surface: Surface) -> None:
+    """Make ready for slices, which takes a while for large surfaces; call it on any thread."""
+    _extents_of(surface)
+
+
+def _extents_of(surface: Surface) -> tuple[_Extents, ...]:
+    known = _extents.get(surface)
+    if known is None:
+        known = _extents[surface] = tuple(_Extents.of(surface, axis) for axis in range(3))
+    return known
+
+
 def section(surface: Surface, cut: Slice) -> tuple[Contour, ...]:
     """Where a slice cuts a surface: closed contours in the slice, and open ones where the surface has a rim."""
+    faces = surface.faces[_extents_of(surface)[cut.axis].near(cut.index)]
     heights = surface.vertices[:, cut.axis] - cut.index
-    above = heights >= 0.0  # a vertex in the slice lies on one side, so that each triangle is cut once or not at all
-    sides = above[surface.faces]
+    sides = heights[faces] >= 0.0  # a vertex in the slice lies on one side, so that each triangle is cut once or never
     halves = sides.sum(axis=1)
     crossing = (halves == 1) | (halves == 2)
     if not crossing.any():
         return ()
-    faces, alone = surface.faces[crossing], np.where(halves[crossing] == 1, sides[crossing].T, ~sides[crossing].T).T
+    faces, alone = faces[crossing], np.where(halves[crossing] == 1, sides[crossing].T, ~sides[crossing].T).T
     corner, rows = alone.argmax(axis=1), np.arange(len(faces))
     tip = faces[rows, corner]
     ends = np.stack([tip, faces[rows, (corner + 1) % 3], tip, faces[rows, (corner + 2) % 3]], axis=1).reshape(-1, 2)

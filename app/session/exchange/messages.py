@@ -16,6 +16,7 @@ from app.model.document.document import Document
 from app.model.export.order import Account
 from app.model.state.surface_figures import SurfaceFigures
 from app.model.volume.parts import Parts
+from app.model.volume.surface_section import prepare
 from app.session.exchange.contour_tracking import ContourTracker, TrackedContours
 from app.session.timeline.outline import Outline
 from cpm_core.contours.result import Result
@@ -88,6 +89,8 @@ class Reconstruction:
             return cls(generation, result, None)
         tracked = tracker.track(result, thorough)
         figures = SurfaceFigures.of(result.surface) if result.surface is not None else None
+        if result.surface is not None:
+            prepare(result.surface)  # slices are cut on the window's thread
         return cls(generation, tracked.result, tracked, figures=figures)
 
 

@@ -16,6 +16,7 @@ from app.session.signals import OF_THE_PROGRAM, OPENING
 from app.session.workspace import Workspace
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.crosshair import Crosshair
+from app.views.canvas.image_view import ImageView
 from app.views.canvas.layers.image.level_drag import LevelDrag
 from app.views.canvas.pointed import Pointed
 from app.views.canvas.selected_places import part_around, selected_places
@@ -115,11 +116,17 @@ class CanvasArea(QWidget):
         keyed = self.crosshair.at
         if point is None and keyed is None:
             return self._pointed.chosen, self.rect().center()
-        inside = QPointF(self.canvas.mapFrom(self, point)) if point is not None else self.canvas.point(keyed or (0, 0))
-        at = self.canvas.position(inside)
-        return self._pointed.choose(self.canvas.placed(at), self.canvas.reach()), self.canvas.mapTo(
-            self, inside.toPoint()
-        )
+        view = self.canvas if point is None else self._view_at(point)
+        inside = QPointF(view.mapFrom(self, point)) if point is not None else view.point(keyed or (0, 0))
+        thing = self._pointed.choose(view.placed(view.position(inside)), view.reach(), view.here)
+        return thing, view.mapTo(self, inside.toPoint())
+
+    def _view_at(self, point: QPoint) -> ImageView:
+        """The view of an image or slice at a point: the canvas, or one beside it."""
+        widget = self.childAt(point)
+        while widget is not None and not isinstance(widget, ImageView):
+            widget = widget.parentWidget()
+        return widget or self.canvas
 
     def escape(self) -> None:
         """Cancel the draft or hide the cross-hair; otherwise dismiss the message and deselect everything."""

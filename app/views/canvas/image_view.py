@@ -44,7 +44,7 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
         self.setCentralItem(self.view)
         self.layers = Layers(self.view, requests)
         self.sections = Sections()
-        self._scene = Scene()
+        self._given = self._scene = Scene()
         self._fitted = True
 
     @property
@@ -54,12 +54,17 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
 
     def draw(self, scene: Scene) -> None:
         """Draw a scene; another image, or slices across another axis, are shown as a whole."""
+        self._given = scene
         before, self._scene = self._scene, self.sections.of(scene)
         if self._scene.ground != before.ground:
             if _aspect(self._scene) != _aspect(before):
                 self.view.setAspectLocked(True, _aspect(self._scene))
             self.use_image()
         self.layers.draw(self._scene)
+
+    def draw_again(self) -> None:
+        """Draw what has been made of the scene since."""
+        self.draw(self._given)
 
     @property
     def drawn(self) -> Scene:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from app.model.volume.slices import Slice
 from app.session.features.volumes.hits import hit_in
 from app.session.workspace import Workspace
-from cpm_core.numerics.types import Position
+from cpm_core.numerics.types import Place
 from cpm_core.shapes import Charge
 
 
@@ -31,15 +32,18 @@ class Pointed:
             return "contour"
         return "object" if self._list.chosen else "image"
 
-    def choose(self, at: Position, reach: float) -> str:
-        """The name of what lies at a place, which is chosen unless it is already; `reach` is in px of the image."""
+    def choose(self, at: Place, reach: float, here: Slice | None = None) -> str:
+        """The name of what lies at a place, which is chosen unless it is already; `reach` is in px of the image.
+
+        `here` is the slice that was pointed at, in a volume.
+        """
         if self._selection.selecting:
             return "proposal"
         shapes = self._session.document.shapes
-        found = hit_in(self._session.scene, at, reach)
+        found = hit_in(self._session.scene, at, reach, here)
         shape = found.index if found is not None else None
         near = found is not None and (found.part == "handle" or shapes[found.index].distance(at) <= reach)
-        contour = None if near else self._review.under(at, reach)
+        contour = None if near or len(at) == 3 else self._review.under(at, reach)  # a volume has a surface
         particles = not near and contour is None and self._has_particles(at, reach)
         number = 0 if near or contour is not None or particles else self._list.under(at)
         if near or not (contour is not None or particles or number):
@@ -54,7 +58,7 @@ class Pointed:
             self._list.choose((number,))
         return "object" if number else "particles"
 
-    def _has_particles(self, at: Position, reach: float) -> bool:
+    def _has_particles(self, at: Place, reach: float) -> bool:
         snapshot = self._session.scene.snapshot
         if snapshot is None or not len(snapshot.position):
             return False

@@ -20,6 +20,7 @@ def selected_places(workspace: Workspace) -> list[Array]:
     session = workspace.session
     found = [item.contour.points for item in workspace.review.chosen]
     found = found or [np.array(curve) for item in workspace.object_list.items for curve in item.boundary]
+    found = found or [item.body.vertices for item in workspace.object_list.items if item.body is not None]
     if not found and session.selected is not None:
         shape = session.document.shapes[session.selected]
         volume = session.image if session.scene.slices is not None else None

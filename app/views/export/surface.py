@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QDialog, QDialogButtonBox, QFormLayout, QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QComboBox, QDialog, QDialogButtonBox, QFormLayout, QLabel, QVBoxLayout, QWidget
 
 from app.model.export.formats import formats_of_volumes
 from app.model.export.order import ExportOrder
@@ -23,20 +23,29 @@ class SurfaceDialog(QDialog):
     ordered = Signal(object, object)
     """Path of the file and the order for it."""
 
-    def __init__(self, parent: QWidget, figures: SurfaceFigures, image: Path, place: Path, suffix: str) -> None:
+    def __init__(
+        self, parent: QWidget, figures: SurfaceFigures | None, objects: int, image: Path, place: Path, suffix: str
+    ) -> None:
         super().__init__(parent)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(tr("Export surface"))
         self.format = FormatField(FOR_VOLUMES, formats_of_volumes())
         self.file = FileFields(place.parent, place.name, image)
-        self.figures, self.note = QLabel(_summary(figures)), QLabel()
+        self.source = QComboBox()
+        self.source.setAccessibleName(tr("What"))
+        if figures is not None:
+            self.source.addItem(tr("The surface of the run"), ("all", _summary(figures)))
+        if objects:
+            self.source.addItem(tr("The objects"), ("objects", _counted(objects)))
+        self.figures, self.note = QLabel(), QLabel()
         for label in (self.figures, self.note):
             label.setWordWrap(True)
             label.setMinimumWidth(_WIDTH)
         self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Cancel)
         self.export_button = self.buttons.addButton(tr("&Export"), QDialogButtonBox.ButtonRole.AcceptRole)
         form = QFormLayout()
-        form.addRow(tr("What"), self.figures)
+        form.addRow(tr("What"), self.source)
+        form.addRow("", self.figures)
         form.addRow(tr("Format"), self.format)
         form.addRow(tr("File"), self.file)
         form.addRow("", self.note)
@@ -48,6 +57,7 @@ class SurfaceDialog(QDialog):
         self.file.use_suffix(self.format.suffix)
         self.format.activated.connect(lambda _: self._use_format())
         self.file.edited.connect(self._follow_name)
+        self.source.currentIndexChanged.connect(self._follow)
         self.buttons.accepted.connect(self.accept)
         self.buttons.rejected.connect(self.reject)
         self._follow()
@@ -55,7 +65,7 @@ class SurfaceDialog(QDialog):
     def accept(self) -> None:
         """Order the export."""
         if self.export_button.isEnabled():
-            self.ordered.emit(self.file.path, ExportOrder())
+            self.ordered.emit(self.file.path, ExportOrder(self.source.currentData()[0]))
             super().accept()
 
     def _use_format(self) -> None:
@@ -69,6 +79,7 @@ class SurfaceDialog(QDialog):
 
     def _follow(self) -> None:
         """Tell what stands in the way."""
+        self.figures.setText(self.source.currentData()[1])
         trouble = self.file.trouble
         if not trouble and self.file.suffix not in FOR_VOLUMES:
             trouble = tr("This format is for contours: choose one from the list above.")
@@ -76,6 +87,11 @@ class SurfaceDialog(QDialog):
         if not trouble and self.file.path.exists():
             trouble = tr("{name} is there already and will be replaced.").format(name=self.file.path.name)
         self.note.setText(trouble)
+
+
+def _counted(objects: int) -> str:
+    count = tr("1 object") if objects == 1 else tr("{count} objects").format(count=objects)
+    return tr("{count}; in a label volume each voxel has the number of its object.").format(count=count)
 
 
 def _summary(figures: SurfaceFigures) -> str:

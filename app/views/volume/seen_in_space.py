@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import lru_cache
+
 import numpy as np
 from PySide6.QtGui import QColor
 
@@ -10,17 +14,20 @@ from app.model.display.space.picture import Colors
 from app.model.display.space.projection import Shaded
 from app.model.display.space.shown_parts import Contents
 from app.model.display.space.triangles import Mesh
-from app.model.display.space.view_in_space import Particles, Wires
+from app.model.display.space.view_in_space import ColoredMesh, Particles, Wires
 from app.model.volume.shape_wires import wires
 from app.session.exchange.messages import Reconstruction, Snapshot
 from app.session.features.volumes.made_once import MadeOnce
-from app.session.scene import Scene
+from app.session.scene import Proposal, Scene
 from app.views.canvas.layers import Layers
 from app.views.canvas.layers.particles.color_legend import BEGIN, UNKNOWN
 from app.views.canvas.layers.particles.particles import ParticleLayer
 from app.views.theme import color_maps, theme
 from app.views.theme.look import Ink, look
+from cpm_core.contours.surface import Surface
 from cpm_core.image.image import Image
+from cpm_core.objects.faces.space import VolumeSelection
+from cpm_core.objects.segmented.segmented_object import SegmentedObjects
 from cpm_core.shapes import Charge, Interest, Limit, Shape
 
 
@@ -44,10 +51,13 @@ class SeenInSpace:
         mesh = self._parts.of("mesh", (found,), lambda: _mesh(found))
         drawn = (scene.document.shapes if layers.drawing.shown else (), scene.selected, image)
         lines = self._parts.of("wires", drawn, lambda: _wires(*drawn))
+        of, offered = scene.document.objects, scene.objects.proposals
+        selected = (of, offered, image.spacing) if layers["objects"].shown else None
+        objects = self._parts.of("objects", (selected,), lambda: () if selected is None else tuple(_objects(*selected)))
         return self._parts.of(
             "contents",
-            (image, slices, shaded, particles, mesh, lines, layers.image.word("map")),
-            lambda: Contents(image, shaded, slices, particles, mesh, lines, layers.image.table),
+            (image, slices, shaded, particles, mesh, lines, layers.image.word("map"), objects),
+            lambda: Contents(image, shaded, slices, particles, mesh, lines, layers.image.table, objects),
         )
 
 
@@ -67,6 +77,28 @@ def _particles(snapshot: Snapshot | None, layer: ParticleLayer) -> Particles | N
 def _mesh(found: Reconstruction | None) -> Mesh | None:
     surface = getattr(found.result, "surface", None) if found is not None else None
     return None if surface is None or not len(surface.faces) else Mesh(surface)
+
+
+def _objects(
+    objects: SegmentedObjects, offered: tuple[Proposal, ...], spacing: tuple[float, ...]
+) -> Iterator[ColoredMesh]:
+    """The objects but hidden ones and the one that is being changed, and those that are offered."""
+    for item in objects.items:
+        if item.body is not None and not item.hidden and item.number != objects.edited:
+            yield _colored(item.body, spacing, objects.color(item))
+    for each in offered:
+        if isinstance(each.selection, VolumeSelection) and each.selection.found:
+            yield _colored(each.selection.surface, spacing, theme.CHOSEN)
+
+
+@lru_cache(maxsize=64)
+def _mesh_of(surface: Surface, spacing: tuple[float, ...]) -> Mesh:
+    return Mesh(replace(surface, spacing=spacing))
+
+
+def _colored(surface: Surface, spacing: tuple[float, ...], ink: Ink | str) -> ColoredMesh:
+    red, green, blue = _rgb(ink).tolist()
+    return ColoredMesh(_mesh_of(surface, spacing), (red, green, blue))
 
 
 def _wires(shapes: tuple[Shape, ...], selected: int | None, image: Image) -> Wires | None:

@@ -14,6 +14,7 @@ from app.views.widgets.marked_slider import MarkedSlider
 PARTS = {
     "particles": (tr("Particles"), tr("Show the particles.")),
     "surface": (tr("Surface"), tr("Show the surface that the particles have found.")),
+    "objects": (tr("Objects"), tr("Show the objects that have been selected, in the colors of their classes.")),
     "slices": (tr("Slices"), tr("Show the three slices through the cross-hair.")),
     "projection": (tr("Projection"), tr("Show the brightest voxel on each line of sight, behind everything else.")),
     "box": (tr("Box"), tr("Show the edges of the volume and the names of its axes.")),

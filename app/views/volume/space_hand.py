@@ -6,17 +6,20 @@ import itertools
 
 import numpy as np
 from PySide6.QtCore import QEvent, QObject, QPointF, Qt
-from PySide6.QtGui import QMouseEvent
+from PySide6.QtGui import QGuiApplication, QMouseEvent
 
 from app.model.document import edits
 from app.model.document.naming import describe
 from app.model.text.language import tr
 from app.model.volume.shape_wires import wires
+from app.session.features.objects.object_selection import ObjectSelection
 from app.session.session import Session
+from app.views.canvas.tools.objects import NOT_INSIDE
 from app.views.volume.space_view import SpaceView
 from cpm_core.image.image import Image
 from cpm_core.numerics.segments import distances_to_segments
 from cpm_core.numerics.types import Place
+from cpm_core.objects.faces.space import VolumePartition
 from cpm_core.shapes import Points, Shape, Sphere
 
 REACH = 6.0
@@ -24,6 +27,9 @@ REACH = 6.0
 
 _SMALL, _LEAST = 0.03, 2.0
 """Radius of a new sphere, as a fraction of the shortest side of the volume, and at least [sides of a voxel]."""
+
+_BEHIND = (0.5, 1.0, 1.5, 2.0, 3.0)
+"""How far behind what is seen the inside of it is looked for [smallest sides of a voxel]."""
 
 _gestures = itertools.count()
 
@@ -55,6 +61,21 @@ class SpaceHand(QObject):
             shape, name = Sphere.round(at, max(_SMALL * shortest, _LEAST), image.spacing), tr("draw sphere")
         self._session.edit(name, lambda document: edits.add_shape(document, shape))
         self._session.select(len(self._session.document.shapes) - 1)
+
+    def select(self, selection: ObjectSelection, at: Place) -> None:
+        """Say that the body behind a place on something seen belongs to the object; with Alt or Shift, not.
+
+        Where none lies behind it, the place itself is meant.
+        """
+        partition, camera, image = selection.partitions.partition, self._view.camera, self._session.image
+        if camera is None or image is None:
+            return
+        way = min(image.spacing) * camera.axes[2] / np.array(image.spacing)
+        places = np.array(at) + np.outer((0.0, *_BEHIND), way)
+        within = partition.bodies_at(places) > 0 if isinstance(partition, VolumePartition) else np.zeros(len(places))
+        place = places[1 + int(np.argmax(within[1:]))] if np.any(within[1:]) else places[0]
+        inside = not QGuiApplication.keyboardModifiers() & NOT_INSIDE
+        selection.click((tuple(place.tolist()),), inside)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Follow the pointer over the view."""

@@ -92,7 +92,8 @@ def _compare(arguments: argparse.Namespace) -> None:
     if arguments.image is None and session.image is None:
         raise ValueError("No IMAGE is given: name one, or with --session FILE a session that has one.")
     compared = Compared(()) if session.comparison == Compared() else session.comparison
-    names = _methods(arguments.methods, compared)
+    named = arguments.methods or [name for name in compared.methods if name]
+    names = _methods(named)
     settings = chosen_settings(arguments, names, session.parameters if arguments.session else Parameters(), compared)
     max_steps = as_steps(arguments.max_steps)
     start = _start(arguments, session)
@@ -102,6 +103,8 @@ def _compare(arguments: argparse.Namespace) -> None:
         check_comparison(path, names)
     image = _image(arguments, session)
     truth = None if arguments.truth is None else load_truth(arguments.truth, image.shape)
+    for missing in [] if named else [method.missing for method in CONTOUR_METHODS.values() if method.missing]:
+        say(f"cpm: {missing}")
     tiles = []
     for name in names:
         moment = run_method(CONTOUR_METHODS[name], image, start, settings[name], max_steps)
@@ -116,15 +119,10 @@ def _compare(arguments: argparse.Namespace) -> None:
         print(printable(f"Wrote {path}"))
 
 
-def _methods(named: Sequence[str], compared: Compared) -> list[str]:
-    """The methods that are named, else those of a session, or all that can run; what the others lack is said."""
-    named = named or [name for name in compared.methods if name]
+def _methods(named: Sequence[str]) -> list[str]:
+    """The methods that are named, or all that can run."""
     for name in named:
         method_named(name).check()
-    if not named:
-        for method in CONTOUR_METHODS.values():
-            if method.missing:
-                say(f"cpm: {method.missing}")
     return list(dict.fromkeys(named or runnable()))
 
 

@@ -41,6 +41,8 @@ class Surface:
         Number of components that were left out, because they had too few particles or vertices without any near.
     whole : Surface or None
         The surface that this one has fewer triangles than; None for one with all its triangles.
+    numbers : ndarray of int64, shape (F,), or None
+        Number, from 1 up, of the object that each triangle bounds; None where objects have none of their own.
     """
 
     vertices: NDArray[np.float64]
@@ -50,6 +52,7 @@ class Surface:
     unsupported: float = np.nan
     left_out: int = 0
     whole: Surface | None = field(default=None, repr=False)
+    numbers: NDArray[np.int64] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         vertices = _rows_of_three("vertices", self.vertices).copy()
@@ -59,6 +62,10 @@ class Surface:
         wrong = faces[(faces < 0) | (faces >= len(vertices))]
         if len(wrong):
             raise ValueError(f"A triangle names vertex {wrong[0]}, but there are {len(vertices)} vertices, from 0.")
+        if self.numbers is not None and (
+            np.shape(self.numbers) != (len(faces),) or np.min(self.numbers, initial=1) < 1
+        ):
+            raise ValueError("The numbers of a surface must be one of at least 1 for each triangle.")
         farthest = float(np.abs(vertices).max(initial=0.0))
         if farthest > _FARTHEST:
             raise ValueError(f"A vertex lies at {farthest:g} voxels, but must lie within {_FARTHEST:g}: correct it.")
@@ -184,7 +191,7 @@ class Surface:
             return self
         places, corners = contracted(self._physical, self.faces, wanted, limit * min(self.spacing))
         vertices = places / np.array(self.spacing)
-        return replace(self, vertices=vertices, faces=corners, whole=self.whole or self)
+        return replace(self, vertices=vertices, faces=corners, whole=self.whole or self, numbers=None)
 
     @property
     def components(self) -> int:

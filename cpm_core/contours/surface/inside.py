@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from cpm_core.contours.surface import Surface
@@ -21,7 +23,9 @@ def inside_of(surface: Surface, shape: tuple[int, ...]) -> Mask:
 
 
 def numbered(surface: Surface, shape: tuple[int, ...]) -> Index:
-    """Number of the object that each voxel of a volume lies in, the largest first from 1 up; 0 outside all."""
+    """Number of the object that each voxel of a volume lies in: its own, or the largest first from 1 up; 0 outside."""
+    if surface.numbers is not None:
+        return _by_their_numbers(surface, surface.numbers, shape)
     inside = inside_of(surface, shape)
     parts = runs_of(inside, corners=True)
     order = np.argsort(-parts.sizes, kind="stable")
@@ -30,6 +34,14 @@ def numbered(surface: Surface, shape: tuple[int, ...]) -> Index:
     found = np.zeros(shape, np.int64)
     places = np.argwhere(inside)
     found[tuple(places.T)] = rank[parts.part_at(places)]
+    return found
+
+
+def _by_their_numbers(surface: Surface, numbers: Index, shape: tuple[int, ...]) -> Index:
+    """The number of each object in its voxels; where objects share voxels, that of the last one."""
+    found = np.zeros(shape, np.int64)
+    for number in np.unique(numbers):
+        found[inside_of(replace(surface, faces=surface.faces[numbers == number], numbers=None), shape)] = number
     return found
 
 

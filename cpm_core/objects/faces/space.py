@@ -8,7 +8,7 @@ levels: a click selects the body that it lies in, a further one adds another bod
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -16,9 +16,10 @@ from numpy.typing import ArrayLike
 
 from cpm_core.contours.surface import Surface
 from cpm_core.contours.surface.inside import inside_of
+from cpm_core.contours.surface.packing import PackedSurface
 from cpm_core.image.image import Image
 from cpm_core.numerics.real_numbers import real_numbers
-from cpm_core.numerics.runs import runs_of
+from cpm_core.numerics.runs import Runs, runs_of
 from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.parameters.quotation import counted, described, sized
 
@@ -29,43 +30,6 @@ _OUTSIDE = "A place that no surface encloses counts for nothing: click inside an
 _NOWHERE = "No place has been said to be inside."
 _SAME = "The same body has been said to be inside and outside; it is left out."
 _THIN = "The object at this place is thinner than a voxel, and has no boundary of its own."
-
-
-@dataclass(frozen=True, eq=False)
-class VolumeSelection:
-    """Bodies that have been chosen by clicks in a volume.
-
-    Attributes
-    ----------
-    mask : ndarray of bool, shape (P, R, C)
-        Voxels whose centers lie in them.
-    surface : Surface
-        Their boundary: its triangles are turned outward, away from the bodies.
-    inside, outside : ndarray, shape (M, 3) and (K, 3)
-        The places that have been said to be inside and outside [voxels].
-    remark : str
-        One sentence on what was unusual about the places, or empty.
-    """
-
-    mask: Mask
-    surface: Surface
-    inside: Array
-    outside: Array
-    remark: str = ""
-
-    @property
-    def volume(self) -> float:
-        """Volume of the bodies, in the unit of the spacing, cubed."""
-        return self.surface.volume
-
-    @property
-    def area(self) -> float:
-        """Area of their boundary, in the unit of the spacing, squared."""
-        return self.surface.area
-
-    def __repr__(self) -> str:
-        voxels = f"{np.count_nonzero(self.mask):,} voxels"
-        return described("VolumeSelection", voxels, counted(len(self.surface.faces), "triangle"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,20 +61,30 @@ class VolumePartition:
         """Shape of the volume."""
         return self.image.shape
 
-    @cached_property
+    @property
     def labels(self) -> Index:
         """Body of every voxel, shape (P, R, C), from 1 up; 0 outside all surfaces."""
-        inside = inside_of(self.surface, self.shape)
         found = np.zeros(self.shape, np.int64)
+        lines = found.reshape(-1, self.shape[2])
+        for runs, number in self._parts:
+            line = np.repeat(np.arange(len(lines)), np.diff(runs.begin))
+            for at, first, last, body in zip(line, runs.first, runs.last, number[runs.part], strict=True):
+                if body:
+                    lines[at, first:last] = body
+        return found
+
+    @cached_property
+    def _parts(self) -> tuple[tuple[Runs, Index], ...]:
+        """Runs of voxels inside the surface, and of those outside it, with the number of the body of each part."""
+        inside = inside_of(self.surface, self.shape)
+        found = []
         count = 0
         for part, corners in ((inside, True), (~inside, False)):
             runs = runs_of(part, corners=corners)
             enclosed = np.ones(runs.count, np.bool_) if corners else ~runs.at_border
-            number = np.where(enclosed, count + np.cumsum(enclosed), 0)
-            places = np.argwhere(part)
-            found[tuple(places.T)] = number[runs.part_at(places)]
+            found.append((runs, np.where(enclosed, count + np.cumsum(enclosed), 0)))
             count += int(enclosed.sum())
-        return found
+        return tuple(found)
 
     def select(
         self, inside: ArrayLike, outside: ArrayLike = (), *, previous: VolumeSelection | None = None
@@ -138,23 +112,27 @@ class VolumePartition:
         if previous is not None:
             within = np.concatenate([previous.inside, within])
             beyond = np.concatenate([previous.outside, beyond])
-        wanted, unwanted = self._bodies_at(within), self._bodies_at(beyond)
+        wanted, unwanted = self.bodies_at(within), self.bodies_at(beyond)
         chosen = np.setdiff1d(wanted[wanted > 0], unwanted)
-        found = VolumeSelection(np.isin(self.labels, chosen), self._boundary_of(chosen), within, beyond)
+        found = VolumeSelection(self, chosen, within, beyond)
         if not len(within):
             return replace(found, remark=_NOWHERE)
         if np.isin(wanted[wanted > 0], unwanted).any():
             return replace(found, remark=_SAME)
         if not wanted.all():
             return replace(found, remark=_OUTSIDE)
-        return replace(found, remark="" if len(found.surface.faces) else _THIN)
+        return found if found.found else replace(found, remark=_THIN)
 
-    def _bodies_at(self, places: Array) -> Index:
-        """Numbers of the bodies that places lie in, 0 outside all."""
+    def bodies_at(self, places: Array) -> Index:
+        """Numbers of the bodies that places, shape (N, 3) [voxels], lie in, 0 outside all."""
         voxels = np.clip(np.rint(places), 0, np.array(self.shape) - 1).astype(np.int64)
-        return np.asarray(self.labels[tuple(voxels.T)])
+        found = np.zeros(len(voxels), np.int64)
+        for runs, number in self._parts:
+            part = runs.part_at(voxels)
+            found[part >= 0] = number[part[part >= 0]]
+        return found
 
-    def _boundary_of(self, chosen: Index) -> Surface:
+    def boundary_of(self, chosen: Index) -> Surface:
         """The components of the surface that bound bodies, turned outward; none between two of them."""
         within, beyond = (np.isin(side, chosen) for side in self._sides)
         faces = self.surface.faces
@@ -175,11 +153,81 @@ class VolumePartition:
         """The body inside each component of the surface, and the one outside it: those most of its vertices tell."""
         surface = self.surface
         step = _BESIDE * min(surface.spacing) * surface.normals / np.array(surface.spacing)
-        inner, outer = self._bodies_at(surface.vertices - step), self._bodies_at(surface.vertices + step)
+        inner, outer = self.bodies_at(surface.vertices - step), self.bodies_at(surface.vertices + step)
         return _most_frequent(surface.component_of_vertex, inner), _most_frequent(surface.component_of_vertex, outer)
 
     def __repr__(self) -> str:
         return described("VolumePartition", self.image.source, sized(self.shape, "voxels"))
+
+
+@dataclass(frozen=True, eq=False)
+class VolumeSelection:
+    """Bodies that have been chosen by clicks in a volume.
+
+    Attributes
+    ----------
+    partition : VolumePartition
+        What they are parts of.
+    bodies : ndarray of int, shape (B,)
+        Their numbers in `VolumePartition.labels`, ascending.
+    inside, outside : ndarray, shape (M, 3) and (K, 3)
+        The places that have been said to be inside and outside [voxels].
+    remark : str
+        One sentence on what was unusual about the places, or empty.
+    """
+
+    partition: VolumePartition = field(repr=False)
+    bodies: Index
+    inside: Array
+    outside: Array
+    remark: str = ""
+
+    @cached_property
+    def mask(self) -> Mask:
+        """Voxels whose centers lie in them, shape (P, R, C)."""
+        return np.isin(self.partition.labels, self.bodies)
+
+    @cached_property
+    def surface(self) -> Surface:
+        """Their boundary: its triangles are turned outward, away from the bodies."""
+        return self.partition.boundary_of(self.bodies)
+
+    @cached_property
+    def packed(self) -> PackedSurface:
+        """Their boundary as a session holds it; ValueError when it is empty."""
+        return PackedSurface.of(self.surface)
+
+    @property
+    def found(self) -> bool:
+        """Whether they have a boundary."""
+        return bool(len(self.surface.faces))
+
+    @property
+    def only_places(self) -> bool:
+        """Never: a body is more than the places in it."""
+        return False
+
+    @property
+    def volume(self) -> float:
+        """Volume of the bodies, in the unit of the spacing, cubed."""
+        return self.surface.volume
+
+    @property
+    def area(self) -> float:
+        """Area of their boundary, in the unit of the spacing, squared."""
+        return self.surface.area
+
+    def __repr__(self) -> str:
+        voxels = f"{np.count_nonzero(self.mask):,} voxels"
+        return described("VolumeSelection", voxels, counted(len(self.surface.faces), "triangle"))
+
+    def same(self, other: VolumeSelection) -> bool:
+        """Whether the same bodies have been chosen."""
+        return np.array_equal(self.bodies, other.bodies)
+
+    def holds(self, places: Array) -> Mask:
+        """Which of places, shape (N, 3) [voxels], lie in it; one outside the volume counts as the nearest one in it."""
+        return np.isin(self.partition.bodies_at(places), self.bodies)
 
 
 def _as_places(given: ArrayLike) -> Array:

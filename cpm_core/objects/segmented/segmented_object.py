@@ -9,8 +9,11 @@ import numpy as np
 import scipy
 
 from cpm_core.contours.contour import Contour, check_name
+from cpm_core.contours.surface import Surface
+from cpm_core.contours.surface.inside import inside_of
+from cpm_core.contours.surface.packing import PackedSurface
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Mask, Position
+from cpm_core.numerics.types import Array, Mask, Place, Position
 from cpm_core.objects.selection import Selection
 from cpm_core.parameters.quotation import shown
 
@@ -38,7 +41,7 @@ class Click:
     Attributes
     ----------
     places : tuple of tuple of float
-        Positions (row, col) in px of the image, at least one.
+        Positions (row, col) in px of the image, or (plane, row, col) in voxels, at least one.
     inside : bool
         Whether they are inside.
 
@@ -48,7 +51,7 @@ class Click:
         When there is no place.
     """
 
-    places: tuple[Position, ...]
+    places: tuple[Place, ...]
     inside: bool = True
 
     def __post_init__(self) -> None:
@@ -95,6 +98,8 @@ class SegmentedObject:
         Whether it keeps its boundary and holds particles back.
     hidden : bool
         Whether it is not shown.
+    surface : tuple of PackedSurface
+        The boundary of an object in a volume, which has no closed curves; empty in an image.
 
     Raises
     ------
@@ -104,7 +109,7 @@ class SegmentedObject:
 
     number: int
     clicks: tuple[Click, ...]
-    boundary: tuple[Line, ...]
+    boundary: tuple[Line, ...] = ()
     gaps: tuple[Line, ...] = ()
     confidence: float = 0.0
     strength: float = 0.0
@@ -113,11 +118,14 @@ class SegmentedObject:
     category: int = 1
     frozen: bool = False
     hidden: bool = False
+    surface: tuple[PackedSurface, ...] = ()
 
     def __post_init__(self) -> None:
         if self.number < 1:
             raise ValueError(f"The number of an object is {self.number} but must be at least 1.")
-        if not self.boundary or any(len(set(curve)) < 3 for curve in self.boundary):
+        if len(self.surface) > 1 or (self.surface and self.boundary):
+            raise ValueError("An object has one surface in a volume, or closed curves in an image, not more.")
+        if not (self.boundary or self.surface) or any(len(set(curve)) < 3 for curve in self.boundary):
             raise ValueError("The boundary of an object needs closed curves of at least three different points each.")
         if not 1 <= self.category <= MOST_CLASSES:
             raise ValueError(f"The class of an object is {self.category} but must be from 1 to {MOST_CLASSES}.")
@@ -128,13 +136,18 @@ class SegmentedObject:
             _check_color("an object", self.color)
 
     @property
+    def body(self) -> Surface | None:
+        """Its boundary in a volume [voxels]; None in an image."""
+        return self.surface[0].surface if self.surface else None
+
+    @property
     def inside(self) -> Array:
-        """Places that were said to be inside, shape (M, 2) [px]."""
+        """Places that were said to be inside, shape (M, D) [px]."""
         return places_of(self.clicks, inside=True)
 
     @property
     def outside(self) -> Array:
-        """Places that were said to be outside, shape (K, 2) [px]."""
+        """Places that were said to be outside, shape (K, D) [px]."""
         return places_of(self.clicks, inside=False)
 
     def encloses(self, places: Array) -> Mask:
@@ -145,7 +158,9 @@ class SegmentedObject:
         return found
 
     def mask(self, shape: tuple[int, ...]) -> Mask:
-        """The pixels of an image of this shape whose centers lie inside."""
+        """The pixels of an image, or the voxels of a volume, of this shape whose centers lie inside."""
+        if self.body is not None:
+            return inside_of(self.body, shape)
         found = np.zeros(shape, np.bool_)
         (top, left), window = self._window(shape)
         found[top : top + window.shape[0], left : left + window.shape[1]] = window
@@ -294,9 +309,9 @@ class SegmentedObjects:
 
 
 def places_of(clicks: tuple[Click, ...], *, inside: bool) -> Array:
-    """Places of the clicks inside, or of those outside, shape (N, 2) [px]."""
+    """Places of the clicks inside, or of those outside, shape (N, D) [px]."""
     found = [place for click in clicks if click.inside == inside for place in click.places]
-    return np.array(found, dtype=float).reshape(-1, 2)
+    return np.array(found, dtype=float).reshape(-1, len(clicks[0].places[0]) if clicks else 2)
 
 
 def selection_of(item: SegmentedObject, shape: tuple[int, ...]) -> Selection:

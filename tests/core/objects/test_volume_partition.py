@@ -8,6 +8,8 @@ from skimage.measure import marching_cubes
 
 import cpm_core as cpm
 from cpm_core.contours.surface import Surface
+from cpm_core.contours.surface.inside import numbered
+from cpm_core.contours.surface.packing import PackedSurface, packed
 
 SHAPE, SPACING = (44, 30, 30), (1.0, 1.0, 1.5)
 SHELL, LONE = np.array([13.0, 14.0, 20.0]), np.array([34.0, 14.0, 20.0])
@@ -111,3 +113,41 @@ def test_the_result_of_a_run_is_cut_along_its_surface():
     assert cut.select([WALL]).volume == pytest.approx(FULL - EMPTY, rel=0.03)
     everything = cpm.partition(image).select([WALL, HOLLOW])
     assert everything.volume == pytest.approx(FULL, rel=0.03)
+
+
+def test_what_has_been_selected_is_kept_as_text_and_comes_back():
+    surface = parted().select([WALL]).surface
+    kept = PackedSurface.of(surface)
+    again = PackedSurface(kept.vertices, kept.faces)
+    assert again == kept
+    np.testing.assert_array_equal(again.surface.faces, surface.faces)
+    np.testing.assert_allclose(again.surface.vertices, surface.vertices, rtol=1e-6, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("vertices", "faces", "sentence"),
+    [
+        ("", None, "is damaged"),
+        ("AAAA", None, "is damaged"),
+        (None, "", "is damaged"),
+        (packed(np.zeros(4, np.float32)), None, "does not consist of triangles"),
+        (packed(np.zeros((4, 3), np.float32)), packed(np.array([[0, 1, 2]], np.int32)), "is not closed"),
+        (packed(np.zeros((2, 3), np.float32)), packed(np.array([[0, 1, 2]], np.int32)), "names vertex 2"),
+    ],
+)
+def test_text_that_is_no_closed_surface_is_refused(vertices, faces, sentence):
+    kept = PackedSurface.of(parted().select([BALL]).surface)
+    with pytest.raises(ValueError, match=sentence):
+        PackedSurface(kept.vertices if vertices is None else vertices, kept.faces if faces is None else faces)
+
+
+def test_objects_of_a_surface_are_labeled_by_their_own_numbers():
+    ball, wall = (parted().select([place]).surface for place in (BALL, WALL))
+    faces = np.concatenate([ball.faces, wall.faces + len(ball.vertices)])
+    numbers = np.repeat([7, 3], [len(ball.faces), len(wall.faces)])
+    both = Surface(np.concatenate([ball.vertices, wall.vertices]), faces, SPACING, "mm", numbers=numbers)
+    labels = numbered(both, SHAPE)
+    np.testing.assert_array_equal(labels == 7, parted().select([BALL]).mask)
+    np.testing.assert_array_equal(labels == 3, parted().select([WALL]).mask)
+    with pytest.raises(ValueError, match="numbers of a surface"):
+        Surface(both.vertices, faces, SPACING, numbers=numbers[1:])

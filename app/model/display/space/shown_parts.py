@@ -6,12 +6,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from app.model.display.display_image import apply_window
 from app.model.display.space.picture import Colors
 from app.model.display.space.projection import Shaded
 from app.model.display.space.slices import ShownSlice
 from app.model.display.space.triangles import Cut, Mesh
-from app.model.display.space.view_in_space import Particles, ViewInSpace, Wires
+from app.model.display.space.view_in_space import ColoredMesh, Particles, ViewInSpace, Wires
 from app.model.volume.slices import Slices
 from cpm_core.image.image import Image
 
@@ -25,6 +24,7 @@ class ShownParts:
 
     particles: bool = True
     surface: bool = True
+    objects: bool = True
     slices: bool = False
     projection: bool = False
     box: bool = True
@@ -51,6 +51,8 @@ class Contents:
         What is drawn.
     table : ndarray of uint8, shape (256, 3)
         Color of each shade.
+    objects : tuple of ColoredMesh
+        Objects that have been selected, and those that are offered.
     """
 
     image: Image
@@ -60,6 +62,7 @@ class Contents:
     mesh: Mesh | None = None
     wires: Wires | None = None
     table: Colors = field(default_factory=lambda: GRAY)
+    objects: tuple[ColoredMesh, ...] = ()
 
     def view(self, shown: ShownParts) -> ViewInSpace:
         """The view of the parts that are shown."""
@@ -75,11 +78,11 @@ class Contents:
             self._cut(shown),
             shown.box,
             self.wires,
+            self.objects if shown.objects else (),
         )
 
     def _slice(self, axis: int) -> ShownSlice:
-        place = self.slices.across(axis)
-        return ShownSlice(place, self.table[apply_window(place.of(self.shaded.values), self.shaded.window)])
+        return ShownSlice(self.slices.across(axis), self.shaded, self.table)
 
     def _cut(self, shown: ShownParts) -> Cut | None:
         """The side of the first voxels is taken away, which is the one that is seen first."""

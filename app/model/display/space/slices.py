@@ -3,40 +3,49 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from app.model.display.display_image import apply_window
 from app.model.display.space.camera import Camera
 from app.model.display.space.picture import ROWS, Colors, Picture
+from app.model.display.space.projection import Shaded
 from app.model.volume.slices import Slice
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class ShownSlice:
-    """A slice of a volume in colors (H, W, 3)."""
+    """A slice of a volume, with the colors of its shades; they are made when it is drawn."""
 
     place: Slice
-    colors: Colors
+    volume: Shaded
+    table: Colors
+
+    @cached_property
+    def colors(self) -> Colors:
+        """Its colors (H, W, 3)."""
+        return self.table[apply_window(self.place.of(self.volume.values), self.volume.window)]
 
 
-def draw_slice(picture: Picture, shown: ShownSlice, camera: Camera, spacing: tuple[float, ...]) -> None:
+def draw_slice(picture: Picture, place: Slice, colors: Colors, camera: Camera, spacing: tuple[float, ...]) -> None:
     """Draw a slice of a volume whose voxels have this size; nothing where it is seen from the side."""
-    across = shown.place.axis
+    across = place.axis
     if abs(camera.axes[2, across]) < 1e-6:
         return
     down, right = (axis for axis in range(3) if axis != across)
     corner = camera.corner(picture.size)
     steps = camera.axes / camera.scale
-    origin = np.array([shown.place.index * spacing[across] - corner[across], corner[down], corner[right]])
+    origin = np.array([place.index * spacing[across] - corner[across], corner[down], corner[right]])
     sides = np.array([[steps[k, axis] for axis in (across, down, right)] for k in range(3)])
     sizes = np.array([spacing[down], spacing[right]])
 
     def some(begin: int, end: int) -> None:
-        _draw(shown.colors, origin, sides, sizes, picture.colors, picture.depths, begin, end)
+        _draw(colors, origin, sides, sizes, picture.colors, picture.depths, begin, end)
 
     share(some, picture.size[0], ROWS)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -20,6 +20,9 @@ Color = tuple[int, int, int]
 
 AXIS_COLORS: tuple[Color, Color, Color] = ((70, 120, 255), (60, 180, 75), (230, 70, 60))
 """Colors of the axes: plane, row, column."""
+
+_NEARER = 0.75
+"""How much nearer objects are drawn than they are [smallest sides of a voxel]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +54,14 @@ class Wires:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
+class ColoredMesh:
+    """A surface in a color of its own."""
+
+    mesh: Mesh
+    color: Color
+
+
+@dataclass(frozen=True, eq=False, slots=True)
 class ViewInSpace:
     """All that is seen of a volume.
 
@@ -72,6 +83,8 @@ class ViewInSpace:
         Whether the edges of the volume and its axes are shown.
     wires : Wires or None
         What is drawn in the volume.
+    objects : tuple of ColoredMesh
+        Objects that have been selected.
     """
 
     shape: tuple[int, ...]
@@ -85,6 +98,7 @@ class ViewInSpace:
     cut: Cut | None = None
     box: bool = True
     wires: Wires | None = None
+    objects: tuple[ColoredMesh, ...] = ()
 
     @property
     def lengths(self) -> tuple[float, ...]:
@@ -97,7 +111,7 @@ class ViewInSpace:
         if self.projection is not None and self.table is not None:
             draw_projection(picture, self.projection, camera, self.spacing, self.table)
         for shown in self.slices:
-            draw_slice(picture, shown, camera, self.spacing)
+            draw_slice(picture, shown.place, shown.colors, camera, self.spacing)
         if self.box:
             self._draw_box(picture, camera, look)
         if self.wires is not None:
@@ -105,6 +119,10 @@ class ViewInSpace:
             draw_lines(picture, camera.seen(places, size), self.wires.colors)
         if self.particles is not None:
             self._draw_particles(picture, self.particles, camera, look)
+        for each in self.objects:
+            # a little nearer than the surface of the run, whose triangles they share
+            nearer = replace(camera, center=camera.center + _NEARER * min(self.spacing) * camera.axes[2])
+            draw_mesh(picture, each.mesh, nearer, each.color, each.color, self.cut)
         if self.mesh is not None and self.opacity > 0.0:
             self._draw_surface(picture, self.mesh, camera, look)
         return picture

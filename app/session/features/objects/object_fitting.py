@@ -8,13 +8,16 @@ import numpy as np
 from PySide6.QtCore import QObject
 
 from app.model.document import objects
+from app.model.document.objects import AnySelection
 from app.model.text.language import tr
 from app.session.exchange.messages import Report
 from app.session.features.objects.partitions import Partitions
-from app.session.features.objects.selector import Selector
+from app.session.features.objects.selector import selector_on
 from app.session.session import Session
 from app.session.tasks.tasks import Task
 from cpm_core.image.image import Image
+from cpm_core.objects.faces.space import VolumeSelection
+from cpm_core.objects.partition import Partition
 from cpm_core.objects.segmented.segmented_object import Click, selection_of
 from cpm_core.objects.selection import Selection
 from cpm_core.objects.similar import similar
@@ -28,7 +31,7 @@ class Fitted(Report):
     """Selections of objects of an image, with their clicks and their numbers."""
 
     image: Image
-    found: tuple[tuple[Selection, tuple[Click, ...], int], ...]
+    found: tuple[tuple[AnySelection, tuple[Click, ...], int], ...]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -60,10 +63,12 @@ class ObjectFitting(QObject):
 
         def work(task: Task) -> Report:
             found = []
-            selector = Selector(partition, items, 0)
+            selector = selector_on(partition, items, 0)
             for done, item in enumerate(fitted):
                 task.advance(done / len(fitted))
                 selection = selector.selection(item.clicks)
+                if isinstance(selection, VolumeSelection) and selection.found:
+                    _ = selection.packed  # here, not on the window's thread
                 if selection is not None:
                     found.append((selection, item.clicks, item.number))
             return Fitted(partition.image, tuple(found))
@@ -73,7 +78,7 @@ class ObjectFitting(QObject):
     def find_like(self, number: int) -> None:
         """Add all objects that are like one and not among the objects yet."""
         partition, known = self._partitions.partition, self._session.document.objects
-        if partition is None:
+        if not isinstance(partition, Partition):  # a volume has no objects that are alike
             self._partitions.look(again=True)
             self._session.say(tr("The image is not prepared yet: try again in a moment."))
             return

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable
+from dataclasses import replace
 
 import numpy as np
 from PySide6.QtCore import QObject, Signal
@@ -11,24 +11,13 @@ from PySide6.QtCore import QObject, Signal
 from app.model.document import objects
 from app.model.document.document import Document
 from app.model.text.language import tr
+from app.model.volume.object_sections import holds, size_of
 from app.session.features.latest import Latest
+from app.session.features.objects.object_figures import AllFigures, Figures
 from app.session.session import Session
 from cpm_core.image.image import Image
-from cpm_core.numerics.types import Position
-from cpm_core.objects.segmented.segmented_object import Line, SegmentedObject, SegmentedObjects
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Grays:
-    """Boundary and mean gray value of objects, by their numbers, in an image; NaN for one without a pixel."""
-
-    image: Image
-    known: Mapping[int, tuple[tuple[Line, ...], float]]
-
-    def of(self, item: SegmentedObject) -> float | None:
-        """Mean gray value of an object; None if it is not known, or the object has another boundary by now."""
-        boundary, mean = self.known.get(item.number, (None, 0.0))
-        return mean if boundary is item.boundary else None
+from cpm_core.numerics.types import Place
+from cpm_core.objects.segmented.segmented_object import SegmentedObject, SegmentedObjects
 
 
 class ObjectList(QObject):
@@ -43,9 +32,9 @@ class ObjectList(QObject):
         super().__init__(session)
         self._session = session
         self._known = session.document.objects
-        self._grays: Grays | None = None
+        self._figures: AllFigures | None = None
         self._latest = Latest(session, "cpm-object-measures", tr("measuring objects"))
-        self._latest.done.connect(self._use_grays)
+        self._latest.done.connect(self._use_figures)
         session.document_changed.connect(self._follow)
 
     # State
@@ -67,17 +56,21 @@ class ObjectList(QObject):
 
     def gray(self, item: SegmentedObject) -> float | None:
         """Mean gray value of an object; None while it is not known."""
-        return self._grays.of(item) if self._grays is not None else None
+        found = self.figures(item)
+        return None if found is None else found.gray
+
+    def figures(self, item: SegmentedObject) -> Figures | None:
+        """Figures of an object; None while they are not known."""
+        return self._figures.of(item) if self._figures is not None else None
 
     def title(self, item: SegmentedObject) -> str:
         """Name of an object, or its class and number."""
         return objects.title(self.objects, item)
 
-    def under(self, at: Position) -> int:
-        """Number of the smallest shown object at a place (row, col) [px]; 0 when there is none."""
-        place = np.array([at], dtype=float)
-        around = [item for item in self.objects.items if not item.hidden and item.encloses(place)[0]]
-        return min(around, key=lambda item: item.area).number if around else 0
+    def under(self, at: Place) -> int:
+        """Number of the smallest shown object at a place (row, col) [px], or (plane, row, col); 0 for none."""
+        around = [item for item in self.objects.items if not item.hidden and _encloses(item, at)]
+        return min(around, key=size_of).number if around else 0
 
     # Choosing
 
@@ -177,7 +170,7 @@ class ObjectList(QObject):
 
     def _follow(self, document: Document) -> None:
         image = self._session.image
-        if document.objects is self._known and (self._grays is None or self._grays.image is image):
+        if document.objects is self._known and (self._figures is None or self._figures.image is image):
             return
         self._known = document.objects
         self.choose(self.chosen & {item.number for item in document.objects.items})
@@ -185,27 +178,18 @@ class ObjectList(QObject):
         self.changed.emit()
 
     def _measure(self, image: Image | None, items: tuple[SegmentedObject, ...]) -> None:
-        """Measure gray values on another thread: large objects have many pixels."""
+        """Measure on another thread: large objects have many pixels."""
         if image is None:
             return
-        grays = self._grays if self._grays is not None and self._grays.image is image else Grays(image, {})
-        if all(grays.of(item) is not None for item in items):
-            return
+        known = self._figures if self._figures is not None and self._figures.image is image else AllFigures(image, {})
+        if any(known.of(item) is None for item in items):
+            self._latest.ask(lambda: known.with_all(items))
 
-        def work() -> Grays:
-            means = ((item, grays.of(item)) for item in items)
-            found = {item.number: (item.boundary, _mean(image, item) if mean is None else mean) for item, mean in means}
-            return Grays(image, found)
-
-        self._latest.ask(work)
-
-    def _use_grays(self, grays: Grays) -> None:
-        if grays.image is self._session.image:
-            self._grays = grays
+    def _use_figures(self, figures: AllFigures) -> None:
+        if figures.image is self._session.image:
+            self._figures = figures
             self.changed.emit()
 
 
-def _mean(image: Image, item: SegmentedObject) -> float:
-    """Mean gray value of the pixels of an object; NaN when it has none."""
-    inside = item.mask(image.shape)
-    return float(image.values[inside].mean()) if inside.any() else float("nan")
+def _encloses(item: SegmentedObject, at: Place) -> bool:
+    return holds(item, at) if len(at) == 3 else bool(item.encloses(np.array([at], dtype=float))[0])

@@ -12,16 +12,17 @@ from PySide6.QtCore import QObject, Signal
 
 from app.model.document import objects
 from app.model.document.document import Document
+from app.model.document.objects import AnySelection
 from app.model.text.language import tr
 from app.session.features.latest import Latest
 from app.session.features.objects.partitions import Partitions
-from app.session.features.objects.selector import Selector
+from app.session.features.objects.selector import AnySelector, selector_on
 from app.session.scene import Proposal
 from app.session.session import Session
 from cpm_core.contours.result import Result
-from cpm_core.numerics.types import Array, Position
+from cpm_core.numerics.types import Array, Place
+from cpm_core.objects.faces.space import VolumeSelection
 from cpm_core.objects.segmented.segmented_object import Click
-from cpm_core.objects.selection import Selection
 from cpm_core.shapes import Everywhere
 from cpm_core.shapes.image_starts import ImageStart
 
@@ -33,7 +34,7 @@ MOST_OFFERED = 1 << 23
 class Question:
     """What is asked for: the object of some clicks, what one more click would make of it, or the objects of starts."""
 
-    selector: Selector
+    selector: AnySelector
     clicks: tuple[Click, ...]
     pointed: Click | None
     starts: tuple[Array, ...]
@@ -45,7 +46,7 @@ class Answer:
 
     question: Question
     proposals: tuple[Proposal, ...]
-    preview: Selection | None
+    preview: AnySelection | None
 
 
 def answer(question: Question) -> Answer:
@@ -53,6 +54,8 @@ def answer(question: Question) -> Answer:
     selector, clicks = question.selector, question.clicks
     selection = selector.selection(clicks) if clicks else None
     if selection is not None:
+        if isinstance(selection, VolumeSelection) and selection.found:
+            _ = selection.packed  # so that it can be taken at once
         proposals: tuple[Proposal, ...] = (Proposal(selection, clicks, selector.edited),)
     else:
         proposals = selector.proposals(question.starts)
@@ -76,7 +79,7 @@ class ObjectSelection(QObject):
         self._in_use = False
         self._pointed: Click | None = None
         self._dismissed: Result | None = None
-        self._selector: Selector | None = None
+        self._selector: AnySelector | None = None
         self._asked: Question | None = None
         self._remark, self._was_ready = "", False
         self._latest = Latest(session, "cpm-objects", tr("selecting objects"))
@@ -119,14 +122,14 @@ class ObjectSelection(QObject):
 
     # Clicks
 
-    def point(self, at: Position | None, inside: bool = True) -> None:
+    def point(self, at: Place | None, inside: bool = True) -> None:
         """Show what a click at a place would take; None for no place."""
         self._pointed = Click((at,), inside) if at is not None else None
         if at is None:
             self._show(preview=None)
         self._follow()
 
-    def click(self, places: tuple[Position, ...], inside: bool = True) -> None:
+    def click(self, places: tuple[Place, ...], inside: bool = True) -> None:
         """Say that places are inside of the object, or outside of it."""
         said = Click(places, inside)
         first = None if self.selecting else corrected(self.proposals, said)
@@ -159,7 +162,7 @@ class ObjectSelection(QObject):
 
     def take(self) -> None:
         """Make objects of the proposals."""
-        offered = [each for each in self.proposals if each.selection.contours]
+        offered = [each for each in self.proposals if each.selection.found]
         if not offered:
             self._session.say(tr("There is nothing to take: click in an object first."))
             return
@@ -210,7 +213,7 @@ class ObjectSelection(QObject):
         items, edited = document.objects.items, document.objects.edited
         known = self._selector
         if known is None or (known.partition, known.items, known.edited) != (partition, items, edited):
-            self._selector = Selector(partition, items, edited)
+            self._selector = selector_on(partition, items, edited)
         assert self._selector is not None
         starts = self._starts if not document.objects.clicks else ()
         question = Question(self._selector, document.objects.clicks, self._pointed, starts)
@@ -288,7 +291,7 @@ def without_effect(before: tuple[Proposal, ...], after: tuple[Proposal, ...]) ->
     """A sentence on the newest click if it has changed nothing of the object; else empty."""
     if len(before) != 1 or len(after) != 1 or len(after[0].clicks) != len(before[0].clicks) + 1:
         return ""
-    if not before[0].clicks or not np.array_equal(before[0].selection.mask, after[0].selection.mask):
+    if not before[0].clicks or not _same(before[0].selection, after[0].selection):
         return ""
     if after[0].clicks[-1].inside:
         return tr("This click changes nothing: the place belongs to the object already.")
@@ -297,9 +300,14 @@ def without_effect(before: tuple[Proposal, ...], after: tuple[Proposal, ...]) ->
 
 def corrected(offered: tuple[Proposal, ...], said: Click) -> Proposal | None:
     """The offered object of a start that a first click corrects: the one it lies in, or the only one."""
-    row, col = (round(place) for place in said.places[0])
     for each in offered:
-        rows, cols = each.selection.mask.shape
-        if 0 <= row < rows and 0 <= col < cols and each.selection.mask[row, col]:
+        if each.selection.holds(np.array(said.places[:1]))[0]:
             return each
     return offered[0] if len(offered) == 1 else None
+
+
+def _same(one: AnySelection, other: AnySelection) -> bool:
+    """Whether two answers are the same object."""
+    if isinstance(one, VolumeSelection) or isinstance(other, VolumeSelection):
+        return isinstance(one, VolumeSelection) and isinstance(other, VolumeSelection) and one.same(other)
+    return one.same(other)

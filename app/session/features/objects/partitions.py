@@ -17,6 +17,7 @@ from app.session.tasks.tasks import Task
 from cpm_core.contours.result import Result
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
+from cpm_core.objects.faces.space import VolumePartition
 from cpm_core.objects.partition import EVERYWHERE, Partition, partition
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.particles.initialization import uniform_grid
@@ -41,6 +42,9 @@ class Everywhere:
         return (self.parameters, self.regions) == (other.parameters, other.regions)
 
 
+AnyPartition = Partition | VolumePartition
+"""What objects are selected from, in an image or in a volume."""
+
 Source = Result | Everywhere
 """What a partition is made from."""
 
@@ -50,7 +54,7 @@ class Prepared(Report):
     """A partition, ready to select from, and what it was made from."""
 
     source: Source
-    partition: Partition
+    partition: AnyPartition
 
 
 class Partitions(QObject):
@@ -64,7 +68,7 @@ class Partitions(QObject):
 
     def __init__(self, session: Session, wanted: Callable[[], bool]) -> None:
         super().__init__(session)
-        self.partition: Partition | None = None
+        self.partition: AnyPartition | None = None
         self._session = session
         self._wanted = wanted
         self._made_from: Source | None = None
@@ -112,9 +116,11 @@ class Partitions(QObject):
 
     def _source(self) -> Source | None:
         scene = self._session.scene
-        if scene.image is None or scene.slices is not None:  # nothing is selected by clicks in a volume
+        if scene.image is None:
             return None
         found = scene.reconstruction.result if scene.reconstruction is not None else None
+        if scene.slices is not None:  # a run from everywhere takes too long to be begun without being asked for
+            return found if isinstance(found, Result) and found.surface is not None else None
         if isinstance(found, Result) and found.image is not None and found.contours:
             return found
         return Everywhere(scene.image, parameters_everywhere(scene.document), scene.document.regions)
@@ -193,7 +199,7 @@ def _everywhere_of(prepared: Prepared) -> Everywhere | None:
     return prepared.source if isinstance(prepared.source, Everywhere) else None
 
 
-def _ready(made: Partition) -> Partition:
+def _ready(made: AnyPartition) -> AnyPartition:
     """A partition that has computed all that a selection needs, so that the first answer comes at once."""
     made.select([[0.5 * (side - 1) for side in made.shape]])
     return made

@@ -6,8 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from app.session.features.objects.body_selector import BodySelector
+from app.session.features.objects.partitions import AnyPartition
 from app.session.scene import Proposal
 from cpm_core.numerics.types import Array, Mask
+from cpm_core.objects.faces.space import VolumePartition
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, places_of, selection_of
 from cpm_core.objects.selection import Selection
@@ -92,6 +95,17 @@ class Selector:
     def _known_at(self, places: Array) -> SegmentedObject | None:
         """The object that most of some places lie in."""
         return next((item for item in self.items if item.encloses(places).mean() > 0.5), None)
+
+
+AnySelector = Selector | BodySelector
+"""Selects objects in an image or in a volume."""
+
+
+def selector_on(partition: AnyPartition, items: Sequence[SegmentedObject], edited: int) -> AnySelector:
+    """A new selector on a partition; see `Selector`."""
+    if isinstance(partition, VolumePartition):
+        return BodySelector(partition, items, edited)
+    return Selector(partition, items, edited)
 
 
 def _enclosed(item: SegmentedObject) -> Array:

@@ -8,20 +8,23 @@ from functools import partial
 
 import numpy as np
 
-from app.model.display.display_image import DisplayImage, DisplayVolume, IntensityWindow, apply_window
+from app.model.display.display_image import DisplayImage, DisplayVolume, IntensityWindow
 from app.model.document.document import Document
+from app.model.volume.object_sections import objects_in, selection_in
 from app.model.volume.shape_sections import sections
 from app.model.volume.slices import Slice
 from app.model.volume.surface_section import section as lines_of
 from app.model.volume.surface_section import unmeasured
 from app.session.exchange.messages import Reconstruction, Snapshot
+from app.session.features.volumes.large_slices import AT_ONCE, LargeSlices, shaded
 from app.session.features.volumes.made_once import MadeOnce, Same
-from app.session.scene import NO_CONTOURS, Item, NearParticles, ReviewedContours, Scene
+from app.session.scene import NO_CONTOURS, Item, NearParticles, ReviewedContours, Scene, ShownObjects
 from app.session.worker.commands.timeline import Compared
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import ReviewedContour
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array, Index
+from cpm_core.objects.segmented.segmented_object import SegmentedObjects
 from cpm_core.shapes import Shape
 from cpm_core.shapes.image_starts import ImageSeeds
 
@@ -33,10 +36,13 @@ class Sections:
     ----------
     axis : int, optional
         The axis across which the view shows its slices; by default that which is worked on.
+    large : LargeSlices, optional
+        Makes the display images of large slices; without it they are made at once, as a film needs them.
     """
 
-    def __init__(self, axis: int | None = None) -> None:
+    def __init__(self, axis: int | None = None, large: LargeSlices | None = None) -> None:
         self.axis = axis
+        self.large = large
         self._parts = MadeOnce()
 
     def of(self, scene: Scene) -> Scene:
@@ -46,10 +52,18 @@ class Sections:
             return scene
         slices = slices if self.axis is None else slices.turned(self.axis)
         here = slices.current
-        image = self._parts.of("image", (volume, here), lambda: _image(volume, here))
-        display = self._parts.of("display", (image,), lambda: _display(image, volume))
+        image = self._parts.of("image", (volume, here), lambda: volume.cut(here.axis, here.index))
+        window = IntensityWindow(*volume.gray_range)  # that of the volume, so that slices do not flicker
+        if self.large is not None and image.values.size > AT_ONCE:
+            display = self.large.of(image, window)
+        else:
+            display = self._parts.of("display", (image,), lambda: shaded(image, window))
         drawn = (scene.document, here, volume)
-        document, places = self._parts.of("document", drawn, lambda: _document(*drawn))
+        cut = self._parts.of(
+            "objects", (scene.document.objects, here), lambda: objects_in(scene.document.objects, here)
+        )
+        document, places = self._parts.of("document", (*drawn, cut), lambda: _document(*drawn, cut))
+        shown = self._parts.of("shown", (scene.objects, here), lambda: _shown(scene.objects, here))
         reach = scene.document.parameters.d_min
         near = self._parts.of("near", (scene.snapshot, here, reach), lambda: _near(scene.snapshot, here, volume, reach))
         snapshot = self._parts.of("snapshot", (near,), lambda: _snapshot(scene.snapshot, near, here))
@@ -68,6 +82,7 @@ class Sections:
             contours=contours,
             overlays=self._overlays(scene, here),
             compared=self._compared(scene.compared, here, volume, reach),
+            objects=shown,
             slices=slices,
             volume=volume,
             near=near,
@@ -113,15 +128,6 @@ def _compared(compared: Compared | None, here: Slice, volume: Image, reach: floa
     return replace(compared, position=position, result=result)
 
 
-def _image(volume: Image, here: Slice) -> Image:
-    return Image(here.of(volume.values), here.sides(volume.spacing), volume.unit, volume.source)
-
-
-def _display(image: Image, volume: Image) -> DisplayImage:
-    """The slice in the gray values of the whole volume, so that it does not flicker from slice to slice."""
-    return DisplayImage.of(apply_window(image.values, IntensityWindow(*volume.gray_range)))
-
-
 def sections_of(shapes: Iterable[Shape], here: Slice, volume: Image) -> Iterator[tuple[int, Shape]]:
     """What a slice shows of shapes, each with the number of its shape."""
     sides = tuple(side / min(volume.spacing) for side in volume.spacing)
@@ -130,14 +136,23 @@ def sections_of(shapes: Iterable[Shape], here: Slice, volume: Image) -> Iterator
             yield index, cut
 
 
-def _document(document: Document, here: Slice, volume: Image) -> tuple[Document, dict[int | None, int]]:
-    """The document with the sections of its shapes, and the place of the first section of each shape."""
+def _document(
+    document: Document, here: Slice, volume: Image, objects: SegmentedObjects
+) -> tuple[Document, dict[int | None, int]]:
+    """The document with the sections of its shapes and objects, and the place of the first section of each shape."""
     places: dict[int | None, int] = {}
     shapes: list[Shape] = []
     for index, cut in sections_of(document.shapes, here, volume):
         places.setdefault(index, len(shapes))
         shapes.append(cut)
-    return replace(document, shapes=tuple(shapes)), places
+    return replace(document, shapes=tuple(shapes), objects=objects), places
+
+
+def _shown(shown: ShownObjects, here: Slice) -> ShownObjects:
+    """What a slice shows of the selection of objects."""
+    offered = tuple(replace(each, selection=selection_in(each.selection, here)) for each in shown.proposals)
+    preview = None if shown.preview is None else selection_in(shown.preview, here)
+    return replace(shown, proposals=offered, preview=preview)
 
 
 def _near(snapshot: Snapshot | None, here: Slice, volume: Image, reach: float) -> NearParticles | None:

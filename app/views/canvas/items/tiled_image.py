@@ -87,7 +87,7 @@ class TiledImage(OverImage):
         """The pixels of a part, as the screen has them."""
         assert self.display is not None
         level, top, left, bottom, right = part
-        shades: Shades = self.display.levels[level][top:bottom, left:right]
+        shades: Shades = self.display.levels[level - self.display.finest][top:bottom, left:right]
         if shades.ndim == 3 and self._pairs is not None:
             shades = by_pairs(shades, self._pairs)
         if shades.ndim == 3:
@@ -115,9 +115,10 @@ def part_of(display: DisplayImage, seen: QRectF, zoom: float) -> Part:
 
     `zoom` is the number of pixels of the screen for each of the image.
     """
-    level = min(max(math.floor(-math.log2(zoom) + 1e-6), 0), len(display.levels) - 1)
+    coarsest = display.finest + len(display.levels) - 1
+    level = min(max(math.floor(-math.log2(zoom) + 1e-6), display.finest), coarsest)
     size = 2.0**level
-    rows, cols = display.levels[level].shape[:2]
+    rows, cols = display.levels[level - display.finest].shape[:2]
     top, left = (max(int((first + 0.5) / size) // _BLOCK * _BLOCK, 0) for first in (seen.top(), seen.left()))
     ends = ((seen.bottom(), rows), (seen.right(), cols))
     bottom, right = (min(-(-math.ceil((end + 0.5) / size) // _BLOCK) * _BLOCK, most) for end, most in ends)

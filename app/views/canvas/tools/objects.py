@@ -10,7 +10,7 @@ from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.views.canvas.tools.tool import Cursor, Tool, ToolContext
 from app.views.theme import theme
-from cpm_core.numerics.types import Position
+from cpm_core.numerics.types import Place
 
 _APART = 3.0
 """Least distance between two places of a stroke [px]."""
@@ -18,7 +18,8 @@ _APART = 3.0
 _MOST = 200
 """Largest number of places of a stroke; a longer one is thinned out."""
 
-_NOT = Qt.KeyboardModifier.AltModifier | Qt.KeyboardModifier.ShiftModifier
+NOT_INSIDE = Qt.KeyboardModifier.AltModifier | Qt.KeyboardModifier.ShiftModifier
+"""Keys with which a click says what does not belong to the object."""
 
 
 class ObjectTool(Tool):
@@ -39,7 +40,7 @@ class ObjectTool(Tool):
         self._selection = context.selection
         self._list = context.object_list
         self._drawing = context.drawing
-        self._path: list[Position] = []
+        self._path: list[Place] = []
         self._inside = True
 
     @property
@@ -53,6 +54,8 @@ class ObjectTool(Tool):
         if not self._selection.ready:
             if self._selection.partitions.preparing:
                 return tr("Finding contours everywhere. Clicks are answered as soon as that is done.")
+            if self.volume is not None and self._session.status.surface is None:
+                return tr("Let a run find the surface first: objects are the bodies that it encloses.")
             return ""
         if self._selection.selecting:
             return with_keys(
@@ -75,9 +78,9 @@ class ObjectTool(Tool):
 
     def bend(self, modifiers: Qt.KeyboardModifier) -> None:
         """With Alt or Shift, a click says what does not belong to the object."""
-        self._inside = not modifiers & _NOT
+        self._inside = not modifiers & NOT_INSIDE
 
-    def press(self, at: Position, reach: float) -> None:
+    def press(self, at: Place, reach: float) -> None:
         """Begin a click or a stroke, or change the object under the pointer if none is being selected."""
         self.used = True
         existing = self._existing(at)
@@ -86,12 +89,12 @@ class ObjectTool(Tool):
             return
         self._path = [at]
 
-    def drag(self, at: Position) -> None:
+    def drag(self, at: Place) -> None:
         """Continue a stroke."""
         if self._path and math.dist(self._path[-1], at) >= _APART:
             self._path.append(at)
             color = theme.RESTING if self._inside else theme.BARRIER
-            self._drawing.show_draft((), tuple(self._path), color, closed=False)
+            self._drawing.show_draft((), tuple(map(self.flat, self._path)), color, closed=False)
 
     def release(self) -> None:
         """Say that the places of the click or stroke are inside, or outside."""
@@ -103,7 +106,7 @@ class ObjectTool(Tool):
             self._list.choose(())
         self._selection.click(path[:: math.ceil(len(path) / _MOST)], self._inside)
 
-    def hover(self, at: Position) -> None:
+    def hover(self, at: Place) -> None:
         """Show what a click would take."""
         existing = self._existing(at)
         self._list.hover(existing)
@@ -129,11 +132,11 @@ class ObjectTool(Tool):
         self._list.hover(0)
         self._selection.point(None)
 
-    def cursor(self, at: Position, reach: float) -> Cursor:
+    def cursor(self, at: Place, reach: float) -> Cursor:
         """A hand over an object that a click would change."""
         return Cursor.PointingHandCursor if self._existing(at) else Cursor.CrossCursor
 
-    def _existing(self, at: Position) -> int:
+    def _existing(self, at: Place) -> int:
         """Number of the object that a click would change; 0 while another one is being selected."""
         return 0 if self._selection.selecting or not self._inside else self._list.under(at)
 

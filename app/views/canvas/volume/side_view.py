@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pyqtgraph as pg
-from PySide6.QtCore import QEvent, Qt, Signal
-from PySide6.QtGui import QMouseEvent, QWheelEvent
-from PySide6.QtWidgets import QWidget
+from PySide6.QtCore import QEvent, QPointF, Qt, Signal
+from PySide6.QtGui import QContextMenuEvent, QMouseEvent, QWheelEvent
+from PySide6.QtWidgets import QApplication, QWidget
 
 from app.model.text.language import tr
 from app.model.volume.slices import AXES, Slices
@@ -46,7 +46,8 @@ class Cross:
 class SideView(Mirror):
     """Shows the slice across one axis, at first as a whole, and takes the tool in use.
 
-    The right button moves the cross, the wheel goes through the slices, with Ctrl it zooms, and the middle button pans.
+    The right button moves the cross, and its click opens the menu of what lies there; the wheel goes through the
+    slices, with Ctrl it zooms, and the middle button pans.
     """
 
     went = Signal(object)
@@ -63,12 +64,13 @@ class SideView(Mirror):
         self._fitted = True
         self._wheel = Wheel()
         self._panning = Panning()
+        self._pressed = QPointF()
         canvas.layers.drawing.drafting.connect(self._copy_draft)
 
     def show_slice(self, scene: Scene, axis: int) -> None:
         """Draw the slice of a scene across an axis."""
         if self.sections.axis != axis:
-            self.sections = Sections(axis)
+            self.sections = Sections(axis, self.sections.large)
             self.setAccessibleName(tr("Slice across the axis: {axis}").format(axis=AXES[axis]))
         self.draw(scene)
         self.cross.show(self.drawn.slices)
@@ -83,6 +85,7 @@ class SideView(Mirror):
         self._main.taken.emit()
         self._main.setFocus()
         at = self.position(event.position())
+        self._pressed = event.position()
         if event.button() == Qt.MouseButton.LeftButton:
             self._main.bend(event.modifiers())
             self._main.hold.press(self, at)
@@ -112,10 +115,18 @@ class SideView(Mirror):
             self._main.let_go()
         elif self._panning.active:
             self._panning.end()
+        elif event.button() == Qt.MouseButton.RightButton and not self._main.dragging:
+            moved = (event.position() - self._pressed).manhattanLength()
+            if moved < QApplication.startDragDistance():
+                self._main.menu_wanted.emit(event.globalPosition().toPoint())
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """Treat the second click like any other."""
         self.mousePressEvent(event)
+
+    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
+        """The right button opens the menu when it is released without a drag."""
+        event.setAccepted(event.reason() == QContextMenuEvent.Reason.Mouse)
 
     def leaveEvent(self, event: QEvent) -> None:
         """The pointer has left."""

@@ -20,6 +20,8 @@ from app.views.theme.icons import swatch
 from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.window.dialogs import ask_for_text
 from app.views.window.feature import Feature, FeatureContext, Panel
+from cpm_core.numerics.types import Position
+from cpm_core.objects.segmented.segmented_object import SegmentedObject
 
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 
@@ -132,8 +134,16 @@ class ObjectsFeature(Feature):
         elif chosen:
             item = chosen[0]
             accept = partial(self._list.rename, item.number)
-            top = min(row for curve in item.boundary for row, _ in curve)
-            self.name_field.ask((top, item.center[1]), item.name, accept, above=True)
+            self.name_field.ask(self._above(item), item.name, accept, above=True)
+
+    def _above(self, item: SegmentedObject) -> Position:
+        """The place above an object on the canvas; of one that the slice does not cut, the middle of what is seen."""
+        drawn = self.context.canvas_area.canvas.drawn.document.objects.items
+        shown = next((each for each in drawn if each.number == item.number), None)
+        if shown is None:
+            seen = self.context.canvas_area.canvas.view.viewRect().center()
+            return seen.y(), seen.x()
+        return min(row for curve in shown.boundary for row, _ in curve), shown.center[1]
 
     def take_key(self, event: QKeyEvent) -> bool:
         """Handle the keys for chosen objects on the canvas; return whether the key was one of them."""

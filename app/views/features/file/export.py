@@ -74,12 +74,14 @@ class ExportFeature(Feature):
 
     def _export_surface(self, image: Path) -> None:
         """Ask where and as what to write the surface of a volume."""
-        figures = self.context.session.status.surface
-        if figures is None:
+        session = self.context.session
+        figures = session.status.surface
+        objects = sum(not item.hidden for item in session.document.objects.items)
+        if figures is None and not objects:
             return
         place = self.context.files.begin("export") / f"{image.name.partition('.')[0]}_surface"
         suffix = suffix_of(self._exported) if self._exported else ".ply"
-        self._open(SurfaceDialog(self.context.window, figures, image, place, suffix))
+        self._open(SurfaceDialog(self.context.window, figures, objects, image, place, suffix))
 
     def _open(self, dialog: ExportDialog | SurfaceDialog) -> None:
         self.dialog = dialog

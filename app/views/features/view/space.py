@@ -39,7 +39,7 @@ class SpaceFeature(Feature):
         self._hand = SpaceHand(context.session, self.panel.view)
         self.panel.view.picked.connect(self._pick)
         context.canvas_area.level_drag.watch(self.panel.view)
-        for layer in (layers.particles, layers.image, layers.drawing):
+        for layer in (layers.particles, layers.image, layers.drawing, layers["objects"]):
             layer.changed.connect(self._show)
 
     def panels(self) -> Sequence[Panel]:
@@ -130,7 +130,9 @@ class SpaceFeature(Feature):
         """Move the slices there, and draw there what the tool in use draws without a slice."""
         self.context.workspace.slices.through(place)
         tool = self.context.canvas_area.canvas.tool
-        if tool is not None:
+        if tool is not None and tool.name == "objects":
+            self._hand.select(self.context.workspace.object_selection, place)
+        elif tool is not None:
             self._hand.put(tool.name, place)
 
     def _reveal(self) -> None:

@@ -3,27 +3,42 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from app.model.document.objects import class_title
 from app.model.text.language import tr
-from app.views.panels.item_table.columns import Column, number_text
+from app.session.features.objects.object_figures import Figures
+from app.views.panels.item_table.columns import NONE, Column, number_text
 from cpm_core.objects.segmented.segmented_object import SegmentedObject, SegmentedObjects
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Row:
-    """An object with what its row is made from: all objects, the size of a pixel, and its mean gray value."""
+    """An object with what its row is made from: all objects, the size of a pixel, and figures once they are known.
+
+    `factor` is how many of the unit that is shown one of the image is.
+    """
 
     item: SegmentedObject
     objects: SegmentedObjects
     spacing: tuple[float, ...]
-    gray: float | None
+    figures: Figures | None
+    factor: float = 1.0
 
     @property
     def area(self) -> float:
         """Net area in the square of the unit of the size of a pixel."""
         return self.item.area * self.spacing[0] * self.spacing[1]
+
+    @property
+    def gray(self) -> float | None:
+        """Mean gray value; None while it is not known."""
+        return None if self.figures is None else self.figures.gray
+
+    def figure(self, of: Callable[[Figures], float]) -> float:
+        """A figure; less than any other while it is not known."""
+        return -math.inf if self.figures is None else of(self.figures)
 
     @property
     def state(self) -> str:
@@ -34,6 +49,18 @@ class Row:
 
 def _gray(row: Row) -> float:
     return -math.inf if row.gray is None or math.isnan(row.gray) else row.gray
+
+
+def _figure(name: str, title: str, tip: str, of: Callable[[Figures], float], sample: str, power: int) -> Column[Row]:
+    """A column of a figure, which is shown once it is known."""
+
+    def value(row: Row) -> float:
+        return row.figure(of) * row.factor**power
+
+    def text(row: Row) -> str:
+        return NONE if row.figures is None else number_text(value(row)) if power else str(of(row.figures))
+
+    return Column(name, title, tip, text, value, sample)
 
 
 OBJECT_COLUMNS: tuple[Column[Row], ...] = (
@@ -59,3 +86,20 @@ OBJECT_COLUMNS: tuple[Column[Row], ...] = (
            lambda r: r.state or "–", lambda r: r.state, "frozen", False),
 )  # fmt: skip
 """All columns in the order shown."""
+
+_OF_BODIES: Mapping[str, Column[Row]] = {
+    column.name: column
+    for column in (
+        _figure("area", tr("Volume [{unit}³]"), tr("Volume without hollows."), lambda f: f.volume, "00,000,000", 3),
+        _figure("perimeter", tr("Area [{unit}²]"), tr("Area of the surface, that of hollows included."),
+                lambda f: f.area, "000,000", 2),
+        _figure("gaps", tr("Surfaces"), tr("Number of closed surfaces that bound it: one more for each hollow."),
+                lambda f: f.parts, "0,000", 0),
+        _figure("confidence", tr("Euler char."),
+                tr("Euler characteristic of its surface: 2 for each ball, less by 2 for each handle."),
+                lambda f: f.euler, "0.00", 0),
+    )
+}  # fmt: skip
+
+BODY_COLUMNS: tuple[Column[Row], ...] = tuple(_OF_BODIES.get(column.name, column) for column in OBJECT_COLUMNS)
+"""The same columns for objects in a volume."""

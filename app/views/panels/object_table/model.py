@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from PySide6.QtCore import QObject
+from PySide6.QtCore import QObject, Qt
 from PySide6.QtGui import QColor, QGuiApplication, QPalette
 
 from app.model.display.lengths import shown_in
 from app.session.features.objects.object_list import ObjectList
 from app.session.session import Session
 from app.views.panels.item_table.model import ItemModel, Role
-from app.views.panels.object_table.columns import OBJECT_COLUMNS, Row
+from app.views.panels.object_table.columns import BODY_COLUMNS, OBJECT_COLUMNS, Row
 from app.views.theme.icons import swatch
 
 
@@ -28,7 +28,11 @@ class ObjectModel(ItemModel[Row]):
         """Show the present objects."""
         image, objects = self._session.image, self._list.objects
         size = shown_in(*((image.spacing, image.unit) if image is not None else ((1.0, 1.0), None)))
-        self.update([Row(item, objects, size.spacing, self._list.gray(item)) for item in objects.items])
+        columns = BODY_COLUMNS if image is not None and image.ndim == 3 else OBJECT_COLUMNS
+        if columns is not self.columns:
+            self.columns = columns
+            self.headerDataChanged.emit(Qt.Orientation.Horizontal, 0, len(columns) - 1)
+        self.update([Row(item, objects, size.spacing, self._list.figures(item), size.factor) for item in objects.items])
         self.use_unit(replace(size, factor=1.0))  # the rows hold lengths in this unit
 
     def key_of(self, item: Row) -> int:

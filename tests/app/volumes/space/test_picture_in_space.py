@@ -13,7 +13,7 @@ from app.model.display.space.discs import draw_balls
 from app.model.display.space.lines import draw_lines
 from app.model.display.space.picture import FAR, Picture
 from app.model.display.space.projection import Shaded, draw_projection
-from app.model.display.space.slices import ShownSlice, draw_slice
+from app.model.display.space.slices import draw_slice
 from app.model.display.space.triangles import Cut, Mesh, draw_mesh
 from app.model.display.space.view_in_space import AXIS_COLORS, Look, Particles, ViewInSpace
 from app.model.volume.slices import Slice
@@ -172,9 +172,7 @@ def test_a_slice_seen_straight_shows_its_voxels_one_by_one() -> None:
     for axis in range(3):
         picture = Picture.blank((11, 21), (1, 2, 3))
         center = np.array([5.0 if k == min(one for one in range(3) if one != axis) else 10.0 for k in range(3)])
-        draw_slice(
-            picture, ShownSlice(Slice(axis, 4), colors), Camera(center, np.eye(3), 1.0).along(axis), (1.0, 1.0, 1.0)
-        )
+        draw_slice(picture, Slice(axis, 4), colors, Camera(center, np.eye(3), 1.0).along(axis), (1.0, 1.0, 1.0))
         assert (picture.colors == colors).all()
         assert (picture.depths == 4.0 - center[axis]).all()
 
@@ -185,7 +183,7 @@ def test_a_slice_lies_where_its_voxels_are(camera, axis, index) -> None:
     shape, spacing = (10, 15, 20), np.array([2.0, 2.0, 2.0])
     colors = np.full((*[shape[k] for k in range(3) if k != axis], 3), 255, np.uint8)
     picture = blank()
-    draw_slice(picture, ShownSlice(Slice(axis, index), colors), camera, tuple(spacing))
+    draw_slice(picture, Slice(axis, index), colors, camera, tuple(spacing))
     rows, cols = np.nonzero(picture.depths < FAR)
     seen = np.stack([cols, rows, picture.depths[rows, cols]], -1)
     voxels = (camera.corner(SIZE) + seen @ camera.axes / camera.scale) / spacing

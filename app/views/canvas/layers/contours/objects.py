@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 import pyqtgraph as pg
 
+from app.model.document.objects import AnySelection
 from app.model.text.language import tr
 from app.session.scene import Scene
 from app.views.canvas.coordinates import to_xy
@@ -35,6 +36,7 @@ class ObjectLayer(Layer):
     title = tr("Objects")
     tip = tr("Objects that have been selected, and the one that is being selected.")
     shortcut = "Alt+5"
+    in_slices = True
     colors = (theme.CLOSED, theme.CHOSEN)
     options = (
         Amount("fill", tr("Area"), 0.0, 1.0, 0.05, 0.25, tr("Opacity of the areas.")),
@@ -127,15 +129,17 @@ class ObjectLayer(Layer):
     def _show_proposals(self) -> None:
         objects, offered = self.scene.document.objects, self.scene.objects.proposals
         color = objects.classes[objects.category - 1].color
-        selections = [each.selection for each in offered if each.selection.contours]
+        selections = [
+            each.selection for each in offered if isinstance(each.selection, Selection) and each.selection.found
+        ]
         self._offered_fill.show([_area(selection, color, _OFFERED) for selection in selections])
         self._offered.show([contour.path for selection in selections for contour in selection.contours])
         self._offered_gaps.show([gap for selection in selections for gap in selection.gaps])
 
-    def _show_preview(self, preview: Selection | None) -> None:
-        found = preview is not None and preview.contours
-        self._preview_fill.show([_area(preview, theme.CHOSEN, _PREVIEW)] if preview is not None and found else [])
-        self._preview.show([contour.path for contour in preview.contours] if preview is not None else [])
+    def _show_preview(self, preview: AnySelection | None) -> None:
+        found = [preview] if isinstance(preview, Selection) and preview.found else []
+        self._preview_fill.show([_area(each, theme.CHOSEN, _PREVIEW) for each in found])
+        self._preview.show([contour.path for each in found for contour in each.contours])
 
     def _show_clicks(self) -> None:
         for marks, inside in ((self._inside, True), (self._outside, False)):

@@ -122,6 +122,8 @@ class ImageLayer(Layer):
                 self._shade()
             else:
                 self._use_image(scene.image, scene.display)
+        elif scene.display is not before.display:  # a preview of a large slice has been completed
+            self._shade()
         found, shaded = scene.window_found, scene.shaded
         if found is not None and found is not before.window_found and found.image is scene.whole:
             self._take_window(found)

@@ -1,0 +1,74 @@
+"""What a slice of a volume shows of objects: the lines in which it cuts their surfaces."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from app.model.document.objects import AnySelection
+from app.model.volume.slices import Slice
+from app.model.volume.surface_section import section
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.surface import Surface
+from cpm_core.numerics import polyline
+from cpm_core.numerics.types import Place
+from cpm_core.objects.faces.space import VolumeSelection
+from cpm_core.objects.segmented.segmented_object import Click, Line, SegmentedObject, SegmentedObjects
+from cpm_core.objects.selection import Selection
+
+_NEAR = 1.0
+"""Distance from a slice up to which it shows a click [voxels]."""
+
+_KEPT = 64
+"""Number of sections that are kept: those of the slices that are shown."""
+
+
+@lru_cache(maxsize=_KEPT)
+def _closed(surface: Surface, here: Slice) -> tuple[Contour, ...]:
+    """The closed lines in which a slice cuts a surface."""
+    return tuple(each for each in section(surface, here) if each.closed and len(each.points) > 2)
+
+
+def objects_in(objects: SegmentedObjects, here: Slice) -> SegmentedObjects:
+    """The objects that a slice cuts, as objects of an image, and the clicks near it."""
+    items = tuple(cut for item in objects.items if (cut := _cut(item, here)) is not None)
+    edited = objects.edited if any(item.number == objects.edited for item in items) else 0
+    return replace(objects, items=items, clicks=tuple(_near(objects.clicks, here)), edited=edited)
+
+
+def _cut(item: SegmentedObject, here: Slice) -> SegmentedObject | None:
+    lines = _closed(item.body, here) if item.body is not None else ()
+    boundary: tuple[Line, ...] = tuple(tuple((row, col) for row, col in line.points.tolist()) for line in lines)
+    boundary = tuple(line for line in boundary if len(set(line)) > 2)
+    return replace(item, clicks=(), boundary=boundary, surface=()) if boundary else None
+
+
+def _near(clicks: Iterable[Click], here: Slice) -> Iterable[Click]:
+    for click in clicks:
+        places = tuple(here.within(at) for at in click.places if abs(at[here.axis] - here.index) <= _NEAR)
+        if places:
+            yield replace(click, places=places)
+
+
+def selection_in(selection: AnySelection, here: Slice) -> Selection:
+    """What a slice shows of a selection: its boundary alone."""
+    nowhere = np.empty((0, 2))
+    lines = _closed(selection.surface, here) if isinstance(selection, VolumeSelection) else ()
+    return Selection(np.zeros((0, 0), np.bool_), lines, (), 1.0, nowhere, nowhere)
+
+
+def holds(item: SegmentedObject, place: Place) -> bool:
+    """Whether a place (plane, row, col) lies in an object."""
+    if item.body is None:
+        return False
+    here = Slice(0, round(place[0]))
+    within = np.array([here.within(place)], dtype=float)
+    return bool(sum(bool(polyline.inside(line.points, within)[0]) for line in _closed(item.body, here)) % 2)
+
+
+def size_of(item: SegmentedObject) -> float:
+    """Volume of an object, in the unit of its volume; its area [px²] in an image."""
+    return item.area if item.body is None else item.body.volume

@@ -1,0 +1,239 @@
+"""Objects in a volume: bodies that the surface encloses are selected by clicks in slices and in space, and kept."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import tifffile
+from PySide6.QtCore import QPoint, Qt
+
+from app.session.features.objects.object_list import ObjectList
+from app.session.storage.session_file import DocumentFile
+from app.views.features.file.export import ExportFeature
+from app.views.features.file.open_save import OpenSaveFeature
+from app.views.features.view.slices import SlicesFeature
+from app.views.features.view.space import SpaceFeature
+from cpm_core.contours.surface import Surface
+from cpm_core.objects.segmented.segmented_object import SegmentedObject
+from tests.app.conftest import Hand
+from tests.app.volumes.conftest import SHAPE, Button, press, release
+
+pytestmark = pytest.mark.shared_window
+
+KEY, ALT = Qt.Key, Qt.KeyboardModifier.AltModifier
+ONE, OTHER, RADIUS = (11.0, 8.0, 9.0), (12.0, 18.0, 22.0), 5.5
+
+
+def balls() -> np.ndarray:
+    """Two bright balls in a dark volume."""
+    places = np.moveaxis(np.indices(SHAPE), 0, -1)
+    away = np.minimum(*(np.linalg.norm(places - np.array(center), axis=-1) for center in (ONE, OTHER)))
+    return np.round(20.0 + 180.0 * np.clip(RADIUS + 0.5 - away, 0.0, 1.0))
+
+
+@pytest.fixture
+def volume_file(tmp_path):
+    path = tmp_path / "balls.npy"
+    np.save(path, balls().astype(np.uint8))
+    return path
+
+
+@pytest.fixture
+def found(volume, hand, monkeypatch):
+    """A window on the balls after a run from both, in which the tool for objects is in use and ready."""
+    monkeypatch.setattr(hand, "patience", 120_000)
+    for plane, row, col in (ONE, OTHER):
+        volume.workspace.slices.at(round(plane))
+        hand.drag((row, col), (row, col + 2), (row, col + 3))
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: volume.session.idle and volume.session.scene.reconstruction is not None)
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_W)
+    hand.wait(lambda: volume.workspace.object_selection.ready and volume.workspace.object_selection.idle)
+    return volume
+
+
+def click(hand: Hand, at: tuple[float, float], keys: Qt.KeyboardModifier = Qt.KeyboardModifier.NoModifier) -> None:
+    """A click in the slice on the canvas, and the answer to it."""
+    for act in (hand.qtbot.mousePress, hand.qtbot.mouseRelease):
+        act(hand.canvas.viewport(), Button.LeftButton, keys, hand.at(*at))
+    settle(hand)
+
+
+def settle(hand: Hand) -> None:
+    selection = hand.window.workspace.object_selection
+    hand.wait(lambda: selection.idle and bool(selection.proposals) == selection.selecting)
+    hand.qtbot.wait(20)
+
+
+def take(hand: Hand) -> None:
+    """Take what is offered, and leave the name as it is."""
+    hand.key(KEY.Key_Return)
+    hand.key(KEY.Key_Return)
+
+
+def items(window) -> tuple[SegmentedObject, ...]:
+    return window.session.document.objects.items
+
+
+def bodies(window) -> list[float]:
+    """Volumes of the objects [voxels]."""
+    return [item.body.volume for item in items(window)]
+
+
+BALL = 4.0 / 3.0 * np.pi * RADIUS**3
+
+
+def forget_offer(window, hand) -> None:
+    """What is offered around the starts is dropped, so that clicks begin with nothing."""
+    hand.wait(lambda: len(window.workspace.object_selection.proposals) == 2)
+    hand.key(KEY.Key_Escape)
+    hand.wait(lambda: not window.workspace.object_selection.proposals)
+
+
+def test_the_bodies_of_the_starts_are_offered_and_taken_by_enter(found, hand) -> None:
+    selection = found.workspace.object_selection
+    hand.wait(lambda: len(selection.proposals) == 2)
+    assert hand.canvas.layers["objects"].offered > 0
+    hand.key(KEY.Key_Return)
+    assert bodies(found) == pytest.approx([BALL, BALL], rel=0.08)
+    assert {item.number for item in items(found)} == {1, 2}
+
+
+def test_clicks_in_slices_add_bodies_and_take_them_away(found, hand) -> None:
+    forget_offer(found, hand)
+    selection = found.workspace.object_selection
+    click(hand, OTHER[1:])
+    (proposal,) = selection.proposals
+    assert proposal.selection.volume == pytest.approx(BALL, rel=0.08)
+    layer = hand.canvas.layers["objects"]
+    assert layer.offered == 1
+    found.workspace.slices.at(1)
+    assert layer.offered == 0
+    found.workspace.slices.at(round(ONE[0]))
+    click(hand, ONE[1:])
+    assert selection.proposals[0].selection.volume == pytest.approx(2 * BALL, rel=0.08)
+    click(hand, OTHER[1:], ALT)
+    assert selection.proposals[0].selection.holds(np.array([ONE, OTHER])).tolist() == [True, False]
+    hand.key(KEY.Key_Backspace)
+    settle(hand)
+    take(hand)
+    assert bodies(found) == pytest.approx([2 * BALL], rel=0.08)
+    hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    hand.wait(lambda: not items(found))
+
+
+def test_a_click_in_a_slice_beside_the_canvas_selects_and_its_right_button_opens_the_menu(found, hand) -> None:
+    forget_offer(found, hand)
+    side = found.feature(SlicesFeature).sides[0]
+    found.workspace.slices.through(ONE)
+    at = side.drawn.slices.current.within(ONE)
+    press(side, at)
+    release(side, at)
+    settle(hand)
+    take(hand)
+    assert bodies(found) == pytest.approx([BALL], rel=0.08)
+    assert side.layers["objects"].count == 1
+    found.workspace.object_list.choose(())
+    press(side, at, Button.RightButton)
+    release(side, at, Button.RightButton)
+    assert found.context_menus.menu is not None
+    shown = [action.text() for action in found.context_menus.menu.actions()]
+    found.context_menus.menu.close()
+    assert found.actions_by_name["change_object"].text() in shown
+    assert found.workspace.object_list.chosen == {1}
+
+
+def test_a_click_on_the_surface_in_space_selects_the_body_behind_it(found, hand) -> None:
+    forget_offer(found, hand)
+    view = found.feature(SpaceFeature).panel.view
+    hand.wait(lambda: view.idle and view._frame is not None)
+    beside = np.array([OTHER]) + 5.0 * view.camera.axes[0]  # off the lines of the start in it
+    seen = view.camera.seen(beside, view.room)[0] / view.devicePixelRatioF()
+    hand.qtbot.mouseClick(view, Button.LeftButton, pos=QPoint(round(seen[0]), round(seen[1])))
+    settle(hand)
+    take(hand)
+    assert bodies(found) == pytest.approx([BALL], rel=0.08)
+    assert items(found)[0].body.vertices.mean(axis=0) == pytest.approx(OTHER, abs=0.5)
+    assert len(found.feature(SpaceFeature).panel.contents.objects) == 1
+    hand.window.actions_by_name["hide_object"].trigger()
+    assert found.feature(SpaceFeature).panel.contents.objects == ()
+    assert hand.canvas.layers["objects"].count == 0
+
+
+def test_an_object_under_the_pointer_is_changed_by_a_click(found, hand) -> None:
+    hand.key(KEY.Key_Return)
+    objects: ObjectList = found.workspace.object_list
+    assert objects.under(ONE) == 1
+    assert objects.under(OTHER) == 2
+    assert objects.under((1.0, 1.0, 1.0)) == 0
+    found.workspace.slices.at(round(OTHER[0]))
+    click(hand, OTHER[1:])
+    assert found.session.document.objects.edited == 2
+    assert found.workspace.object_selection.selecting
+
+
+def test_the_table_measures_objects_in_units_of_the_volume(found, hand) -> None:
+    hand.key(KEY.Key_Return)
+    found.actions_by_name["object_table"].trigger()
+    table = found.panels["objects"].table
+    hand.wait(lambda: all(found.workspace.object_list.figures(item) is not None for item in items(found)))
+    model = table.model().sourceModel()
+    heads = [model.headerData(k, Qt.Orientation.Horizontal) for k in range(model.columnCount())]
+    assert heads[3] == "Volume [px³]", heads
+    row = dict(zip(heads, (model.index(0, k).data() for k in range(model.columnCount())), strict=True))
+    assert float(row["Volume [px³]"].replace(",", "")) == pytest.approx(BALL, rel=0.08)
+    assert float(row["Area [px²]"].replace(",", "")) == pytest.approx(4.0 * np.pi * RADIUS**2, rel=0.08)
+    assert (row["Surfaces"], row["Euler char."]) == ("1", "2")
+    assert 150.0 < float(row["Mean gray"]) <= 200.0
+
+
+def test_objects_are_exported_as_a_surface_and_as_labels_of_their_own(found, hand, tmp_path) -> None:
+    hand.key(KEY.Key_Return)
+    hand.key(KEY.Key_Return)
+    feature = found.feature(ExportFeature)
+    for name in ("objects.tif", "objects.ply"):
+        found.actions_by_name["export"].trigger()
+        dialog = feature.dialog
+        dialog.source.setFocus()
+        hand.qtbot.keyClick(dialog.source, KEY.Key_Down)
+        assert "2 objects" in dialog.figures.text()
+        dialog.file.folder.setText(str(tmp_path))
+        dialog.file.name.clear()
+        hand.qtbot.keyClicks(dialog.file.name, name)
+        hand.qtbot.mouseClick(dialog.export_button, Button.LeftButton)
+        hand.wait(lambda name=name: (tmp_path / name).exists() and found.session.idle)
+        assert "2 objects, a surface of" in found.canvas_area.messages.text
+    labels = tifffile.imread(tmp_path / "objects.tif")
+    for item, center in zip(items(found), (ONE, OTHER), strict=True):
+        assert labels[tuple(map(round, center))] == item.number
+        assert (labels == item.number).sum() == pytest.approx(BALL, rel=0.1)
+
+
+def test_objects_come_back_with_a_session(found, hand, tmp_path) -> None:
+    hand.key(KEY.Key_Return)
+    before = items(found)
+    file: DocumentFile = found.feature(OpenSaveFeature).document_file
+    path = tmp_path / "balls.cpm"
+    assert file.save_at_once(path)
+    found.session.edit("delete", lambda document: type(document)(document.image))
+    file.forget()
+    open_file_again(found, hand, path)
+    assert items(found) == before
+    for one, other in zip(items(found), before, strict=True):
+        assert isinstance(one.body, Surface)
+        np.testing.assert_array_equal(one.body.vertices, other.body.vertices)
+    found.workspace.slices.through(OTHER)
+    assert hand.canvas.layers["objects"].count >= 1
+
+
+def open_file_again(window, hand, path) -> None:
+    window.open_image(str(path))
+    hand.wait(lambda: bool(items(window)) and window.session.idle)
+
+
+def test_before_a_run_the_tool_says_what_it_needs(volume, hand) -> None:
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_W)
+    assert "Let a run find the surface first" in volume.canvas_area.hint.text()
