@@ -16,7 +16,6 @@ from cpm_core.cli.arguments import as_number, as_steps, check_exports, parameter
 from cpm_core.cli.place import facts_on, lines_on
 from cpm_core.cli.terminal import Progress, counted, say, written
 from cpm_core.contours.result import Result
-from cpm_core.field.volume.volume_space import pitch_of
 from cpm_core.formats import FOR_VOLUMES, export, load_volume, suffix_of
 from cpm_core.formats.contours.points_csv import load_points
 from cpm_core.formats.printable import printable
@@ -168,7 +167,8 @@ def _pair(numbers: list[float]) -> Pair:
 
 def _seeds(arguments: argparse.Namespace, volume: Image, drawn: list[Array]) -> Array:
     """Particles of all starts; the radius of a sphere is in sides of the smallest voxel."""
-    sides = pitch_of(volume.spacing)
+    plane, row, col = (side / min(volume.spacing) for side in volume.spacing)
+    sides = (plane, row, col)
     seeds = [part if part.ndim == 2 else sphere((part[0], part[1], part[2]), part[3], spacing=sides) for part in drawn]
     if arguments.auto:
         seeds.append(everywhere(volume) if arguments.auto == "grid" else on_strong_edges(volume))

@@ -47,6 +47,14 @@ class Start:
     ------
     ValueError
         When there is no outline, or one of fewer than three corners or with corners at no usable place.
+
+    Examples
+    --------
+    >>> start = cpm.Start((cpm.circle((32, 32), 8),))
+    >>> start
+    <Start 1 outline, inside the objects>
+    >>> start.onward, start.points.shape, len(start.curves(4.0)), int(start.mask((64, 64)).sum())
+    (1.0, (26, 2), 1, 194)
     """
 
     outlines: tuple[Array, ...]
@@ -98,7 +106,16 @@ class Start:
 
 
 class ContourState(Protocol):
-    """A moment of the run of any method."""
+    """A moment of the run of any method.
+
+    Examples
+    --------
+    >>> method = cpm.CONTOUR_METHODS["chan_vese"]
+    >>> start = cpm.Start((cpm.circle((32, 32), 8),))
+    >>> state = next(method.evolve(cpm.example("disk"), start, method.settings()))
+    >>> state.step, state.stop_reason, state.converged, len(state.contours), len(state.points)
+    (0, '', False, 1, 0)
+    """
 
     @property
     def step(self) -> int:
@@ -175,6 +192,12 @@ class ContourMethod(Generic[S]):
         Steps after which a run that is not at rest is ended.
     needs : Needed, optional
         A package that it needs and that need not be installed.
+
+    Examples
+    --------
+    >>> method = cpm.CONTOUR_METHODS["chan_vese"]
+    >>> method.title, method.settings().__class__.__name__, method.most_steps
+    ('Chan-Vese', 'ChanVeseSettings', 500)
     """
 
     name: str
