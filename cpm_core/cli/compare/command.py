@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -12,7 +11,8 @@ import numpy as np
 
 from cpm_core.cli.arguments import add_image, add_json, add_part, add_session, as_number, as_steps, part_of
 from cpm_core.cli.compare.settings import add_settings, chosen_settings
-from cpm_core.cli.terminal import say
+from cpm_core.cli.outcome import print_json
+from cpm_core.cli.terminal import announce_compilation, say
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.formats import load_image
 from cpm_core.formats.animations.comparison import Tile, check_comparison, write_comparison
@@ -105,6 +105,7 @@ def _compare(arguments: argparse.Namespace) -> None:
     truth = None if arguments.truth is None else load_truth(arguments.truth, image.shape)
     for missing in [] if named else [method.missing for method in CONTOUR_METHODS.values() if method.missing]:
         say(f"cpm: {missing}")
+    announce_compilation()
     tiles = []
     for name in names:
         moment = run_method(CONTOUR_METHODS[name], image, start, settings[name], max_steps)
@@ -129,7 +130,7 @@ def _methods(named: Sequence[str]) -> list[str]:
 def _print_json(image: Image, start: Start, rows: Sequence[Facts], truth: Truth | None) -> None:
     given = {"image": image.source, "around": start.around, "truth": None if truth is None else truth.source}
     plain = [{name: _finite(value) for name, value in asdict(row).items()} for row in rows]
-    print(json.dumps({**given, "methods": plain}))
+    print_json("compare", {**given, "methods": plain})
 
 
 def _finite(value: object) -> object:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import asdict
 
 from cpm_core.cli.compare.claims import GOOD, TIME, Score, Verdict, scores, verdicts
 from cpm_core.cli.compare.trials import Trial
+from cpm_core.cli.outcome import print_json
 from cpm_core.objects.warm_up import warm_up
 from cpm_core.segmentation.methods import CONTOUR_METHODS, runnable
 
@@ -38,7 +38,7 @@ def report_claims(*, as_json: bool) -> None:
     if as_json:
         found = scores()
         plain = {"scores": [asdict(one) for one in found], "claims": [asdict(one) for one in verdicts(found)]}
-        print(json.dumps({**plain, "good": GOOD, "settings": SEARCHED}))
+        print_json("bench", {**plain, "good": GOOD, "settings": SEARCHED})
         return
     print(SEARCHED)
     for method in CONTOUR_METHODS.values():
