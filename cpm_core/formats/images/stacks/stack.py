@@ -18,6 +18,9 @@ from cpm_core.numerics.memory import check_room
 _BYTES_OF_GRAY = 16
 """Memory of a voxel beside its own while it is read: its gray level, and that once more as it is copied [bytes]."""
 
+ONLY_THESE = "Only these were taken."
+"""What is said behind the sentence on the longest even part of a file."""
+
 _MOST_PACKED = 1100
 """How many times its size a packed file may hold: deflate packs 1032 equal bytes in one."""
 
@@ -143,6 +146,8 @@ def volume_of(stack: Stack, choice: Choice) -> Decoded:
             f"{stack.name}: {' '.join(stack.of_volume)} A volume needs at least {MINIMUM_SIDE} planes: resample them "
             "evenly with the program that made them, or take one as an image."
         )
+    if stack.stretch is not None:
+        notes.append(ONLY_THESE)
     check_memory((count, rows, columns), stack.each + _BYTES_OF_GRAY, stack.name)
     channel = _channel(stack, choice, notes)
     if frames:
