@@ -17,10 +17,10 @@ _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 
 
 class PageTable(RowTable):
-    """Shows the rows; a double click or Enter goes to the page of a row."""
+    """Shows the rows; a double click or Enter goes to the contour of a row."""
 
-    wanted = Signal(int)
-    """The user wants to see a page."""
+    wanted = Signal(object)
+    """The user wants to see what a row tells of: a PageRow."""
 
     def __init__(self) -> None:
         self.rows = RowModel[PageRow](COLUMNS)
@@ -30,11 +30,11 @@ class PageTable(RowTable):
         self.doubleClicked.connect(self._go)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Go to the page of the row on Enter."""
+        """Go to the contour of the row on Enter."""
         if event.key() in _ENTER and self.currentIndex().isValid():
             self._go(self.currentIndex())
         else:
             super().keyPressEvent(event)
 
     def _go(self, index: Index) -> None:
-        self.wanted.emit(self.rows.row(self._sorted.mapToSource(index).row()).page)
+        self.wanted.emit(self.rows.row(self._sorted.mapToSource(index).row()))
