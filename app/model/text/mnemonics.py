@@ -1,42 +1,62 @@
-"""Mnemonics: the letters behind ``&`` that choose the entries of a menu, made distinct within it."""
+"""The letters that choose the entries of a menu, underlined and written after ``&``: each once in a menu.
+
+Translators cannot see which entries end up in one menu, and many of them are hidden for one kind of file or another.
+So each sentence comes with the letter that suits it, and where two of a menu come with the same, the later one gets
+another letter of its own.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from string import ascii_uppercase
 
-_MARK = re.compile(r"&([^\W_])")
-"""The mark of a mnemonic; two marks stand for the character itself."""
+_MARK = re.compile(r"&&|&(\w)")
 
-
-def mnemonic_of(text: str) -> str:
-    """The letter that chooses an entry, in lower case; empty where there is none."""
-    found = _MARK.search(text.replace("&&", "\0\0"))
-    return found[1].lower() if found else ""
+_APART = re.compile(r"\(&\w\)")
+"""A letter behind the text, as in languages that are not written in letters: ``終了(&Q)``."""
 
 
 def distinct(texts: Sequence[str]) -> list[str]:
-    """The entries of a menu, none of which has the mnemonic of another one.
+    """The texts, with no letter marked in two of them; a text keeps its letter unless one before it has the same.
 
-    The first one with a letter keeps it. Another one gets a letter that none has asked for, where possible that of the
-    beginning of a word, or none at all.
+    Parameters
+    ----------
+    texts : sequence of str
+        Texts of the entries, in their order. An entry without a mark gets none.
     """
     taken: set[str] = set()
-    kept: list[bool] = []
+    made: list[str | None] = []
     for text in texts:
-        letter = mnemonic_of(text)
-        kept.append(letter not in taken)
-        taken |= {letter} - {""}
-    return [text if keeps else _moved(text, taken) for text, keeps in zip(texts, kept, strict=True)]
+        letter = letter_of(text)
+        kept = letter not in taken
+        taken |= {letter} if kept and letter else set()
+        made.append(text if kept else None)
+    for index, text in enumerate(texts):
+        if made[index] is None:
+            other = next((other for other in _others(text) if letter_of(other) not in taken), _without(text))
+            taken.add(letter_of(other))
+            made[index] = other
+    return [text for text in made if text is not None]
 
 
-def _moved(text: str, taken: set[str]) -> str:
-    """An entry with another mnemonic, which is taken from then on."""
-    plain = text.replace("&&", "\0\0").replace("&", "")
-    first = [found.start() for found in re.finditer(r"\b[^\W_]", plain)]
-    others = [found.start() for found in re.finditer(r"[^\W_]", plain) if found.start() not in first]
-    place = next((at for at in (*first, *others) if plain[at].lower() not in taken), None)
-    if place is not None:
-        taken.add(plain[place].lower())
-        plain = f"{plain[:place]}&{plain[place:]}"
-    return plain.replace("\0\0", "&&")
+def letter_of(text: str) -> str:
+    """The letter that a text marks, as a capital; empty when there is none."""
+    return next((found[1].upper() for found in _MARK.finditer(text) if found[1]), "")
+
+
+def _others(text: str) -> Iterator[str]:
+    """The text with other letters marked: first those that begin a word, then the rest."""
+    if _APART.search(text):
+        yield from (_APART.sub(f"(&{letter})", text) for letter in ascii_uppercase)
+        return
+    bare = _without(text)
+    begins = [found.start() for found in re.finditer(r"\b[^\W\d_]", bare)]
+    within = [place for place, sign in enumerate(bare) if sign.isalpha() and place not in begins]
+    yield from (f"{bare[:place]}&{bare[place:]}" for place in [*begins, *within])
+
+
+def _without(text: str) -> str:
+    """The text without a mark; ``&&`` stands for the sign itself and stays."""
+    bare = _APART.sub("", text)
+    return _MARK.sub(lambda found: found[1] or "&&", bare)

@@ -12,6 +12,7 @@ from app.model.text.language import tr
 from app.model.text.mnemonics import distinct
 from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.widgets.actions import Actions
+from app.views.window.menus.marks import keep_apart
 
 MENUS = {
     "File": tr("&File"),
@@ -35,10 +36,9 @@ class Menus:
     def __init__(self, bar: QMenuBar, specs: Iterable[ActionSpec | Submenu], actions: Actions) -> None:
         self._menus: dict[str, QMenu] = {}
         listed = list(specs)
-        for name, title in MENUS.items():
-            if any(spec.menu.partition(">")[0] == name for spec in listed):
-                self._menus[name] = self._made(bar.addMenu(title))
-        distinguish(bar)
+        filled = [name for name in MENUS if any(spec.menu.partition(">")[0] == name for spec in listed)]
+        for name, title in zip(filled, distinct([MENUS[name] for name in filled]), strict=True):
+            self._menus[name] = bar.addMenu(title)
         for spec in sorted(listed, key=lambda spec: spec.name == QUIT):
             menu = self[spec.menu]
             if spec.gap and not menu.isEmpty():
@@ -47,34 +47,22 @@ class Menus:
                 inner = menu.addMenu(spec.text)
                 inner.setToolTipsVisible(True)
                 inner.aboutToShow.connect(partial(_refill, inner, spec))
-                self._made(inner)
             else:
                 menu.addAction(actions[spec.name])
+        for menu in self._menus.values():
+            keep_apart(menu)
 
     def __getitem__(self, path: str) -> QMenu:
         """A menu by its path; a missing submenu is created."""
         if path not in self._menus:
             outer, _, title = path.rpartition(">")
-            self._menus[path] = self._made(self[outer].addMenu(title))
+            self._menus[path] = self[outer].addMenu(title)
         return self._menus[path]
-
-    def _made(self, menu: QMenu) -> QMenu:
-        """A new menu, whose entries have distinct mnemonics whenever it opens: their texts change."""
-        menu.aboutToShow.connect(partial(distinguish, menu))
-        return menu
 
     def add_section(self, path: str, actions: Iterable[QAction]) -> None:
         """Add other actions at the end of a menu, below a separator."""
         self[path].addSeparator()
         self[path].addActions(list(actions))
-
-
-def distinguish(menu: QMenu | QMenuBar) -> None:
-    """Give the entries of a menu distinct mnemonics."""
-    entries = [entry for entry in menu.actions() if not entry.isSeparator()]
-    for entry, text in zip(entries, distinct([entry.text() for entry in entries]), strict=True):
-        if entry.text() != text:
-            entry.setText(text)
 
 
 def _refill(menu: QMenu, spec: Submenu) -> None:
