@@ -58,6 +58,7 @@ def moments(method: AnyMethod, image: Image, start: Start, settings: Any = None)
         raise ValueError(
             f"the settings are {shown(settings)} but must be {method.settings.__name__}, those of {method.title}."
         )
+    method.check()
     image = as_plane(image)
     states = method.evolve(image, start, settings)
     seconds = 0.0
