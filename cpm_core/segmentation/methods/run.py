@@ -52,6 +52,7 @@ def moments(method: AnyMethod, image: Image, start: Start, settings: Any = None)
         raise ValueError(f"the method is {shown(method)} but must be one of CONTOUR_METHODS.")
     if not isinstance(start, Start):
         raise ValueError(f"the start is {shown(start)} but must be a Start: Start((outline,)).")
+    method.check()
     image = as_plane(image)
     states = method.evolve(image, start, method.settings() if settings is None else settings)
     seconds = 0.0

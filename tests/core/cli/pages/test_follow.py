@@ -166,5 +166,5 @@ def test_a_page_may_be_too_small_for_the_scales():
 
 @pytest.mark.parametrize("given", [np.array(5.0), 7, None], ids=["without axes", "a number", "nothing"])
 def test_what_has_no_pages_is_refused_in_a_sentence(given):
-    with pytest.raises(ValueError, match="pages is .* but must be a sequence of images"):
+    with pytest.raises(ValueError, match=r"pages is .* but must be a sequence of images"):
         cpm.follow(given, [[4.0, 4.0]])
