@@ -24,10 +24,9 @@ myst_heading_anchors = 3
 exclude_patterns = ["_build", "_made/*.md"]  # parts that pages include
 default_role = "code"
 
-autodoc_default_options = {"members": True, "inherited-members": True, "show-inheritance": False}
+autodoc_default_options = {"members": True, "inherited-members": True}
 autodoc_member_order = "bysource"
-autodoc_typehints = "signature"
-autodoc_type_aliases = {"ArrayLike": "ArrayLike", "Array": "ndarray", "Mask": "ndarray"}
+autodoc_typehints = "none"
 napoleon_google_docstring = False
 napoleon_use_rtype = False
 napoleon_use_ivar = True

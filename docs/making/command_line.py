@@ -9,12 +9,12 @@ import re
 
 from cpm_core import cli
 
-_WIDTH = "100"
+_WIDTH = "84"
 
 
 def text() -> str:
     """A section for each command."""
-    commands = re.findall(r"^    (\w+) ", help_of(), flags=re.MULTILINE)
+    commands = re.findall(r"^    (\w+)(?: |$)", help_of(), flags=re.MULTILINE)
     if not commands:
         raise ValueError("cpm --help lists no commands any more: correct docs/making/command_line.py.")
     parts = [f"## cpm\n\n```text\n{help_of()}```\n"]

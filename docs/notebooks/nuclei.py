@@ -27,7 +27,8 @@ print(f"circularity {table['circularity'].mean():.2f}")
 # %%
 order = table["solidity"].argsort()
 for row in order[:3]:
-    print(f"label {table['label'][row]}: solidity {table['solidity'][row]:.2f}, area {table['area'][row]:.0f} µm²")
+    solidity, area = table["solidity"][row], table["area"][row]
+    print(f"label {table['label'][row]}: solidity {solidity:.2f}, area {area:.0f} µm²")
 
 # %%
 axes = result.plot(labels=True)
