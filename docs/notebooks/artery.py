@@ -15,8 +15,8 @@ bones = cpm.skeleton(image, of="dark")
 bones
 
 # %% [markdown]
-# A vessel gets thinner from branch to branch. A place is narrow where it is thinner than what lies around it: its width,
-# which is twice the radius, is compared with the median width within 25 px along the branch.
+# A vessel gets thinner from branch to branch. A place is narrow where it is thinner than what lies around it: its
+# width, which is twice the radius, is compared with the median width within 25 px along the branch.
 
 
 # %%
