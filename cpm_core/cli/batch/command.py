@@ -32,7 +32,8 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     parser = commands.add_parser("batch", help="find the contours of many images", allow_abbrev=False)
     parser.set_defaults(command=_batch)
     parser.description = (
-        "Apply a session file to each image: its start, regions, charges and parameters. An image that fails is "
+        "Apply a session file to each image: its start, regions, charges and parameters, and of a file of several "
+        "images the page, channel, point in time and series that the session shows. An image that fails is "
         "reported, and the others go on. What the summary in the folder says is done already is not done again."
     )
     parser.add_argument(
