@@ -315,6 +315,7 @@ def test_the_top_level_holds_what_it_should_and_nothing_else():
         "pyproject.toml",
         "app",
         "cpm_core",
+        "docs",
         "tests",
         "assets",
         "README.md",
