@@ -85,6 +85,11 @@ class Stack:
     number: int = 0
     deep: bool = False
 
+    @property
+    def words(self) -> str:
+        """What its planes are called."""
+        return f"{self.word}s"
+
 
 def plane_of(stack: Stack, choice: Choice) -> Decoded:
     """One plane of a stack; of frames, which are points in time, the page is one of them.
@@ -104,7 +109,7 @@ def plane_of(stack: Stack, choice: Choice) -> Decoded:
         notes.append(
             f"It is a volume, of which {stack.word} {page + 1} of {count} was taken."
             if stack.otherwise and not frames
-            else f"Only the first of its {count} {stack.word}s was taken."
+            else f"Only the first of its {count} {stack.words} was taken."
         )
     time, plane = (page, 0) if frames else (_time(stack, choice, notes), page)
     channel = _channel(stack, choice, notes)
@@ -151,7 +156,7 @@ def volume_of(stack: Stack, choice: Choice) -> Decoded:
     check_memory((count, rows, columns), stack.each + _BYTES_OF_GRAY, stack.name)
     channel = _channel(stack, choice, notes)
     if frames:
-        notes.append(f"Its {count} {stack.word}s, which are points in time, were taken as planes.")
+        notes.append(f"Its {count} {stack.words}, which are points in time, were taken as planes.")
         found = joined([stack.take(time, channel, 0, 1) for time in range(count)])
     else:
         found = stack.take(_time(stack, choice, notes), channel, first, end)
