@@ -15,6 +15,7 @@ from app.views.features.edit.undo_selection import HistoryFeature, UndoSelection
 from app.views.features.file.beginning import BeginningFeature
 from app.views.features.file.export import ClipboardFeature, ExportFeature
 from app.views.features.file.folder import FolderFeature
+from app.views.features.file.importing import ImportFeature
 from app.views.features.file.large_image import LargeImageFeature
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.file.preferences import PreferencesFeature
@@ -41,6 +42,7 @@ from app.views.window.feature import Feature
 
 FEATURES: tuple[type[Feature], ...] = (
     OpenSaveFeature,
+    ImportFeature,
     StartFeature,
     FolderFeature,
     ExportFeature,
