@@ -98,7 +98,7 @@ def test_pictures_and_files_that_it_points_to_are_there():
 
 
 def test_each_command_stands_on_one_line_and_the_continuous_check_runs_the_second():
-    assert "python3 -m venv .venv && .venv/bin/pip install . && .venv/bin/cpm" in COMMANDS
+    assert "python3 -m venv .venv && .venv/bin/pip install '.[gui]' && .venv/bin/cpm" in COMMANDS
     script = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
     pattern = re.search(r"grep -m 1 '(.*)' README.md", script).group(1)
     assert [line for line in TEXT.splitlines() if re.search(pattern, line)] == [

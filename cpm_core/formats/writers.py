@@ -199,8 +199,10 @@ def omission(result: Result | Skeleton | Centerlines, suffix: str, *, outlines: 
     if not count:
         return ""
     what = "a mask" if suffix in OUTLINABLE else "a COCO file"
-    are = "is" if count == 1 else "are"
-    return f"{count} of {len(result.contours)} contours {are} open and not in {what}."
+    all_of_them = len(result.contours)
+    if count == 1:
+        return f"1 of {all_of_them} contours is open and not in {what}."
+    return f"{count} of {all_of_them} contours are open and not in {what}."
 
 
 def encoded(

@@ -16,15 +16,13 @@ not fit, which takes three seconds. Assign the elements one by one.
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import suppress
 from functools import lru_cache
 from typing import Any, TypeVar, cast
 
 import numba
 from numba.core import serialize
 
-from cpm_core.numerics.jit_cache import cached_by_version
-from cpm_core.numerics.kept_loops import KeptLoop
+from cpm_core.numerics.loop_cache.kept_loop import kept_loop
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
@@ -62,7 +60,6 @@ def inlined(function: _Function) -> _Function:
 
 def _kept(loop: Any, function: Callable[..., Any]) -> Any:
     """A loop that is cached on disk, where that is possible; the function itself where nothing is compiled."""
-    if hasattr(loop, "py_func"):
-        with cached_by_version(), suppress(RuntimeError, OSError):  # no folder can be written to
-            loop._cache = KeptLoop(function)
+    if hasattr(loop, "py_func") and (cache := kept_loop(function)) is not None:
+        loop._cache = cache
     return loop

@@ -22,6 +22,7 @@ _FORCES = tr("Forces are shown as arrows in images only.")
 _FIELD = tr("The arrows need the force on every voxel, for which a volume is too large.")
 _METHODS = tr("The classical methods are for images; in a volume there is nothing to compare with.")
 _MOSAIC = tr("A mosaic shows runs with different parameters side by side; in a volume each of them takes too long.")
+_BATCH = tr("Many images are run at once; volumes are run one by one.")
 
 NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
     {
@@ -43,6 +44,7 @@ NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
         "layer_field": _FIELD,
         "mosaic": _MOSAIC,
         "compare_methods": _METHODS,
+        "apply_to_folder": _BATCH,
     }
 )  # fmt: skip
 """Names of actions and of tools -> why they are not offered while a volume is open."""

@@ -7,7 +7,7 @@ import multiprocessing
 import multiprocessing.connection
 import signal
 from asyncio import CancelledError
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from contextlib import suppress
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
@@ -15,26 +15,31 @@ from typing import Any
 
 from cpm_core.cli.batch.jobs import Done, Job, do
 from cpm_core.formats.interrupts import interrupts_handled
-from cpm_core.numerics import jit_cache
 from cpm_core.numerics.parallel import cores
-from cpm_core.objects.warm_up import warm_up
+from cpm_core.objects.warm_up import is_compiled, warm_up
 
 _LOG = logging.getLogger(__name__)
 
 _PATIENCE = 5.0
 """How long a scheduler is waited for at the end [s]."""
 
+_LOOK = 0.2
+"""Time between two looks at whether to go on [s]."""
+
 _DIED = "The process that worked on it ended unexpectedly; perhaps there was not enough memory."
 
 
-def here(jobs: Sequence[Job], workers: int | None) -> Generator[Done, None, None]:
+def here(
+    jobs: Sequence[Job], workers: int | None, go_on: Callable[[], object] | None = None
+) -> Generator[Done, None, None]:
     """Do jobs on this computer and yield results as they finish.
 
-    There is one process for each core unless `workers` gives a number; with one, jobs are done in this process. A job
-    whose process dies is tried once more, as the last one.
+    There is one process for each core unless `workers` gives a number; with one, jobs are done in this process, unless
+    there is `go_on`. That is called several times a second, and what it raises ends all processes. A job whose process
+    dies is tried once more, as the last one.
     """
     count = min(workers or cores(), len(jobs))
-    if count <= 1:
+    if count <= 1 and (go_on is None or not jobs):
         yield from map(do, jobs)
         return
     _compile_once()
@@ -46,7 +51,9 @@ def here(jobs: Sequence[Job], workers: int | None) -> Generator[Done, None, None
             worker.give(waiting.pop())
         while any(worker.job for worker in crew):
             busy = {worker.line: worker for worker in crew if worker.job}
-            for line in multiprocessing.connection.wait(list(busy)):
+            if go_on is not None:
+                go_on()
+            for line in multiprocessing.connection.wait(list(busy), _LOOK if go_on is not None else None):
                 worker = busy[line]  # type: ignore[index]  # only those connections were given
                 job = worker.job
                 assert job is not None
@@ -115,8 +122,7 @@ def _result(future: Any, number: int) -> Done:
 
 def _compile_once() -> None:
     """Compile the loops once if they are not in the cache of this computer, before every process does it."""
-    folder = jit_cache.folder_of_this_package()
-    if folder is not None and not jit_cache.has_loops(folder):
+    if not is_compiled():
         warm_up()
 
 
