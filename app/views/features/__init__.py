@@ -44,7 +44,6 @@ from app.views.window.feature import Feature
 
 FEATURES: tuple[type[Feature], ...] = (
     OpenSaveFeature,
-    ImportFeature,
     StartFeature,
     FolderFeature,
     ExportFeature,
@@ -54,6 +53,7 @@ FEATURES: tuple[type[Feature], ...] = (
     AnimationFeature,
     UndoSelectionFeature,
     ClipboardFeature,
+    ImportFeature,
     DrawFeature,
     RunControlFeature,
     TimelineFeature,

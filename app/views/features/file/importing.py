@@ -52,7 +52,7 @@ class ImportFeature(Feature):
                        tip=tr("Read contours of another program, as a start, as objects or as ground truth."),
                        when=has_image),
             ActionSpec(name="paste", menu="Edit", text=tr("&Paste"), do=self.paste, shortcuts=("Ctrl+V",),
-                       tip=tr("Open the picture on the clipboard, or use the contours on it."), gap=True),
+                       tip=tr("Open the picture on the clipboard, or use the contours on it.")),
         )  # fmt: skip
 
     def take(self, path: Path) -> None:
@@ -96,8 +96,9 @@ class ImportFeature(Feature):
         if read.generation != session.image_generation:
             return
         found = read.imported
-        answer = Question(self.context.window, tr("Use contours"), _question(found), _explained(found),
-                          _buttons(found, read.path is not None)).ask()  # fmt: skip
+        of_file = read.path is not None
+        words = tr("Use contours"), _question(found), _explained(found, of_file)
+        answer = Question(self.context.window, *words, _buttons(found, of_file)).ask()
         if answer == "start":
             name = tr("start from {name}").format(name=found.name)
             session.edit(name, lambda document: imported.add_starts(document, found))
@@ -130,10 +131,10 @@ def _question(found: Imported) -> str:
     return tr("What are the {count} contours of {name} for?").format(count=found.count, name=found.name)
 
 
-def _explained(found: Imported) -> str:
-    sentences = [
-        tr("Particles of a start flow to the edges; objects stay as they are; a ground truth is compared with.")
-    ]
+def _explained(found: Imported, of_file: bool) -> str:
+    sentences = [tr("Particles of a start flow to the edges; objects stay as they are.")]
+    if found.count and of_file:
+        sentences.append(tr("A ground truth is what the contours of the run are compared with."))
     if found.open and found.objects:
         sentences.append(tr("Open contours are no objects."))
     return " ".join([*sentences, *found.notes])
