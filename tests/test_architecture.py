@@ -321,7 +321,10 @@ def test_the_top_level_holds_what_it_should_and_nothing_else():
         "README.md",
         "ARCHITECTURE.md",
         "CHANGELOG.md",
+        "CITATION.cff",
+        "CONTRIBUTING.md",
         "LICENSE",
+        "release",
     }
 
 
