@@ -18,8 +18,6 @@ _MERGE = tr("In a volume, click in all bodies of an object before you take it.")
 _FREEZE = tr("Objects in a volume do not hold particles back: draw a region of interest or a barrier in its slices.")
 _TRUTH = tr("A ground truth can be compared with the contours of an image, not with a surface.")
 _LAYER = tr("This layer shows what only a run in an image finds.")
-_FORCES = tr("Forces are shown as arrows in images only.")
-_FIELD = tr("The arrows need the force on every voxel, for which a volume is too large.")
 _METHODS = tr("The classical methods are for images; in a volume there is nothing to compare with.")
 _MOSAIC = tr("A mosaic shows runs with different parameters side by side; in a volume each of them takes too long.")
 
@@ -39,8 +37,6 @@ NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
         **dict.fromkeys(("load_truth", "worst_place", "next_place"), _TRUTH),
         **dict.fromkeys(
             tuple(f"layer_{name}" for name in ("truth", "skeleton")), _LAYER),
-        "layer_forces": _FORCES,
-        "layer_field": _FIELD,
         "mosaic": _MOSAIC,
         "compare_methods": _METHODS,
     }

@@ -70,7 +70,7 @@ class SideView(Mirror):
     def show_slice(self, scene: Scene, axis: int) -> None:
         """Draw the slice of a scene across an axis."""
         if self.sections.axis != axis:
-            self.sections = Sections(axis, self.sections.large)
+            self.sections = Sections(axis, self.sections.later)
             self.setAccessibleName(tr("Slice across the axis: {axis}").format(axis=AXES[axis]))
         self.draw(scene)
         self.cross.show(self.drawn.slices)
