@@ -10,9 +10,8 @@ from app.model.text.language import tr
 
 _AREA = tr("This tool fills an area of an image; in a volume, start from spheres, boxes, lines and points.")
 _START = tr("Centers are found in the field of an image; in a volume, start everywhere or on strong edges.")
-_MODE = tr("This mode is for images; in a volume, start everywhere or draw where to start.")
+_MODE = tr("Skeletons are found in images; in a volume, use cpm skeleton.")
 _CONTOUR = tr("Contours are found in images; a run in a volume finds a surface.")
-_SKELETON = tr("Skeletons of objects are found in images; in a volume, use cpm skeleton.")
 _ALIKE = tr("Objects that are alike are found in images by their gray values and size, not in volumes.")
 _MERGE = tr("In a volume, click in all bodies of an object before you take it.")
 _FREEZE = tr("Objects in a volume do not hold particles back: draw a region of interest or a barrier in its slices.")
@@ -25,12 +24,12 @@ NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
     {
         **dict.fromkeys(("grid_area", "threshold"), _AREA),
         "start_centers": _START,
-        **dict.fromkeys(("mode_automatic", "mode_skeleton"), _MODE),
+        "mode_skeleton": _MODE,
         **dict.fromkeys(
             ("contours", "edit_contours", "outline", "close_contours", "join_contours", "cut_contour", "image_skeleton",
              "contour_skeleton", "next_contour", "all_contours", "other_contours", "learn", "doubtful_contour",
              "show_rejected"), _CONTOUR),
-        "object_skeleton": _SKELETON,
+        "object_skeleton": _MODE,
         "objects_alike": _ALIKE,
         "merge_objects": _MERGE,
         **dict.fromkeys(("freeze_object", "object_start", "object_region", "object_barrier"), _FREEZE),
