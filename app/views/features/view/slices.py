@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
+from PySide6.QtCore import QPoint
+
 from app.model.preferences.table import UNIT
 from app.model.state.situation import Condition
 from app.model.state.volume_limits import has_volume
@@ -97,6 +99,13 @@ class SlicesFeature(Feature):
         """Name the keys as they are now."""
         self.bar.show_keys()
 
+    def _open_menu(self, point: QPoint) -> None:
+        """Open the menu of what lies at a point of the screen; where nothing lies, the cross has moved, and that is all."""
+        area = self.context.canvas_area
+        thing, _ = area.menu_at(area.mapFromGlobal(point))
+        if thing != "image":
+            area.canvas.menu_wanted.emit(point)
+
     def _go(self, by: int) -> None:
         """Go to another slice of a volume, or to another page of a stack."""
         (self._pages if self._pages.count else self._slices).go(by)
@@ -147,6 +156,7 @@ class SlicesFeature(Feature):
             area.level_drag.watch(view.viewport())
             area.views.addWidget(view, row, 1)
             self._draw_later(view)
+            view.asked.connect(self._open_menu)
             view.went.connect(self._slices.through)
             view.passed.connect(self._slices.pass_on)
         return made
