@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Sequence
 
 CANNOT_OPEN = 2
 INTERRUPTED = 130
 
-_COMMANDS = frozenset({"run", "info", "batch", "skeleton", "compare", "bench", "figures"})
+_COMMANDS = frozenset({"run", "info", "batch", "skeleton", "compare", "bench", "figures", "export", "completion"})
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -36,9 +37,20 @@ def _run(arguments: Sequence[str]) -> int:
         from cpm_core import cli
 
         return cli.main(arguments)
-    if len(arguments) > 1:
-        return _refuse(f"The window opens one image but {len(arguments)} arguments were given; see cpm --help.")
-    return _open_window(arguments[0] if arguments else None)
+    paths = list(arguments)
+    if arguments and not os.path.lexists(arguments[0]):  # a word that was mistyped opens no window
+        from cpm_core.cli.help.mistyped import no_command_or_file
+        from cpm_core.cli.image_files import expanded
+
+        try:
+            paths = expanded(arguments)
+        except ValueError as error:
+            return _refuse(str(error))
+        if paths == list(arguments):
+            return _refuse(no_command_or_file(arguments[0], _COMMANDS))
+    if len(paths) > 1:
+        return _refuse(f"The window opens one image but {len(paths)} were given; see cpm --help.")
+    return _open_window(paths[0] if paths else None)
 
 
 def _open_window(path: str | None) -> int:

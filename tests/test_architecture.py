@@ -201,10 +201,14 @@ def test_no_module_is_a_box_for_odds_and_ends(path):
     assert path.stem not in {"utils", "util", "utilities", "helpers", "helper", "common", "misc", "tools_"}
 
 
+EXAMPLES = re.compile(r"\n *Examples\n *-{8}\n(?:(?! *\"{3}).*\n)*")
+"""The section with examples at the end of a docstring."""
+
+
 @cache
 def sizes(path):
-    """Dotted names of a module, its classes and functions, their lines and how many they may be."""
-    source, module = path.read_text(encoding="utf-8"), module_name(path)
+    """Dotted names of a module, its classes and functions, their lines without examples and how many they may be."""
+    source, module = EXAMPLES.sub("", path.read_text(encoding="utf-8")), module_name(path)
     found = [(module, len(source.splitlines()), LONGEST_MODULE)]
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
@@ -216,6 +220,11 @@ def sizes(path):
 @pytest.mark.parametrize("path", SOURCES, ids=module_name)
 def test_modules_classes_and_functions_stay_small(path):
     assert [(name, lines) for name, lines, most in sizes(path) if lines > most and name not in LONGER] == []
+
+
+def test_examples_do_not_count_as_lines_of_code():
+    source = 'def f():\n    """Do.\n\n    Examples\n    --------\n    >>> f()\n    1\n    """\n    return 1\n'
+    assert EXAMPLES.sub("", source) == 'def f():\n    """Do.\n    """\n    return 1\n'
 
 
 def test_what_may_be_longer_is_longer_and_rare():

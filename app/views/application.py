@@ -6,7 +6,7 @@ import signal
 import sys
 
 import pyqtgraph as pg
-from PySide6.QtCore import QLibraryInfo, QTimer, QTranslator
+from PySide6.QtCore import QLibraryInfo, QLocale, QTimer, QTranslator
 from PySide6.QtGui import QPixmapCache
 from PySide6.QtWidgets import QApplication
 
@@ -48,7 +48,7 @@ def _translate_own_dialogs_of_qt(application: QApplication) -> None:
     """Let Qt's dialogs for files and colors speak the language of the window, where Qt has it."""
     translator = QTranslator(application)
     folder = QLibraryInfo.path(QLibraryInfo.LibraryPath.TranslationsPath)
-    if translator.load(f"qtbase_{language()}", folder):
+    if translator.load(QLocale(language()), "qtbase", "_", folder):
         application.installTranslator(translator)
 
 

@@ -47,6 +47,7 @@ OF_THE_SYSTEM = (
 WORDS = (
     *("image", "volume", "page", "frame", "plane", "slice", "channel", "series", "time", "row", "column"),
     *("contour", "shape", "object", "points", "barrier", "two", "three", "four", "rows and columns"),
+    *("pages", "frames", "planes"),
 )
 """Single words that are values of sentences, and cannot be told from names in a source."""
 

@@ -5,15 +5,34 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable, Sequence
-from typing import NoReturn
+from typing import Any, NoReturn
 
-from cpm_core.cli import info, run, skeleton
+from cpm_core.cli import export, info
 from cpm_core.cli.batch import command as batch_command
 from cpm_core.cli.bench import command as bench_command
 from cpm_core.cli.compare import command as compare_command
 from cpm_core.cli.figures import command as figures_command
+from cpm_core.cli.help import completion
+from cpm_core.cli.help.examples import is_examples, text_of
+from cpm_core.cli.help.mistyped import with_suggestion
+from cpm_core.cli.image_files import use_files
+from cpm_core.cli.run import command as run_command
+from cpm_core.cli.skeleton import command as skeleton_command
 from cpm_core.cli.terminal import drop_output, say, take_any_character
 from cpm_core.formats.provenance import VERSION
+
+_MODULES = (
+    run_command,
+    batch_command,
+    export,
+    skeleton_command,
+    compare_command,
+    info,
+    figures_command,
+    bench_command,
+    completion,
+)
+"""A module for each command, in the order of the help."""
 
 BAD_INPUT = 2
 INTERRUPTED = 130
@@ -21,11 +40,30 @@ NOBODY_READS = 141
 """As the shell reports a program that wrote to a closed pipe."""
 
 
+class _Help(argparse.HelpFormatter):
+    """Help that keeps the lines of examples."""
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        return text if is_examples(text) else super()._fill_text(text, width, indent)
+
+
 class _Parser(argparse.ArgumentParser):
     """Parser that raises ValueError, which `main` reports."""
 
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**{"formatter_class": _Help, **settings})
+
     def error(self, message: str) -> NoReturn:
-        raise ValueError(f"{message} (see {self.prog} --help).")
+        raise ValueError(f"{with_suggestion(message, _options_of(self))} See {self.prog} --help.")
+
+
+def _options_of(parser: argparse.ArgumentParser) -> set[str]:
+    """All options of a parser and of its commands."""
+    options = set(parser._option_string_actions)
+    for action in parser._actions:
+        for command in action.choices.values() if isinstance(action, argparse._SubParsersAction) else ():
+            options |= set(command._option_string_actions)
+    return options
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -45,7 +83,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     take_any_character()
     try:
         try:
-            arguments = _parser().parse_args(argv)
+            arguments = parser().parse_args(argv)
+            use_files(arguments)
             command: Callable[[argparse.Namespace], int | None] = arguments.command
             return command(arguments) or 0
         finally:
@@ -69,15 +108,18 @@ def main(argv: Sequence[str] | None = None) -> int:
         return BAD_INPUT
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
+def parser() -> argparse.ArgumentParser:
+    """The parser of the whole command line."""
+    whole = _Parser(
         prog="cpm",
         description="Find contours in images with charged particles.",
         epilog="Without a command the window opens, on the image that is named if there is one: cpm [IMAGE].",
         allow_abbrev=False,
     )
-    parser.add_argument("--version", action="version", version=f"cpm {VERSION}", help="show the version")
-    commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for command in (run, batch_command, skeleton, compare_command, info, figures_command, bench_command):
-        command.add_to(commands)
-    return parser
+    whole.add_argument("--version", action="version", version=f"cpm {VERSION}", help="show the version")
+    commands = whole.add_subparsers(metavar="COMMAND", dest="name", required=True)
+    for module in _MODULES:
+        module.add_to(commands)
+    for name, command in commands.choices.items():
+        command.epilog = text_of(name)
+    return whole

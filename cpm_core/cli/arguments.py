@@ -30,7 +30,7 @@ _SIZE = re.compile(r"(?P<sides>[0-9.eE+-]+(?:x[0-9.eE+-]+){0,2})(?P<unit>nm|um|Â
 def add_image(parser: argparse.ArgumentParser, optional: bool = False) -> None:
     """Add the path of an image, as `image`."""
     parser.add_argument(
-        "image", metavar="IMAGE", nargs="?" if optional else None, help=f"image file ({', '.join(READABLE)})"
+        "image", metavar="IMAGE", nargs="?" if optional else None, help=f"image ({', '.join(READABLE)})"
     )
 
 

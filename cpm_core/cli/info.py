@@ -3,11 +3,19 @@
 from __future__ import annotations
 
 import argparse
-import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
 
-from cpm_core.cli.arguments import add_image, add_json, add_part, part_of
+from cpm_core.cli.arguments import add_json, add_part, part_of
+from cpm_core.cli.outcome import print_json
 from cpm_core.cli.place import facts_on, lines_on
-from cpm_core.formats import holds_volume, load_image, load_volume
+from cpm_core.cli.terminal import say
+from cpm_core.formats import READABLE, holds_volume, load_image, load_volume
+from cpm_core.image.image import Image
+
+FAILED = 1
+"""Exit status when some of several images could not be read."""
 
 
 def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -17,35 +25,55 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     parser.description = (
         "Show the size, gray levels, pixel size and place in space of an image or volume, and what reading it changed."
     )
-    add_image(parser)
+    parser.add_argument(
+        "images", metavar="IMAGE", nargs="+", help=f"image, folder or pattern such as *.tif ({', '.join(READABLE)})"
+    )
     add_part(parser, channel=True)
     parser.add_argument("--volume", action="store_true", help="take all planes of a file that holds several")
     add_json(parser)
 
 
-def _info(arguments: argparse.Namespace) -> None:
-    """Show the properties of an image or volume."""
+def _info(arguments: argparse.Namespace) -> int:
+    """Show the properties of images or volumes; of several, each that cannot be read is told, and the others follow."""
     part = part_of(arguments)
     if arguments.channel is not None:  # a color, which only runs take as a parameter
         part["color"] = arguments.channel
-    volume = arguments.volume or ("page" not in part and holds_volume(arguments.image, part.get("series")))
-    image = (load_volume if volume else load_image)(arguments.image, **part)
-    low, high = float(image.values.min()), float(image.values.max())
+    single = len(arguments.images) == 1
+    facts: list[dict[str, Any]] = []
+    for path in arguments.images:
+        try:
+            image = _loaded(path, part, arguments.volume)
+        except ValueError as error:
+            if single:
+                raise
+            say(f"cpm: {error}")
+            facts.append({"source": Path(path).name, "path": path, "trouble": str(error)})
+            continue
+        facts.append({"source": image.source, "path": path, **_facts(image)})
+        if not arguments.json:
+            for line in _lines(image):
+                print(line)
     if arguments.json:
-        facts = {
-            "source": image.source,
-            "shape": list(image.shape),
-            "minimum": low,
-            "maximum": high,
-            **facts_on(image),
-            "notes": list(image.notes),
-        }
-        print(json.dumps(facts))
-        return
+        print_json("info", {**(facts[0] if single else {}), "images": facts})
+    return FAILED if any("trouble" in one for one in facts) else 0
+
+
+def _loaded(path: str, part: Mapping[str, Any], as_volume: bool) -> Image:
+    volume = as_volume or ("page" not in part and holds_volume(path, part.get("series")))
+    return (load_volume if volume else load_image)(path, **part)
+
+
+def _facts(image: Image) -> dict[str, Any]:
+    low, high = float(image.values.min()), float(image.values.max())
+    place = facts_on(image)
+    return {"shape": list(image.shape), "minimum": low, "maximum": high, **place, "notes": list(image.notes)}
+
+
+def _lines(image: Image) -> Iterator[str]:
     axes = ("planes", "rows", "columns")[-image.ndim :]
     size = " x ".join(f"{count} {axis}" for count, axis in zip(image.shape, axes, strict=True))
-    print(f"{image.source}: {size}, gray levels {low:g} to {high:g}")
-    for line in lines_on(image):
-        print(line)
+    low, high = float(image.values.min()), float(image.values.max())
+    yield f"{image.source}: {size}, gray levels {low:g} to {high:g}"
+    yield from lines_on(image)
     for note in image.notes:
-        print(f"Note: {note}")
+        yield f"Note: {note}"

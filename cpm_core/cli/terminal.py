@@ -6,11 +6,12 @@ import io
 import os
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from types import TracebackType
 
 from cpm_core.formats.printable import printable
+from cpm_core.numerics import jit_cache
 from cpm_core.particles.state import State
 
 _REDRAW = 0.1  # [s] between two lines of progress
@@ -68,6 +69,31 @@ class Progress:
     def clear(self) -> None:
         """Remove the line."""
         print("\r\x1b[2K", end="", file=sys.stderr, flush=True)
+
+
+@contextmanager
+def progress_line(*followers: Callable[[State], object]) -> Iterator[Callable[[State], None]]:
+    """What to call with each state of a run within the block: it shows the progress on a terminal, and tells others."""
+    line = Progress() if sys.stderr.isatty() else None
+
+    def follow(state: State) -> None:
+        for follower in followers:
+            follower(state)
+        if line is not None:
+            line(state)
+
+    try:
+        yield follow
+    finally:
+        if line is not None:
+            line.clear()
+
+
+def announce_compilation() -> None:
+    """Say that the inner loops have to be compiled first, where they have not been yet."""
+    folder = jit_cache.folder_of_this_package()
+    if folder is not None and not jit_cache.has_loops(folder):
+        say("cpm: the inner loops are compiled for this computer, once; the first run begins some seconds later.")
 
 
 class Count:

@@ -86,6 +86,18 @@ class Contour:
     ------
     ValueError
         When the color is of another form.
+
+    Examples
+    --------
+    >>> corners = np.array([(2.0, 2.0), (2.0, 12.0), (12.0, 12.0), (12.0, 2.0)])
+    >>> square = cpm.Contour(corners, closed=True, name="a square")
+    >>> square
+    <Contour a square, closed, 40.0 px around 100.0 px², 4 vertices>
+    >>> square.length, square.area, square.box.tolist(), len(square.path)
+    (40.0, 100.0, [[2.0, 2.0], [12.0, 12.0]], 5)
+    >>> found = cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8)).contours[0]
+    >>> round(found.contrast, 2), found.length_by_hand
+    (0.92, 0)
     """
 
     points: Array
@@ -162,6 +174,14 @@ class Bridge:
         Length along it [px].
     strength : float
         Mean of the edge map along it [gray levels / px].
+
+    Examples
+    --------
+    >>> parameters = cpm.Parameters(max_gap=30, edge_floor=0.25)
+    >>> result = cpm.segment(cpm.example("gap"), cpm.circle((32, 32), 8), parameters)
+    >>> bridge = result.bridges[0]
+    >>> len(result.bridges), round(bridge.length), bridge.strength < result.contours[0].strength
+    (1, 9, True)
     """
 
     points: Array

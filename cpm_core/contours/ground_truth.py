@@ -40,6 +40,15 @@ class Truth(Pictured):
         Boundaries of the objects [px]: between the pixels of a mask, or the contours of a file.
     source : str
         Name of the file for the user.
+
+    Examples
+    --------
+    >>> result = cpm.segment(cpm.example("disks"), cpm.uniform_grid((64, 64)))
+    >>> truth = cpm.Truth(result.labels, result.contours, "drawn")
+    >>> truth
+    <Truth drawn, 64 x 64 px, 2 contours>
+    >>> truth.shape, int(truth.objects.max()), truth.boundary.shape[1]
+    ((64, 64), 2, 2)
     """
 
     labels: Labels

@@ -116,6 +116,12 @@ def teach(
     ------
     ValueError
         When an index is not that of a contour, or is both kept and rejected.
+
+    Examples
+    --------
+    >>> result = cpm.segment(cpm.example("ring"), cpm.uniform_grid((64, 64)))
+    >>> cpm.teach(result, kept=[0])
+    <Result ring, 2 contours (2 closed), 136 particles, at rest after 111 steps>
     """
     judged = _checked(len(result.contours), kept, rejected)
     earlier = examples if examples is not None else Examples.of((), ())

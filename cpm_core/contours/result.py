@@ -67,6 +67,20 @@ class Result(Pictured):
         Channel of a color image in which the contours were found, one of `Parameters.channel`.
     provenance : Provenance
         How they were found.
+
+    Examples
+    --------
+    >>> result = cpm.segment(cpm.example("ring"), cpm.uniform_grid((64, 64)))
+    >>> result
+    <Result ring, 2 contours (2 closed), 136 particles, at rest after 111 steps>
+    >>> result.labels.shape, int(result.labels[32, 12]), int(result.labels[32, 32])  # the ring, and the hole in it
+    ((64, 64), 1, 2)
+    >>> table = result.table(in_units=True)
+    >>> table["area"].round(), table.units["area"]
+    (array([374.,  77.]), 'µm²')
+    >>> axes = result.plot(particles=True)
+    >>> result.geometry is None  # nothing is known of its place in space
+    True
     """
 
     particles: NDArray[np.float64]

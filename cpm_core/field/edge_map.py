@@ -109,6 +109,12 @@ def edge_map(values: ArrayLike, smoothing: float | Literal["auto"] = 1.0) -> Arr
     ------
     ValueError
         When the values are no image of finite numbers, or the smoothing is no number from 0 on.
+
+    Examples
+    --------
+    >>> strength = cpm.edge_map(cpm.example("disk").values, smoothing=1.0)
+    >>> strength.shape, bool(strength[32, 12] > 10 * strength[32, 32])
+    ((64, 64), True)
     """
     image = grid_of_numbers(values, _LEAST_SIDE)
     if isinstance(smoothing, str) and smoothing == "auto":

@@ -71,6 +71,13 @@ def electric_field(
     ValueError
         For an unknown method, an exponent that is not positive, and what the PPPM method does not support: other
         exponents than 2, a cut-off or a number of sweeps out of range.
+
+    Examples
+    --------
+    >>> strength = cpm.edge_map(cpm.example("disk").values, smoothing=1.0)
+    >>> field = cpm.electric_field(strength)
+    >>> field.shape, bool(field[1, 32, 48] > 0)  # within the disk, charges are drawn to its right edge
+    ((2, 64, 64), True)
     """
     if isinstance(method, str) and method in _CONVOLVED:
         return _CONVOLVED[method](grid_of_numbers(edge_map), exponent)

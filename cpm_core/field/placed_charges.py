@@ -67,6 +67,14 @@ class PlacedCharge:
     ------
     ValueError
         For a strength out of range or a position that is not finite.
+
+    Examples
+    --------
+    >>> cpm.PlacedCharge((32, 50), 1.5)
+    PlacedCharge((32.0, 50.0), 1.5)
+    >>> pulled = cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8), charges=[cpm.PlacedCharge((32, 50), 1.5)])
+    >>> pulled.provenance.shapes[0]["strength"]
+    1.5
     """
 
     position: tuple[float, ...]

@@ -54,6 +54,14 @@ def load_truth(
     ValueError
         When the file cannot be read, belongs to an image of another size, is a picture rather than a mask, or is
         empty.
+
+    Examples
+    --------
+    >>> result = cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8))
+    >>> cpm.export(result, "truth.png")
+    >>> truth = cpm.load_truth("truth.png", result.shape)
+    >>> int(truth.objects.max())
+    1
     """
     file, rows, cols = Path(path), *map(int, shape)
     if file.suffix.lower() in CONTOURS_READABLE:

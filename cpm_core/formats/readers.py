@@ -108,6 +108,12 @@ def load_image(
     ValueError
         When there is no such file, or it cannot be used or read again for its hash; one sentence with its name and
         what to do.
+
+    Examples
+    --------
+    >>> np.save("disk.npy", cpm.example("disk").values)
+    >>> cpm.load_image("disk.npy", spacing=0.5, unit="µm")
+    <Image disk.npy, 64 x 64 px, 0.5 µm a pixel>
     """
     file, choice = Path(path), Choice(page, channel, time, series)
     decoded = _in(checked_color(color), _read(file, lambda reader: reader.read(file, choice)))
@@ -146,6 +152,12 @@ def load_volume(
     ------
     ValueError
         When there is no such file, or it cannot be used; one sentence with its name and what to do.
+
+    Examples
+    --------
+    >>> np.save("ball.npy", cpm.example("ball").values)
+    >>> cpm.load_volume("ball.npy", spacing=(2.0, 1.0, 1.0), unit="mm")
+    <Image ball.npy, 31 x 31 x 31 voxels, 2 x 1 x 1 mm a voxel>
     """
     choice = Choice(None, channel, time, series)
     file = Path(path)
@@ -181,6 +193,13 @@ def load_pages(
     ------
     ValueError
         When there is no such file, or it cannot be used; a page that cannot be used raises it when it is asked for.
+
+    Examples
+    --------
+    >>> np.save("pages.npy", np.stack([cpm.example("disk").values, cpm.example("ring").values]))
+    >>> pages = cpm.load_pages("pages.npy")
+    >>> len(pages), pages[1].shape
+    (2, (64, 64))
     """
     file, wanted = Path(path), checked_color(color)
     opened: Stack = _read(file, lambda reader: reader.stack(file, Choice(None, channel, time, series)))

@@ -148,6 +148,13 @@ def export(
     ValueError
         When a suffix is not known, a file cannot be written there, or the result holds nothing such a file could show;
         with `refused`, nothing for any of them. Then nothing is written.
+
+    Examples
+    --------
+    >>> result = cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8))
+    >>> cpm.export(result, "disk.svg", "disk.measures.csv", "disk.tif")
+    >>> int(cpm.load_image("disk.tif").values.max())
+    1
     """
     files = list(map(Path, paths))
     for file in files:
@@ -192,8 +199,10 @@ def omission(result: Result | Skeleton | Centerlines, suffix: str, *, outlines: 
     if not count:
         return ""
     what = "a mask" if suffix in OUTLINABLE else "a COCO file"
-    are = "is" if count == 1 else "are"
-    return f"{count} of {len(result.contours)} contours {are} open and not in {what}."
+    all_of_them = len(result.contours)
+    if count == 1:
+        return f"1 of {all_of_them} contours is open and not in {what}."
+    return f"{count} of {all_of_them} contours are open and not in {what}."
 
 
 def encoded(
@@ -221,6 +230,12 @@ def encoded(
     ------
     ValueError
         When the suffix is not known, or the result holds nothing such a file could show.
+
+    Examples
+    --------
+    >>> result = cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8))
+    >>> cpm.encoded(result, ".svg")[:5]
+    b'<?xml'
     """
     if not isinstance(suffix, str) or suffix not in {**_WRITERS, **_MESHES, **FOR_CENTERLINES}:
         raise ValueError(f"{shown(suffix)} names no format that can be written: choose one of {_known()}.")

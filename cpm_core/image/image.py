@@ -64,6 +64,24 @@ class Image(Pictured):
     ValueError
         When `values` is not a grid of two or three axes of finite real numbers, at least `MINIMUM_SIDE` pixels along
         each, when `spacing` is not one positive number for each axis, or when `colors` has another shape.
+
+    Examples
+    --------
+    >>> image = cpm.Image(np.hypot(*np.indices((40, 60))), spacing=(0.5, 0.5), unit="µm", source="drawn")
+    >>> image
+    <Image drawn, 40 x 60 px, 0.5 µm a pixel>
+    >>> image.shape, image.ndim, [round(level, 1) for level in image.gray_range], image.sha256[:8]
+    ((40, 60), 2, [0.0, 70.7], '2cd5ef8e')
+    >>> image.sized((2.0, 2.0), "mm")
+    <Image drawn, 40 x 60 px, 2 mm a pixel>
+    >>> cpm.example("ball").cut(axis=0, index=15)
+    <Image ball, 31 x 31 px, 1 mm a pixel>
+    >>> colored = cpm.example("colors")
+    >>> colored.channel("red"), colored.gray("red").max().item(), colored.gray_at((32, 32), "green")
+    ('red', 220.0, 50.0)
+    >>> cpm.Image(colored.colors.samples, color="contrast").notes
+    ('The channel red of its colors was taken, which varies the most.',)
+    >>> axes = image.plot()
     """
 
     values: NDArray[np.float64]
@@ -131,7 +149,8 @@ class Image(Pictured):
 
     def __repr__(self) -> str:
         known = self.unit is not None or len(set(self.spacing)) > 1
-        size = f"{' x '.join(f'{side:.4g}' for side in dict.fromkeys(self.spacing))} {self.unit or ''}".strip()
+        sides = self.spacing[:1] if len(set(self.spacing)) == 1 else self.spacing
+        size = f"{' x '.join(f'{side:.4g}' for side in sides)} {self.unit or ''}".strip()
         word = ("voxels", "voxel") if self.ndim == 3 else ("px", "pixel")
         return described(
             "Image", self.source, sized(self.shape, word[0]), f"{size} a {word[1]}" if known else "",

@@ -45,6 +45,19 @@ class Regions:
     ------
     ValueError
         For too few corners or values that are not finite.
+
+    Examples
+    --------
+    >>> left = cpm.Regions(interest=[[(0, 0), (63, 0), (63, 31), (0, 31)]], barriers=[[(0, 20), (63, 20)]])
+    >>> left
+    <Regions 1 region of interest, 1 barrier>
+    >>> left.check((64, 64))
+    >>> left.contains(np.array([(32.0, 10.0), (32.0, 50.0)])).tolist(), left.allows(np.array([(32.0, 20.0)])).tolist()
+    ([True, False], [False])
+    >>> int(left.pixels((64, 64)).sum()), left.rims().shape, left.lines().shape
+    (1953, (4, 4), (1, 4))
+    >>> left.at_scale(1, (64, 64)).interest[0][1]
+    (31.25, -0.25)
     """
 
     interest: tuple[Line, ...] = ()

@@ -80,6 +80,14 @@ class Extrusion:
         Where along the axis it begins and ends [voxels].
     closed : bool
         Whether the voxels are those that the line encloses, or those that it passes through.
+
+    Examples
+    --------
+    >>> tube = cpm.Extrusion(((8.0, 8.0), (8.0, 22.0), (22.0, 22.0), (22.0, 8.0)), axis=0, first=4, last=26)
+    >>> filled = np.zeros((31, 31, 31), bool)
+    >>> tube.fill(filled)
+    >>> int(filled.sum()), tube.hold(np.array([(15.0, 15.0, 15.0), (0.0, 15.0, 15.0)])).tolist()
+    (4508, [True, False])
     """
 
     line: tuple[Position, ...]
@@ -174,6 +182,19 @@ class VolumeRegions:
     ------
     ValueError
         For anything else, for values that are not finite, and for a direction without length.
+
+    Examples
+    --------
+    >>> half = cpm.VolumeRegions(interest=[((0, 0, 0), (30, 30, 20))], barriers=[((0, 0, 15.5), (0, 0, 1))])
+    >>> half
+    <VolumeRegions 1 region of interest, 1 barrier>
+    >>> half.check((31, 31, 31))
+    >>> half.contains(np.array([(15.0, 15.0, 10.0), (15.0, 15.0, 25.0)])).tolist()
+    [True, False]
+    >>> half.allows(np.array([(15.0, 15.0, 15.5)])).tolist(), int(half.voxels((31, 31, 31)).sum()), half.planes().shape
+    ([False], 20181, (1, 4))
+    >>> half.walls((31, 31, 31)).closed.shape
+    (31, 31, 31)
     """
 
     interest: tuple[Limit, ...] = ()

@@ -62,6 +62,15 @@ class Skeleton(Pictured):
         How it was found.
     geometry : Geometry or None
         Where the image lies in space.
+
+    Examples
+    --------
+    >>> bones = cpm.skeleton(cpm.example("ring"))
+    >>> bones
+    <Skeleton ring, 1 branch, 106.5 px>
+    >>> round(bones.thickness), round(bones.length / (2 * np.pi * 17), 2), bool(bones.rebuilt()[32, 15])
+    (14, 1.0, True)
+    >>> axes = bones.plot(cpm.example("ring").plot())
     """
 
     contours: tuple[Contour, ...]

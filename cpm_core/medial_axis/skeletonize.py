@@ -61,6 +61,12 @@ def skeleton(
     ------
     ValueError
         For an unusable image or value; the message says what to do.
+
+    Examples
+    --------
+    >>> bones = cpm.skeleton(cpm.example("ring"))
+    >>> len(bones.contours), bones.contours[0].closed, round(float(np.median(bones.radii[0])))
+    (1, True, 7)
     """
     image = as_image(values)
     chosen = _chosen(params or PRESETS["noisy" if image.ndim == 2 else "volume"], of, max_width, pruning)

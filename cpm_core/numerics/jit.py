@@ -6,6 +6,9 @@ the same bits, whatever the width of its vector registers. A long sum needs a fi
 values are finite. None starts threads of its own: a caller that wants two cores splits the work, so that two callers
 never meet inside one parallel region.
 
+Loops return plain tuples to Python, never named ones: a signal that raises, as Ctrl+C does, may arrive whenever Python
+code runs, and ends the process if that is while Numba makes a named tuple.
+
 Do not assign an array to a slice of another in a loop: Numba then also compiles the error message for shapes that do
 not fit, which takes three seconds. Assign the elements one by one.
 """
@@ -13,16 +16,20 @@ not fit, which takes three seconds. Assign the elements one by one.
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import suppress
+from functools import lru_cache
 from typing import Any, TypeVar, cast
 
 import numba
+from numba.core import serialize
 
-from cpm_core.numerics.jit_cache import cached_by_version
-from cpm_core.numerics.kept_loops import KeptLoop
+from cpm_core.numerics.loop_cache.kept_loop import kept_loop
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
+
+serialize._numba_unpickle = lru_cache(maxsize=None)(serialize._numba_unpickle)
+"""How a loop finds the class of an array that it returns, without a line of Python after the first time: Numba goes on
+without the class, and the process may end, if Ctrl+C or another signal raises there."""
 
 _OPTIONS: dict[str, Any] = {
     "nogil": True,
@@ -53,7 +60,6 @@ def inlined(function: _Function) -> _Function:
 
 def _kept(loop: Any, function: Callable[..., Any]) -> Any:
     """A loop that is cached on disk, where that is possible; the function itself where nothing is compiled."""
-    if hasattr(loop, "py_func"):
-        with cached_by_version(), suppress(RuntimeError, OSError):  # no folder can be written to
-            loop._cache = KeptLoop(function)
+    if hasattr(loop, "py_func") and (cache := kept_loop(function)) is not None:
+        loop._cache = cache
     return loop

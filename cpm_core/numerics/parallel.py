@@ -4,14 +4,20 @@ No loop of the model starts threads of its own, so that two callers never meet i
 its items into parts, and each part is written by one thread alone: the same input gives the same bits on any machine.
 There are more parts than threads, since some parts take longer than others. When the caller has finished its own part,
 it also does the parts that no thread has begun, so that no caller waits for the work of another one.
+
+Callers may be interrupted at any moment, as by Ctrl+C in a notebook. The executors and conditions of the standard
+library are written in Python, and may then keep a lock for ever; what stands here takes its parts and gives its results
+by single operations that nothing interrupts.
 """
 
 from __future__ import annotations
 
+import atexit
 import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
+from queue import SimpleQueue
+from threading import Thread
 
 _PARTS = 2
 """Parts for each thread."""
@@ -40,15 +46,53 @@ def share(work: Callable[[int, int], object], count: int, least: int) -> None:
         return
     parts = _PARTS * threads
     bounds = [count * part // parts for part in range(parts + 1)]
-    others = [_pool().submit(work, bounds[part], bounds[part + 1]) for part in range(1, parts)]
-    work(0, bounds[1])
-    for part in reversed(range(1, parts)):
-        if others[part - 1].cancel():
+    left, ends = iter(range(1, parts)), SimpleQueue[BaseException | None]()
+
+    def help_out() -> None:
+        for part in left:
+            try:
+                work(bounds[part], bounds[part + 1])
+            except BaseException as error:  # the caller raises it
+                ends.put(error)
+            else:
+                ends.put(None)
+
+    helpers = _helpers()
+    for _ in range(threads - 1):
+        helpers.put(help_out)
+    given = parts - 1
+    try:
+        work(0, bounds[1])
+        for part in left:
+            given -= 1
             work(bounds[part], bounds[part + 1])
-        else:
-            others[part - 1].result()
+    finally:
+        given -= sum(1 for _ in left)  # after an error or an interruption nobody begins another part
+    errors = [ends.get() for _ in range(given)]
+    for error in filter(None, errors):
+        raise error
 
 
 @lru_cache(maxsize=1)
-def _pool() -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(max_workers=max(1, cores() - 1), thread_name_prefix="cpm-share")
+def _helpers() -> SimpleQueue[Callable[[], object] | None]:
+    """What the other threads are to do; they end when the program does."""
+    waiting = SimpleQueue[Callable[[], object] | None]()
+
+    def work() -> None:
+        while (task := waiting.get()) is not None:
+            task()
+            del task  # and the arrays that it writes
+
+    threads = [Thread(target=work, name=f"cpm-share-{number}", daemon=True) for number in range(1, max(2, cores()))]
+    for thread in threads:
+        thread.start()
+
+    def end() -> None:
+        """Let no compiled loop run while the interpreter takes away what it stands on."""
+        for _ in threads:
+            waiting.put(None)
+        for thread in threads:
+            thread.join()
+
+    atexit.register(end)
+    return waiting

@@ -45,6 +45,13 @@ def objects_result(
     ------
     ValueError
         When `names` are no texts, or not one for each object.
+
+    Examples
+    --------
+    >>> image = cpm.example("disks")
+    >>> chosen = cpm.partition(image).select([(32, 18)])
+    >>> cpm.objects_result([chosen], image, ["left"]).contours[0].name
+    'left'
     """
     titles = _titles(names, len(selections))
     contours = [

@@ -68,6 +68,12 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
     ------
     ValueError
         For an unusable image, a result that does not know its image, or a volume without a closed surface.
+
+    Examples
+    --------
+    >>> partition = cpm.partition(cpm.example("disks"))
+    >>> partition.select([(32, 18)])
+    <Selection 301 px, 1 contour, 0 gaps, confidence 1.00>
     """
     if not isinstance(values, Result):
         image = as_image(values)
@@ -96,6 +102,16 @@ class Partition(Pictured):
         Outside the regions of interest nothing is selected; barriers are boundaries.
     channel : str
         Channel of a color image that is cut.
+
+    Examples
+    --------
+    >>> partition = cpm.partition(cpm.example("disks"))
+    >>> partition.shape, partition.labels.shape, len(partition.means) > 1, partition.values.shape
+    ((64, 64), (64, 64), True, (64, 64))
+    >>> chosen = partition.select([(32, 18)], outside=[(32, 46)])
+    >>> again = partition.selection_of(chosen.mask, chosen.inside)
+    >>> int(chosen.mask.sum()), bool((again.mask == chosen.mask).all())
+    (301, True)
     """
 
     image: Image

@@ -35,6 +35,16 @@ class Selection(Pictured):
         The places that have been said to be inside and outside [px].
     remark : str
         One sentence on what was unusual about the places, or empty.
+
+    Examples
+    --------
+    >>> chosen = cpm.partition(cpm.example("disks")).select([(32, 18)])
+    >>> chosen.mask.shape, chosen.contours[0].closed, len(chosen.gaps), chosen.only_places
+    ((64, 64), True, 0, False)
+    >>> chosen.found, chosen.same(chosen)
+    (True, True)
+    >>> chosen.holds(np.array([(32.0, 18.0), (32.0, 46.0)])).tolist()
+    [True, False]
     """
 
     mask: Mask

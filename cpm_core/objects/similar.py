@@ -49,6 +49,12 @@ def similar(partition: Partition, selection: Selection) -> tuple[Selection, ...]
     tuple of Selection
         The chosen one first, then the others from the top left to the bottom right, none of which overlap; empty when
         nothing is chosen.
+
+    Examples
+    --------
+    >>> partition = cpm.partition(cpm.example("disks"))
+    >>> len(cpm.similar(partition, partition.select([(32, 18)])))
+    2
     """
     if not selection.mask.any():
         return ()

@@ -121,6 +121,20 @@ class Parameters:
     ------
     ValueError
         When a value lies outside its range; the message names the field, the value and the range.
+
+    Examples
+    --------
+    >>> cpm.Parameters(beta=0.6, smoothing="auto")
+    Parameters(beta=0.6, smoothing='auto')
+    >>> cpm.Parameters().exponent_in(2), cpm.Parameters().exponent_in(3)
+    (2.0, 3.0)
+    >>> cpm.Parameters(beta=0.6).steering == cpm.Parameters(beta=0.6, max_gap=20).steering
+    True
+    >>> try:
+    ...     cpm.Parameters(beta=-1)
+    ... except ValueError as error:
+    ...     print(error)
+    beta is -1 but must be a number from 0 to 4.
     """
 
     reach: float = UNLIMITED_REACH

@@ -68,6 +68,12 @@ def circle(center: Position, radius: float, spacing: float = 2.0) -> Array:
     ------
     ValueError
         When radius or spacing is not a positive number, or the center is not finite.
+
+    Examples
+    --------
+    >>> seeds = cpm.circle((32, 32), 8)
+    >>> seeds.shape, float(np.hypot(*(seeds - 32).T).max().round(3))
+    ((25, 2), 8.0)
     """
     if np.shape(center) != (2,) or not np.isfinite(real_numbers(center)).all():
         raise ValueError(f"center is {shown(center)} but must be two finite numbers, (row, col).")
@@ -101,6 +107,11 @@ def stroke(points: ArrayLike, spacing: float = 2.0) -> Array:
     ValueError
         When there are no points, they have no coordinates, are not finite or lie implausibly far apart, or when the
         spacing is not a positive number.
+
+    Examples
+    --------
+    >>> cpm.stroke([(10, 10), (10, 16)], spacing=2.0).tolist()
+    [[10.0, 10.0], [10.0, 12.0], [10.0, 14.0], [10.0, 16.0]]
     """
     corners = real_numbers(points)
     if corners.ndim != 2 or 0 in corners.shape:
@@ -148,6 +159,11 @@ def uniform_grid(shape: tuple[int, ...], spacing: float = 8.0) -> Array:
     -------
     ndarray, shape (N, D)
         Positions, the same distance from opposite borders.
+
+    Examples
+    --------
+    >>> cpm.uniform_grid((64, 64), spacing=8.0).shape
+    (64, 2)
     """
     _positive("spacing", spacing)
     sides = np.ravel(real_numbers(shape))
@@ -177,6 +193,13 @@ def gradient_threshold(values: ArrayLike, fraction: float = STRONG, smoothing: f
     -------
     ndarray, shape (N, D)
         Positions.
+
+    Examples
+    --------
+    >>> image = cpm.example("disk")
+    >>> seeds = cpm.gradient_threshold(image.values, fraction=0.05)
+    >>> bool((np.abs(np.hypot(*(seeds - 32).T) - 20) < 3).all())  # all of them lie beside the edge
+    True
     """
     checked_number("fraction", fraction, lambda share: 0.0 <= share <= 1.0, "from 0 to 1")
     return above(edge_map(values, smoothing), fraction)
@@ -220,6 +243,12 @@ def divergence_centers(values: ArrayLike, smoothing: float = 2.0, spacing: float
     ------
     ValueError
         When the image has not two dimensions, smoothing is negative, or spacing is not a positive number.
+
+    Examples
+    --------
+    >>> seeds = cpm.divergence_centers(cpm.example("disks").values)
+    >>> len(cpm.segment(cpm.example("disks"), seeds).contours)
+    2
     """
     image = real_numbers(values)
     if image.ndim != 2:

@@ -41,6 +41,20 @@ class Particles:
         Number of each, used once only in a run.
     contact : SurfaceContact or None
         Contact of each with surfaces, in a volume; None in the plane.
+
+    Examples
+    --------
+    >>> particles = cpm.Particles.at_rest(np.array([(4.0, 4.0), (4.0, 9.0), (9.0, 9.0)]))
+    >>> particles, bool(particles.young.all())
+    (<Particles 3, 2 coordinates each>, True)
+    >>> particles.where(particles.position[:, 0] < 5), particles.taken(np.array([2])).position.tolist()
+    (<Particles 2, 2 coordinates each>, [[9.0, 9.0]])
+    >>> particles.with_more(np.array([(1.0, 1.0)]), 3).identity.tolist()
+    [0, 1, 2, 3]
+    >>> particles.joined_by(np.array([(4.0, 6.5)]), np.array([0]), np.array([1]), 3).position[-1].tolist()
+    [4.0, 6.5]
+    >>> particles.woken_at(5) is particles  # in the plane the coverage knows who is awake
+    True
     """
 
     position: Array
@@ -122,7 +136,7 @@ class Particles:
         )
 
     def __repr__(self) -> str:
-        return described("Particles", f"{len(self):,} with {self.position.shape[1]} coordinates")
+        return described("Particles", f"{len(self):,}", f"{self.position.shape[1]} coordinates each")
 
 
 def _mean(history: Array, one: NDArray[np.int64], other: NDArray[np.int64]) -> Array:
@@ -201,6 +215,20 @@ class State:
         Whether it ended at rest.
     space : SpaceState or None
         What belongs to a volume; None in the plane.
+
+    Examples
+    --------
+    >>> engine = cpm.Engine(cpm.example("disk"))
+    >>> state = engine.step(engine.start(cpm.circle((32, 32), 8)), cpm.Parameters())
+    >>> state
+    <State step 1, scale 2, 9 particles>
+    >>> state.count, state.position.shape, state.placed.shape, len(state.arrays()) > 5
+    (9, (9, 2), (0, 3), True)
+    >>> state.at_scale(np.array([[32.0, 32.0]]), 1).tolist()
+    [[15.75, 15.75]]
+    >>> ended = state.stopped("seen enough")
+    >>> ended.stop_reason, ended.resumed().stop_reason
+    ('seen enough', '')
     """
 
     particles: Particles

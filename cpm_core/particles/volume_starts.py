@@ -52,6 +52,11 @@ def sphere(
     ValueError
         When the center is not three finite numbers, radius or spacing is not positive, or the count is not a positive
         whole number.
+
+    Examples
+    --------
+    >>> cpm.sphere((15, 15, 15), radius=4, count=60).shape
+    (60, 3)
     """
     middle, sides = three_numbers("center", center), voxel_sides("spacing", spacing)
     checked_number("radius", radius, lambda r: 0.0 < r <= _LARGEST, f"above 0 and at most {_LARGEST:g}")
@@ -82,6 +87,11 @@ def box(first: tuple[float, float, float], last: tuple[float, float, float], spa
     ValueError
         When the corners are not three finite numbers each or have no distance along an axis, or when the spacing is
         not positive or so small that there would be too many particles.
+
+    Examples
+    --------
+    >>> cpm.box((4, 4, 4), (10, 10, 10)).shape[1]
+    3
     """
     low, high = np.sort([three_numbers("first", first), three_numbers("last", last)], axis=0)
     if not (high > low).all():
@@ -131,6 +141,12 @@ def in_slice(
     ValueError
         When the points are not rows of two finite numbers, the axis is none of the three, the slice is at no finite
         place, or the spacing is not positive.
+
+    Examples
+    --------
+    >>> seeds = cpm.in_slice(cpm.circle((15, 15), 4), at=12)
+    >>> seeds.shape[1], set(seeds[:, 0].tolist())
+    (3, {12.0})
     """
     drawn, sides = real_numbers(points), voxel_sides("spacing", spacing)
     if drawn.ndim != 2 or drawn.shape[1] != 2:
@@ -143,7 +159,13 @@ def in_slice(
 
 
 def everywhere(volume: Image | ArrayLike, spacing: float = 8.0) -> Array:
-    """Particles evenly spread over a volume, at this distance [smallest sides of a voxel]; shape (N, 3) [voxels]."""
+    """Particles evenly spread over a volume, at this distance [smallest sides of a voxel]; shape (N, 3) [voxels].
+
+    Examples
+    --------
+    >>> cpm.everywhere(cpm.example("ball")).shape[1]
+    3
+    """
     volume = _volume(volume)
     pitch = np.array(pitch_of(volume.spacing))
     extent = tuple(int(side) for side in np.ceil((np.array(volume.shape) - 1) * pitch) + 1)
@@ -156,6 +178,12 @@ def on_strong_edges(volume: Image | ArrayLike, fraction: float = STRONG, smoothi
     """Particles on every voxel whose edge strength is above a fraction of the largest; shape (N, 3) [voxels].
 
     `smoothing` is the sigma of the Gaussian before the gradient [smallest sides of a voxel].
+
+    Examples
+    --------
+    >>> seeds = cpm.on_strong_edges(cpm.example("ball"))
+    >>> bool((np.abs(np.linalg.norm(seeds - 15, axis=1) - 9) < 3).all())
+    True
     """
     checked_number("fraction", fraction, lambda share: 0.0 <= share <= 1.0, "from 0 to 1")
     sigma = checked_number("smoothing", smoothing, lambda width: width >= 0.0, "0 or more")

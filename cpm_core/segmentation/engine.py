@@ -42,6 +42,35 @@ class Engine(RunFields):
 
     `ImageFields` describes image, parameters and regions and the errors that they raise. In a volume positions are
     (plane, row, col) in voxels.
+
+    Examples
+    --------
+    >>> engine = cpm.Engine(cpm.example("disk"), cpm.Parameters())
+    >>> state = engine.start(cpm.circle((32, 32), 8))
+    >>> while not state.stop_reason:
+    ...     state = engine.step(state, cpm.Parameters())
+    >>> engine.result(state, cpm.Parameters())
+    <Result disk, 1 contour (1 closed), 82 particles, at rest after 101 steps>
+    >>> engine.forces(state, cpm.Parameters())
+    <Forces on 82 particles>
+    >>> engine.measures(state, cpm.Parameters())["count"] == state.count
+    True
+    >>> engine.energies(state, cpm.Parameters()).kinetic < 1e-3, engine.positions(state).shape == state.position.shape
+    (True, True)
+    >>> engine.joined(state, [(10, 10)]).count - state.count
+    1
+    >>> engine.erased(state, state.position[:, 0] < 32).count < state.count
+    True
+    >>> engine.suits(cpm.Parameters()), engine.scales, engine.steering(cpm.Parameters()) == cpm.Parameters().steering
+    (True, 3, True)
+    >>> edges, force = engine.edge_map(cpm.Parameters()), engine.field(cpm.Parameters())
+    >>> edges.shape, force.shape, engine.potential(cpm.Parameters()).shape
+    ((64, 64), (2, 64, 64), (64, 64))
+    >>> engine.scale_field(cpm.Parameters()).edge_map.shape, engine.reach_map(state.start, cpm.Parameters()) is None
+    ((64, 64), False)
+    >>> half = engine.with_regions(cpm.Regions(interest=[[(0, 0), (63, 0), (63, 31), (0, 31)]]))
+    >>> half.regions
+    <Regions 1 region of interest, 0 barriers>
     """
 
     name: ClassVar[str] = "cpm"

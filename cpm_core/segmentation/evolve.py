@@ -41,7 +41,7 @@ class Evolved(Pictured):
     >>> run = cpm.evolve(cpm.example(), cpm.circle((32, 32), 8))
     >>> first = next(run)
     >>> first
-    <Evolved, step 0, scale 2, 25 particles>
+    <Evolved step 0, scale 2, 25 particles>
     >>> first.step, first.scale, first.count, first.position.shape, first.points.shape
     (0, 2, 25, (25, 2), (25, 2))
     >>> for moment in run:
@@ -150,11 +150,11 @@ class Evolution(Iterator[Evolved]):
     ...     if moment.step == 12:
     ...         run.stop()
     >>> run
-    <Evolution of disk, step 12, stopped, as asked>
+    <Evolution disk, step 12, stopped, as asked>
     >>> run.moment.state.charges[0].strength, len(run.charges), run.parameters.beta
     (1.0, 1, 1.5)
     >>> run.result
-    <Result, disk, 0 contours, 25 particles, stopped, as asked after 12 steps>
+    <Result disk, 1 contour (1 closed), 18 particles, stopped, as asked after 12 steps>
     """
 
     def __init__(
@@ -225,7 +225,7 @@ class Evolution(Iterator[Evolved]):
     def __repr__(self) -> str:
         moment = self._moment
         reason = moment.stop_reason.partition(":")[0]
-        return described(f"Evolution of {self._engine.image.source}", f"step {moment.step}", reason)
+        return described("Evolution", self._engine.image.source, f"step {moment.step}", reason)
 
 
 def evolve(
@@ -259,7 +259,8 @@ def evolve(
     >>> for moment in cpm.evolve(cpm.example(), cpm.circle((32, 32), 8)):
     ...     if moment.step % 100 == 0:
     ...         print(moment.step, moment.count, len(moment.contours))
-    0 25 1
+    0 25 0
+    100 82 1
     """
     if max_steps is not None:
         checked_number(

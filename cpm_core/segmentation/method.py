@@ -86,6 +86,26 @@ class Method(Protocol[S]):
         Whether a run starts from seeds, and responds to charges, regions and further seeds.
     image : Image
         The image.
+
+    Examples
+    --------
+    >>> sorted(cpm.METHODS)
+    ['cpm', 'skeleton']
+    >>> image, parameters = cpm.example("disk"), cpm.Parameters()
+    >>> method = cpm.METHODS["cpm"](image, parameters)
+    >>> method.seeded, method.regions, method.suits(parameters)
+    (True, None, True)
+    >>> state = method.step(method.start(cpm.circle((32, 32), 8)), parameters)
+    >>> method.result(state, parameters).steps
+    1
+    >>> method.measures(state, parameters)["count"] == len(method.positions(state))
+    True
+    >>> method.edge_map(parameters).shape, method.field(parameters).shape, method.potential(parameters).shape
+    ((64, 64), (2, 64, 64), (64, 64))
+    >>> method.with_regions(cpm.Regions(barriers=[[(0, 32), (63, 32)]])).regions
+    <Regions 0 regions of interest, 1 barrier>
+    >>> method.steering(parameters) == parameters.steering
+    True
     """
 
     name: ClassVar[str]

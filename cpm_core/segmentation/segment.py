@@ -55,6 +55,16 @@ def segment(
     ------
     ValueError
         For an unusable image, seeds or parameters; the message says what to do.
+
+    Examples
+    --------
+    >>> result = cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8))
+    >>> result
+    <Result disk, 1 contour (1 closed), 82 particles, at rest after 101 steps>
+    >>> round(result.contours[0].area), result.converged
+    (1251, True)
+    >>> cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8), cpm.Parameters(beta=0.6), max_steps=3).stop_reason
+    'stopped after 3 steps, as asked'
     """
     run = evolve(values, seeds, parameters, max_steps, regions, charges)
     next(run)

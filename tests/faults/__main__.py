@@ -14,6 +14,7 @@ from pathlib import Path
 
 from .disk.disk import failed
 from .fuzzing.parts import PARTS as FUZZING
+from .kills.interruptions import interrupted
 from .kills.kills import killed
 from .report import Budget, Part, Report
 from .reproducible import compared
@@ -31,6 +32,7 @@ PARTS: dict[str, tuple[str, Part]] = {
     "closing": ("closing the window during all that goes on", try_closing),
     "reproducible": ("the same runs on one core, on all, and on narrow vector registers", compared),
     "kills": ("kill -9 at random moments over runs, batches, saves and compilations", killed),
+    "interruptions": ("errors that a signal raises at random moments of a call, as Ctrl+C does", interrupted),
     "disk": ("disks that are full, read-only or faulty, at each operation in turn", failed),
     "workers": ("errors in threads, workers that die, memory that is not enough", broken),
 }

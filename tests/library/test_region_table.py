@@ -138,12 +138,13 @@ def test_a_volume_has_a_label_volume_and_its_table():
 
 def test_objects_in_a_volume_are_measured_in_units_along_each_axis():
     labels = np.zeros((10, 12, 14), int)
-    labels[2:5, 3:8, 1:5], labels[6:8, 9:11, 10:12] = 1, 2
+    labels[2:5, 3:8, 1:5], labels[6:8, 9:11, 10:12] = 1, 3  # an object in between has been taken away
     gray = np.arange(labels.size, dtype=float).reshape(labels.shape)
     table = volume_table(labels, gray, (2.0, 1.0, 0.5), "mm")
     theirs = skimage.measure.regionprops_table(
         labels, gray, ["area", "centroid", "intensity_mean"], spacing=(2.0, 1.0, 0.5)
     )
+    assert table["label"].tolist() == [1, 3]
     assert table["volume"] == pytest.approx(theirs["area"])
     assert table["intensity_mean"] == pytest.approx(theirs["intensity_mean"])
     for axis in range(3):

@@ -8,12 +8,14 @@ package index, and is therefore no part of the ordinary suite.
 from __future__ import annotations
 
 import argparse
+import json
 import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
+from .advisories import known_faults, read
 from .environments import Environment, environment_of
 from .requirements import licenses, under_gpl
 
@@ -36,12 +38,32 @@ def tested(versions: str, arguments: argparse.Namespace) -> bool:
 def audited(_: str, arguments: argparse.Namespace) -> bool:
     """Ask which faults of the newest allowed releases are known; one of which nothing can be learned is a failure."""
     newest = environment_of("newest", arguments.folder, arguments.python)
-    installed = arguments.folder / "installed.txt"
-    installed.write_text(newest.printed("-m", "pip", "freeze", "--exclude", "cpm-particles") + "\n")
+    frozen = newest.printed("-m", "pip", "freeze", "--exclude", "cpm-particles")
+    if arguments.advisories is not None:
+        installed = dict(line.split("==", 1) for line in frozen.splitlines() if "==" in line)
+        faults = known_faults(installed, read(arguments.advisories))
+        print("\n".join(faults or [f"No fault of {len(installed)} distributions is known to {arguments.advisories}."]))
+        return not faults
+    listed = arguments.folder / "installed.txt"
+    listed.write_text(frozen + "\n")
     tool = Environment(arguments.folder / "audit", arguments.python)
     if tool.is_new:
         tool.install("pip-audit")
-    return tool.run("-m", "pip_audit", "--strict", "--no-deps", "--disable-pip", "--requirement", str(installed)) == 0
+    options = ("--strict", "--no-deps", "--disable-pip", "--progress-spinner", "off", "--requirement", str(listed))
+    answer = tool.answered("-m", "pip_audit", *options, "--format", "json")
+    try:
+        asked = json.loads(answer.stdout)["dependencies"]
+    except (ValueError, KeyError, TypeError):
+        reason = (answer.stderr.strip().splitlines() or ["no answer"])[-1]
+        print(
+            f"The advisories cannot be reached: give a file of them with --advisories, in the format of OSV ({reason})."
+        )
+        return False
+    found = [(one["name"], fault["id"]) for one in asked for fault in one.get("vulns", ())]
+    print(
+        "\n".join(f"{name}: {fault}." for name, fault in found) or f"No fault of {len(asked)} distributions is known."
+    )
+    return answer.returncode == 0
 
 
 def licensed(_: str, arguments: argparse.Namespace) -> bool:
@@ -74,6 +96,9 @@ def main() -> int:
         "--folder", type=Path, help="folder in which the environments are made and kept, and found again"
     )
     parser.add_argument("--tests", nargs="+", default=list(TESTS), help="what pytest runs (default: %(default)s)")
+    parser.add_argument(
+        "--advisories", type=Path, help="records of known faults, in the format of OSV, that `audit` uses (JSON or ZIP)"
+    )
     arguments = parser.parse_args()
     unknown = [part for part in arguments.parts if part not in PARTS]
     if unknown:
@@ -84,7 +109,7 @@ def main() -> int:
         for part in arguments.parts or PARTS:
             try:
                 fine = PARTS[part](part, arguments)
-            except subprocess.CalledProcessError as error:
+            except (subprocess.CalledProcessError, ValueError) as error:
                 print(f"{part}: {error}")
                 fine = False
             print(f"{part}: {'passed' if fine else 'FAILED'}", flush=True)

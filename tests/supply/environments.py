@@ -43,6 +43,10 @@ class Environment:
         environment = {**os.environ, "PYTHONPATH": str(ROOT)}
         return subprocess.run([self.python, *arguments], cwd=ROOT, env=environment, check=False).returncode
 
+    def answered(self, *arguments: str) -> subprocess.CompletedProcess[str]:
+        """How Python ended in it, and what it printed."""
+        return subprocess.run([self.python, *arguments], cwd=ROOT, check=False, capture_output=True, text=True)
+
     def printed(self, *arguments: str) -> str:
         """What Python prints in it."""
         done = subprocess.run([self.python, *arguments], cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True)

@@ -22,6 +22,7 @@ from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.medial_axis.outlines import Outlined
 from cpm_core.objects.segmented.segmented_object import Line, SegmentedObjects
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
+from cpm_core.segmentation.methods import Compared
 from cpm_core.shapes import Interest, Points, Shape, Start
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_of, starts_of
 from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds, ImageStart
@@ -87,6 +88,8 @@ class Document:
         The objects that have been selected, and the selection that is being made.
     outlined : Outlined
         What has a skeleton, in the mode of skeletons, in place of what is found in the image.
+    comparison : Compared
+        The methods that are compared with the particles.
     """
 
     image: ImageReference | None = None
@@ -98,6 +101,7 @@ class Document:
     hand_edits: tuple[HandEdit, ...] = ()
     objects: SegmentedObjects = field(default_factory=SegmentedObjects)
     outlined: Outlined = field(default_factory=Outlined)
+    comparison: Compared = field(default_factory=Compared)
 
     @property
     def starts(self) -> tuple[Start, ...]:

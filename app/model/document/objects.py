@@ -97,6 +97,17 @@ def add(document: Document, selections: Iterable[Selection], category: int) -> D
     return _with(document, items=tuple(items))
 
 
+def add_region(document: Document, contours: Iterable[Contour], name: str) -> Document:
+    """The document with one more object, whose boundary is closed contours that something else has found."""
+    closed = [contour for contour in contours if contour.closed]
+    if not closed:
+        raise ValueError(tr("There is no closed contour to keep: wait until the method has found one."))
+    objects = document.objects
+    boundary = tuple(_line(contour.points) for contour in closed)
+    item = SegmentedObject(objects.next_number, (), boundary, name=name, category=objects.category)
+    return _with(document, items=(*objects.items, item))
+
+
 def replace_boundaries(document: Document, found: Iterable[tuple[AnySelection, tuple[Click, ...], int]]) -> Document:
     """The document in which objects have the boundaries of selections, given as in `take`."""
     selecting = document.objects

@@ -19,6 +19,7 @@ _PARTS = (
     (tr("the review of the contours"), ("marks", "learning")),
     (tr("the contours edited by hand"), ("hand_edits",)),
     (tr("the objects"), ("objects",)),
+    (tr("the comparison of methods"), ("comparison",)),
 )
 """Parts of a document, in words, and its attributes."""
 
@@ -40,6 +41,7 @@ def to_file(document: Document, view: View, before: SessionFile | None = None) -
         hand_edits=document.hand_edits,
         objects=document.objects,
         outlined=document.outlined,
+        comparison=document.comparison,
         view=view,
         notes=(),
     )
@@ -76,4 +78,5 @@ def restored(file: SessionFile, image: ImageReference, parameters: Parameters) -
         hand_edits=file.hand_edits,
         objects=file.objects,
         outlined=file.outlined,
+        comparison=file.comparison,
     )

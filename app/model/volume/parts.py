@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 from app.model.text.language import tr
 from cpm_core.formats.images.reading import Reading
-from cpm_core.formats.images.stacks.stack import Stack
+from cpm_core.formats.images.stacks.stack import ONLY_THESE, Stack
 from cpm_core.image.image import MINIMUM_SIDE
 
 _WORDS = {
@@ -38,6 +39,12 @@ class Parts:
         Size of a voxel that the file tells, along (plane, row, col), and its unit; None where it tells none.
     deep : bool
         Whether pages are planes of a volume, as the file tells how far apart they are, or by its kind.
+    planes : int
+        How many of the pages make a volume.
+    doubts : tuple of str
+        What is wrong with the volume that they make, such as missing planes, in the sentences of the core.
+    series_around : Path or None
+        Folder with the slices of a series, of which the file seems to be one.
     """
 
     pages: int
@@ -50,9 +57,12 @@ class Parts:
     deep: bool = False
     spacing: tuple[float, ...] = (1.0, 1.0, 1.0)
     unit: str | None = None
+    planes: int = 0
+    doubts: tuple[str, ...] = ()
+    series_around: Path | None = None
 
     @classmethod
-    def of(cls, stack: Stack, paged: bool) -> Parts:
+    def of(cls, stack: Stack, paged: bool, series_around: Path | None = None) -> Parts:
         """The parts of a stack; of a film the frames are its pages. `paged` is whether its pages are most often images.
 
         What has a time for each frame and several planes has both.
@@ -61,13 +71,16 @@ class Parts:
         pages, times = (stack.times, 1) if film else (planes, stack.times)
         usual = 1 if film else stack.otherwise + 1
         deep = not film and (stack.deep or not paged)
+        first, end = stack.stretch or (0, pages)
+        left_out = (ONLY_THESE,) if stack.stretch is not None and end - first >= MINIMUM_SIDE else ()
         return cls(pages, times, stack.channels, stack.series, stack.number + 1, stack.word, usual, deep,
-                   stack.spacing, stack.unit)  # fmt: skip
+                   stack.spacing, stack.unit, end - first, (*stack.of_volume, *left_out),
+                   series_around if pages == 1 else None)  # fmt: skip
 
     @property
     def fit_a_volume(self) -> bool:
         """Whether there are enough pages for a volume."""
-        return self.pages >= MINIMUM_SIDE
+        return self.planes >= MINIMUM_SIDE
 
     @property
     def several(self) -> bool:

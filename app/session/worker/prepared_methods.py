@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from app.model.document.document import Document
+from app.model.document.document import Document, ImageReference
 from app.model.document.modes import MODES
 from cpm_core.contours.contour import Contour
+from cpm_core.formats.images import resolution
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.medial_axis.skeleton_method import SkeletonMethod
@@ -48,15 +49,25 @@ class PreparedMethods:
         """The method of a document's mode, in its regions, and for the outlines that it has a skeleton of."""
         assert self._image is not None
         name = MODES[document.mode].method
-        method = self._ready.get(name)
-        if method is None or not method.suits(document.parameters):
-            method = self._makers[name](self._image, document.parameters, document.regions)
+        image, method = self._sized(document), self._ready.get(name)
+        if method is None or _size(method.image) != _size(image) or not method.suits(document.parameters):
+            method = self._makers[name](image, document.parameters, document.regions)
         elif method.regions != document.regions:
             method = method.with_regions(document.regions)
-        self.keep(method)
+        if _size(image) == _size(self._image):
+            self.keep(method)
         if isinstance(method, SkeletonMethod) and document.outlines:
             return method.of_outlines([Contour(np.array(line), closed=True) for line in document.outlines])
         return method
+
+    def _sized(self, document: Document) -> Image:
+        """The image with the size of a pixel that it has in a document, whose run may have begun before a change."""
+        image, known = self._image, document.image
+        assert image is not None
+        if known is None or _size(known) == _size(image):
+            return image
+        factor = resolution.factor(image.unit, known.unit) if image.unit and known.unit else 1.0
+        return image.sized(known.spacing, known.unit, factor)
 
     def seeds(self, document: Document) -> Array:
         """Seeds of a run of a document, shape (N, 2) [px]; none if its method needs none."""
@@ -66,7 +77,12 @@ class PreparedMethods:
 
     def image_seeds(self, document: Document) -> ImageSeeds:
         """Seeds of the starts of a document that depend on the image."""
-        if self._seed_cache is None:
+        if self._seed_cache is None or self._image is None:
             return NO_SEEDS
-        seen = document.parameters
-        return self._seed_cache.seeds_for(document.image_starts, seen.smoothing, document.regions, seen.channel)
+        image, seen = self._sized(document), document.parameters
+        cache = self._seed_cache if image is self._image else SeedCache(image)
+        return cache.seeds_for(document.image_starts, seen.smoothing, document.regions, seen.channel)
+
+
+def _size(image: Image | ImageReference) -> tuple[object, ...]:
+    return image.spacing, image.unit

@@ -97,7 +97,9 @@ class Begun:
 
 
 def _beginning(document: Document) -> tuple[object, ...]:
+    image = document.image
     return (
+        None if image is None else (image.spacing, image.unit),
         MODES[document.mode].method,
         document.shapes,
         document.parameters,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import time
 from collections.abc import Mapping, Sequence
@@ -15,7 +14,8 @@ from cpm_core.cli.arguments import add_json, add_parameters, add_session, as_num
 from cpm_core.cli.batch.jobs import Done, Job
 from cpm_core.cli.batch.summary import NAME, Row, Summary, now
 from cpm_core.cli.batch.workers import elsewhere, here
-from cpm_core.cli.terminal import Count, counted, written
+from cpm_core.cli.outcome import print_json
+from cpm_core.cli.terminal import Count, announce_compilation, counted, written
 from cpm_core.formats import READABLE, WRITABLE
 from cpm_core.formats.atomic import write_together
 from cpm_core.formats.fingerprint import fingerprint
@@ -42,7 +42,9 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
         "Apply a session file to each image: its start, regions, charges and parameters. An image that fails is "
         "reported, and the others go on. What the summary in the folder says is done already is not done again."
     )
-    parser.add_argument("images", metavar="IMAGE", nargs="+", help=f"image file ({', '.join(READABLE)})")
+    parser.add_argument(
+        "images", metavar="IMAGE", nargs="+", help=f"image, folder or pattern such as *.tif ({', '.join(READABLE)})"
+    )
     add_session(parser, required=True)
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--workers", metavar="N", type=as_number, help="processes to work in (default: one a core)")
@@ -91,6 +93,7 @@ def _batch(arguments: argparse.Namespace) -> int:
         for number, path in paths.items()
         if number not in known
     ]
+    announce_compilation()
     results = elsewhere(jobs, arguments.scheduler) if arguments.scheduler else here(jobs, workers)
     began, progress = time.perf_counter(), Count(len(jobs))
     try:
@@ -193,7 +196,7 @@ def _report(every: Sequence[Row], output: Path, seconds: float, *, as_json: bool
             for row in every
         ]
         facts = {"images": images, "done": len(every) - failed, "failed": failed, "seconds": round(seconds, 3)}
-        print(json.dumps({**facts, "summary": str(output / NAME)}))
+        print_json("batch", {**facts, "summary": str(output / NAME)})
         return
     for row in every:
         if not row.trouble:

@@ -15,9 +15,8 @@ from typing import Any
 
 from cpm_core.cli.batch.jobs import Done, Job, do
 from cpm_core.formats.interrupts import interrupts_handled
-from cpm_core.numerics import jit_cache
 from cpm_core.numerics.parallel import cores
-from cpm_core.objects.warm_up import warm_up
+from cpm_core.objects.warm_up import is_compiled, warm_up
 
 _LOG = logging.getLogger(__name__)
 
@@ -115,8 +114,7 @@ def _result(future: Any, number: int) -> Done:
 
 def _compile_once() -> None:
     """Compile the loops once if they are not in the cache of this computer, before every process does it."""
-    folder = jit_cache.folder_of_this_package()
-    if folder is not None and not jit_cache.has_loops(folder):
+    if not is_compiled():
         warm_up()
 
 

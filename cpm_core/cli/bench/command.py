@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import time
 from dataclasses import asdict
 
@@ -11,6 +10,7 @@ from cpm_core.cli.arguments import add_json
 from cpm_core.cli.bench.measurement import QUICK, UNHURRIED, Measurement
 from cpm_core.cli.bench.table import machine, measurements
 from cpm_core.cli.compare.report import report_claims
+from cpm_core.cli.outcome import print_json
 from cpm_core.formats import load_image
 
 _WHAT, _TIME, _PEER = 44, 11, 40
@@ -49,7 +49,7 @@ def _bench(arguments: argparse.Namespace) -> None:
     if arguments.json:
         entries = [asdict(row) | {"ratio": row.ratio} for row in rows]
         facts = {"machine": here, "quick": arguments.quick, "seconds": time.perf_counter() - began}
-        print(json.dumps(facts | {"measurements": entries}))
+        print_json("bench", facts | {"measurements": entries})
         return
     for number, row in enumerate(rows):
         if number == 0:  # a bad image has raised an error by now

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from cpm_core.cli.compare.trials import CONCAVITIES, LEAKS, NOISE, STARTS, TOPOLOGY, Trial, trials
 from cpm_core.contours.agreement import agreement
 from cpm_core.parameters import PRESETS
-from cpm_core.segmentation.methods import CONTOUR_METHODS, run_method
+from cpm_core.segmentation.methods import CONTOUR_METHODS, run_method, runnable
 
 OURS = "cpm"
 OURS_SETTINGS = PRESETS["noisy"]
@@ -64,11 +64,12 @@ class Verdict:
 
 
 def scores(
-    methods: Sequence[str] = tuple(CONTOUR_METHODS),
+    methods: Sequence[str] | None = None,
     among: Sequence[Trial] | None = None,
     tell: Callable[[Trial, list[Score]], object] | None = None,
 ) -> list[Score]:
-    """Run methods on trials, by default all on all; `tell` is called after each trial."""
+    """Run methods on trials, by default all that can run on all; `tell` is called after each trial."""
+    methods = runnable() if methods is None else methods
     found: list[Score] = []
     for trial in trials() if among is None else among:
         here = [_score(trial, name) for name in methods]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -12,7 +11,8 @@ import numpy as np
 
 from cpm_core.cli.arguments import add_image, add_json, add_part, add_session, as_number, as_steps, part_of
 from cpm_core.cli.compare.settings import add_settings, chosen_settings
-from cpm_core.cli.terminal import say
+from cpm_core.cli.outcome import print_json
+from cpm_core.cli.terminal import announce_compilation, say
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.formats import load_image
 from cpm_core.formats.animations.comparison import Tile, check_comparison, write_comparison
@@ -23,7 +23,16 @@ from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
-from cpm_core.segmentation.methods import CONTOUR_METHODS, Facts, Start, facts_of, method_named, run_method
+from cpm_core.segmentation.methods import (
+    CONTOUR_METHODS,
+    Compared,
+    Facts,
+    Start,
+    facts_of,
+    method_named,
+    run_method,
+    runnable,
+)
 from cpm_core.shapes import Barrier, Charge, Circle, Region
 from cpm_core.shapes.outlines import outlines_of
 
@@ -59,7 +68,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
         nargs="+",
         action="extend",
         default=[],
-        help=f"which methods ({', '.join(CONTOUR_METHODS)}; default: all)",
+        help=f"which methods ({', '.join(CONTOUR_METHODS)}; default: those of the session, or all)",
     )
     add_settings(methods)
     methods.add_argument("--max-steps", metavar="N", type=as_number, help="stop each after so many steps at most")
@@ -71,7 +80,8 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
         nargs="+",
         action="extend",
         default=[],
-        help="write the table (.csv) or a picture of the methods side by side (.png)",
+        help="write the table (.csv), a picture of the methods side by side (.png), or the contours of each method in "
+        "a format of cpm run (such as .svg, .json, .tif): with several methods a file for each, such as a.gac.svg",
     )
     add_json(outcome)
 
@@ -81,36 +91,46 @@ def _compare(arguments: argparse.Namespace) -> None:
     session = load_session(Path(arguments.session)) if arguments.session else SessionFile()
     if arguments.image is None and session.image is None:
         raise ValueError("No IMAGE is given: name one, or with --session FILE a session that has one.")
-    names = list(dict.fromkeys(arguments.methods)) or list(CONTOUR_METHODS)
-    for name in names:
-        method_named(name)
-    settings = chosen_settings(arguments, names, session.parameters if arguments.session else Parameters())
+    compared = Compared(()) if session.comparison == Compared() else session.comparison
+    named = arguments.methods or [name for name in compared.methods if name]
+    names = _methods(named)
+    settings = chosen_settings(arguments, names, session.parameters if arguments.session else Parameters(), compared)
     max_steps = as_steps(arguments.max_steps)
     start = _start(arguments, session)
     if any(isinstance(shape, Region | Barrier | Charge) for shape in session.shapes):
         say("cpm: regions, barriers and charges of the session are left out: the other methods have none.")
     for path in arguments.export:
-        check_comparison(path)
+        check_comparison(path, names)
     image = _image(arguments, session)
     truth = None if arguments.truth is None else load_truth(arguments.truth, image.shape)
+    for missing in [] if named else [method.missing for method in CONTOUR_METHODS.values() if method.missing]:
+        say(f"cpm: {missing}")
+    announce_compilation()
     tiles = []
     for name in names:
         moment = run_method(CONTOUR_METHODS[name], image, start, settings[name], max_steps)
-        tiles.append(Tile(moment.state.contours, facts_of(moment, truth)))
+        tiles.append(Tile(moment.state.contours, facts_of(moment, truth), settings[name]))
         if not arguments.json:
             _tell(tiles[-1].facts, truth, first=len(tiles) == 1)
-    write_comparison(image, start, tiles, arguments.export)
-    _end(arguments, image, start, [tile.facts for tile in tiles], truth)
-
-
-def _end(arguments: argparse.Namespace, image: Image, start: Start, rows: Sequence[Facts], truth: Truth | None) -> None:
+    written = write_comparison(image, start, tiles, arguments.export, lambda said: say(f"cpm: {said}"))
     if arguments.json:
-        given = {"image": image.source, "around": start.around, "truth": None if truth is None else truth.source}
-        plain = [{name: _finite(value) for name, value in asdict(row).items()} for row in rows]
-        print(json.dumps({**given, "methods": plain}))
+        _print_json(image, start, [tile.facts for tile in tiles], truth)
         return
-    for path in arguments.export:
+    for path in written:
         print(printable(f"Wrote {path}"))
+
+
+def _methods(named: Sequence[str]) -> list[str]:
+    """The methods that are named, or all that can run."""
+    for name in named:
+        method_named(name).check()
+    return list(dict.fromkeys(named or runnable()))
+
+
+def _print_json(image: Image, start: Start, rows: Sequence[Facts], truth: Truth | None) -> None:
+    given = {"image": image.source, "around": start.around, "truth": None if truth is None else truth.source}
+    plain = [{name: _finite(value) for name, value in asdict(row).items()} for row in rows]
+    print_json("compare", {**given, "methods": plain})
 
 
 def _finite(value: object) -> object:
@@ -159,7 +179,7 @@ def _start(arguments: argparse.Namespace, session: SessionFile) -> Start:
             "No start is given: add --circle ROW,COL,RADIUS or --polygon ROW,COL,ROW,COL,..., or a session with a "
             "circle, an ellipse or a polygon."
         )
-    return Start((*outlines, *drawn), around=arguments.around)
+    return Start((*outlines, *drawn), around=arguments.around or session.comparison.around)
 
 
 def _circle(text: str) -> Array:

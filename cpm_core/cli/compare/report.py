@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import asdict
 
 from cpm_core.cli.compare.claims import GOOD, TIME, Score, Verdict, scores, verdicts
 from cpm_core.cli.compare.trials import Trial
+from cpm_core.cli.outcome import print_json
 from cpm_core.objects.warm_up import warm_up
-from cpm_core.segmentation.methods import CONTOUR_METHODS
+from cpm_core.segmentation.methods import CONTOUR_METHODS, runnable
 
 SEARCHED = (
     "Settings: those of the charged particles are the publication's, with the smoothing chosen by the noise. Those of "
@@ -28,6 +28,7 @@ _SHORT = {
     "morph_gac": "m-gac",
     "morph_chan_vese": "m-c-v",
     "random_walker": "walker",
+    "grab_cut": "g-cut",
 }
 
 
@@ -37,13 +38,14 @@ def report_claims(*, as_json: bool) -> None:
     if as_json:
         found = scores()
         plain = {"scores": [asdict(one) for one in found], "claims": [asdict(one) for one in verdicts(found)]}
-        print(json.dumps({**plain, "good": GOOD, "settings": SEARCHED}))
+        print_json("bench", {**plain, "good": GOOD, "settings": SEARCHED})
         return
     print(SEARCHED)
-    print(
-        f"F of the boundaries up to 2 px; {', '.join(f'{_short(name)}: {_title(name)}' for name in CONTOUR_METHODS)}."
-    )
-    print(_row("", [_short(name) for name in CONTOUR_METHODS]))
+    for method in CONTOUR_METHODS.values():
+        if method.missing:
+            print(f"Left out: {method.missing}")
+    print(f"F of the boundaries up to 2 px; {', '.join(f'{_short(name)}: {_title(name)}' for name in runnable())}.")
+    print(_row("", [_short(name) for name in runnable()]))
     found = scores(tell=_tell)
     for verdict in verdicts(found):
         print()

@@ -10,7 +10,7 @@ from typing import Any
 from cpm_core.cli.arguments import as_number
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.quotation import shown
-from cpm_core.segmentation.methods import CONTOUR_METHODS, Settings
+from cpm_core.segmentation.methods import CONTOUR_METHODS, Compared, Settings
 
 _OURS = "cpm"
 
@@ -30,8 +30,10 @@ def add_settings(parser: argparse._ActionsContainer) -> None:
     parser.add_argument("--preset", choices=tuple(PRESETS), help="named settings of the charged particles")
 
 
-def chosen_settings(arguments: argparse.Namespace, methods: Sequence[str], ours: Parameters) -> dict[str, Any]:
-    """The settings of each of some methods: its defaults, `ours` for the particles, and what was set.
+def chosen_settings(
+    arguments: argparse.Namespace, methods: Sequence[str], ours: Parameters, compared: Compared
+) -> dict[str, Any]:
+    """The settings of each of some methods: those of a comparison, `ours` for the particles, and what was set.
 
     Raises
     ------
@@ -39,7 +41,7 @@ def chosen_settings(arguments: argparse.Namespace, methods: Sequence[str], ours:
         When a setting is of another form, of a method that is not compared, unknown, or out of its range.
     """
     base = PRESETS[arguments.preset] if arguments.preset else ours
-    found: dict[str, Any] = {name: base if name == _OURS else CONTOUR_METHODS[name].settings() for name in methods}
+    found: dict[str, Any] = {name: base if name == _OURS else compared.settings_of(name) for name in methods}
     changes: dict[str, dict[str, Any]] = {}
     for text in arguments.set:
         place, equals, value = text.partition("=")

@@ -126,6 +126,14 @@ def measure(
     ------
     ValueError
         When the spacing is not two positive numbers.
+
+    Examples
+    --------
+    >>> result = cpm.segment(cpm.example("ring"), cpm.uniform_grid((64, 64)))
+    >>> for row in cpm.measure(result.contours, result.spacing):
+    ...     print(row.number, row.label, row.inside, round(row.area), round(row.net_area))
+    1 1 0 1804 1495
+    2 2 1 309 309
     """
     _check_spacing(spacing)
     around = containment(contours)
@@ -199,6 +207,12 @@ def containment(contours: Sequence[Contour]) -> tuple[int | None, ...]:
     -------
     tuple of (int or None)
         For each contour the index of the one around it; None when there is none.
+
+    Examples
+    --------
+    >>> result = cpm.segment(cpm.example("ring"), cpm.uniform_grid((64, 64)))
+    >>> cpm.containment(result.contours)  # the second lies in the first
+    (None, 0)
     """
     count = len(contours)
     if not count:

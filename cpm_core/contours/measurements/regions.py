@@ -76,8 +76,8 @@ def region_table(
 def volume_table(labels: NDArray[np.integer], gray: Array | None, spacing: Sequence[float], unit: str | None) -> Table:
     """Table of the objects of a label volume, shape (P, R, C), from the voxels inside; lengths are in `unit`."""
     sides = np.array(spacing, dtype=float)
-    numbers = np.arange(1, int(labels.max(initial=0)) + 1)
-    counts = np.bincount(labels.ravel(), minlength=len(numbers) + 1)[1:]
+    numbers = np.unique(labels[labels > 0]).astype(np.int64)
+    counts = np.bincount(labels.ravel())[numbers]
     columns: dict[str, Column] = {"label": numbers, "volume": counts * float(np.prod(sides))}
     columns["equivalent_diameter"] = np.cbrt(6.0 * columns["volume"] / np.pi)
     centers = np.array(scipy.ndimage.center_of_mass(labels > 0, labels, numbers)).reshape(-1, 3)
@@ -168,7 +168,7 @@ def _gray_columns(numbers: Index, labels: NDArray[np.integer], gray: Array | Non
         return {}
     inside = labels > 0
     found, levels = labels[inside].astype(np.int64), gray[inside]
-    count = np.bincount(found, minlength=len(numbers) + 1).astype(float)
+    count = np.bincount(found, minlength=int(numbers.max(initial=0)) + 1).astype(float)
     count[count == 0.0] = np.nan
     mean = np.bincount(found, levels, minlength=len(count)) / count
     spread = np.sqrt(np.bincount(found, (levels - mean[found]) ** 2, minlength=len(count)) / count)

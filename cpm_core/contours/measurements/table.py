@@ -36,9 +36,9 @@ class Table(dict[str, Column]):
     --------
     >>> table = cpm.segment(cpm.example("disks"), cpm.uniform_grid((64, 64))).table()
     >>> table
-    <Table, 2 rows, label, name, area, area_filled, area_convex, perimeter, centroid-0, centroid-1, bo…>
+    <Table 2 rows, label, name, area, area_filled, area_convex, perimeter, centroid-0, centroid-1, box…>
     >>> [round(float(area)) for area in table["area"]], table.units["area"]
-    ([312, 312], 'px²')
+    ([309, 309], 'px²')
     """
 
     def __init__(self, columns: Mapping[str, Column], units: Mapping[str, str]) -> None:

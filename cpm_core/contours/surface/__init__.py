@@ -43,6 +43,20 @@ class Surface:
         The surface that this one has fewer triangles than; None for one with all its triangles.
     numbers : ndarray of int64, shape (F,), or None
         Number, from 1 up, of the object that each triangle bounds; None where objects have none of their own.
+
+    Examples
+    --------
+    >>> result = cpm.segment(cpm.example("ball"), cpm.sphere((15, 15, 15), 4, 60), cpm.PRESETS["volume"])
+    >>> surface = result.surface
+    >>> surface.closed, surface.components, surface.euler, surface.free_edges, surface.nonmanifold_edges
+    (True, 1, 2, 0, 0)
+    >>> round(surface.volume / (4 / 3 * np.pi * 9**3), 2), round(surface.area / (4 * np.pi * 9**2), 1)
+    (1.0, 1.0)
+    >>> surface.normals.shape == surface.vertices.shape, int(surface.component_of_vertex.max())
+    (True, 0)
+    >>> len(surface.decimated(1000).faces) <= 1000
+    True
+    >>> axes = surface.plot()
     """
 
     vertices: NDArray[np.float64]

@@ -41,6 +41,12 @@ class Energies:
         Sum of ``v^2 / 2``.
     potential : float
         In the field of the fixed and placed charges, and of pairs of near particles.
+
+    Examples
+    --------
+    >>> engine = cpm.Engine(cpm.example("disk"))
+    >>> engine.energies(engine.start(cpm.circle((32, 32), 8)), cpm.Parameters()).kinetic
+    0.0
     """
 
     kinetic: float

@@ -24,6 +24,13 @@ class Forces:
         What holds a slow particle, or one at rest, on its edge: it cancels the part of the other forces along the edge.
     damping : ndarray
         ``-beta v``, with a larger beta for particles that are brought to rest; zero for those that a step skips.
+
+    Examples
+    --------
+    >>> engine = cpm.Engine(cpm.example("disk"))
+    >>> forces = engine.forces(engine.start(cpm.circle((32, 32), 8)), cpm.Parameters())
+    >>> forces.coulomb.shape, bool(np.allclose(forces.total, forces.coulomb + forces.lorentz + forces.placed))
+    ((25, 2), True)
     """
 
     coulomb: Array

@@ -25,6 +25,13 @@ _Key = tuple[int, float | str, float | str, float, float, str]
 _EDGES = 4
 """Entries of a key that the edges depend on."""
 
+LONGEST = 10.0
+"""Side that a voxel has at most for particles, in units of the smallest one.
+
+Particles are about two units apart. Along a longer side they would stand closer than the voxels can tell them apart,
+and be so many that a run takes minutes. Measures of the surface count the side as long as it is.
+"""
+
 _KEPT_SETTINGS = 1
 """Settings whose fields are kept: those of a volume take much memory."""
 
@@ -100,9 +107,9 @@ def _interest(regions: VolumeRegions | None) -> tuple[object, ...]:
 
 
 def pitch_of(spacing: tuple[float, ...]) -> Vector:
-    """Sides of the voxels of a volume, in units of the smallest one."""
+    """Sides of the voxels of a volume for particles, in units of the smallest one: no more than `LONGEST`."""
     least = min(spacing)
-    plane, row, col = (side / least for side in spacing)
+    plane, row, col = (min(side / least, LONGEST) for side in spacing)
     return plane, row, col
 
 

@@ -96,6 +96,12 @@ def write_animation(
     ------
     ValueError
         When `check_animation` does, or there are no frames, or they are not such arrays.
+
+    Examples
+    --------
+    >>> frames = [np.full((32, 32, 3), 16 * k, np.uint8) for k in range(8)]
+    >>> cpm.write_animation(frames, "run.gif", frames_per_second=4)
+    True
     """
     check_animation(path)
     _check_speed(frames_per_second)

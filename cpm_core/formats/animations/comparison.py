@@ -1,13 +1,15 @@
-"""Comparisons of methods as files: a table, and a picture with the methods side by side."""
+"""Comparisons of methods as files: a table, a picture with the methods side by side, and the contours of each."""
 
 from __future__ import annotations
 
 import csv
 import io
+import logging
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import PIL.Image
@@ -15,16 +17,19 @@ import PIL.ImageDraw
 import PIL.PngImagePlugin
 
 from cpm_core.contours.contour import Contour
+from cpm_core.contours.result import Result
 from cpm_core.formats.animations.snapshot_strip import strip
 from cpm_core.formats.atomic import check_place, write_together
 from cpm_core.formats.printable import cell
+from cpm_core.formats.writers import WRITABLE, check_export, encoded, omission, suffix_of
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array, Pixels
-from cpm_core.parameters.quotation import shown
-from cpm_core.segmentation.methods import CONTOUR_METHODS, Facts, Start
+from cpm_core.segmentation.methods import CONTOUR_METHODS, Facts, Start, result_of
 
-SUFFIXES = (".csv", ".png")
-"""What is written: the table, and the picture."""
+_LOG = logging.getLogger(__name__)
+
+TABLE, PICTURE = ".csv", ".png"
+"""Suffixes of what is written of all methods together; with others, the contours of each method are."""
 
 _START, _CLOSED, _OPEN, _HALO = "#f0e442", "#56b4e9", "#ff9d1e", "#101216"
 """Colors of the start, of closed and of open contours, and around them."""
@@ -41,10 +46,11 @@ _LETTERS = 13.0
 
 @dataclass(frozen=True, eq=False)
 class Tile:
-    """One method on the picture: its contours, and the facts of its run."""
+    """What one method has found: its contours, and the facts of its run, which had these settings."""
 
     contours: Sequence[Contour]
     facts: Facts
+    settings: Any
 
 
 def table(rows: Sequence[Facts]) -> bytes:
@@ -76,37 +82,94 @@ def caption(facts: Facts) -> str:
 
 
 def write_comparison(
-    image: Image, start: Start, tiles: Sequence[Tile], paths: Sequence[str | os.PathLike[str]]
-) -> None:
-    """Write table and picture, by the suffix of each path; all files or none.
+    image: Image,
+    start: Start,
+    tiles: Sequence[Tile],
+    paths: Sequence[str | os.PathLike[str]],
+    tell: Callable[[str], object] = _LOG.warning,
+) -> tuple[Path, ...]:
+    """Write table, picture and contours, by the suffix of each path; all files or none.
+
+    Parameters
+    ----------
+    image : Image
+        The image.
+    start : Start
+        What all methods began from.
+    tiles : sequence of Tile
+        What each method has found.
+    paths : sequence of path-like
+        A table, ``.csv``; a picture, ``.png``; or contours in a format of `cpm_core.formats.writers`: a file for each
+        method, whose name is put before the suffix where there are several.
+    tell : callable, optional
+        Called with a sentence for each file that leaves contours out, or is not written as it would hold none.
+
+    Returns
+    -------
+    tuple of Path
+        The files that have been written.
 
     Raises
     ------
     ValueError
-        When a path has another suffix or cannot be written.
+        When a suffix is not known, or a file cannot be written there.
     """
     contents = []
+    names = [tile.facts.method for tile in tiles]
     for path in map(Path, paths):
-        check_comparison(path)
-        if path.suffix.lower() == ".csv":
+        check_comparison(path, names)
+        suffix = suffix_of(path)
+        if suffix == TABLE:
             contents.append((path, table([tile.facts for tile in tiles])))
+        elif suffix == PICTURE:
+            contents.append((path, _picture_file(image, start, tiles)))
         else:
-            stream, texts = io.BytesIO(), PIL.PngImagePlugin.PngInfo()
-            texts.add_text("Description", ", ".join(tile.facts.method for tile in tiles))
-            PIL.Image.fromarray(picture(image, start, tiles)).save(stream, format="PNG", pnginfo=texts)
-            contents.append((path, stream.getvalue()))
+            results = [result_of(tile.facts, tile.contours, image, start, tile.settings) for tile in tiles]
+            contents += _contour_files(zip(files_of(path, names), results, strict=True), suffix, tell)
     write_together(contents)
+    return tuple(file for file, _ in contents)
 
 
-def check_comparison(path: str | os.PathLike[str]) -> None:
+def files_of(path: Path, methods: Sequence[str]) -> list[Path]:
+    """The files that contours of methods are written to: the path itself for one, else one with each name."""
+    if len(methods) < 2 or suffix_of(path) in (TABLE, PICTURE):
+        return [path]
+    suffix = path.name[len(path.name) - len(suffix_of(path)) :]
+    stem = path.name.removesuffix(suffix)
+    return [path.with_name(f"{stem}.{method}{suffix}") for method in methods]
+
+
+def check_comparison(path: str | os.PathLike[str], methods: Sequence[str] = ()) -> None:
     """Check in advance whether `write_comparison` could write to a path; ValueError if not."""
     file = Path(path)
-    if file.suffix.lower() not in SUFFIXES:
+    check_export(file)
+    if suffix_of(file) not in WRITABLE:
         raise ValueError(
-            f"{file.name} ends in {shown(file.suffix)}, but a comparison is written as a table, .csv, or as a picture, "
-            ".png."
+            f"{file.name} would be a file of a surface or of center lines, but a comparison is one of contours: choose "
+            f"one of {', '.join(WRITABLE)}."
         )
-    check_place(file)
+    for each in files_of(file, methods):
+        check_place(each)
+
+
+def _contour_files(
+    wanted: Iterable[tuple[Path, Result]], suffix: str, tell: Callable[[str], object]
+) -> Iterator[tuple[Path, bytes]]:
+    """The files of some results with their contents, without those that would hold nothing."""
+    for file, result in wanted:
+        if missing := omission(result, suffix):
+            tell(f"{file}: {missing}")
+        try:
+            yield file, encoded(result, suffix)
+        except ValueError as error:
+            tell(f"{file} was not written: {error}")
+
+
+def _picture_file(image: Image, start: Start, tiles: Sequence[Tile]) -> bytes:
+    stream, texts = io.BytesIO(), PIL.PngImagePlugin.PngInfo()
+    texts.add_text("Description", ", ".join(tile.facts.method for tile in tiles))
+    PIL.Image.fromarray(picture(image, start, tiles)).save(stream, format="PNG", pnginfo=texts)
+    return stream.getvalue()
 
 
 def _drawn(image: Image, layers: Sequence[tuple[Sequence[Contour], str]]) -> Pixels:

@@ -76,6 +76,12 @@ def strip(
     ------
     ValueError
         When there is no frame, frames differ in size or are not such arrays, or the number of captions differs.
+
+    Examples
+    --------
+    >>> frames = [np.full((32, 32, 3), 60 * k, np.uint8) for k in range(4)]
+    >>> cpm.strip(frames, ["start", "step 5", "step 10", "at rest"], columns=2).ndim
+    3
     """
     most, gap = _checked(frames, captions, columns, gap, text_size)
     height, width = frames[0].shape[:2]

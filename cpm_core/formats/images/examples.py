@@ -22,8 +22,8 @@ def example(name: str = "disk") -> Image:
     Parameters
     ----------
     name : {"disk", "ring", "disks", "gap", "colors", "ball"}
-        What is drawn, each with smooth edges: a disk of radius 20 around (32, 32), a ring of radii 10 and 24 there, two
-        disks of radius 10 around (32, 18) and (32, 46), a disk whose edge fades out on one side, a red disk on a green
+        What is drawn, with smooth edges: a disk of radius 20 around (32, 32), a ring of radii 10 and 24 there, two
+        disks of radius 10 around (32, 18) and (32, 46), a disk with fog over its right edge, a red disk on a green
         ground; and a volume with a ball of radius 9 around (15, 15, 15).
 
     Returns
@@ -75,10 +75,9 @@ def _disks() -> Array:
 
 
 def _gap() -> Array:
-    """A disk beside whose right edge the ground is as bright as itself."""
-    row, col = np.indices((64, 64))
-    ground = np.clip((col - 44.0) / 4.0, 0.0, 1.0) * np.clip((6.5 - np.abs(row - 32.0)) / 2.0, 0.0, 1.0)
-    return np.asarray(np.maximum(_disk(), _BRIGHT * ground))
+    """A disk with fog over its right edge."""
+    fog = np.exp(-0.5 * (_around(32, 52) / 6.0) ** 2)
+    return _disk() * (1.0 - fog) + 0.5 * _BRIGHT * fog
 
 
 def _colors() -> NDArray[np.uint8]:

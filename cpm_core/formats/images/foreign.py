@@ -52,7 +52,7 @@ def _refusal(path: Path) -> UnreadableError:
     with path.open("rb") as stream:
         kind = _kind(stream.read(512))
     return UnreadableError(
-        f"{path.name} is {kind}, and CPM does not read those: save the plane that you want as TIFF or PNG, "
+        f"{path.name} is {kind}, and CPM does not read those: save the image or volume that you want as TIFF, "
         "with the program that made it."
     )
 
@@ -66,4 +66,4 @@ def _kind(head: bytes) -> str | None:
         except zlib.error:
             return None
     found = (kind for place, forms, kind in _SIGNATURES if head.startswith(forms, place))
-    return next(found, "a file packed with gzip" if packed else None)
+    return next(found, "a packed file (gzip) of no known kind" if packed else None)

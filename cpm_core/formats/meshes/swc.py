@@ -18,7 +18,14 @@ _UNDEFINED = 0
 
 
 def write_swc(lines: Centerlines, path: str | os.PathLike[str], geometry: Geometry | None = None) -> None:
-    """Write center lines as an SWC file; see `encode`. ValueError when it cannot be written there."""
+    """Write center lines as an SWC file; see `encode`. ValueError when it cannot be written there.
+
+    Examples
+    --------
+    >>> inside = np.zeros((12, 12, 40), bool)
+    >>> inside[4:9, 4:9, 4:36] = True
+    >>> cpm.write_swc(cpm.centerlines(inside, unit="mm"), "rod.swc")
+    """
     check_place(Path(path))
     write_together([(Path(path), encode(lines, geometry))])
 

@@ -1,4 +1,4 @@
-"""What a session file holds beside the document, which is of use without it: recorded runs and the ground truth."""
+"""What a session file holds beside the drawing and is of use without: runs, pages, ground truth, comparison."""
 
 from __future__ import annotations
 
@@ -6,9 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from cpm_core.formats.sessions.compared_methods import compared_from_plain
 from cpm_core.formats.sessions.plain_values import from_plain
 from cpm_core.formats.sessions.session_json import Plain
 from cpm_core.parameters.quotation import shown
+from cpm_core.segmentation.methods import Compared
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,8 +43,8 @@ def place_to_plain(place: str, folder: Path) -> dict[str, Any]:
     return {"path": place}
 
 
-def beside_document(plain: Plain) -> tuple[Plain, Plain, TruthFile | None, tuple[str, ...]]:
-    """Runs, pages and ground truth, and sentences on what is wrong with them: the document is of use without them."""
+def beside_document(plain: Plain) -> tuple[Plain, Plain, TruthFile | None, Compared, tuple[str, ...]]:
+    """Runs, pages, ground truth and comparison, and sentences on what is wrong: the rest is of use without them."""
     faults: list[str] = []
     runs = _named(plain, "runs", "recorded runs", faults)
     pages = _named(plain, "pages", "other pages of the stack", faults)
@@ -54,7 +56,8 @@ def beside_document(plain: Plain) -> tuple[Plain, Plain, TruthFile | None, tuple
     except ValueError as error:
         truth = None
         faults.append(f"The ground truth was left out: {error}")
-    return runs, pages, truth, tuple(faults)
+    comparison = compared_from_plain(plain["comparison"], faults) if "comparison" in plain else Compared()
+    return runs, pages, truth, comparison, tuple(faults)
 
 
 def _named(plain: Plain, name: str, words: str, faults: list[str]) -> Plain:

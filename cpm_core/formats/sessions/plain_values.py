@@ -108,6 +108,13 @@ def number(value: object, where: str, largest: float = LARGEST) -> float:
     raise ValueError(f"{where} is {shown(value)} but must be a number from {-largest:g} to {largest:g}.")
 
 
+def true_or_false(value: object, where: str) -> bool:
+    """A truth value, else ValueError."""
+    if not isinstance(value, bool):
+        raise ValueError(f"{where} is {shown(value)} but must be true or false.")
+    return value
+
+
 def _value(hint: Any, plain: object, where: str) -> Any:
     origin = get_origin(hint)
     if origin is Annotated:

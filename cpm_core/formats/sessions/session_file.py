@@ -20,6 +20,7 @@ from cpm_core.formats.fingerprint import fingerprint_if_read
 from cpm_core.formats.images.reading import DEFAULT, Reading
 from cpm_core.formats.provenance import PROGRAM
 from cpm_core.formats.sessions.beside_document import TruthFile, beside_document, place_to_plain
+from cpm_core.formats.sessions.compared_methods import compared_to_plain
 from cpm_core.formats.sessions.plain_values import (
     from_plain,
     mapping,
@@ -28,12 +29,14 @@ from cpm_core.formats.sessions.plain_values import (
     shape_from_plain,
     shape_to_plain,
     to_plain,
+    true_or_false,
 )
 from cpm_core.formats.sessions.session_json import MARK, VERSION, Plain, parsed, text_of
 from cpm_core.medial_axis.outlines import Outlined
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
+from cpm_core.segmentation.methods import Compared
 from cpm_core.shapes import Shape
 
 SUFFIX = ".cpm"
@@ -41,7 +44,7 @@ SUFFIX = ".cpm"
 
 _KNOWN = (
     *(MARK, "program", "image", "shapes", "parameters", "marks", "learning", "mode"),
-    *("objects", "outlined", "view", "hand_edits", "runs", "truth", "pages"),
+    *("objects", "outlined", "view", "hand_edits", "runs", "truth", "pages", "comparison"),
 )
 _LARGEST = 64 * 2**20
 _LARGEST_SIDE = 10**6
@@ -108,6 +111,8 @@ class SessionFile:
         The ground truth that contours are compared with.
     pages : mapping
         The other pages of a stack, as plain JSON of the window; without effect on a run.
+    comparison : Compared
+        The methods that are compared.
     """
 
     image: ImageFile | None = None
@@ -125,6 +130,7 @@ class SessionFile:
     runs: Plain = field(default_factory=dict)
     truth: TruthFile | None = None
     pages: Plain = field(default_factory=dict)
+    comparison: Compared = field(default_factory=Compared)
 
 
 def save_session(session: SessionFile, path: Path) -> None:
@@ -166,6 +172,8 @@ def encode(session: SessionFile, folder: Path) -> bytes:
         plain["learning"] = True
     if session.hand_edits:
         plain["hand_edits"] = [to_plain(edit) for edit in session.hand_edits]
+    if session.comparison != Compared():
+        plain["comparison"] = compared_to_plain(session.comparison)
     plain["mode"] = session.mode
     plain |= {"objects": to_plain(session.objects), "outlined": to_plain(session.outlined), "view": dict(session.view)}
     if session.truth is not None:
@@ -215,14 +223,14 @@ def decode(content: bytes, name: str) -> SessionFile:
     plain = parsed(content, name)
     try:
         parameters, unknown = parameters_from_plain(plain.get("parameters", {}))
-        runs, pages, truth, faults = beside_document(plain)
+        runs, pages, truth, comparison, faults = beside_document(plain)
         left_out = f"Parameters that are not known here were left out: {shown(', '.join(unknown))}."
         return SessionFile(
             image=_image(plain["image"]) if plain.get("image") is not None else None,
             shapes=tuple(shape_from_plain(shape, f"shape {index}") for index, shape in _listed(plain, "shapes")),
             parameters=parameters,
             marks=tuple(_mark(mark, f"mark {index}") for index, mark in _listed(plain, "marks")),
-            learning=_truth_of(plain.get("learning", False), "learning"),
+            learning=true_or_false(plain.get("learning", False), "learning"),
             mode=_text_of(plain.get("mode", ""), "mode"),
             objects=from_plain(SegmentedObjects, plain.get("objects", {}), "objects"),
             outlined=from_plain(Outlined, plain.get("outlined", {}), "outlined"),
@@ -232,6 +240,7 @@ def decode(content: bytes, name: str) -> SessionFile:
             runs=runs,
             truth=truth,
             pages=pages,
+            comparison=comparison,
             hand_edits=tuple(
                 from_plain(HandEdit, edit, f"edit {index} by hand") for index, edit in _listed(plain, "hand_edits")
             ),
@@ -327,12 +336,6 @@ def _listed(plain: Plain, name: str) -> list[tuple[int, object]]:
 def _text_of(value: object, where: str) -> str:
     if not isinstance(value, str):
         raise ValueError(f"{where} is {shown(value)} but must be text.")
-    return value
-
-
-def _truth_of(value: object, where: str) -> bool:
-    if not isinstance(value, bool):
-        raise ValueError(f"{where} is {shown(value)} but must be true or false.")
     return value
 
 

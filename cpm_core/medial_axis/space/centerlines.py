@@ -90,6 +90,14 @@ class Centerlines:
         Where the volume lies in space.
     provenance : Provenance
         How they were found.
+
+    Examples
+    --------
+    >>> inside = np.zeros((12, 12, 40), bool)
+    >>> inside[4:9, 4:9, 4:36] = True
+    >>> lines = cpm.centerlines(inside)
+    >>> len(lines.contours), len(lines.radii[0]) == len(lines.contours[0].points), lines.lengths.shape
+    (1, True, (1,))
     """
 
     branches: tuple[Branch, ...]
@@ -151,6 +159,14 @@ def centerlines(
     ------
     ValueError
         When `inside` is no volume, or `spacing` is not three positive numbers.
+
+    Examples
+    --------
+    >>> inside = np.zeros((12, 12, 40), bool)
+    >>> inside[4:9, 4:9, 4:36] = True
+    >>> lines = cpm.centerlines(inside, spacing=(1.0, 1.0, 0.5), unit="mm")
+    >>> len(lines.branches), round(float(lines.lengths.sum())) in range(11, 17)
+    (1, True)
     """
     mask = inside if isinstance(inside, np.ndarray) and inside.dtype == np.bool_ else real_numbers(inside) != 0
     if mask.ndim != 3:

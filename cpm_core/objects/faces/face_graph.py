@@ -145,7 +145,7 @@ def _graph_in(
     rows, cols = labels.shape
     _measure(face, np.ascontiguousarray(values[window]), window[0].start, window[1].start, rows, cols, sums)
     area, gray, squares, down, right, on_border = sums
-    pairs, found = _borders(_links(face, edge, on_line, on_barrier), count)
+    pairs, found = _borders(face, edge, on_line, on_barrier, count)
     low, high = pairs.T
     number, strengths, along, barred, corners = found.T
     length = _SIDE * number + _CORNER * corners
@@ -231,8 +231,9 @@ def _links(labels: Labels, strength: Array, lines: _Pair, barriers: _Pair) -> _L
 
 
 @compiled
-def _borders(links: _Links, count: int) -> tuple[Index, Array]:
+def _borders(labels: Labels, strength: Array, lines: _Pair, barriers: _Pair, count: int) -> tuple[Index, Array]:
     """Pairs of neighbors, and of each: sides, sum of strength, sides on lines, on barriers, and corners."""
+    links = _links(labels, strength, lines, barriers)
     begin = np.zeros(count + 2, np.int64)
     for low in links.low:
         begin[low + 2] += 1

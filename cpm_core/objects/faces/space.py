@@ -42,6 +42,15 @@ class VolumePartition:
         The volume.
     surface : Surface
         The surfaces along which it is cut, all in one.
+
+    Examples
+    --------
+    >>> result = cpm.segment(cpm.example("ball"), cpm.sphere((15, 15, 15), 4, 60), cpm.PRESETS["volume"])
+    >>> bodies = cpm.partition(result)
+    >>> bodies.bodies_at(np.array([(15.0, 15.0, 15.0)])).tolist(), bodies.boundary_of(np.array([1])).closed
+    ([1], True)
+    >>> bodies.shape, int(bodies.labels.max()), bodies.select([(15, 15, 15)]).remark
+    ((31, 31, 31), 1, '')
     """
 
     image: Image
@@ -174,6 +183,21 @@ class VolumeSelection:
         The places that have been said to be inside and outside [voxels].
     remark : str
         One sentence on what was unusual about the places, or empty.
+
+    Examples
+    --------
+    >>> result = cpm.segment(cpm.example("ball"), cpm.sphere((15, 15, 15), 4, 60), cpm.PRESETS["volume"])
+    >>> chosen = cpm.partition(result).select([(15, 15, 15)])
+    >>> chosen
+    <VolumeSelection ball, 1 body>
+    >>> round(chosen.volume / result.surface.volume, 3), round(chosen.area / result.surface.area, 3)
+    (1.0, 1.0)
+    >>> chosen.mask.shape, chosen.surface.closed, chosen.found, chosen.only_places, chosen.same(chosen)
+    ((31, 31, 31), True, True, False, True)
+    >>> chosen.holds(np.array([(15.0, 15.0, 15.0), (2.0, 2.0, 2.0)])).tolist()
+    [True, False]
+    >>> chosen.packed.surface.closed
+    True
     """
 
     partition: VolumePartition = field(repr=False)
@@ -218,8 +242,7 @@ class VolumeSelection:
         return self.surface.area
 
     def __repr__(self) -> str:
-        voxels = f"{np.count_nonzero(self.mask):,} voxels"
-        return described("VolumeSelection", voxels, counted(len(self.surface.faces), "triangle"))
+        return described("VolumeSelection", self.partition.image.source, counted(len(self.bodies), "body", "bodies"))
 
     def same(self, other: VolumeSelection) -> bool:
         """Whether the same bodies have been chosen."""

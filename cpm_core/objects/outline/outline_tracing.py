@@ -49,9 +49,14 @@ class Steps(NamedTuple):
     begin: Index
 
 
-@compiled
 def trace(mask: Mask) -> Steps:
     """Follow the outlines of a mask, with its pixels on the right hand; pixels that share only a corner are apart."""
+    return Steps(*_traced(mask))
+
+
+@compiled
+def _traced(mask: Mask) -> tuple[Index, Index, Index, Index]:
+    """Fields of the steps around a mask."""
     rows, cols = mask.shape
     seen = np.zeros((4, rows, cols), np.bool_)
     total = 0
@@ -88,7 +93,7 @@ def trace(mask: Mask) -> Steps:
                         i, j, k = y, x, (k + 3) % 4
                 lines += 1
                 begin[lines] = at
-    return Steps(row, col, way, begin[: lines + 1])
+    return row, col, way, begin[: lines + 1]
 
 
 def placed(steps: Steps, lines: Crossings, strength: Array, strong: float) -> tuple[Array, NDArray[np.int8]]:

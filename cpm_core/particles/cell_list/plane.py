@@ -40,9 +40,14 @@ class Cells(NamedTuple):
     x: Array
 
 
-@compiled
 def build_cells(position: Array, shape: tuple[int, ...], size: float) -> Cells:
     """Sort the particles `position`, shape (N, 2), on an image of this shape into cells of side `size` [px]."""
+    return Cells(size, *_sorted(position, shape, size))
+
+
+@compiled
+def _sorted(position: Array, shape: tuple[int, ...], size: float) -> tuple[int, int, Index, Index, Array, Array]:
+    """All fields of cells but the first."""
     count = len(position)
     rows, cols = int(shape[0] / size) + 1, int(shape[1] / size) + 1
     start = np.zeros(rows * cols + 1, np.int64)
@@ -58,7 +63,7 @@ def build_cells(position: Array, shape: tuple[int, ...], size: float) -> Cells:
         k = cursor[own[i]]
         cursor[own[i]] += 1
         order[k], y[k], x[k] = i, position[i, 0], position[i, 1]
-    return Cells(size, rows, cols, start, order, y, x)
+    return rows, cols, start, order, y, x
 
 
 @compiled

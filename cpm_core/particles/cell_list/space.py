@@ -49,9 +49,16 @@ class Cells(NamedTuple):
     x: Array
 
 
-@compiled
 def build_cells(position: Array, shape: Vector, size: float) -> Cells:
     """Sort the particles `position`, shape (N, 3), in a volume of this size into cells of side `size` [px]."""
+    return Cells(size, *_sorted(position, shape, size))
+
+
+@compiled
+def _sorted(
+    position: Array, shape: Vector, size: float
+) -> tuple[int, int, int, Index, Index, Index, Array, Array, Array]:
+    """All fields of cells but the first."""
     count = len(position)
     planes, rows, cols = int(shape[0] / size) + 1, int(shape[1] / size) + 1, int(shape[2] / size) + 1
     row_of, col_of, by_col = np.empty(count, np.int64), np.empty(count, np.int64), np.empty(count, np.int64)
@@ -75,7 +82,7 @@ def build_cells(position: Array, shape: Vector, size: float) -> Cells:
         cursor[row_of[i]] += 1
         order[k], col[k] = i, col_of[i]
         z[k], y[k], x[k] = position[i, 0], position[i, 1], position[i, 2]
-    return Cells(size, planes, rows, cols, start, col, order, z, y, x)
+    return planes, rows, cols, start, col, order, z, y, x
 
 
 @compiled

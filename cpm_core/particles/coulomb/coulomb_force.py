@@ -64,6 +64,11 @@ def coulomb_force(
     ValueError
         For positions of another shape, that are no finite numbers, or whose forces would be none, an unknown method,
         targets that are no particles, or a tolerance out of range.
+
+    Examples
+    --------
+    >>> cpm.coulomb_force(np.array([(0.0, 0.0), (0.0, 2.0)])).round(3).tolist()
+    [[0.0, -0.25], [0.0, 0.25]]
     """
     points = real_numbers(positions)
     if points.ndim != 2 or points.shape[1] not in (2, 3):

@@ -75,6 +75,12 @@ def reconstruct_curve(points: ArrayLike) -> tuple[Contour, ...]:
     ------
     ValueError
         For an array of another shape, or values that are not finite.
+
+    Examples
+    --------
+    >>> contours = cpm.reconstruct_curve(cpm.circle((32, 32), 20))
+    >>> len(contours), contours[0].closed, round(contours[0].area / (np.pi * 20**2), 2)
+    (1, True, 1.0)
     """
     array = real_numbers(points)
     if array.ndim != 2 or array.shape[1] != 2:

@@ -6,6 +6,8 @@ described by a `ContourMethod`, which is all that the command line, the benchmar
 
 from __future__ import annotations
 
+import importlib
+import importlib.util
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -45,6 +47,14 @@ class Start:
     ------
     ValueError
         When there is no outline, or one of fewer than three corners or with corners at no usable place.
+
+    Examples
+    --------
+    >>> start = cpm.Start((cpm.circle((32, 32), 8),))
+    >>> start
+    <Start 1 outline, inside the objects>
+    >>> start.onward, start.points.shape, len(start.curves(4.0)), int(start.mask((64, 64)).sum())
+    (1.0, (26, 2), 1, 194)
     """
 
     outlines: tuple[Array, ...]
@@ -96,7 +106,16 @@ class Start:
 
 
 class ContourState(Protocol):
-    """A moment of the run of any method."""
+    """A moment of the run of any method.
+
+    Examples
+    --------
+    >>> method = cpm.CONTOUR_METHODS["chan_vese"]
+    >>> start = cpm.Start((cpm.circle((32, 32), 8),))
+    >>> state = next(method.evolve(cpm.example("disk"), start, method.settings()))
+    >>> state.step, state.stop_reason, state.converged, len(state.contours), len(state.points)
+    (0, '', False, 1, 0)
+    """
 
     @property
     def step(self) -> int:
@@ -123,6 +142,34 @@ S = TypeVar("S")
 
 
 @dataclass(frozen=True)
+class Needed:
+    """A package that a method needs and that need not be installed.
+
+    Attributes
+    ----------
+    name : str
+        Name by which it is imported.
+    package : str
+        Name by which it is installed.
+    extra : str
+        What of this program is installed with it.
+    """
+
+    name: str
+    package: str
+    extra: str
+
+    @property
+    def installed(self) -> bool:
+        """Whether it is there."""
+        return importlib.util.find_spec(self.name) is not None
+
+    def module(self) -> Any:
+        """The package itself, imported when it is needed first."""
+        return importlib.import_module(self.name)
+
+
+@dataclass(frozen=True)
 class ContourMethod(Generic[S]):
     """A method that finds contours from a start, as those see it who compare methods.
 
@@ -143,6 +190,14 @@ class ContourMethod(Generic[S]):
         `stop_reason`. A later state never changes an earlier one.
     most_steps : int
         Steps after which a run that is not at rest is ended.
+    needs : Needed, optional
+        A package that it needs and that need not be installed.
+
+    Examples
+    --------
+    >>> method = cpm.CONTOUR_METHODS["chan_vese"]
+    >>> method.title, method.settings().__class__.__name__, method.most_steps
+    ('Chan-Vese', 'ChanVeseSettings', 500)
     """
 
     name: str
@@ -152,9 +207,25 @@ class ContourMethod(Generic[S]):
     settings: type[S]
     evolve: Callable[[Image, Start, S], Iterator[ContourState]]
     most_steps: int
+    needs: Needed | None = None
 
-    def __repr__(self) -> str:
-        return described("ContourMethod", self.name, self.title)
+    def check(self) -> None:
+        """ValueError, which says how it is installed, when a package is missing that it needs."""
+        needs = self.needs
+        if needs is not None and not needs.installed:
+            raise ValueError(
+                f"{self.title} needs the package {needs.package}: install it "
+                f'(pip install "cpm-particles[{needs.extra}]").'
+            )
+
+    @property
+    def missing(self) -> str:
+        """What `check` says; empty where nothing is missing."""
+        try:
+            self.check()
+        except ValueError as error:
+            return str(error)
+        return ""
 
 
 AnyMethod = ContourMethod[Any]

@@ -13,6 +13,7 @@ from cpm_core.segmentation.methods.method import AnyMethod
 from cpm_core.segmentation.methods.parametric.gvf_snake import GVF_SNAKE
 from cpm_core.segmentation.methods.parametric.snake import SNAKE
 from cpm_core.segmentation.methods.regions.chan_vese import CHAN_VESE
+from cpm_core.segmentation.methods.regions.grab_cut import GRAB_CUT
 from cpm_core.segmentation.methods.regions.morphological import MORPHOLOGICAL_CHAN_VESE, MORPHOLOGICAL_GAC
 from cpm_core.segmentation.methods.regions.random_walker import RANDOM_WALKER
 
@@ -26,10 +27,16 @@ _ALL: tuple[AnyMethod, ...] = (
     MORPHOLOGICAL_GAC,
     MORPHOLOGICAL_CHAN_VESE,
     RANDOM_WALKER,
+    GRAB_CUT,
 )
 
 CONTOUR_METHODS: Mapping[str, AnyMethod] = MappingProxyType({method.name: method for method in _ALL})
 """All methods that can be compared, by name."""
+
+
+def runnable() -> tuple[str, ...]:
+    """Names of the methods that lack nothing to run."""
+    return tuple(name for name, method in CONTOUR_METHODS.items() if not method.missing)
 
 
 def method_named(name: str) -> AnyMethod:

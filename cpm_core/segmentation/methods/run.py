@@ -37,11 +37,22 @@ class Moment:
 
 
 def moments(method: AnyMethod, image: Image, start: Start, settings: Any = None) -> Iterator[Moment]:
-    """Run a method step by step; `settings` are the defaults of the method unless given."""
+    """Run a method step by step; `settings` are the defaults of the method unless given.
+
+    Examples
+    --------
+    >>> start = cpm.Start((cpm.circle((32, 32), 8),))
+    >>> for moment in cpm.moments(cpm.CONTOUR_METHODS["chan_vese"], cpm.example("disk"), start):
+    ...     if moment.state.step == 3:
+    ...         break
+    >>> len(moment.state.contours), moment.seconds > 0
+    (1, True)
+    """
     if not isinstance(method, ContourMethod):
         raise ValueError(f"the method is {shown(method)} but must be one of CONTOUR_METHODS.")
     if not isinstance(start, Start):
         raise ValueError(f"the start is {shown(start)} but must be a Start: Start((outline,)).")
+    method.check()
     image = as_plane(image)
     states = method.evolve(image, start, method.settings() if settings is None else settings)
     seconds = 0.0
@@ -57,7 +68,15 @@ def moments(method: AnyMethod, image: Image, start: Start, settings: Any = None)
 def run_method(
     method: AnyMethod, image: Image, start: Start, settings: Any = None, max_steps: int | None = None
 ) -> Moment:
-    """The last moment of a whole run, or that after `max_steps`; the time includes that for the contours."""
+    """The last moment of a whole run, or that after `max_steps`; the time includes that for the contours.
+
+    Examples
+    --------
+    >>> start = cpm.Start((cpm.circle((32, 32), 8),))
+    >>> moment = cpm.run_method(cpm.CONTOUR_METHODS["chan_vese"], cpm.example("disk"), start, max_steps=20)
+    >>> len(moment.state.contours), moment.state.step
+    (1, 20)
+    """
     last = None
     for last in moments(method, image, start, settings):
         if last.state.step == max_steps:
@@ -91,6 +110,15 @@ class Facts:
         Overlap of the areas, and agreement of the boundaries up to a tolerance.
     hausdorff, mean_distance : float or None
         Largest and mean distance of the boundaries [px].
+
+    Examples
+    --------
+    >>> start = cpm.Start((cpm.circle((32, 32), 8),))
+    >>> moment = cpm.run_method(cpm.CONTOUR_METHODS["cpm"], cpm.example("disk"), start)
+    >>> result = cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8))
+    >>> facts = cpm.facts_of(moment, cpm.Truth(result.labels, result.contours))
+    >>> facts.method, facts.contours, round(facts.dice, 2), facts.f
+    ('cpm', 1, 1.0, 1.0)
     """
 
     method: str
@@ -111,7 +139,15 @@ class Facts:
 
 
 def facts_of(moment: Moment, truth: Truth | None = None) -> Facts:
-    """What is said of a moment of a run, beside a ground truth where one is known."""
+    """What is said of a moment of a run, beside a ground truth where one is known.
+
+    Examples
+    --------
+    >>> start = cpm.Start((cpm.circle((32, 32), 8),))
+    >>> moment = cpm.run_method(cpm.CONTOUR_METHODS["cpm"], cpm.example("disk"), start)
+    >>> cpm.facts_of(moment).contours
+    1
+    """
     if not isinstance(moment, Moment):
         raise ValueError(f"the moment is {shown(moment)} but must be one of a run: take those of `moments`.")
     state = moment.state

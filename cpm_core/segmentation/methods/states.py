@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any, TypeVar
 
 import numpy as np
 import skimage
@@ -53,17 +55,41 @@ class CurveState(Stoppable):
         return tuple(Contour(curve, closed=True) for curve in self.curves)
 
 
-@dataclass(frozen=True, eq=False)
-class LevelSetState(Stoppable):
-    """A function on the pixels: the contours run where `values`, shape (H, W), cross `level` and are higher inside."""
+class RegionState(Stoppable):
+    """A function on the pixels: the contours run where it crosses a level, and it is higher inside."""
 
-    values: NDArray[np.generic] = field(default_factory=lambda: np.zeros((0, 0)))
-    level: float = 0.0
+    @abstractmethod
+    def function(self) -> tuple[NDArray[Any], float]:
+        """The function, shape (H, W), and the level."""
+
+    @property
+    def inside(self) -> NDArray[np.bool_]:
+        """The pixels inside, shape (H, W)."""
+        values, level = self.function()
+        return np.asarray(values, dtype=float) > level
+
+    @property
+    def sides(self) -> tuple[bool, bool]:
+        """Whether there are pixels inside and outside."""
+        inside = self.inside
+        return bool(inside.any()), not inside.all()
 
     @cached_property
     def contours(self) -> tuple[Contour, ...]:
         """Closed contours, the longest first; those of a region at the border of the image run along the border."""
-        return level_contours(self.values, self.level)
+        return level_contours(*self.function())
+
+
+@dataclass(frozen=True, eq=False)
+class LevelSetState(RegionState):
+    """A function that is given on all pixels."""
+
+    values: NDArray[Any] = field(default_factory=lambda: np.zeros((0, 0)))
+    level: float = 0.0
+
+    def function(self) -> tuple[NDArray[Any], float]:
+        """The function, shape (H, W), and the level."""
+        return self.values, self.level
 
 
 def level_contours(values: NDArray[np.generic], level: float) -> tuple[Contour, ...]:
@@ -76,9 +102,10 @@ def level_contours(values: NDArray[np.generic], level: float) -> tuple[Contour, 
     return tuple(sorted(made, key=lambda contour: -contour.length))
 
 
-def until_at_rest(
-    states: Iterator[LevelSetState], every: int, least: float, most_steps: int
-) -> Iterator[LevelSetState]:
+Region = TypeVar("Region", bound=RegionState)
+
+
+def until_at_rest(states: Iterator[Region], every: int, least: float, most_steps: int) -> Iterator[Region]:
     """States of a front until it is at rest, vanishes, or has done `most_steps`.
 
     It is at rest when within `every` steps the pixels that have changed sides are fewer than `least` of those on the
@@ -86,14 +113,15 @@ def until_at_rest(
     """
     before: NDArray[np.bool_] | None = None
     for state in states:
-        inside = np.asarray(state.values, dtype=float) > state.level
-        if not inside.any() or inside.all():
-            yield replace(state, stop_reason="the contour has left the image" if inside.all() else "nothing is left")
+        if not all(state.sides):
+            reason = "nothing is left" if state.sides[1] else "the contour has left the image"
+            yield replace(state, stop_reason=reason)
             return
         if state.step >= most_steps:
             yield replace(state, stop_reason=f"stopped after {state.step} steps")
             return
         if state.step % every == 0:
+            inside = state.inside
             if before is not None and (inside != before).sum() <= least * _front(inside):
                 yield replace(state, stop_reason="the contour is at rest", converged=True)
                 return

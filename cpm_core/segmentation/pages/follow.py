@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from typing import Any, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -59,6 +60,14 @@ def follow(
     Page
         Each page as soon as it is done. The numbers of its contours are their tracks, which overlap from page to page.
         A page that cannot be used has a sentence in place of a result; ValueError for one that there is not.
+
+    Examples
+    --------
+    >>> pages = [cpm.example("disk").values, np.roll(cpm.example("disk").values, 3, axis=1)]
+    >>> for page in cpm.follow(pages, cpm.circle((32, 32), 8)):
+    ...     print(page.number, [contour.number for contour in page.contours])
+    1 [1]
+    2 [1]
     """
     wanted = _checked(pages, numbers, known)
 
@@ -75,18 +84,23 @@ def follow(
 
 def _checked(pages: object, numbers: Sequence[int] | None, known: object) -> Sequence[int]:
     """The pages that are wanted, all by default; ValueError for one that there is not, and for what are no pages."""
-    if not isinstance(pages, Sequence | np.ndarray):
+    if not _is_row(pages):
         raise ValueError(f"pages is {shown(pages)} but must be a sequence of images, such as load_pages(path).")
     if not isinstance(known, Sequence) or not all(isinstance(page, Page) for page in known):
         raise ValueError(f"known is {shown(known)} but must be the pages that have been followed before.")
     count = len(pages)
     wanted = range(1, count + 1) if numbers is None else numbers
-    if not isinstance(wanted, Sequence | np.ndarray):
+    if not _is_row(wanted):
         raise ValueError(f"numbers is {shown(numbers)} but must be a sequence of the numbers of pages.")
     for number in wanted:
         if not isinstance(number, int | np.integer) or not 1 <= number <= count:
             raise ValueError(f"page is {shown(number)}, but there are {count} pages: choose 1 to {count}.")
     return wanted
+
+
+def _is_row(given: object) -> TypeGuard[Sequence[Any]]:
+    """Whether something has a first, a second, and so on; an array without axes has not."""
+    return isinstance(given, Sequence) or (isinstance(given, np.ndarray) and given.ndim > 0)
 
 
 def _followed(

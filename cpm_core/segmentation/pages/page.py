@@ -34,6 +34,14 @@ class Page:
         Which tracks begin, split, merge, end or leave the image here.
     trouble : str
         Why the page could not be used, one sentence; empty where it could.
+
+    Examples
+    --------
+    >>> page = next(cpm.follow([cpm.example("disk")], cpm.circle((32, 32), 8)))
+    >>> page
+    <Page 1, 1 contour>
+    >>> page.number, len(page.contours), page.trouble
+    (1, 1, '')
     """
 
     number: int
@@ -47,7 +55,7 @@ class Page:
         return () if self.result is None else self.result.contours
 
     def __repr__(self) -> str:
-        return described(f"Page {self.number}", self.trouble or counted(len(self.contours), "contour"))
+        return described("Page", str(self.number), self.trouble or counted(len(self.contours), "contour"))
 
 
 @dataclass(frozen=True, eq=False)

@@ -63,6 +63,11 @@ class TrackEvent:
         The track.
     others : tuple of int
         The tracks that split off it, or the one that it merges into.
+
+    Examples
+    --------
+    >>> cpm.TrackEvent("splits", page=4, track=1, others=(2,)).sentence
+    'Page 4: track 2 splits off track 1.'
     """
 
     kind: EventKind

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import threading
+from functools import partial
 
 import numpy as np
 import PIL.Image
@@ -12,13 +13,18 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtWidgets import QFileDialog
 
 from app.model.document import edits
+from app.model.document.objects import objects_result
+from app.session.features.side_by_side import method_run
+from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.view.methods import MethodsFeature
 from app.views.main_window import MainWindow
 from app.views.mosaic.methods import CompareDialog
-from app.views.mosaic.methods.dialog import FIRST
 from cpm_core.contours.ground_truth import truth_of_mask
+from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.image.image import Image
-from cpm_core.segmentation.methods import CONTOUR_METHODS, Start, run_method
+from cpm_core.segmentation.methods import CONTOUR_METHODS, Compared, Start, run_method
+from cpm_core.segmentation.methods.compared import FIRST
+from cpm_core.segmentation.methods.level_sets.geodesic import GeodesicSettings
 from cpm_core.shapes.outlines import outlines_of
 from tests.app.conftest import Hand, disc
 
@@ -45,7 +51,7 @@ def outcome(frame) -> tuple:
 
 
 def run(ready: MainWindow, hand: Hand, dialog: CompareDialog) -> None:
-    hand.qtbot.mouseClick(dialog.run_button, LEFT)
+    hand.qtbot.mouseClick(dialog.transport.run_button, LEFT)
     hand.wait(lambda: not ready.workspace.comparison.running)
 
 
@@ -114,7 +120,7 @@ def test_another_method_is_chosen_in_a_place(ready, dialog, hand) -> None:
 
 def test_without_a_start_the_dialog_says_what_to_do(ready, dialog, hand) -> None:
     ready.session.edit("clear", edits.clear_shapes)
-    hand.qtbot.mouseClick(dialog.run_button, LEFT)
+    hand.qtbot.mouseClick(dialog.transport.run_button, LEFT)
     assert "draw a circle, an ellipse or a polygon" in dialog.words.text()
     assert not ready.workspace.comparison.running
 
@@ -132,8 +138,114 @@ def test_table_and_picture_are_exported(ready, dialog, hand, tmp_path, monkeypat
         assert picture.width > 1000
 
 
+def test_the_contours_of_each_method_are_exported(ready, dialog, hand, tmp_path, monkeypatch) -> None:
+    run(ready, hand, dialog)
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *rest: (str(tmp_path / "a.geojson"), ""))
+    hand.qtbot.mouseClick(dialog.export_button, LEFT)
+    hand.wait(lambda: ready.session.tasks.idle)
+    assert {path.name for path in tmp_path.glob("a.*")} == {f"a.{name}.geojson" for name in FIRST}
+
+
+def test_runs_are_held_led_on_by_steps_and_let_go(ready, dialog, hand) -> None:
+    comparison = ready.workspace.comparison
+
+    def steps() -> list:
+        return [frame and frame.step for frame in frames(ready)]
+
+    transport = dialog.transport
+    assert not transport.pause_button.isEnabled()
+    hand.qtbot.mouseClick(transport.step_button, LEFT)
+    hand.wait(lambda: steps() == [0, 0, 0, 0])
+    for count in (1, 2, 3):
+        hand.qtbot.mouseClick(transport.step_button, LEFT)
+        hand.wait(lambda count=count: steps() == [count] * 4)
+    assert comparison.running and comparison.held and transport.pause_button.text() == "Resume"
+    assert dialog.panes[1].words.text().startswith("3 steps, ")
+    hand.qtbot.mouseClick(transport.pause_button, LEFT)
+    assert transport.pause_button.text() == "Pause"
+    hand.wait(lambda: not comparison.running)
+    assert all(frame.over for frame in frames(ready))
+    held = [outcome(frame) for frame in frames(ready)]
+    run(ready, hand, dialog)
+    assert [outcome(frame) for frame in frames(ready)] == held, "a run that was held goes where others go"
+
+
+def test_a_run_that_is_held_shows_where_it_waits(ready, dialog, hand, monkeypatch) -> None:
+    monkeypatch.setattr(method_run, "_LEAST_PAUSE", 1e9)  # no state is shown but the first and the last
+    step = partial(hand.qtbot.mouseClick, dialog.transport.step_button, LEFT)
+    for count in range(4):
+        step()
+        hand.wait(lambda count=count: [frame and frame.step for frame in frames(ready)] == [count] * 4)
+
+
+def test_all_methods_are_looked_back_on_together(ready, dialog, hand) -> None:
+    run(ready, hand, dialog)
+    last = [pane.words.text() for pane in dialog.panes]
+    slider = dialog.transport.slider
+    slider.setFocus()
+    hand.qtbot.keyClick(slider, KEY.Key_Home)
+    assert all(pane.words.text().startswith("0 steps, ") for pane in dialog.panes)
+    for _ in range(10):
+        hand.qtbot.keyClick(slider, KEY.Key_PageUp)
+    assert dialog.transport.words.text() == "50 % of the steps"
+    for pane, frame in zip(dialog.panes, frames(ready), strict=True):
+        assert 0 <= int(pane.words.text().split()[0]) <= 0.5 * frame.step
+    hand.qtbot.keyClick(slider, KEY.Key_End)
+    assert [pane.words.text() for pane in dialog.panes] == last
+
+
+def test_what_a_method_has_found_is_kept_as_an_object_and_exported_with_the_usual_exports(ready, dialog, hand) -> None:
+    run(ready, hand, dialog)
+    dialog.look_at(2)
+    hand.qtbot.mouseClick(dialog.keep_button, LEFT)
+    (item,) = ready.session.document.objects.items
+    assert item.name == "Geodesic active contour"
+    assert (item.mask(disc().shape) == (disc() > 100)).mean() > 0.99
+    result = objects_result(ready.session.document)
+    assert [contour.closed for contour in result.contours] == [True]
+    ready.session.undo()
+    assert not ready.session.document.objects.items
+
+
+def test_a_session_keeps_the_comparison_and_undo_takes_a_change_back(ready, dialog, hand, tmp_path) -> None:
+    dialog.panes[3].choice.setFocus()
+    hand.qtbot.keyClicks(dialog.panes[3].choice, "Morphological GAC")
+    hand.qtbot.mouseClick(dialog.panes[2].picture.viewport(), LEFT, pos=QPoint(20, 20))
+    field = dialog.form.fields["balloon"]
+    field.setFocus()
+    field.selectAll()
+    hand.qtbot.keyClicks(field, "1.5")
+    hand.qtbot.keyClick(field, KEY.Key_Return)
+    hand.qtbot.mouseClick(dialog.around, LEFT, pos=QPoint(8, dialog.around.height() // 2))
+    methods = (*FIRST[:3], "morph_gac")
+    expected = Compared(methods, (("gac", GeodesicSettings(balloon=1.5)),), around=True)
+    assert ready.session.document.comparison == expected
+    file = ready.feature(OpenSaveFeature).document_file
+    assert file.unsaved
+    assert file.save_at_once(tmp_path / "a.cpm")
+    assert load_session(tmp_path / "a.cpm").comparison == expected
+    hand.qtbot.keyClick(dialog, KEY.Key_Escape)
+    ready.open_image(str(tmp_path / "a.cpm"))
+    hand.wait(lambda: ready.session.tasks.idle and ready.session.scene.display is not None)
+    assert ready.session.document.comparison == expected
+    ready.feature(MethodsFeature).open()
+    again = ready.feature(MethodsFeature).dialog
+    assert [pane.method for pane in again.panes] == list(methods) and again.around.isChecked()
+    again.look_at(2)
+    assert again.form.fields["balloon"].value() == 1.5
+    hand.qtbot.mouseClick(again.around, LEFT, pos=QPoint(8, again.around.height() // 2))
+    ready.session.undo()
+    assert again.around.isChecked()
+
+
+def test_the_start_that_is_shown_is_the_one_that_is_drawn_now(ready, dialog) -> None:
+    assert not any(pane.start.empty for pane in dialog.panes)
+    ready.session.edit("clear", edits.clear_shapes)
+    assert all(pane.start.empty for pane in dialog.panes)
+
+
 def test_closing_ends_all_runs(ready, dialog, hand) -> None:
-    hand.qtbot.mouseClick(dialog.run_button, LEFT)
+    hand.qtbot.mouseClick(dialog.transport.run_button, LEFT)
     hand.qtbot.keyClick(dialog, KEY.Key_Escape)
     assert ready.feature(MethodsFeature).dialog is None
     hand.wait(lambda: not [one for one in threading.enumerate() if one.name.startswith("cpm-compare-")])

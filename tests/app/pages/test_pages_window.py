@@ -17,7 +17,7 @@ from app.views.features.view.pages import PagesFeature
 from app.views.window import dialogs
 from cpm_core import Parameters, cli
 from cpm_core.formats.sessions.session_file import load_session
-from cpm_core.shapes import Circle, Polygon, Region
+from cpm_core.shapes import Circle, Everywhere, Polygon, Region
 from tests.app.conftest import disc
 
 LEFT = Qt.MouseButton.LeftButton
@@ -129,6 +129,27 @@ def test_all_pages_are_run_and_followed_and_the_table_tells_them(stack, hand) ->
     assert "4 of 5 pages are done; tracks: 1. 1 could not be used." in feature.panel.summary.text()
     assert stack.session.status.phase == "finished"  # the page that is open shows its run
     assert len(stack.session.scene.contours.items) == 1
+
+
+def test_a_double_click_in_the_table_goes_to_the_contour_and_selects_it(window, hand, tmp_path) -> None:
+    two = np.stack([shifted(by) + np.roll(shifted(by), (-20, 20), (0, 1)) for by in range(0, 9, 3)]).astype(np.uint8)
+    tifffile.imwrite(tmp_path / "two.tif", two, photometric="minisblack")
+    window.open_image(str(tmp_path / "two.tif"))
+    hand.wait(lambda: window.session.document.image.name == "two.tif" and window.session.idle)
+    window.session.edit("start", lambda document: edits.add_shape(document, Everywhere("grid")))
+    run_all(window, hand)
+    hand.key(Qt.Key.Key_F11, Qt.KeyboardModifier.ShiftModifier)
+    feature = window.feature(PagesFeature)
+    table, review = feature.panel.table, window.workspace.review
+    for row in reversed(range(table.model().rowCount())):
+        told = table.rows.row(table.model().mapToSource(table.model().index(row, 0)).row())
+        table.scrollTo(table.model().index(row, 0))
+        place = table.visualRect(table.model().index(row, 0)).center()
+        hand.qtbot.mouseClick(table.viewport(), LEFT, pos=place)
+        hand.qtbot.mouseDClick(table.viewport(), LEFT, pos=place)
+        hand.wait(lambda told=told: feature.bar.number.value() == told.page and len(review.chosen) == 1)
+        center = review.chosen[0].contour.points.mean(axis=0)
+        np.testing.assert_allclose(center, (told.row, told.col), atol=1.0)
 
 
 def test_a_page_that_was_run_in_the_background_shows_its_contours_and_undo_leads_back(stack, hand) -> None:

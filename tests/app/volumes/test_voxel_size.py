@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 
+import numpy as np
 from PySide6.QtCore import Qt
 
 from app.views.features.edit.pixel_size import PixelSizeFeature
 from app.views.features.file.open_save import OpenSaveFeature
+from app.views.features.run.timeline import TimelineFeature
 from app.views.features.view.slices import SlicesFeature
 from app.views.features.view.space import SpaceFeature
 from cpm_core import load_volume
@@ -76,6 +78,33 @@ def test_a_run_takes_the_size_and_one_before_it_is_out_of_date(volume, hand) -> 
     hand.wait(lambda: volume.session.status.phase == "finished" and not volume.session.status.stale)
     hand.wait(lambda: volume.session.idle)
     assert volume.session.scene.reconstruction.result.image.spacing == (1.0, 0.5, 0.5)
+
+
+def test_a_run_from_before_another_size_is_repeated_with_its_own_size_from_a_session(volume, hand, tmp_path) -> None:
+    """States are in the session for the last step alone; the others are computed again."""
+    hand.drag((13.5, 15.5), (13.5, 19.5))
+    hand.key(Qt.Key.Key_Space)
+    hand.wait_for_phase("finished")
+    choose(volume, hand, (3.0, 0.5, 0.5), "mm")
+    hand.key(Qt.Key.Key_Space)
+    hand.wait(lambda: volume.session.status.phase == "finished" and not volume.session.status.stale)
+    navigation = volume.feature(TimelineFeature).navigation
+    hand.wait(lambda: len(navigation.outline.branches) == 2)
+    first = navigation.outline.branches[0].identity
+
+    def at_step(step: int) -> np.ndarray:
+        navigation.go(first, step)
+        hand.wait(lambda: navigation.place == (first, step) and volume.session.idle)
+        return volume.session.scene.snapshot.position.copy()
+
+    known = at_step(7)
+    files = volume.feature(OpenSaveFeature)
+    assert files.document_file.save_at_once(tmp_path / "ball.cpm")
+    volume.open_image(str(tmp_path / "ball.cpm"))
+    hand.wait(lambda: volume.session.idle and len(navigation.outline.branches) == 2)
+    at_step(3)
+    np.testing.assert_array_equal(at_step(7), known)
+    assert volume.session.image.spacing == (3.0, 0.5, 0.5)
 
 
 def test_a_session_keeps_the_size_and_another_program_reads_it(volume, hand, tmp_path, volume_file) -> None:

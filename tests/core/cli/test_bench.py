@@ -62,7 +62,7 @@ def test_json_is_one_object_with_the_rows_of_the_table(bench, measured):
     status, out, err = bench("--json", "--quick")
     facts = json.loads(out)
     assert (status, err) == (0, "")
-    assert list(facts) == ["machine", "quick", "seconds", "measurements"]
+    assert list(facts) == ["command", "schema", "version", "machine", "quick", "seconds", "measurements"]
     assert facts["machine"]["cores"] >= 1
     assert facts["quick"] is True
     assert [list(row) for row in facts["measurements"]] == [KEYS] * len(measured)

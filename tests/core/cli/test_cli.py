@@ -13,7 +13,7 @@ import pytest
 import tifffile
 
 from cpm_core import cli
-from cpm_core.cli import run as run_command
+from cpm_core.cli.run import command as run_command
 from cpm_core.formats.fingerprint import fingerprint
 from cpm_core.parameters import DEFAULTS, PARAMETERS, PRESETS, Parameters
 from cpm_core.parameters.choices import CHOICES
@@ -38,7 +38,19 @@ def test_run_finds_the_disk_and_tells_it_as_json(disk, command):
     status, out, err = command("run", disk, *START, "--json")
     facts = json.loads(out)
     assert (status, err) == (0, "")
-    known = ["particles", "contours", "closed", "steps", "converged", "stop_reason", "seconds", "bridges", "left_out"]
+    head = ["command", "schema", "version"]
+    known = [
+        *head,
+        "particles",
+        "contours",
+        "closed",
+        "steps",
+        "converged",
+        "stop_reason",
+        "seconds",
+        "bridges",
+        "left_out",
+    ]
     known.append("provenance")
     assert list(facts) == known
     assert (facts["contours"], facts["closed"], facts["converged"]) == (1, 1, True)
@@ -361,7 +373,8 @@ def test_no_window_library_is_loaded():
 def test_an_interrupt_ends_the_run_cleanly_and_writes_nothing(disk, tmp_path, interrupts_heeded):
     program = (
         "import sys\n"
-        "from cpm_core.cli import main, run\n"
+        "from cpm_core.cli import main\n"
+        "from cpm_core.cli.run import command as run\n"
         "original = run.segment\n"
         "def segment(*args, progress, **rest):\n"
         "    def reported(state):\n"

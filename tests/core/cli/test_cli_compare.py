@@ -1,15 +1,21 @@
 """The command that compares methods: what it prints, what it writes, and what it refuses."""
 
 import csv
+import dataclasses
 import io
 import json
 
 import numpy as np
 import PIL.Image
 import pytest
+import tifffile
 
-from cpm_core.formats.sessions.session_file import SessionFile, save_session
-from cpm_core.segmentation.methods import CONTOUR_METHODS
+from cpm_core.formats.sessions.session_file import SessionFile, load_session, save_session
+from cpm_core.segmentation.methods import CONTOUR_METHODS, Compared, runnable
+from cpm_core.segmentation.methods.compared import FIRST
+from cpm_core.segmentation.methods.level_sets.geodesic import GeodesicSettings
+from cpm_core.segmentation.methods.method import Needed
+from cpm_core.segmentation.methods.regions.grab_cut import GRAB_CUT
 from cpm_core.shapes import Ellipse, Stroke
 
 ROW, COL = np.indices((56, 60))
@@ -63,7 +69,7 @@ def test_a_method_that_finds_nothing_is_told_as_well(image, mask, command):
 
 def test_all_methods_are_compared_unless_some_are_named(image, command):
     rows = json.loads(command("compare", image, *CIRCLE, "--max-steps", 1, "--json")[1])["methods"]
-    assert [row["method"] for row in rows] == list(CONTOUR_METHODS)
+    assert [row["method"] for row in rows] == list(runnable())
     assert {row["steps"] for row in rows} == {1}
 
 
@@ -78,6 +84,39 @@ def test_table_and_picture_are_written(image, mask, command, tmp_path):
     with PIL.Image.open(paths[1]) as picture:
         assert picture.width > 4 * 400  # the start and three methods beside one another
         assert picture.info["Description"] == "cpm, gvf, gac"
+
+
+def test_the_contours_of_each_method_are_written_in_the_formats_of_runs(image, command, tmp_path):
+    paths = tmp_path / "a.json", tmp_path / "a.tif", tmp_path / "a.measures.csv"
+    status, out, err = command("compare", image, *CIRCLE, "--methods", "gvf", "gac", "--export", *paths)
+    written = [
+        tmp_path / f"a.{name}{suffix}" for suffix in (".json", ".tif", ".measures.csv") for name in ("gvf", "gac")
+    ]
+    assert (status, err) == (0, "")
+    assert out.splitlines()[-6:] == [f"Wrote {path}" for path in written]
+    assert set(tmp_path.glob("a.*")) == set(written)
+    for name in ("gvf", "gac"):
+        facts = json.loads((tmp_path / f"a.{name}.json").read_text(encoding="utf-8"))
+        assert facts["provenance"]["method"] == name
+        assert facts["provenance"]["parameters"] == dataclasses.asdict(CONTOUR_METHODS[name].settings())
+        assert facts["provenance"]["shapes"][0]["shape"] == "polygon"
+        assert len(facts["contours"]) == 1
+        labels = tifffile.imread(tmp_path / f"a.{name}.tif")
+        assert 2 * (labels.astype(bool) & DISK).sum() / (labels.astype(bool).sum() + DISK.sum()) > 0.97
+
+
+def test_one_method_is_written_to_the_very_file(image, command, tmp_path):
+    assert command("compare", image, *CIRCLE, "--methods", "gvf", "--export", tmp_path / "a.svg")[0] == 0
+    assert (tmp_path / "a.svg").exists()
+
+
+def test_a_method_without_contours_is_said_and_the_others_are_written(image, command, tmp_path):
+    options = ("--methods", "snake", "gvf", "--set", "snake.alpha=1", "--export", tmp_path / "a.roi")
+    status, out, err = command("compare", image, *CIRCLE, *options)
+    assert status == 0
+    assert out.splitlines()[-1] == f"Wrote {tmp_path / 'a.gvf.roi'}"
+    assert "a.snake.roi was not written" in err
+    assert not (tmp_path / "a.snake.roi").exists()
 
 
 def test_settings_of_methods_are_set_by_name(image, mask, command):
@@ -107,6 +146,58 @@ def test_a_session_gives_image_and_start(image, command, tmp_path):
     assert json.loads(out)["methods"][0]["contours"] == 1
 
 
+def test_a_method_whose_package_is_missing_is_left_out_and_said(image, command, monkeypatch):
+    lacking = Needed("no_such_package", "no-such-package", "opencv")
+    monkeypatch.setitem(vars(GRAB_CUT), "needs", lacking)
+    status, out, err = command("compare", image, *CIRCLE, "--max-steps", 1, "--json")
+    assert status == 0
+    assert "grab_cut" not in {row["method"] for row in json.loads(out)["methods"]}
+    assert 'pip install "cpm-particles[opencv]"' in err
+    status, _, err = command("compare", image, *CIRCLE, "--methods", "cpm", "grab_cut")
+    assert status == 2
+    assert "Grab cut needs the package no-such-package: install it" in err
+
+
+def test_a_session_gives_methods_settings_and_the_side_of_the_start(image, mask, command, tmp_path):
+    compared = Compared(("gvf", "", "gac", ""), around=True).with_settings("gac", GeodesicSettings(balloon=0.4))
+    shapes = (Ellipse((27.0, 30.0), (22.0, 22.0)),)
+    session, file = tmp_path / "a.cpm", tmp_path / "a.json"
+    save_session(SessionFile(image=None, shapes=shapes, comparison=compared), session)
+    assert load_session(session).comparison == compared
+    options = ("--session", session, "--truth", mask, "--export", file, "--json")
+    rows = json.loads(command("compare", image, *options)[1])["methods"]
+    assert [row["method"] for row in rows] == ["gvf", "gac"]
+    assert min(row["f"] for row in rows) > 0.9
+    told = json.loads((tmp_path / "a.gac.json").read_text(encoding="utf-8"))
+    assert told["provenance"]["parameters"]["balloon"] == 0.4
+    assert [
+        row["method"] for row in json.loads(command("compare", image, *options, "--methods", "gvf")[1])["methods"]
+    ] == ["gvf"]
+
+
+@pytest.mark.parametrize(
+    ("entry", "said"),
+    [
+        ({"methods": ["gac", "gfv"]}, '"gfv"'),
+        ({"methods": "gac"}, "methods of the comparison"),
+        ({"methods": ["gac"], "around": 1}, "must be true or false"),
+        ({"methods": ["gac"], "settings": {"gac": {"balloon": 1e9}}}, "balloon is 1e+09"),
+        ({"methods": ["gac"], "settings": {"gac": {"ballon": 1}}}, 'it has no "ballon"'),
+        ({"methods": ["gac"], "settings": {"cpm": {}}}, "the parameters of the run"),
+        (7, "must be an object"),
+    ],
+)
+def test_a_session_opens_without_a_comparison_that_cannot_be_used(tmp_path, entry, said):
+    session = tmp_path / "a.cpm"
+    save_session(SessionFile(shapes=(Ellipse((27.0, 30.0), (9.0, 7.0)),)), session)
+    plain = json.loads(session.read_text(encoding="utf-8"))
+    session.write_text(json.dumps({**plain, "comparison": entry}), encoding="utf-8")
+    opened = load_session(session)
+    assert len(opened.shapes) == 1
+    assert said in " ".join(opened.notes)
+    assert opened.comparison.methods in {FIRST, ("gac", "", "", "")}
+
+
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
@@ -119,7 +210,8 @@ def test_a_session_gives_image_and_start(image, command, tmp_path):
         ((*CIRCLE, "--set", "gac.baloon=1"), '"baloon" is no setting of gac: choose among balloon'),
         ((*CIRCLE, "--set", "gac.balloon=much"), 'balloon is "much" but must be a number'),
         ((*CIRCLE, "--set", "cpm.beta=9"), "beta is 9 but must be"),
-        ((*CIRCLE, "--export", "a.svg"), 'ends in ".svg", but a comparison is written as'),
+        ((*CIRCLE, "--export", "a.ply"), "a.ply would be a file of a surface"),
+        ((*CIRCLE, "--export", "a.doc"), 'ends in ".doc", which names no format'),
         ((*CIRCLE, "--max-steps", "0"), "--max-steps is 0 but must be"),
     ],
 )

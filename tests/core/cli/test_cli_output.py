@@ -94,7 +94,7 @@ def test_an_interrupt_during_the_start_is_one_line(disk):
         "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "class Interrupt:\n"
         "    def find_spec(self, name, *_):\n"
-        "        if name == 'cpm_core.cli.run':\n"
+        "        if name == 'cpm_core.cli.run.command':\n"
         "            os.kill(os.getpid(), signal.SIGINT)\n"
         "sys.meta_path.insert(0, Interrupt())\n"
         "from app.__main__ import main\n"
@@ -109,7 +109,7 @@ def test_an_interrupt_after_the_files_are_written_says_so(disk, command, tmp_pat
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("cpm_core.cli.run._report", interrupted)
+    monkeypatch.setattr("cpm_core.cli.run.command._report", interrupted)
     status, _, err = command("run", disk, "--circle", "20,20,8", "--max-steps", 5, "--export", tmp_path / "a.csv")
     assert (status, err) == (130, "cpm: interrupted; the files were written before.\n")
 

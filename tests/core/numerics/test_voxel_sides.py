@@ -24,6 +24,20 @@ def test_sides_that_make_no_sense_are_refused_in_a_sentence(use, sides):
         use(sides)
 
 
+@pytest.mark.parametrize("axis", [0, 2])
+def test_along_voxels_of_any_length_particles_are_as_many_as_the_voxels_can_tell_apart(axis):
+    found = []
+    for length in (10.0, 1000.0):
+        sides = np.insert([1.0, 1.0], axis, length)
+        image = cpm.Image(BALL, tuple(sides))
+        start = cpm.sphere((5.5, 5.5, 5.5), 2.0, 40)
+        found.append(cpm.segment(image, start, cpm.PRESETS["volume"]))
+    long, longer = found
+    np.testing.assert_array_equal(longer.particles, long.particles)
+    np.testing.assert_array_equal(longer.surface.vertices, long.surface.vertices)
+    assert longer.surface.volume == pytest.approx(100.0 * long.surface.volume)
+
+
 @pytest.mark.parametrize("sides", [(1e-12, 1e-12, 1e-9), (1e12, 1e9, 1e12), (40.0, 4.0, 4.0)])
 def test_flat_and_long_voxels_in_any_unit_are_taken(sides):
     found = cpm.segment(cpm.Image(BALL, sides), cpm.box((4, 4, 4), (7, 7, 7)), cpm.PRESETS["volume"], 3)

@@ -36,8 +36,10 @@ class Loops:
         made = folder / "cpm_core"
         (made / "numerics").mkdir(parents=True)
         (made / "__init__.py").touch()
-        for name in ("__init__.py", "jit.py", "jit_cache.py", "kept_loops.py"):
-            shutil.copy(Path(cpm_core.__file__).parent / "numerics" / name, made / "numerics")
+        real = Path(cpm_core.__file__).parent / "numerics"
+        for name in ("__init__.py", "jit.py"):
+            shutil.copy(real / name, made / "numerics")
+        shutil.copytree(real / "loop_cache", made / "numerics" / "loop_cache")
         (made / "loops.py").write_text(_LOOPS)
         began = time.perf_counter()
         assert self._printed() == "22.0 0"

@@ -5,7 +5,7 @@ import time
 
 import pytest
 
-from . import nursery
+from . import interruptions, nursery
 from .command_line import Batches, Runs
 from .loops import Loops
 from .nursery import killed_before
@@ -24,6 +24,11 @@ def test_a_process_may_be_busy_for_as_long_as_it_is_told(tmp_path, monkeypatch):
     with pytest.raises(TimeoutError, match="sleep went on for 0 s longer than it was told to"):
         nursery.outcome(tmp_path, time.sleep, 60.0)
     assert nursery.outcome(tmp_path, time.sleep, 0.01, busy=60.0) == nursery.End(False)
+
+
+def test_what_is_interrupted_at_any_moment_goes_on_as_before(tmp_path, compiled_loops):
+    interruptions.prepare()
+    assert interruptions.trial(random.Random(1), tmp_path) == 20
 
 
 def test_loops_whose_compilation_is_killed_are_compiled_and_kept_again(tmp_path):

@@ -1,6 +1,6 @@
 """Loads the compiled loops into the process that others are copies of."""
 
-from cpm_core.objects.warm_up import reconstruct_once, step_once
+from cpm_core.objects.warm_up import warm_up
+from cpm_core.objects.warm_up.parts import FIRST
 
-step_once()
-reconstruct_once()
+warm_up(parts=FIRST)

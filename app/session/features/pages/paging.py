@@ -58,6 +58,11 @@ class Paging(QObject):
         """The page that is open, from 1."""
         return self._source.number
 
+    @property
+    def ahead(self) -> int:
+        """The page that is wanted, which is open or being opened."""
+        return self._ahead
+
     def is_drawn(self, document: Document) -> bool:
         """Whether a person has drawn where the run of the open page starts, not the page before."""
         return not self._given or document.starts != self._given

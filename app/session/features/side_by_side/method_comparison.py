@@ -2,118 +2,49 @@
 
 from __future__ import annotations
 
-import threading
-import time
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-import numpy as np
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from app.model.text.language import tr
-from app.session.exchange.error_messages import sentence
-from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Report
+from app.session.features.side_by_side.method_run import Frame, History, MethodRun, Order
 from app.session.session import Session
 from app.session.tasks.tasks import Task
-from cpm_core.contours.contour import Contour
-from cpm_core.contours.ground_truth import Truth
 from cpm_core.formats.animations.comparison import Tile, write_comparison
 from cpm_core.image.image import Image
-from cpm_core.numerics.types import Array
-from cpm_core.segmentation.methods import CONTOUR_METHODS, Facts, Moment, Start, facts_of, moments
+from cpm_core.segmentation.methods import PLACES, Start
 from cpm_core.shapes.outlines import outlines_of
-
-PLACES = 4
-"""How many methods stand side by side."""
 
 _FRAME = 33
 """Time between two looks at what the runs have done [ms]."""
 
-_SHOWN_EVERY = 0.04
-"""Least time between two states of a run that are handed to the window [s]."""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Frame:
-    """What is shown of a run: lines and particles at a step, with the facts; `trouble` is why it failed."""
-
-    method: str
-    contours: tuple[Contour, ...] = ()
-    points: Array = field(default_factory=lambda: np.empty((0, 2)))
-    facts: Facts | None = None
-    over: bool = False
-    trouble: str = ""
-
 
 @dataclass(frozen=True, slots=True)
 class ComparisonWritten(Report):
-    """Table and picture of a comparison have been written."""
+    """Files of a comparison have been written; `notes` say what they leave out."""
 
     files: tuple[Path, ...]
-
-
-class _Run:
-    """One method on its own thread; the newest frame waits in a mailbox."""
-
-    def __init__(self, method: str, image: Image, start: Start, settings: Any, truth: Truth | None) -> None:
-        self.frames: Mailbox[Frame] = Mailbox()
-        self._stop = threading.Event()
-        self._work = method, image, start, settings, truth
-        self.thread = threading.Thread(target=self._run, name=f"cpm-compare-{method}", daemon=True)
-        self.thread.start()
-
-    def stop(self) -> None:
-        """End after the present step."""
-        self._stop.set()
-
-    def _run(self) -> None:
-        method = self._work[0]
-        try:
-            for frame in self._shown():
-                self.frames.put(frame)
-        except Exception as error:  # an error is shown in its place, and the others go on
-            title = CONTOUR_METHODS[method].title
-            self.frames.put(Frame(method, over=True, trouble=sentence(error, tr("running {name}").format(name=title))))
-
-    def _shown(self) -> Iterator[Frame]:
-        method, image, start, settings, truth = self._work
-        due = 0.0
-        for moment in moments(CONTOUR_METHODS[method], image, start, settings):
-            if self._stop.is_set():
-                return
-            over = bool(moment.state.stop_reason)
-            if over or time.perf_counter() >= due:
-                yield _frame(moment, truth if over else None, over)
-                due = time.perf_counter() + _SHOWN_EVERY
-
-
-def _frame(moment: Moment, truth: Truth | None, over: bool) -> Frame:
-    """What is shown of a moment: of particles that move only the particles, whose contours take longer to find."""
-    state, points = moment.state, moment.state.points
-    if len(points) and not over:
-        facts = Facts(moment.method.name, state.step, moment.seconds, False, "", 0)
-        return Frame(moment.method.name, (), points, facts)
-    return Frame(moment.method.name, state.contours, points, facts_of(moment, truth), over)
+    notes: tuple[str, ...] = ()
 
 
 class MethodComparison(QObject):
-    """Runs methods in up to `PLACES` places, from the drawn circles, ellipses and polygons."""
+    """Runs the methods of the document in up to `PLACES` places, from the drawn circles, ellipses and polygons."""
 
     advanced = Signal(int)
-    """The frame of this place has been replaced."""
+    """The newest frame of this place has been replaced."""
     changed = Signal()
-    """Runs have begun, ended or been cancelled."""
+    """Runs have begun, ended, or been held or led on."""
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
         self.frames: list[Frame | None] = [None] * PLACES
-        self.around = False
+        self.histories = [History() for _ in range(PLACES)]
+        self.held = False
         self._session = session
-        self._runs: list[_Run | None] = [None] * PLACES
-        self._ending: list[_Run] = []
+        self._runs: list[MethodRun | None] = [None] * PLACES
+        self._ending: list[MethodRun] = []
         self._timer = QTimer(self)
         self._timer.setInterval(_FRAME)
         self._timer.timeout.connect(self._look)
@@ -121,31 +52,66 @@ class MethodComparison(QObject):
 
     @property
     def running(self) -> bool:
-        """Whether a method is running."""
+        """Whether a method is running, or held."""
         return any(run is not None for run in self._runs)
 
     def start_of(self) -> Start:
         """The start that is drawn; ValueError when there is none with an inside."""
-        return Start(outlines_of(self._session.document.shapes), self.around)
+        document = self._session.document
+        return Start(outlines_of(document.shapes), document.comparison.around)
 
-    def run(self, place: int, method: str, settings: Any) -> None:
-        """Run a method in a place from the beginning; ValueError when there is no start."""
-        image, start = self._session.image, self.start_of()
-        if image is None:
+    def run_all(self, held: bool = False) -> None:
+        """Run all methods from the beginning, or hold them there; ValueError when there is no start."""
+        self.start_of()
+        self.held = held
+        for place in range(PLACES):
+            self.run(place)
+
+    def run(self, place: int) -> None:
+        """Run the method of a place from the beginning, if there is one; ValueError when there is no start."""
+        self.clear(place)
+        image, document = self._session.image, self._session.document
+        method = document.comparison.methods[place]
+        if image is None or not method:
             return
-        self._end(place)
-        channel = self._session.document.parameters.channel
-        taken = image if image.colors is None or method == "cpm" else Image(image.gray(channel), source=image.source)
-        self.frames[place] = None
-        self._runs[place] = _Run(method, taken, start, settings, self._session.scene.truth)
+        ours, channel = method == "cpm", document.parameters.channel
+        plain = ours or image.colors is None or channel == "luminance"
+        taken = image if plain else Image(image.gray(channel), source=image.source)
+        settings = document.parameters if ours else document.comparison.settings_of(method)
+        order = Order(method, taken, self.start_of(), settings, self._session.scene.truth)
+        run = self._runs[place] = MethodRun(order, self.held)
+        self.histories[place] = run.history
         self._timer.start()
-        self.advanced.emit(place)
         self.changed.emit()
+
+    def hold(self) -> None:
+        """Let all runs wait after their present step."""
+        self.held = True
+        for run in filter(None, self._runs):
+            run.hold()
+        self.changed.emit()
+
+    def go_on(self) -> None:
+        """Let all runs go on."""
+        self.held = False
+        for run in filter(None, self._runs):
+            run.go_on()
+        self.changed.emit()
+
+    def step(self) -> None:
+        """Do one step of each method; those of a comparison that has not begun wait at their start."""
+        if not self.running:
+            self.run_all(held=True)
+        elif not self.held:
+            self.hold()
+        else:
+            for run in filter(None, self._runs):
+                run.step()
 
     def clear(self, place: int) -> None:
         """Run nothing in a place."""
         self._end(place)
-        self.frames[place] = None
+        self.frames[place], self.histories[place] = None, History()
         self.advanced.emit(place)
         self.changed.emit()
 
@@ -153,19 +119,22 @@ class MethodComparison(QObject):
         """End all runs; what they have found so far stays."""
         for place in range(PLACES):
             self._end(place)
+        self.held = False
         self.changed.emit()
 
     def write(self, paths: tuple[Path, ...]) -> None:
-        """Write table and picture of what has been found, on a thread of its own."""
-        image, start = self._session.image, self.start_of()
-        tiles = [Tile(frame.contours, frame.facts) for frame in self.frames if frame and frame.over and frame.facts]
-        if image is None or not tiles:
+        """Write what has been found, on a thread of its own."""
+        found = [(frame.order, Tile(frame.contours, frame.facts, frame.order.settings))
+                 for frame in self.frames if frame and frame.over and frame.facts]  # fmt: skip
+        image = self._session.image
+        if image is None or not found:
             return
+        start, tiles = found[0][0].start, [tile for _, tile in found]
 
         def work(task: Task) -> Report:
             task.go_on()
-            write_comparison(image, start, tiles, paths)
-            return ComparisonWritten(paths)
+            notes: list[str] = []
+            return ComparisonWritten(write_comparison(image, start, tiles, paths, notes.append), tuple(notes))
 
         self._session.tasks.start(tr("Writing the comparison…"), work, tr("writing the comparison"), cancellable=False)
 

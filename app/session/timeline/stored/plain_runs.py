@@ -22,6 +22,7 @@ from app.session.timeline.state_cache import Place
 from app.session.timeline.stored.plain_actions import ActionTable, actions_from_plain, items, steps_from_plain
 from app.session.timeline.stored.stored_runs import StoredBranch, StoredRun, StoredRuns
 from cpm_core.field.placed_charges import in_order
+from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.sessions.particle_state import state_from_plain, state_to_plain
 from cpm_core.formats.sessions.plain_arrays import array_from_plain, array_to_plain
 from cpm_core.formats.sessions.plain_values import mapping, number, shape_from_plain, shape_to_plain
@@ -157,7 +158,10 @@ def _run_to_plain(run: StoredRun) -> dict[str, Any]:
         None, run.document.shapes, run.document.parameters, mode=run.document.mode, objects=_acting(run.document),
         outlined=run.document.outlined,
     )  # fmt: skip
+    image = run.document.image
+    size = None if image is None else {"spacing": list(image.spacing), "unit": image.unit}
     return {
+        "size": size,
         "document": json.loads(encode(to_file(bare, {}), Path())),
         "drawn": [shape_to_plain(start) for start in starts],
         "actions": table.to_plain(),
@@ -172,6 +176,13 @@ def _acting(document: Document) -> SegmentedObjects:
 
 
 def _run(plain: Plain, image: ImageReference) -> StoredRun:
+    if plain.get("size") is not None:  # it may have been changed since
+        size = Reading.of(mapping(plain["size"], "size"))
+        if size.spacing is None or len(size.spacing) != len(image.shape):
+            raise ValueError(
+                f"the size of a pixel is {shown(plain['size'])} but the image has {len(image.shape)} axes."
+            )
+        image = replace(image, spacing=size.spacing, unit=size.unit)
     file = decode(json.dumps(plain.get("document")).encode(), "its beginning")
     document = restored(file, image, file.parameters)
     shapes = [shape_from_plain(one, "a start of a run") for one in items(plain.get("drawn", []))]

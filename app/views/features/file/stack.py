@@ -9,7 +9,7 @@ from pathlib import Path
 
 from app.model.state.situation import Situation
 from app.model.state.volume_limits import has_volume
-from app.model.text.language import tr
+from app.model.text.language import from_core, tr
 from app.model.volume.parts import Parts
 from app.session.exchange.messages import Opened
 from app.session.features.latest import Latest
@@ -41,6 +41,9 @@ class StackFeature(OfferingFeature):
             ActionSpec(name="choose_part", menu="File", text=tr("Choose part of the &file…"), do=self.ask,
                        tip=tr("Choose page, channel, point in time and series of a file that holds several."),
                        when=lambda _: self._parts is not None and self._parts.several),
+            ActionSpec(name="open_series", menu="File", text=tr("Open the &whole series"), do=self._open_series,
+                       tip=tr("Open all slices in the folder of this DICOM file as one volume."),
+                       when=lambda _: self._parts is not None and self._parts.series_around is not None),
         )  # fmt: skip
 
     def close(self) -> bool:
@@ -54,6 +57,15 @@ class StackFeature(OfferingFeature):
         if parts is None or opened.saved is not None:
             return
         volume = opened.image.ndim == 3
+        if parts.series_around is not None:
+            sentence = tr("{name} seems to be one slice of a series in the folder {folder}.").format(
+                name=opened.path.name, folder=parts.series_around.name
+            )
+            self.bar.offer(sentence, (tr("Open the series"), self._open_series))
+            return
+        if parts.doubts and (volume or not parts.fit_a_volume):
+            self._say_doubts(opened, parts)
+            return
         if not (parts.several_volumes or (parts.several and not volume)):
             return
         sentence = tr("{name} holds {parts}. Open now: {open}.").format(
@@ -63,6 +75,13 @@ class StackFeature(OfferingFeature):
         if parts.fit_a_volume and not volume:
             answers.insert(0, (tr("Open as volume"), self._open_otherwise))
         self.bar.offer(sentence, *answers)
+
+    def _say_doubts(self, opened: Opened, parts: Parts) -> None:
+        """Say what is wrong with a volume as long as nobody works on it, and offer what may be better."""
+        answers = [(tr("Choose…"), self.ask)]
+        if parts.planes == parts.pages:  # all were taken, and only how far apart they are is in doubt
+            answers.insert(0, (tr("Size of a voxel…"), lambda: self.context.do("pixel_size")))
+        self.bar.offer(f"{opened.path.name}: {' '.join(map(from_core, parts.doubts))}", *answers)
 
     def ask(self) -> None:
         """Ask which part is to be opened."""
@@ -101,6 +120,11 @@ class StackFeature(OfferingFeature):
         if as_volume != (self._opened.image.ndim == 3):  # a size by hand has as many numbers as there are axes
             reading = replace(reading, spacing=None, unit=None)
         self.context.open_part(self._opened.path, as_volume, reading)
+
+    def _open_series(self) -> None:
+        parts = self._parts
+        if parts is not None and parts.series_around is not None:
+            self.context.open_file(parts.series_around, False)
 
     def _open_otherwise(self) -> None:
         if self._opened is not None:

@@ -8,6 +8,7 @@ from pathlib import Path
 from app.model.preferences.table import UNIT
 from app.model.state.situation import Situation
 from app.model.text.language import tr
+from app.session.features.pages.wanted_contour import WantedContour
 from app.session.storage.session_file import DocumentFile
 from app.views.panels.pages.page_bar import PageBar
 from app.views.panels.pages.panel import PagePanel
@@ -26,7 +27,7 @@ class PagesFeature(Feature):
         super().__init__(context)
         self._pages = pages = context.workspace.pages
         self.bar = PageBar()
-        self.panel = PagePanel(pages)
+        self.panel = PagePanel(pages, WantedContour(pages, context.workspace.review).show)
         self.bar.moved.connect(pages.open)
         self.bar.asked.connect(self._run_or_stop)
         self.bar.followed.connect(self._follow)

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QComboBox, QFrame, QLabel, QVBoxLayout, QWidget
 
 from app.model.display.display_image import DisplayImage
 from app.model.text.language import from_core, tr
-from app.session.features.side_by_side.method_comparison import Frame
+from app.session.features.side_by_side.method_run import Frame
 from app.views.canvas.coordinates import image_rectangle, to_xy
 from app.views.canvas.items.curves import Curves
 from app.views.canvas.items.item import Markers
@@ -40,9 +40,9 @@ class Pane(QFrame):
         self.choice.setAccessibleName(tr("Method {number}").format(number=number))
         for name, method in CONTOUR_METHODS.items():
             self.choice.addItem(from_core(method.title), name)
-            self.choice.setItemData(
-                self.choice.count() - 1, f"{from_core(method.about)}\n{method.reference}", Qt.ItemDataRole.ToolTipRole
-            )
+            last = self.choice.count() - 1
+            words = "\n".join(filter(None, (from_core(method.about), method.reference, from_core(method.missing))))
+            self.choice.setItemData(last, words, Qt.ItemDataRole.ToolTipRole)
         self.choice.addItem(tr("None"), "")
         self.picture = pg.GraphicsView(background=theme.CANVAS)
         self.picture.setMinimumSize(_LEAST, _LEAST)
@@ -50,12 +50,12 @@ class Pane(QFrame):
         self.view.disableAutoRange()
         self.picture.setCentralItem(self.view)
         self._image = pg.ImageItem(axisOrder="row-major")
-        self._start = Curves(theme.MOVING, _ABOVE, width=1.4, halo=0.0, dashed=True)
+        self.start = Curves(theme.MOVING, _ABOVE, width=1.4, halo=0.0, dashed=True)
         self._closed = Curves(theme.CLOSED, _ABOVE + 1.0)
         self._open = Curves(theme.OPEN, _ABOVE + 1.0)
         self._dots = Markers(size=_DOT, pen=None, brush=QColor(theme.MOVING))
         self._dots.setZValue(_ABOVE + 2.0)
-        for item in (self._image, self._start, self._closed, self._open, self._dots):
+        for item in (self._image, self.start, self._closed, self._open, self._dots):
             self.view.addItem(item)
         self.words = QLabel()
         self.words.setWordWrap(True)
@@ -82,14 +82,17 @@ class Pane(QFrame):
         self.choice.setCurrentIndex(self.choice.findData(method))
         self.choice.blockSignals(False)
 
-    def show_image(self, display: DisplayImage, start: Sequence[Array]) -> None:
-        """Show an image and the outlines that all methods start from."""
+    def show_image(self, display: DisplayImage) -> None:
+        """Show an image."""
         self._image.setImage(display.shades, autoLevels=False, levels=(0, 255))
         self._image.setRect(image_rectangle(display.shape))
-        for item in (self._start, self._closed, self._open):
+        for item in (self.start, self._closed, self._open):
             item.use_shape(display.shape)
-        self._start.show([np.concatenate([outline, outline[:1]]) for outline in start])
         self.view.setRange(image_rectangle(display.shape), padding=0.02)
+
+    def show_start(self, outlines: Sequence[Array]) -> None:
+        """Show the outlines that all methods start from."""
+        self.start.show([np.concatenate([outline, outline[:1]]) for outline in outlines])
 
     def show_frame(self, frame: Frame | None) -> None:
         """Show a state of the run, or nothing."""

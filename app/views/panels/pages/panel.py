@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from PySide6.QtCore import QSize
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
 from app.model.display.lengths import shown_in
+from app.model.display.page_rows import PageRow
 from app.model.text.language import tr
 from app.session.features.pages.stack_pages import StackPages
 from app.views.panels.item_table.row_table import LEAST
@@ -16,9 +19,9 @@ _BESIDE = 236
 
 
 class PagePanel(QWidget):
-    """Shows what was found on all pages of a stack."""
+    """Shows what was found on all pages of a stack; `show` goes to the contour of a row."""
 
-    def __init__(self, pages: StackPages) -> None:
+    def __init__(self, pages: StackPages, show: Callable[[PageRow], None]) -> None:
         super().__init__()
         self._pages = pages
         self.table = PageTable()
@@ -40,7 +43,7 @@ class PagePanel(QWidget):
         layout.setSpacing(12)
         layout.addWidget(Scrolled(beside, LEAST))
         layout.addWidget(self.table, 1)
-        self.table.wanted.connect(pages.open)
+        self.table.wanted.connect(show)
         pages.found.connect(self.show_rows)
         self.show_rows()
 

@@ -33,9 +33,9 @@ class PageModel(QAbstractTableModel):
         self._rows, self._size = rows, size
         self.endResetModel()
 
-    def page(self, row: int) -> int:
-        """The page of a row."""
-        return self._rows[row].page
+    def row(self, number: int) -> PageRow:
+        """A row by its number."""
+        return self._rows[number]
 
     def rowCount(self, parent: Index = QModelIndex()) -> int:  # noqa: B008  # as Qt declares it
         """Number of rows."""
@@ -66,10 +66,10 @@ class PageModel(QAbstractTableModel):
 
 
 class PageTable(RowTable):
-    """Shows the rows; a double click or Enter goes to the page of a row."""
+    """Shows the rows; a double click or Enter goes to the contour of a row."""
 
-    wanted = Signal(int)
-    """The user wants to see a page."""
+    wanted = Signal(object)
+    """The user wants to see what a row tells of: a PageRow."""
 
     def __init__(self) -> None:
         self.rows = PageModel()
@@ -79,11 +79,11 @@ class PageTable(RowTable):
         self.doubleClicked.connect(self._go)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Go to the page of the row on Enter."""
+        """Go to the contour of the row on Enter."""
         if event.key() in _ENTER and self.currentIndex().isValid():
             self._go(self.currentIndex())
         else:
             super().keyPressEvent(event)
 
     def _go(self, index: Index) -> None:
-        self.wanted.emit(self.rows.page(self._sorted.mapToSource(index).row()))
+        self.wanted.emit(self.rows.row(self._sorted.mapToSource(index).row()))

@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QApplication, QMenu, QWidget
 from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.widgets.actions import Actions
 from app.views.widgets.menu_owner import MenuOwner
+from app.views.window.menus.marks import keep_apart
 
 _RUN = ("run", "step", "reset")
 
@@ -97,6 +98,7 @@ class ContextMenus(QObject):
         for name in names:
             self._add(menu, name)
         menu.aboutToHide.connect(menu.deleteLater)
+        keep_apart(menu)
         self.menu = menu
         menu.popup(place)
 

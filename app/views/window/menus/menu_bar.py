@@ -9,8 +9,10 @@ from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMenu, QMenuBar
 
 from app.model.text.language import tr
+from app.model.text.mnemonics import distinct
 from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.widgets.actions import Actions
+from app.views.window.menus.marks import keep_apart
 
 MENUS = {
     "File": tr("&File"),
@@ -34,9 +36,9 @@ class Menus:
     def __init__(self, bar: QMenuBar, specs: Iterable[ActionSpec | Submenu], actions: Actions) -> None:
         self._menus: dict[str, QMenu] = {}
         listed = list(specs)
-        for name, title in MENUS.items():
-            if any(spec.menu.partition(">")[0] == name for spec in listed):
-                self._menus[name] = bar.addMenu(title)
+        filled = [name for name in MENUS if any(spec.menu.partition(">")[0] == name for spec in listed)]
+        for name, title in zip(filled, distinct([MENUS[name] for name in filled]), strict=True):
+            self._menus[name] = bar.addMenu(title)
         for spec in sorted(listed, key=lambda spec: spec.name == QUIT):
             menu = self[spec.menu]
             if spec.gap and not menu.isEmpty():
@@ -47,6 +49,8 @@ class Menus:
                 inner.aboutToShow.connect(partial(_refill, inner, spec))
             else:
                 menu.addAction(actions[spec.name])
+        for menu in self._menus.values():
+            keep_apart(menu)
 
     def __getitem__(self, path: str) -> QMenu:
         """A menu by its path; a missing submenu is created."""

@@ -18,6 +18,9 @@ from cpm_core.numerics.memory import check_room
 _BYTES_OF_GRAY = 16
 """Memory of a voxel beside its own while it is read: its gray level, and that once more as it is copied [bytes]."""
 
+ONLY_THESE = "Only these were taken."
+"""What is said behind the sentence on the longest even part of a file."""
+
 _MOST_PACKED = 1100
 """How many times its size a packed file may hold: deflate packs 1032 equal bytes in one."""
 
@@ -82,6 +85,11 @@ class Stack:
     number: int = 0
     deep: bool = False
 
+    @property
+    def words(self) -> str:
+        """What its planes are called."""
+        return f"{self.word}s"
+
 
 def plane_of(stack: Stack, choice: Choice) -> Decoded:
     """One plane of a stack; of frames, which are points in time, the page is one of them.
@@ -101,7 +109,7 @@ def plane_of(stack: Stack, choice: Choice) -> Decoded:
         notes.append(
             f"It is a volume, of which {stack.word} {page + 1} of {count} was taken."
             if stack.otherwise and not frames
-            else f"Only the first of its {count} {stack.word}s was taken."
+            else f"Only the first of its {count} {stack.words} was taken."
         )
     time, plane = (page, 0) if frames else (_time(stack, choice, notes), page)
     channel = _channel(stack, choice, notes)
@@ -143,10 +151,12 @@ def volume_of(stack: Stack, choice: Choice) -> Decoded:
             f"{stack.name}: {' '.join(stack.of_volume)} A volume needs at least {MINIMUM_SIDE} planes: resample them "
             "evenly with the program that made them, or take one as an image."
         )
+    if stack.stretch is not None:
+        notes.append(ONLY_THESE)
     check_memory((count, rows, columns), stack.each + _BYTES_OF_GRAY, stack.name)
     channel = _channel(stack, choice, notes)
     if frames:
-        notes.append(f"Its {count} {stack.word}s, which are points in time, were taken as planes.")
+        notes.append(f"Its {count} {stack.words}, which are points in time, were taken as planes.")
         found = joined([stack.take(time, channel, 0, 1) for time in range(count)])
     else:
         found = stack.take(_time(stack, choice, notes), channel, first, end)

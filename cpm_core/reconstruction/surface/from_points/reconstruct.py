@@ -55,6 +55,12 @@ def reconstruct_surface(points: ArrayLike, normals: ArrayLike | None = None, met
     Sheets, nested ones as well, have to be apart by more than about twice the distance between neighboring points, or
     they grow together. A sheet that ends in the open bounds nothing: the implicit surface closes it by a guess, and
     the crust leaves it out, or is refused when nothing else is left.
+
+    Examples
+    --------
+    >>> surface = cpm.reconstruct_surface(cpm.sphere((15, 15, 15), 9, 400))
+    >>> surface.closed, surface.euler
+    (True, 2)
     """
     if not isinstance(method, str) or method not in METHODS:
         raise ValueError(f"method is {shown(method)} but must be one of {', '.join(METHODS)}.")

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from cpm_core.contours.surface import Surface
+from cpm_core.field.volume.volume_space import pitch_of
 from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.reconstruction.surface.components import Leaving, support, well_supported
 from cpm_core.reconstruction.surface.iso.joints import join
@@ -67,7 +68,7 @@ def find_surface(
     Surface
         Without triangles when there are fewer than four particles.
     """
-    size = np.array(spacing) / min(spacing)
+    size = np.array(pitch_of(spacing))
     if len(points) < _FEWEST:
         return Surface(np.empty((0, 3)), np.empty((0, 3), np.int64), spacing, unit)
     points = on_ridge(volume, edge_map, points, size)

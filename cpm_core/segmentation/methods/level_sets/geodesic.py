@@ -11,10 +11,9 @@ from cpm_core.field.edge_map import gradient
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array
 from cpm_core.segmentation.methods.gray import unit_edges
-from cpm_core.segmentation.methods.level_sets.evolution import Speeds, evolution
+from cpm_core.segmentation.methods.level_sets.evolution import FrontState, Speeds, evolution
 from cpm_core.segmentation.methods.method import ContourMethod, Start
 from cpm_core.segmentation.methods.settings import Settings, number
-from cpm_core.segmentation.methods.states import LevelSetState
 
 MOST_STEPS = 4000
 
@@ -65,7 +64,7 @@ def stopping(image: Image, settings: GeodesicSettings) -> Array:
     return np.asarray((1.0 + strength) ** -settings.exponent)
 
 
-def _evolve(image: Image, start: Start, settings: GeodesicSettings) -> Iterator[LevelSetState]:
+def _evolve(image: Image, start: Start, settings: GeodesicSettings) -> Iterator[FrontState]:
     factor = stopping(image, settings)
     slope = gradient(factor, 0.0)
     inside = start.mask(image.shape)

@@ -9,11 +9,10 @@ import numpy as np
 
 from cpm_core.image.image import Image
 from cpm_core.segmentation.methods.gray import unit_edges
-from cpm_core.segmentation.methods.level_sets.evolution import Speeds, evolution
+from cpm_core.segmentation.methods.level_sets.evolution import FrontState, Speeds, evolution
 from cpm_core.segmentation.methods.method import ContourMethod, Start
 from cpm_core.segmentation.methods.parametric.gvf_field import evened, gradient_vector_flow
 from cpm_core.segmentation.methods.settings import Settings, number
-from cpm_core.segmentation.methods.states import LevelSetState
 
 MOST_STEPS = 4000
 
@@ -49,7 +48,7 @@ class GeometricGvfSettings(Settings):
     )  # fmt: skip
 
 
-def _evolve(image: Image, start: Start, settings: GeometricGvfSettings) -> Iterator[LevelSetState]:
+def _evolve(image: Image, start: Start, settings: GeometricGvfSettings) -> Iterator[FrontState]:
     field = evened(gradient_vector_flow(unit_edges(image, settings.smoothing), settings.mu), settings.evenness)
     curvature, pressure = (
         np.full(image.shape, float(weight)) for weight in (settings.curvature, start.onward * settings.pressure)

@@ -1,1 +1,1 @@
-"""Methods of scikit-image that divide the image into regions, step by step where they have steps."""
+"""Methods of scikit-image and OpenCV that divide the image into regions, step by step where they have steps."""

@@ -162,3 +162,9 @@ def test_a_page_may_be_too_small_for_the_scales():
     (found,) = cpm.follow([small], cpm.circle((12, 20), 3.0), cpm.Parameters(scales=5))
     assert found.trouble == ""
     assert len(found.contours) == 1
+
+
+@pytest.mark.parametrize("given", [np.array(5.0), 7, None], ids=["without axes", "a number", "nothing"])
+def test_what_has_no_pages_is_refused_in_a_sentence(given):
+    with pytest.raises(ValueError, match=r"pages is .* but must be a sequence of images"):
+        cpm.follow(given, [[4.0, 4.0]])

@@ -246,7 +246,7 @@ def test_a_sound_file_of_a_kind_that_is_not_read_is_called_by_its_name(tmp_path,
     report = failure_report(tmp_path / "scan.dat")
     assert f" {kind} " in report
     assert "damaged" not in report
-    assert "save the plane that you want as TIFF or PNG" in report
+    assert "save the image or volume that you want as TIFF" in report
 
 
 PACKED = {

@@ -45,6 +45,7 @@ _TAGS = (
     "RescaleIntercept",
     "FrameTime",
     "FrameIncrementPointer",
+    "GridFrameOffsetVector",
 )
 """What is read of a header; the rest of a folder of thousand files is not waited for."""
 
@@ -121,7 +122,7 @@ def frames_of(pydicom: Any, path: Path) -> list[Frame]:
     count = int(header.get("NumberOfFrames", 1) or 1)
     shared = (header.get("SharedFunctionalGroupsSequence") or [None])[0]
     own = header.get("PerFrameFunctionalGroupsSequence") or []
-    if count < 1 or (own and len(own) != count):
+    if count < 1 or 0 < len(own) < count:
         raise ValueError("the number of its images is not valid")
     return [_frame(path, index, header, [own[index]] if own else [], shared) for index in range(count)]
 
@@ -162,8 +163,11 @@ def _frame(path: Path, index: int, header: Any, own: list[Any], shared: Any) -> 
     thick = told("SliceThickness", "PixelMeasuresSequence")
     thickness = next((size for size in map(_positive, (apart, thick)) if size), None)
     number = [header.get(name) for name in _ORDER]
+    along = None if turn is None else _along(turn)
     slope = _number(told("RescaleSlope", "PixelValueTransformationSequence"), 1.0)
     count = int(header.get("NumberOfFrames", 1) or 1)
+    if count > 1 and not own:
+        place = _of_grid(header, place, along, count, index)
     return Frame(
         path,
         index,
@@ -172,16 +176,27 @@ def _frame(path: Path, index: int, header: Any, own: list[Any], shared: Any) -> 
         (*(_number(one, 0.0) for one in number), float(index)),
         (int(header.Rows), int(header.Columns)),
         float(header.get("SamplesPerPixel", 1) or 1) * float(header.get("BitsAllocated", 16) or 16) / 8.0,
-        None if place is None or (count > 1 and not own) else (place[0], place[1], place[2]),
-        None if turn is None else _along(turn),
+        None if place is None else (place[0], place[1], place[2]),
+        along,
         spacing,
         unit,
         thickness,
         detector,
         slope or 1.0,
         _number(told("RescaleIntercept", "PixelValueTransformationSequence"), 0.0),
-        count > 1 and not own and ("FrameTime" in header or "FrameIncrementPointer" in header),
+        count > 1 and not own and place is None and ("FrameTime" in header or "FrameIncrementPointer" in header),
     )
+
+
+def _of_grid(
+    header: Any, first: list[float] | None, along: tuple[Triple, Triple] | None, count: int, index: int
+) -> list[float] | None:
+    """Position of an image of a grid of doses, which tells the distances of its images from the first one."""
+    offsets = _numbers(header.get("GridFrameOffsetVector"), count)
+    if first is None or along is None or offsets is None:
+        return None
+    moved = np.array(first) + (offsets[index] - offsets[0]) * np.cross(*along)
+    return [float(x) for x in moved]
 
 
 _ORDER = ("TemporalPositionIdentifier", "AcquisitionNumber", "EchoNumbers", "TriggerTime", "InstanceNumber")

@@ -34,6 +34,8 @@ _CODECS = {
 }
 """End of the name of a packing -> function of imagecodecs."""
 
+_PIXELS = ("PixelData", "FloatPixelData", "DoubleFloatPixelData")
+
 _BITS = 16
 """Most bits of a pixel that is packed."""
 
@@ -74,6 +76,8 @@ def _ends(dataset: Any) -> int:
 def _unpacked(dataset: Any, frame: Frame, name: str) -> NDArray[Any]:
     """Stored values of an image, shape (rows, columns) or (rows, columns, 3)."""
     pixels = package("pydicom.pixels", f"{name} is a DICOM file")
+    if not any(kind in dataset for kind in _PIXELS):
+        raise UnreadableError(f"{name} holds no DICOM image: choose another file or folder.")
     syntax = dataset.file_meta.TransferSyntaxUID
     if not syntax.is_encapsulated:
         return np.asarray(pixels.pixel_array(dataset, index=frame.index))
@@ -97,7 +101,7 @@ def _unpacked(dataset: Any, frame: Frame, name: str) -> NDArray[Any]:
         cure = 'install it (pip install "cpm-particles[medical]"), or save' if codec else "save"
         needs = ", which needs the package imagecodecs" if codec else ", which is not read"
         raise UnreadableError(f"{name} is packed as {packing}{needs}: {cure} the image again without packing.")
-    if int(dataset.get("SamplesPerPixel", 1)) != 1:
+    if int(dataset.get("SamplesPerPixel", 1)) != 1 and dataset.get("PhotometricInterpretation") != "RGB":
         raise failure
     codecs = package("imagecodecs", f"{name} is packed as {syntax.name}")
     found = np.asarray(getattr(codecs, codec)(content))

@@ -62,6 +62,16 @@ def is_series(folder: Path) -> bool:
     return bool(_files(folder, most=1))
 
 
+def dicom_files_beside(path: Path, most: int) -> list[Path]:
+    """So many DICOM files at most in the folder of a DICOM file; none for another file or a folder."""
+    try:
+        with path.open("rb") as stream:
+            known = reads(stream.read(512), path)
+        return _files(path.parent, most) if known else []
+    except OSError:
+        return []
+
+
 def read(path: Path, choice: Choice = FIRST) -> Decoded:
     """Read one image: of a film the first, of a volume the middle one, unless one is chosen."""
     return plane_of(stack(path, choice), choice)
@@ -97,9 +107,10 @@ def stack(path: Path, choice: Choice = FIRST) -> Stack:
     number = series_of(choice.series, titles, int(np.argmax(sizes)), name)
     chosen = series[number]
     notes = []
-    if len(series) > 1 and choice.series is None:
+    whole = sum(not one.partial for one in series)
+    if whole > 1 and choice.series is None:
         which = f"{number + 1} ({shown(chosen.title)})"
-        notes.append(f"Of its {len(series)} series that with the most images was taken, {which}.")
+        notes.append(f"Of its {whole} series that with the most images was taken, {which}.")
     if damaged:
         notes.append(f"{damaged} of its files {'is' if damaged == 1 else 'are'} damaged and left out.")
     return replace(_stack(name, chosen, tuple(notes), pydicom), series=titles, number=number)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cpm_core.formats.images.medical.dicom.frame import Frame
 from cpm_core.image.geometry import Geometry, Triple
+from cpm_core.image.image import MINIMUM_SIDE
 from cpm_core.numerics.types import Array
 
 _ONE_PLACE = 1e-3
@@ -42,6 +43,8 @@ class Series:
         Where each plane lies.
     notes, of_volume : tuple of str
         What is to be said of it, and of a volume made of it.
+    partial : bool
+        Whether it is a part of another one.
     """
 
     title: str
@@ -52,6 +55,7 @@ class Series:
     places: tuple[Geometry, ...] = ()
     notes: tuple[str, ...] = ()
     of_volume: tuple[str, ...] = ()
+    partial: bool = False
 
 
 def all_series(frames: Sequence[Frame]) -> tuple[Series, ...]:
@@ -59,7 +63,7 @@ def all_series(frames: Sequence[Frame]) -> tuple[Series, ...]:
     groups: dict[tuple[object, ...], list[Frame]] = {}
     for frame in frames:
         groups.setdefault(_kind(frame), []).append(frame)
-    found = [_ordered(group) for group in groups.values()]
+    found = [series for group in groups.values() for series in _ordered(group)]
     return tuple(sorted(found, key=lambda series: (series.title, -len(series.frames[0]))))
 
 
@@ -69,11 +73,12 @@ def _kind(frame: Frame) -> tuple[object, ...]:
     return frame.series, frame.shape, along, spacing, frame.origin is None
 
 
-def _ordered(group: list[Frame]) -> Series:
+def _ordered(group: list[Frame]) -> list[Series]:
+    """A series, and where it is not evenly spaced what else of it makes a volume beside its longest even part."""
     first = group[0]
     notes: tuple[str, ...] = ("The size of a pixel is that on the detector.",) if first.detector else ()
     if first.origin is None or first.along is None:
-        return _without_places(sorted(group, key=lambda frame: frame.number), notes)
+        return [_without_places(sorted(group, key=lambda frame: frame.number), notes)]
     column, row = np.array(first.along)
     normal = np.cross(column, row)
     places: list[list[Frame]] = []
@@ -90,7 +95,15 @@ def _ordered(group: list[Frame]) -> Series:
     if times < max(map(len, ordered)):
         notes += ("At some places it has more slices than at others; the first of them were taken.",)
     by_time = tuple(tuple(place[time] for place in ordered) for time in range(times))
-    return _placed(first.title, by_time, np.array(at), normal, notes)
+    heights = np.array(at)
+    parts = _even_parts(heights)
+    found = [_placed(first.title, by_time, heights, normal, notes)]
+    for begin, end in parts:
+        if (begin, end) != _longest(parts) and end - begin >= MINIMUM_SIDE:
+            title = f"{first.title}, slices {begin + 1} to {end}".lstrip(", ")
+            part = _placed(title, tuple(time[begin:end] for time in by_time), heights[begin:end], normal, notes)
+            found.append(replace(part, partial=True))
+    return found
 
 
 def _without_places(frames: list[Frame], notes: tuple[str, ...]) -> Series:
@@ -131,35 +144,38 @@ def _placed(
     return Series(title, frames, depth, stretch, geometry, places, notes, told)
 
 
-def _stretch(at: Array) -> tuple[int, int, tuple[str, ...]]:
-    """First slice of the longest part that is evenly spaced, the one after its last, and what is wrong beside it."""
+def _even_parts(at: Array) -> list[tuple[int, int]]:
+    """First slice of each part that is evenly spaced, and the one after its last; neighbors may share a slice."""
     gaps = np.diff(at)
-    if not len(gaps):
-        return 0, len(at), ()
-    best = (0, 1)
-    begin = 0
+    found, begin = [], 0
     for index in range(len(gaps)):
         part = gaps[begin : index + 1]
         if np.ptp(part) > _UNEVEN * np.median(part):
+            found.append((begin, index + 1))
             begin = index
-        if index + 1 - begin > best[1] - best[0]:
-            best = (begin, index + 1)
-    begin, end = best[0], best[1] + 1
+    return [*found, (begin, len(at))]
+
+
+def _stretch(at: Array) -> tuple[int, int, tuple[str, ...]]:
+    """First slice of the longest part that is evenly spaced, the one after its last, and what is wrong beside it."""
+    begin, end = _longest(_even_parts(at))
     if end - begin == len(at):
         return 0, len(at), ()
+    gaps = np.diff(at)
     usual = float(np.median(gaps[begin : end - 1]))
     odd = begin - 1 if begin > 0 else end - 1
     ratio = float(gaps[odd]) / usual
     missing = round(ratio) - 1
-    taken = f"the {end - begin} slices {begin + 1} to {end} were taken."
-    if missing >= 1 and math.isclose(ratio, missing + 1, rel_tol=_UNEVEN):
-        lack = "1 slice is missing" if missing == 1 else f"{missing} slices are missing"
-        why = f"Between slices {odd + 1} and {odd + 2} lie {gaps[odd]:.4g} mm, elsewhere {usual:.4g} mm, so that {lack}"
-    else:
-        why = (
-            f"Its slices are from {gaps.min():.4g} to {gaps.max():.4g} mm apart, and {usual:.4g} mm in the longest part"
-        )
-    return begin, end, (f"{why}; {taken}",)
+    longest = f"The longest even part has {end - begin} slices, {begin + 1} to {end}, {usual:.4g} mm apart."
+    if missing < 1 or not math.isclose(ratio, missing + 1, rel_tol=_UNEVEN):
+        return begin, end, (f"Its slices are from {gaps.min():.4g} to {gaps.max():.4g} mm apart.", longest)
+    lack = "1 slice is missing" if missing == 1 else f"{missing} slices are missing"
+    between = f"Between slices {odd + 1} and {odd + 2} lie {gaps[odd]:.4g} mm, elsewhere {usual:.4g} mm: {lack}."
+    return begin, end, (between, longest)
+
+
+def _longest(parts: list[tuple[int, int]]) -> tuple[int, int]:
+    return max(parts, key=lambda part: part[1] - part[0])
 
 
 def _triple(vector: Array) -> Triple:

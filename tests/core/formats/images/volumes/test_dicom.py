@@ -7,6 +7,7 @@ import pytest
 from pydicom.uid import DeflatedExplicitVRLittleEndian, JPEG2000Lossless, RLELossless
 
 from cpm_core import load_image, load_volume
+from cpm_core.formats import open_stack
 from cpm_core.formats.images.medical.dicom import pixels
 from cpm_core.formats.images.medical.dicom.reader import reads
 
@@ -41,8 +42,9 @@ def test_of_a_series_with_a_gap_the_longest_even_part_is_taken_and_it_is_said(tm
     volume = load_volume(tmp_path / "s")
     assert volume.shape == (11, *SHAPE[1:])
     assert volume.notes == (
-        "Between slices 9 and 10 lie 3 mm, elsewhere 1 mm, so that 2 slices are missing; the 11 slices 10 to 20 were "
-        "taken.",
+        "Between slices 9 and 10 lie 3 mm, elsewhere 1 mm: 2 slices are missing.",
+        "The longest even part has 11 slices, 10 to 20, 1 mm apart.",
+        "Only these were taken.",
     )
     assert np.array_equal(volume.values[0], VALUES[9])
     assert volume.geometry.origin == pytest.approx((-20.0, 10.0, 16.0))
@@ -57,8 +59,20 @@ def test_of_two_spacings_the_longest_even_part_is_taken_and_it_is_said(tmp_path)
     volume = load_volume(tmp_path / "s")
     assert volume.spacing[0] == pytest.approx(1.0)
     assert volume.notes == (
-        "Its slices are from 1 to 1.7 mm apart, and 1 mm in the longest part; the 9 slices 1 to 9 were taken.",
+        "Its slices are from 1 to 1.7 mm apart.",
+        "The longest even part has 9 slices, 1 to 9, 1 mm apart.",
+        "Only these were taken.",
     )
+
+
+def test_the_other_even_parts_of_a_series_are_volumes_by_choice(tmp_path):
+    heights = [*range(9), *range(11, 22)]
+    write_series(tmp_path / "s", heights, values=np.concatenate([VALUES, VALUES + 1]))
+    assert open_stack(tmp_path / "s").series == ("head", "head, slices 1 to 9")
+    volume = load_volume(tmp_path / "s", series=2)
+    assert (volume.shape, volume.notes) == ((9, *SHAPE[1:]), ())
+    assert np.array_equal(volume.values, VALUES[:9])
+    assert volume.geometry.origin == pytest.approx((-20.0, 10.0, 5.0))
 
 
 def test_without_an_even_part_large_enough_the_sentence_says_why_and_what_to_do(tmp_path):
@@ -275,6 +289,51 @@ def test_a_file_without_an_image_is_called_that(tmp_path):
     write_slice(tmp_path / "a.dcm", VALUES[0], Rows=None)
     with pytest.raises(ValueError, match=r"a\.dcm holds no DICOM image: choose another file"):
         load_image(tmp_path / "a.dcm")
+
+
+def test_a_file_whose_pixels_were_taken_out_is_called_that(tmp_path):
+    write_slice(tmp_path / "a.dcm", VALUES[0], PixelData=None)
+    with pytest.raises(ValueError, match=r"a\.dcm holds no DICOM image: choose another file"):
+        load_image(tmp_path / "a.dcm")
+
+
+@pytest.mark.parametrize("along", [ACROSS, OBLIQUE], ids=["across", "oblique"])
+def test_the_planes_of_a_grid_of_doses_lie_at_their_offsets(tmp_path, along):
+    """It is one file, which tells the place of the first plane and the distances of the others from it."""
+    grid = {
+        "NumberOfFrames": 10,
+        "FrameIncrementPointer": 0x3004000C,
+        "GridFrameOffsetVector": [3.0 * k for k in range(10)],
+    }
+    write_slice(tmp_path / "dose.dcm", VALUES, (-20.0, 10.0, 5.0), along, **grid)
+    volume = load_volume(tmp_path / "dose.dcm")
+    assert np.array_equal(volume.values, VALUES)
+    assert volume.notes == ()
+    assert volume.spacing == pytest.approx((3.0, 0.75, 0.5), abs=1e-5)
+    write_series(tmp_path / "s", [3.0 * k for k in range(10)], along)
+    series = load_volume(tmp_path / "s")
+    np.testing.assert_allclose(
+        volume.geometry.affine(volume.spacing), series.geometry.affine(series.spacing), atol=1e-5
+    )
+
+
+def test_one_image_taken_out_of_a_volume_in_one_file_may_still_tell_the_places_of_all(tmp_path):
+    groups = [grouped(3.0 * k) for k in range(4)]
+    write_slice(tmp_path / "a.dcm", VALUES[0], NumberOfFrames=1, PerFrameFunctionalGroupsSequence=groups)
+    assert np.array_equal(load_image(tmp_path / "a.dcm").values, 2.0 * VALUES[0])
+
+
+def test_colors_that_pydicom_does_not_unpack_are_unpacked_by_imagecodecs(tmp_path):
+    codecs = pytest.importorskip("imagecodecs")
+    colors = np.stack([VALUES[plane] % 251 for plane in range(3)], -1).astype(np.uint8)
+    found = dataset(
+        VALUES[0].astype(np.uint8), SamplesPerPixel=3, PlanarConfiguration=0, PhotometricInterpretation="RGB"
+    )
+    found.PixelData = pydicom.encaps.encapsulate([codecs.jpegls_encode(colors)])
+    found.file_meta.TransferSyntaxUID = pydicom.uid.JPEGLSNearLossless
+    found["PixelData"].VR = "OB"
+    found.save_as(tmp_path / "a.dcm")
+    assert np.array_equal(load_image(tmp_path / "a.dcm").colors.samples, colors)
 
 
 def test_a_series_and_nibabel_agree_on_where_labels_lie(tmp_path):

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -31,28 +30,31 @@ from cpm_core.cli.arguments import (
     with_room,
 )
 from cpm_core.cli.batch.jobs import facts_of as outcome_of
-from cpm_core.cli.objects import add_objects, check_objects, choose, facts_of_object, sentence
-from cpm_core.cli.pages import StackRun, add_pages, check_pages, run_pages
-from cpm_core.cli.terminal import Progress, counted, written
-from cpm_core.cli.volume import run_volume
+from cpm_core.cli.outcome import tell
+from cpm_core.cli.run.agreement import agreement, sentence_on, truth_for
+from cpm_core.cli.run.drawn import plain_drawn, regions_drawn, seeds_drawn, starts_from_files
+from cpm_core.cli.run.objects import add_objects, check_objects, choose, facts_of_object, sentence
+from cpm_core.cli.run.pages import StackRun, add_pages, check_pages, run_pages
+from cpm_core.cli.run.saved_session import check_save, save
+from cpm_core.cli.run.volume import run_volume
+from cpm_core.cli.terminal import announce_compilation, counted, progress_line, written
 from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply
 from cpm_core.field.edge_map import edge_map
-from cpm_core.formats import export, left_out, load_image, load_points, suffix_of
+from cpm_core.formats import CONTOURS_READABLE, export, left_out, load_image, suffix_of
 from cpm_core.formats.printable import printable
 from cpm_core.formats.provenance import ENTRY, facts_of, plain_shapes, with_shapes
-from cpm_core.formats.sessions.session_file import SessionFile, find_image, load_session
+from cpm_core.formats.sessions.recorded_run import Recorder
+from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, find_image, load_session
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.objects import Selection
 from cpm_core.parameters import PRESETS, Parameters
-from cpm_core.parameters.quotation import shown
-from cpm_core.particles.initialization import circle, stroke
 from cpm_core.reconstruction.curve.closing import close_contours
 from cpm_core.segmentation.segment import segment, with_hand_edits
-from cpm_core.shapes import KINDS, Barrier, Everywhere, Region
-from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on, starts_of
+from cpm_core.shapes import KINDS, Everywhere
+from cpm_core.shapes.document_shapes import charges_of, seeds_on
 
 _CURE = "Add --close to close those whose ends are near each other, or write SVG, GeoJSON or CSV."
 
@@ -75,6 +77,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
         (start, "--sphere", "PLANE,ROW,COL,RADIUS", "a sphere in a volume, in voxels; IMAGE is then a volume"),
         (start, "--stroke", line, "a stroke from point to point"),
         (start, "--points", "FILE.csv", "points: row,col on each line"),
+        (start, "--start", "FILE", f"the contours of a file ({', '.join(CONTOURS_READABLE)}, or a label mask)"),
         (place, "--region", line, "corners of a polygon that particles stay in, in px; in a volume of a box"),
         (place, "--barrier", line, "vertices of a line that no particle crosses, in px; in a volume a plane"),
     ):
@@ -97,6 +100,10 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     add_space(outcome)
     add_export(outcome, "contours")
     add_close(outcome)
+    outcome.add_argument("--truth", metavar="FILE", help="compare with a ground truth: a mask, or a file of contours")
+    outcome.add_argument(
+        "--save-session", metavar="FILE", help=f"write a session ({SUFFIX}) that the window opens with these contours"
+    )
     add_json(outcome)
 
 
@@ -112,13 +119,14 @@ def _run(arguments: argparse.Namespace) -> int:
     parameters = parameters_of(arguments, PRESETS[arguments.preset] if arguments.preset else session.parameters)
     max_steps = as_steps(arguments.max_steps)
     check_objects(arguments)
-    drawn = _drawn(arguments, session)
-    regions = _regions(arguments, session)
+    drawn = seeds_drawn(arguments, session)
+    regions = regions_drawn(arguments, session)
     path, notes = _image(arguments, session)
     if session.image is not None and arguments.image is None:
         own = session.image.reading.arguments
         part = {name: given for name, given in own.items() if name != "page" or arguments.pages is None} | part
     check_pages(arguments, str(path))
+    check_save(arguments, str(path))
     if arguments.pages is None:
         check_exports(arguments.export, str(path), arguments.session)
         _tell_notes((*session.notes, *notes))
@@ -131,7 +139,7 @@ def _run(arguments: argparse.Namespace) -> int:
         part,
         parameters,
         lambda image: _seeds(arguments, session, image, parameters, drawn),
-        (*plain_shapes(session.shapes), *_plain_shapes(arguments)),
+        (*plain_shapes(session.shapes), *plain_drawn(arguments)),
         max_steps,
         regions,
         charges_of(session.shapes),
@@ -155,17 +163,16 @@ def _run_image(
     if arguments.scales is None:
         parameters, small = with_room(parameters, image)
     _tell_notes(f"{image.source}: {note}" for note in (*notes_on(image, parameters), *small))
+    truth = truth_for(arguments, image)
     started = time.perf_counter()
-    progress = Progress() if sys.stderr.isatty() else None
-    try:
-        seeds, charges = _seeds(arguments, session, image, parameters, drawn), charges_of(session.shapes)
+    seeds, charges = _seeds(arguments, session, image, parameters, drawn), charges_of(session.shapes)
+    announce_compilation()
+    recorder = Recorder()
+    with progress_line(recorder) as progress:
         found = segment(
             image, seeds, parameters, max_steps=max_steps, progress=progress, regions=regions, charges=charges
         )
-    finally:
-        if progress is not None:
-            progress.clear()
-    found = with_shapes(found, session.shapes, _plain_shapes(arguments))
+    found = with_shapes(found, session.shapes, plain_drawn(arguments))
     result = _edited(found, image, parameters, session, arguments)
     chosen, shown = None, result
     if arguments.object:
@@ -173,9 +180,10 @@ def _run_image(
     seconds = time.perf_counter() - started
     refused: dict[Path, str] = {}
     export(shown, *arguments.export, image=path, tell=_tell_omission, refused=refused.__setitem__)
+    save(arguments, session, image, path, part, parameters, recorder)
     missing = {file: left_out(shown, suffix_of(file)) for file in arguments.export if Path(file) not in refused}
     with written("the files were written before" if arguments.export else ""):
-        _report(result, chosen, seconds, missing, as_json=arguments.json)
+        _report(result, chosen, seconds, missing, agreement(shown, truth), arguments)
     if refused:
         raise ValueError(" ".join(refused.values()))
     return 0
@@ -220,7 +228,7 @@ def _seeds(
 ) -> NDArray[np.float64]:
     """All seeds on an image: those drawn, those of the session, and those that are placed by themselves."""
     seen = parameters.smoothing, parameters.channel
-    seeds = [seeds_on(image, session.shapes, *seen), *drawn]
+    seeds = [seeds_on(image, session.shapes, *seen), *drawn, *(s.seeds() for s in starts_from_files(arguments, image))]
     if arguments.auto:
         seeds.append(seeds_on(image, (Everywhere(arguments.auto),), *seen))
     elif arguments.object and not any(map(len, seeds)):
@@ -228,93 +236,35 @@ def _seeds(
     return np.concatenate(seeds)
 
 
-def _drawn(arguments: argparse.Namespace, session: SessionFile) -> list[NDArray[np.float64]]:
-    """Seeds of the circles, strokes and points on the command line."""
-    given = arguments.circle or arguments.stroke or arguments.points or arguments.auto or arguments.object
-    if not (given or starts_of(session.shapes)) and session.mode == "skeleton":
-        raise ValueError("The session is about a skeleton and has no start: use cpm skeleton IMAGE --export PATH.")
-    if not (given or starts_of(session.shapes)):
-        raise ValueError(
-            "No start is given: add --circle ROW,COL,RADIUS, --stroke ROW,COL,ROW,COL,..., "
-            "--points FILE.csv or --auto grid, or name a place inside an object, --object ROW,COL."
-        )
-    return [
-        *(_circle(text) for text in arguments.circle),
-        *(_stroke(text) for text in arguments.stroke),
-        *(load_points(path) for path in arguments.points),
-    ]
-
-
-def _plain_shapes(arguments: argparse.Namespace) -> list[dict[str, Any]]:
-    """What is drawn on the command line, as session files hold shapes; of a file its name."""
-    circles = [_numbers(text) for text in arguments.circle]
-    lines = (("stroke", arguments.stroke), ("region", arguments.region), ("barrier", arguments.barrier))
-    plain: list[dict[str, Any]] = [{"shape": "circle", "center": [*at], "radius": radius} for *at, radius in circles]
-    plain += [{"shape": shape, "points": _line(f"--{shape}", text, 1)} for shape, texts in lines for text in texts]
-    plain += [{"shape": "points", "file": Path(path).name} for path in arguments.points]
-    if arguments.auto:
-        plain.append({"shape": "everywhere", "kind": arguments.auto})
-    return plain
-
-
-def _circle(text: str) -> NDArray[np.float64]:
-    numbers = _numbers(text)
-    if len(numbers) != 3:
-        raise ValueError(f"--circle is {shown(text)} but must be three numbers, ROW,COL,RADIUS in px.")
-    return circle(center=(numbers[0], numbers[1]), radius=numbers[2])
-
-
-def _stroke(text: str) -> NDArray[np.float64]:
-    return stroke(np.array(_line("--stroke", text, 1)))
-
-
-def _numbers(text: str) -> list[float]:
-    """Numbers between commas; an empty list when a part is not a number."""
-    parts = [as_number(part.strip()) for part in text.split(",")]
-    numbers = [float(part) for part in parts if not isinstance(part, str)]
-    return numbers if len(numbers) == len(parts) else []
-
-
-def _regions(arguments: argparse.Namespace, session: SessionFile) -> AnyRegions | None:
-    """Regions of interest and barriers of the session and on the command line."""
-    regions = [Region(_line("--region", text, 3)) for text in arguments.region]
-    barriers = [Barrier(_line("--barrier", text, 2)) for text in arguments.barrier]
-    return regions_of((*session.shapes, *regions, *barriers), session.objects.barriers)
-
-
-def _line(flag: str, text: str, least: int) -> tuple[tuple[float, float], ...]:
-    """Points of a line given as row and column in turn."""
-    numbers = _numbers(text)
-    points = tuple(zip(numbers[::2], numbers[1::2], strict=False))
-    if len(numbers) % 2 or len(set(points)) < least:
-        raise ValueError(
-            f"{flag} is {shown(text)} but must be rows and columns in turn, of {least} different points at least, "
-            "ROW,COL,ROW,COL,... in px."
-        )
-    return points
-
-
 def _report(
-    result: Result, chosen: Selection | None, seconds: float, written: Mapping[str, int], *, as_json: bool
+    result: Result,
+    chosen: Selection | None,
+    seconds: float,
+    written: Mapping[str, int],
+    agreed: Mapping[str, Any],
+    arguments: argparse.Namespace,
 ) -> None:
-    facts = outcome_of(result, seconds)
-    if as_json:
-        objects = {} if chosen is None else {"objects": [facts_of_object(chosen)]}
-        made = {ENTRY: facts_of(result)}
-        print(json.dumps({**facts, "bridges": len(result.bridges), "left_out": written, **objects, **made}))
-        return
-    print(f"{result.source}: {counted(len(result.contours), 'contour')} ({facts['closed']} closed)")
+    objects = {} if chosen is None else {"objects": [facts_of_object(chosen)]}
+    more = {"bridges": len(result.bridges), "left_out": written, **objects, **agreed, ENTRY: facts_of(result)}
+    facts = {**outcome_of(result, seconds), **more}
+    saved = [] if arguments.save_session is None else [arguments.save_session]
+    tell("run", facts, _lines(result, chosen, facts), [*written, *saved], as_json=arguments.json)
+
+
+def _lines(result: Result, chosen: Selection | None, facts: Mapping[str, Any]) -> Iterator[str]:
+    """What a person is told."""
+    yield f"{result.source}: {counted(len(result.contours), 'contour')} ({facts['closed']} closed)"
     for number, contour in enumerate(result.contours[:10], start=1):
         kind = f"closed, area {contour.area:.1f} px²" if contour.closed else "open"
-        print(f"  {number}. length {contour.length:.1f} px, {kind}, strength {contour.strength:.3g}")
+        yield f"  {number}. length {contour.length:.1f} px, {kind}, strength {contour.strength:.3g}"
     if len(result.contours) > 10:
-        print(f"  ... and {len(result.contours) - 10} shorter ones")
+        yield f"  ... and {len(result.contours) - 10} shorter ones"
     if chosen is not None:
-        print(sentence(chosen))
+        yield sentence(chosen)
     if result.bridges:
         longest = max(bridge.length for bridge in result.bridges)
-        print(f"Bridged {counted(len(result.bridges), 'gap')}, longest {longest:.1f} px")
-    print(f"{counted(len(result.particles), 'particle')}, {counted(result.steps, 'step')} in {seconds:.2f} s")
-    print(f"Stopped: {result.stop_reason}")
-    for path in written:
-        print(printable(f"Wrote {path}"))
+        yield f"Bridged {counted(len(result.bridges), 'gap')}, longest {longest:.1f} px"
+    if "truth" in facts:
+        yield sentence_on(facts["truth"])
+    yield f"{counted(len(result.particles), 'particle')}, {counted(result.steps, 'step')} in {facts['seconds']:.2f} s"
+    yield f"Stopped: {result.stop_reason}"

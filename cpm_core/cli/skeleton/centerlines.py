@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import argparse
-import json
 import time
 from collections.abc import Sequence
 
 from cpm_core.cli.arguments import check_exports, parameters_of
-from cpm_core.cli.terminal import counted, say, written
-from cpm_core.cli.volume import part_of_volume
+from cpm_core.cli.outcome import tell
+from cpm_core.cli.run.volume import part_of_volume
+from cpm_core.cli.terminal import announce_compilation, counted, say, written
 from cpm_core.formats import FOR_CENTERLINES, export, load_volume, suffix_of
-from cpm_core.formats.printable import printable
 from cpm_core.formats.provenance import ENTRY, facts_on
 from cpm_core.medial_axis.skeletonize import skeleton
 from cpm_core.medial_axis.space.centerlines import Centerlines
@@ -30,6 +29,7 @@ def find_centerlines(arguments: argparse.Namespace) -> None:
     for note in volume.notes:
         say(f"cpm: {volume.source}: {note}")
     mask = None if arguments.within is None else load_volume(arguments.within).values > 0.0
+    announce_compilation()
     started = time.perf_counter()
     found = skeleton(volume, parameters, of=arguments.of, within=mask, outside=arguments.outside)
     seconds = time.perf_counter() - started
@@ -41,24 +41,20 @@ def find_centerlines(arguments: argparse.Namespace) -> None:
 
 def _report(found: Centerlines, seconds: float, files: Sequence[str], *, as_json: bool) -> None:
     closed = sum(branch.closed for branch in found.branches)
-    if as_json:
-        facts = {
-            "contours": len(found.branches),
-            "closed": closed,
-            "length": round(float(found.lengths.sum()), 3),
-            "largest_radius": round(max((float(radii.max()) for radii in found.radii), default=0.0), 3),
-            "unit": found.unit,
-            "seconds": round(seconds, 3),
-            ENTRY: facts_on(found.source, found.provenance),
-        }
-        print(json.dumps(facts))
-        return
+    facts = {
+        "contours": len(found.branches),
+        "closed": closed,
+        "length": round(float(found.lengths.sum()), 3),
+        "largest_radius": round(max((float(radii.max()) for radii in found.radii), default=0.0), 3),
+        "unit": found.unit,
+        "seconds": round(seconds, 3),
+        ENTRY: facts_on(found.source, found.provenance),
+    }
     unit = found.unit or "voxels"
-    lines = counted(len(found.branches), "center line")
-    print(f"{found.source}: {lines} ({closed} closed) in {seconds:.2f} s")
+    count = counted(len(found.branches), "center line")
+    lines = [f"{found.source}: {count} ({closed} closed) in {seconds:.2f} s"]
     for number, (length, radii) in enumerate(zip(found.lengths[:10], found.radii, strict=False), start=1):
-        print(f"  {number}. length {length:.1f} {unit}, radius {radii.min():.1f} to {radii.max():.1f} {unit}")
+        lines.append(f"  {number}. length {length:.1f} {unit}, radius {radii.min():.1f} to {radii.max():.1f} {unit}")
     if len(found.branches) > 10:
-        print(f"  ... and {len(found.branches) - 10} shorter ones")
-    for path in files:
-        print(printable(f"Wrote {path}"))
+        lines.append(f"  ... and {len(found.branches) - 10} shorter ones")
+    tell("skeleton", facts, lines, files, as_json=as_json)

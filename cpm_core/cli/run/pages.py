@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import re
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -14,7 +13,8 @@ from typing import Any
 
 from cpm_core.cli.arguments import notes_on
 from cpm_core.cli.batch.jobs import facts_of as outcome_of
-from cpm_core.cli.terminal import Count, counted, say, written
+from cpm_core.cli.outcome import print_json
+from cpm_core.cli.terminal import Count, announce_compilation, counted, say, written
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats import load_pages
 from cpm_core.formats.contours.pages.files import check_stack_export, export_stack, stack_suffix_of
@@ -32,7 +32,7 @@ from cpm_core.segmentation.pages.page import Page, StackResult
 FAILED = 1
 """Exit status when some pages could not be used."""
 
-_NOT_OF_PAGES = ("page", "object", "close")
+_NOT_OF_PAGES = ("page", "object", "close", "truth")
 """Options that have a meaning for one image only; ``--not`` follows ``--object``."""
 
 _SAVED_EVERY = 30.0
@@ -110,6 +110,7 @@ def run_pages(arguments: argparse.Namespace, order: StackRun) -> int:
     numbers = numbers_of(arguments.pages, len(pages), pages.name)
     known = _known(arguments, order, pages, numbers)
     _tell_notes(pages, numbers[0], order.parameters)
+    announce_compilation()
     found = list(known)
     left = numbers[len(known) :]
     began, saved = time.perf_counter(), time.monotonic()
@@ -230,7 +231,7 @@ def _report(found: StackResult, files: Sequence[str], seconds: float, *, as_json
             for page in found.pages
         ]
         counts = {"tracks": len(tracks), "done": len(found.results), "failed": failed, "seconds": round(seconds, 3)}
-        print(json.dumps({"pages": plain, **counts}))
+        print_json("run", {"pages": plain, **counts})
         return
     for page in found.pages:
         if page.result is not None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import time
 from collections.abc import Sequence
@@ -13,13 +12,12 @@ from typing import Any
 import numpy as np
 
 from cpm_core.cli.arguments import as_number, as_steps, check_exports, parameters_of, part_of
+from cpm_core.cli.outcome import tell
 from cpm_core.cli.place import facts_on, lines_on
-from cpm_core.cli.terminal import Progress, counted, say, written
+from cpm_core.cli.terminal import announce_compilation, counted, progress_line, say, written
 from cpm_core.contours.result import Result
-from cpm_core.field.volume.volume_space import pitch_of
 from cpm_core.formats import FOR_VOLUMES, export, load_volume, suffix_of
 from cpm_core.formats.contours.points_csv import load_points
-from cpm_core.formats.printable import printable
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import Pair, VolumeRegions
 from cpm_core.numerics.types import Array
@@ -30,7 +28,7 @@ from cpm_core.particles.initialization import stroke
 from cpm_core.particles.volume_starts import everywhere, on_strong_edges, sphere
 from cpm_core.segmentation.segment import segment
 
-_OF_IMAGES = ("circle", "session", "close", "pages", "follow", "resume")
+_OF_IMAGES = ("circle", "session", "close", "pages", "follow", "resume", "start", "truth", "save_session")
 """Options that have a meaning for images only."""
 
 _FEWEST_FACES = 4
@@ -44,7 +42,9 @@ def run_volume(arguments: argparse.Namespace) -> None:
         raise ValueError(f"{given} is for the surface in a volume: add --sphere PLANE,ROW,COL,RADIUS, or leave it out.")
     for name in _OF_IMAGES:
         if getattr(arguments, name, None):
-            raise ValueError(f"--{name} is for images, but --sphere and --volume are for volumes: leave one out.")
+            raise ValueError(
+                f"--{name.replace('_', '-')} is for images, but --sphere and --volume are for volumes: leave one out."
+            )
     if arguments.image is None:
         raise ValueError("No VOLUME is given: name one.")
     if arguments.auto == "centers":
@@ -64,13 +64,10 @@ def run_volume(arguments: argparse.Namespace) -> None:
     for note in volume.notes:
         say(f"cpm: {volume.source}: {note}")
     started = time.perf_counter()
-    progress = Progress() if sys.stderr.isatty() else None
-    try:
-        seeds = _seeds(arguments, volume, drawn)
+    seeds = _seeds(arguments, volume, drawn)
+    announce_compilation()
+    with progress_line() as progress:
         found = segment(volume, seeds, parameters, max_steps=max_steps, progress=progress, regions=regions)
-    finally:
-        if progress is not None:
-            progress.clear()
     whole = _selected(found, *clicks) if clicks[0] else found
     result = whole if faces is None else _decimated(whole, faces)
     seconds = time.perf_counter() - started
@@ -168,7 +165,8 @@ def _pair(numbers: list[float]) -> Pair:
 
 def _seeds(arguments: argparse.Namespace, volume: Image, drawn: list[Array]) -> Array:
     """Particles of all starts; the radius of a sphere is in sides of the smallest voxel."""
-    sides = pitch_of(volume.spacing)
+    plane, row, col = (side / min(volume.spacing) for side in volume.spacing)
+    sides = (plane, row, col)
     seeds = [part if part.ndim == 2 else sphere((part[0], part[1], part[2]), part[3], spacing=sides) for part in drawn]
     if arguments.auto:
         seeds.append(everywhere(volume) if arguments.auto == "grid" else on_strong_edges(volume))
@@ -178,27 +176,24 @@ def _seeds(arguments: argparse.Namespace, volume: Image, drawn: list[Array]) -> 
 def _report(result: Result, seconds: float, arguments: argparse.Namespace) -> None:
     surface = result.surface
     vertices, faces = (0, 0) if surface is None else (len(surface.vertices), len(surface.faces))
-    if arguments.json:
-        facts = {
-            "particles": len(result.particles),
-            "contours": 0,
-            "closed": 0,
-            "vertices": vertices,
-            "faces": faces,
-            "volume": round(surface.volume, 3) if surface is not None and surface.closed else None,
-            "area": round(surface.area, 3) if surface is not None else None,
-            "steps": result.steps,
-            "converged": result.converged,
-            "stop_reason": result.stop_reason,
-            "seconds": round(seconds, 3),
-            **({} if result.image is None else facts_on(result.image)),
-        }
-        print(json.dumps(facts))
-        return
-    print(f"{result.source}: a surface of {counted(faces, 'triangle')}, with {vertices} corners")
-    print(f"{counted(len(result.particles), 'particle')}, {counted(result.steps, 'step')} in {seconds:.2f} s")
-    print(f"Stopped: {result.stop_reason}")
-    for line in [] if result.image is None else lines_on(result.image):
-        print(line)
-    for path in arguments.export:
-        print(printable(f"Wrote {path}"))
+    facts = {
+        "particles": len(result.particles),
+        "contours": 0,
+        "closed": 0,
+        "vertices": vertices,
+        "faces": faces,
+        "volume": round(surface.volume, 3) if surface is not None and surface.closed else None,
+        "area": round(surface.area, 3) if surface is not None else None,
+        "steps": result.steps,
+        "converged": result.converged,
+        "stop_reason": result.stop_reason,
+        "seconds": round(seconds, 3),
+        **({} if result.image is None else facts_on(result.image)),
+    }
+    lines = [
+        f"{result.source}: a surface of {counted(faces, 'triangle')}, with {vertices} corners",
+        f"{counted(len(result.particles), 'particle')}, {counted(result.steps, 'step')} in {seconds:.2f} s",
+        f"Stopped: {result.stop_reason}",
+        *([] if result.image is None else lines_on(result.image)),
+    ]
+    tell("run", facts, lines, arguments.export, as_json=arguments.json)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import time
 from collections.abc import Sequence
@@ -20,10 +19,10 @@ from cpm_core.cli.arguments import (
     parameters_of,
     part_of,
 )
-from cpm_core.cli.centerlines import find_centerlines
-from cpm_core.cli.terminal import counted, written
+from cpm_core.cli.outcome import tell
+from cpm_core.cli.skeleton.centerlines import find_centerlines
+from cpm_core.cli.terminal import announce_compilation, counted, written
 from cpm_core.formats import FOR_CENTERLINES, export, load_image, suffix_of
-from cpm_core.formats.printable import printable
 from cpm_core.formats.provenance import ENTRY, facts_of
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeletonize import skeleton
@@ -87,6 +86,7 @@ def _skeleton(arguments: argparse.Namespace) -> None:
     for note in notes_on(image, parameters):
         print(f"cpm: {image.source}: {note}", file=sys.stderr)
     mask = None if arguments.within is None else load_image(arguments.within).values > 0.0
+    announce_compilation()
     started = time.perf_counter()
     found = skeleton(image, parameters, of=arguments.of, within=mask, outside=arguments.outside)
     seconds = time.perf_counter() - started
@@ -100,27 +100,25 @@ def _report(found: Skeleton, seconds: float, files: Sequence[str], *, as_json: b
     closed = sum(contour.closed for contour in found.contours)
     largest = max((float(radii.max()) for radii in found.radii), default=0.0)
     of = {-1: "dark", 0: "all", 1: "light"}[found.polarity]
-    if as_json:
-        facts = {
-            "contours": len(found.contours),
-            "closed": closed,
-            "length": round(found.length, 3),
-            "thickness": round(found.thickness, 3),
-            "largest_radius": round(largest, 3),
-            "of": of,
-            "max_width": round(found.width, 3),
-            "seconds": round(seconds, 3),
-            ENTRY: facts_of(found),
-        }
-        print(json.dumps(facts))
-        return
+    facts = {
+        "contours": len(found.contours),
+        "closed": closed,
+        "length": round(found.length, 3),
+        "thickness": round(found.thickness, 3),
+        "largest_radius": round(largest, 3),
+        "of": of,
+        "max_width": round(found.width, 3),
+        "seconds": round(seconds, 3),
+        ENTRY: facts_of(found),
+    }
     what = "" if of == "all" else f" of what is {of}" + (f" and up to {found.width:.0f} px wide" if found.width else "")
-    lines = counted(len(found.contours), "line")
-    print(f"{found.source}: skeleton{what} of {lines} ({closed} closed), thickness up to {found.thickness:.1f} px, "
-          f"in {seconds:.2f} s")  # fmt: skip
+    count = counted(len(found.contours), "line")
+    lines = [
+        f"{found.source}: skeleton{what} of {count} ({closed} closed), thickness up to {found.thickness:.1f} px, "
+        f"in {seconds:.2f} s"
+    ]
     for number, (contour, radii) in enumerate(zip(found.contours[:10], found.radii, strict=False), start=1):
-        print(f"  {number}. length {contour.length:.1f} px, radius {radii.min():.1f} to {radii.max():.1f} px")
+        lines.append(f"  {number}. length {contour.length:.1f} px, radius {radii.min():.1f} to {radii.max():.1f} px")
     if len(found.contours) > 10:
-        print(f"  ... and {len(found.contours) - 10} shorter ones")
-    for path in files:
-        print(printable(f"Wrote {path}"))
+        lines.append(f"  ... and {len(found.contours) - 10} shorter ones")
+    tell("skeleton", facts, lines, files, as_json=as_json)

@@ -1,0 +1,1 @@
+"""Scripts for shells, a module for each."""

@@ -1,0 +1,1 @@
+"""The command ``cpm skeleton``: the skeletons in an image, and the center lines in a volume."""

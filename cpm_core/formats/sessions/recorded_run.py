@@ -1,0 +1,115 @@
+"""A run in a session file: written as one that the window shows with its contours, and the state that one shows."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from cpm_core.field.placed_charges import PlacedCharge, in_order
+from cpm_core.formats.sessions.particle_state import state_from_plain, state_to_plain
+from cpm_core.formats.sessions.plain_values import from_plain, mapping, parameters_from_plain, shape_to_plain, to_plain
+from cpm_core.formats.sessions.session_file import SessionFile, decode, encode
+from cpm_core.image.regions import Regions
+from cpm_core.parameters import Parameters
+from cpm_core.particles.state import State
+from cpm_core.shapes.document_shapes import charges_of, regions_of, starts_of
+
+_BRANCH = 1
+"""Number of the only branch of a run that is written."""
+
+
+@dataclass
+class Recorder:
+    """Keeps the last state of a run and where its scales begin; called with each state."""
+
+    state: State | None = None
+    scales: list[tuple[int, int]] = field(default_factory=list)
+
+    def __call__(self, state: State) -> None:
+        """Take a state."""
+        if not self.scales or self.scales[-1][1] != state.scale:
+            self.scales.append((state.step if self.scales else 0, state.scale))
+        self.state = state
+
+
+def with_run(session: SessionFile, recorder: Recorder) -> SessionFile:
+    """The session with the run that its own shapes and parameters have made, at its end."""
+    state = recorder.state
+    if state is None:
+        return session
+    regions = regions_of(session.shapes, session.objects.barriers)
+    action: dict[str, Any] = {"step": {}, "charges": [to_plain(charge) for charge in charges_of(session.shapes)]}
+    if regions is not None:
+        action["regions"] = to_plain(regions)
+    bare = replace(session, image=None, marks=(), learning=False, view={}, extra={}, hand_edits=(), runs={}, truth=None)
+    branch = {
+        "number": _BRANCH,
+        "name": "Run 1",
+        "named": False,
+        "parent": None,
+        "first": 0,
+        "steps": [[[], 1], [[0], state.step]],
+        "scales": [list(scale) for scale in recorder.scales],
+    }
+    run = {
+        "document": json.loads(encode(replace(bare, pages={}), Path())),
+        "drawn": [shape_to_plain(start) for start in starts_of(session.shapes)],
+        "actions": [action],
+        "branches": [branch],
+    }
+    kept = {"branch": _BRANCH, "step": state.step, "state": state_to_plain(state)}
+    runs = {"here": [_BRANCH, state.step], "runs": [run], "states": [kept], "numbers": []}
+    return replace(session, runs=runs)
+
+
+def shown_state(session: SessionFile, shape: Sequence[int]) -> tuple[State, Parameters] | None:
+    """The state of the runs of a session that the window shows, with its parameters; None where it was not kept.
+
+    `shape` is that of the image.
+    """
+    try:
+        number, step = session.runs["here"]
+        for run in session.runs["runs"]:
+            for branch in run["branches"]:
+                if branch["number"] == number:
+                    return _state(session.runs, run, branch, number, step, tuple(shape))
+    except (KeyError, TypeError, ValueError, IndexError, OverflowError):
+        return None
+    return None
+
+
+def _state(
+    runs: Mapping[str, Any],
+    run: Mapping[str, Any],
+    branch: Mapping[str, Any],
+    number: int,
+    step: int,
+    shape: tuple[int, ...],
+) -> tuple[State, Parameters] | None:
+    plain = next((one["state"] for one in runs["states"] if (one["branch"], one["step"]) == (number, step)), None)
+    if plain is None:
+        return None
+    first = decode(json.dumps(run["document"]).encode(), "the beginning of a run").parameters
+    action = run["actions"][_action_of(branch, step)]
+    usual = to_plain(first)
+    parameters, _ = parameters_from_plain({**usual, **mapping(action["step"], "action")})
+    charges = tuple(from_plain(PlacedCharge, one, "charge") for one in action.get("charges", []))
+    regions = from_plain(Regions, action["regions"], "regions") if "regions" in action else None
+    state = state_from_plain(plain, shape, first.scales)
+    return (
+        replace(state, steering=parameters.steering, regions=regions, charges=in_order(charges)),
+        parameters,
+    )
+
+
+def _action_of(branch: Mapping[str, Any], step: int) -> int:
+    """Number of the action that made a step of a branch."""
+    at = branch["first"]
+    for numbers, count in branch["steps"]:
+        if at <= step < at + count:
+            return int(numbers[0])
+        at += count
+    raise ValueError("there is no such step")

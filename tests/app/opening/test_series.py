@@ -1,0 +1,118 @@
+"""Series of DICOM slices in the window: with a gap, two spacings, at a slant, of several times, with no even part."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+
+from app.views.features.file.stack import StackFeature
+from app.views.features.view.slices import SlicesFeature
+from cpm_core import load_volume
+from tests.app.volumes.conftest import open_file
+from tests.core.formats.images.volumes.made import OBLIQUE, VALUES, write_series, write_slice
+
+pytest.importorskip("pydicom")
+
+MANY = np.concatenate([VALUES, VALUES + 1, VALUES + 2])
+
+
+def bar(window):
+    return window.feature(StackFeature).bar
+
+
+def answer(window, hand, text: str) -> None:
+    button = next(button for button in bar(window).buttons if button.text() == text)
+    hand.qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
+
+
+def write_times(folder, count: int = 9, times: int = 2) -> None:
+    folder.mkdir()
+    for time in range(times):
+        for plane in range(count):
+            name, place = f"{time}_{plane}.dcm", (0.0, 0.0, 2.0 * plane)
+            values = VALUES[plane] + 100 * time
+            write_slice(folder / name, values, place, number=plane + 1, TemporalPositionIdentifier=time + 1)
+
+
+def test_a_series_with_a_gap_opens_its_longest_even_part_says_so_and_offers_the_other(window, hand, tmp_path) -> None:
+    write_series(tmp_path / "s", [*range(9), *range(11, 22)], values=MANY)
+    open_file(window, hand, tmp_path / "s")
+    assert window.session.image.shape[0] == 11
+    assert np.array_equal(window.session.image.values, load_volume(tmp_path / "s").values)
+    assert bar(window).text == (
+        "s: Between slices 9 and 10 lie 3 mm, elsewhere 1 mm: 2 slices are missing. "
+        "The longest even part has 11 slices, 10 to 20, 1 mm apart. Only these were taken."
+    )
+    answer(window, hand, "Choose…")
+    dialog = window.feature(StackFeature).dialog
+    assert dialog.series.itemText(1) == "2: head, slices 1 to 9"
+    dialog.series.setFocus()
+    hand.qtbot.keyClick(dialog.series, Qt.Key.Key_Down)
+    hand.wait(dialog.open_button.isEnabled)
+    before = window.session.image
+    hand.qtbot.mouseClick(dialog.open_button, Qt.MouseButton.LeftButton)
+    hand.wait(lambda: window.session.image is not before and window.session.idle)
+    assert np.array_equal(window.session.image.values, MANY[:9])
+
+
+def test_of_two_spacings_one_is_opened_and_the_window_says_which(window, hand, tmp_path) -> None:
+    write_series(tmp_path / "s", [*range(9), *(8 + 1.7 * k for k in range(1, 6))], values=MANY)
+    open_file(window, hand, tmp_path / "s")
+    assert window.session.image.spacing == pytest.approx((1.0, 0.75, 0.5))
+    assert "from 1 to 1.7 mm apart. The longest even part has 9 slices, 1 to 9, 1 mm apart." in bar(window).text
+    assert window.feature(SlicesFeature).bar.voxel.text() == "1 × 0.75 × 0.5 mm"
+
+
+def test_an_oblique_series_is_a_volume_like_any_other_with_the_sides_of_the_patient(window, hand, tmp_path) -> None:
+    write_series(tmp_path / "s", [2.0 * k for k in range(10)], OBLIQUE)
+    open_file(window, hand, tmp_path / "s")
+    image = window.session.image
+    assert np.array_equal(image.values, VALUES)
+    assert image.geometry.oblique > 1.0
+    np.testing.assert_allclose(image.geometry.affine(image.spacing)[:3, 2], 0.5 * np.array(OBLIQUE[0]), atol=1e-6)
+    assert bar(window).text == ""
+
+
+def test_of_several_times_the_first_is_opened_and_the_others_are_offered(window, hand, tmp_path) -> None:
+    write_times(tmp_path / "s")
+    open_file(window, hand, tmp_path / "s")
+    assert np.array_equal(window.session.image.values, VALUES[:9])
+    assert bar(window).text == "s holds 9 planes, 2 points in time. Open now: time 1."
+    answer(window, hand, "Choose…")
+    dialog = window.feature(StackFeature).dialog
+    dialog.time.selectAll()
+    hand.qtbot.keyClicks(dialog.time, "2")
+    before = window.session.image
+    hand.qtbot.mouseClick(dialog.open_button, Qt.MouseButton.LeftButton)
+    hand.wait(lambda: window.session.image is not before and window.session.idle)
+    assert np.array_equal(window.session.image.values, VALUES[:9] + 100)
+
+
+def test_without_an_even_part_a_slice_is_opened_and_no_volume_is_offered(window, hand, tmp_path) -> None:
+    write_series(tmp_path / "s", [0, 1, 2, 3, 4, 9, 10, 11, 12])
+    open_file(window, hand, tmp_path / "s")
+    assert window.session.image.ndim == 2
+    assert "A volume needs at least 8 planes" in window.canvas_area.messages.text
+    assert bar(window).text.endswith("4 slices are missing. The longest even part has 5 slices, 1 to 5, 1 mm apart.")
+    assert [button.text() for button in bar(window).buttons] == ["Choose…"]
+    assert not window.actions_by_name["open_stack"].isEnabled()
+
+
+def test_slices_without_a_place_are_called_that_and_their_distance_can_be_given(window, hand, tmp_path) -> None:
+    write_series(tmp_path / "s", range(10), ImagePositionPatient=None)
+    open_file(window, hand, tmp_path / "s")
+    assert "It does not tell where its slices lie" in bar(window).text
+    assert [button.text() for button in bar(window).buttons] == ["Size of a voxel…", "Choose…"]
+
+
+def test_a_slice_offers_the_series_around_it(window, hand, tmp_path) -> None:
+    write_series(tmp_path / "s", range(10))
+    slices = sorted((tmp_path / "s").iterdir())
+    open_file(window, hand, slices[3])
+    assert window.session.image.ndim == 2
+    assert bar(window).text == f"{slices[3].name} seems to be one slice of a series in the folder s."
+    answer(window, hand, "Open the series")
+    hand.wait(lambda: window.session.document.image.name == "s" and window.session.idle)
+    assert np.array_equal(window.session.image.values, VALUES)
+    assert bar(window).text == ""

@@ -1,0 +1,149 @@
+"""Contours in and out of the command line: starts, truths, sessions that the window opens, and other formats."""
+
+import json
+
+import numpy as np
+import PIL.Image
+import pytest
+
+from app.model.document.document import ImageReference
+from app.session.timeline.stored.plain_runs import from_plain
+from cpm_core import load_contours, load_image
+from cpm_core.formats.sessions.session_file import load_session
+from cpm_core.shapes import Circle, Polygon
+
+CENTER, RADIUS = (40.0, 50.0), 18.0
+
+
+@pytest.fixture
+def disk(tmp_path):
+    """Path of an image of a bright disk."""
+    row, col = np.mgrid[:80, :100]
+    distance = np.hypot(row - CENTER[0], col - CENTER[1])
+    PIL.Image.fromarray((220 * np.clip(RADIUS + 0.5 - distance, 0, 1)).astype(np.uint8)).save(tmp_path / "disk.png")
+    return tmp_path / "disk.png"
+
+
+@pytest.fixture
+def found(disk, command, tmp_path):
+    """The session of a run, and the contours that it found."""
+    files = (tmp_path / "a.json", tmp_path / "mask.png")
+    status, _, err = command(
+        "run", disk, "--circle", "40,50,9", "--save-session", tmp_path / "a.cpm", "--export", *files
+    )
+    assert (status, err) == (0, "")
+    return tmp_path / "a.cpm", tmp_path / "a.json"
+
+
+def test_a_saved_session_holds_the_run_at_its_end_as_the_window_reads_it(found, disk):
+    session = load_session(found[0])
+    assert session.shapes == (Circle((40.0, 50.0), 9.0),)
+    assert session.image.path == disk.name
+    reference = ImageReference.of(disk, load_image(disk))
+    stored, fault = from_plain(session.runs, reference)
+    assert fault == ""
+    ((place, state),) = stored.states.items()
+    assert place == stored.here
+    (branch,) = stored.runs[0].branches
+    assert len(branch.steps) == state.step + 1
+    assert state.converged
+
+
+def test_export_writes_what_a_session_shows_without_running_again(found, command, tmp_path, monkeypatch):
+    monkeypatch.setattr("cpm_core.cli.export.segment", lambda *_, **__: pytest.fail("it was run again"))
+    session, contours = found
+    status, out, err = command("export", session, "--to", tmp_path / "b.json", tmp_path / "b.zip", "--json")
+    assert (status, err, json.loads(out)["contours"]) == (0, "", 1)
+    (before,), (after,) = load_contours(contours), load_contours(tmp_path / "b.json")
+    np.testing.assert_array_equal(after.points, before.points)
+    made = json.loads((tmp_path / "b.json").read_text("utf-8"))["provenance"]
+    assert made["shapes"] == [{"shape": "circle", "center": [40.0, 50.0], "radius": 9.0}]
+
+
+def test_export_runs_a_session_without_a_recorded_run(found, command, tmp_path):
+    session, contours = found
+    plain = json.loads(session.read_text("utf-8"))
+    del plain["runs"]
+    session.write_text(json.dumps(plain), "utf-8")
+    assert command("export", session, "--to", tmp_path / "b.json")[0] == 0
+    np.testing.assert_array_equal(load_contours(tmp_path / "b.json")[0].points, load_contours(contours)[0].points)
+
+
+def test_export_turns_one_format_into_another(found, disk, command, tmp_path):
+    for source, target in (
+        ("a.json", "b.svg"),
+        ("b.svg", "c.dxf"),
+        ("c.dxf", "d.geojson"),
+        ("d.geojson", "e.coco.json"),
+    ):
+        status, _, err = command("export", tmp_path / source, "--to", tmp_path / target, "--image", disk)
+        assert (status, err) == (0, "")
+    (first,), (last,) = load_contours(tmp_path / "a.json"), load_contours(tmp_path / "e.coco.json")
+    apart = np.linalg.norm(first.points[:, None] - last.points, axis=2).min(axis=1)
+    assert apart.max() < 0.01
+
+
+def test_export_tells_what_size_it_takes_where_no_image_is_named(found, command, tmp_path):
+    (tmp_path / "b.geojson").write_text('{"type": "LineString", "coordinates": [[1, 2], [30, 40]]}', "utf-8")
+    status, _, err = command("export", tmp_path / "b.geojson", "--to", tmp_path / "b.svg")
+    assert status == 0
+    assert "does not tell the size of its image: 41 x 31 px is taken" in err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("none.cpm", "--to", "a.svg"), "does not exist"),
+        (("none.roi", "--to", "a.svg"), "cannot be read"),
+        (("a.json", "--to", "a.xyz"), "names no format"),
+        (("a.json", "--to", "a.json"), "would overwrite"),
+    ],
+)
+def test_bad_exports_are_refused_in_one_line(arguments, sentence, found, command, monkeypatch):
+    monkeypatch.chdir(found[0].parent)
+    status, _, err = command("export", *arguments)
+    assert status == 2
+    assert sentence in err
+    assert err.count("\n") == 1
+
+
+def test_a_run_starts_from_contours_of_a_file_and_keeps_them_as_shapes(found, disk, command, tmp_path):
+    ring = {"type": "Polygon", "coordinates": [[[44, 34], [57, 34], [57, 47], [44, 47], [44, 34]]]}
+    (tmp_path / "start.geojson").write_text(json.dumps(ring), "utf-8")
+    saved = tmp_path / "b.cpm"
+    run = ("run", disk, "--start", tmp_path / "start.geojson", "--save-session", saved, "--json")
+    status, out, err = command(*run)
+    facts = json.loads(out)
+    assert (status, err, facts["closed"]) == (0, "", 1)
+    assert facts["provenance"]["shapes"] == [{"shape": "points", "file": "start.geojson"}]
+    (shape,) = load_session(saved).shapes
+    assert isinstance(shape, Polygon)
+    assert set(shape.points) == {(33.5, 43.5), (33.5, 56.5), (46.5, 56.5), (46.5, 43.5)}
+
+
+def test_a_run_is_compared_with_a_truth(found, disk, command, tmp_path):
+    for truth in (tmp_path / "mask.png", tmp_path / "a.json"):
+        _, out, _ = command("run", disk, "--circle", "40,50,9", "--truth", truth, "--json")
+        agreed = json.loads(out)["truth"]
+        assert agreed["source"] == truth.name
+        assert agreed["dice"] > 0.98
+    _, out, _ = command("run", disk, "--circle", "40,50,9", "--truth", tmp_path / "a.json")
+    assert "Beside a.json: Dice 1.000" in out
+
+
+@pytest.mark.parametrize(
+    ("more", "sentence"),
+    [
+        (("--save-session", "a.json"), "must name a session file"),
+        (("--save-session", "none/a.cpm"), "none"),
+        (("--save-session", "b.cpm", "--pages", "all"), "is for one image"),
+        (("--start", "none.roi"), "cannot be read"),
+        (("--truth", "none.roi"), "cannot be read"),
+    ],
+)
+def test_bad_files_are_refused_before_anything_is_written(more, sentence, disk, command, monkeypatch):
+    monkeypatch.chdir(disk.parent)
+    status, _, err = command("run", disk, "--circle", "40,50,9", *more)
+    assert status == 2
+    assert sentence in err
+    assert err.count("\n") == 1

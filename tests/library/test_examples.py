@@ -1,0 +1,96 @@
+"""Every public name has an example in its documentation, and the examples give what they say."""
+
+from __future__ import annotations
+
+import doctest
+import inspect
+import re
+from functools import cached_property
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib import pyplot
+
+import cpm_core as cpm
+
+OBJECTS = {name: getattr(cpm, name) for name in cpm.__all__ if hasattr(getattr(cpm, name), "__qualname__")}
+"""Public functions and classes by name; the others are tables."""
+
+PARSER = doctest.DocTestParser()
+
+
+def example_of(what):
+    """Source of the examples in a docstring."""
+    return "\n".join(example.source for example in PARSER.get_examples(inspect.getdoc(what) or ""))
+
+
+def members_of(given):
+    """Public methods and properties of a class, those of its bases in the library included."""
+    found = {}
+    for base in reversed(given.__mro__):
+        if base.__module__.startswith("cpm_core"):
+            found |= {
+                name: member
+                for name, member in vars(base).items()
+                if not name.startswith("_")
+                and isinstance(member, property | cached_property | classmethod | staticmethod | type(members_of))
+            }
+    return found
+
+
+def without_example(name, given):
+    """What of a public name has no example: itself, or one of its methods that neither has one nor is used in one."""
+    shown = example_of(given)
+    if not shown:
+        return [name]
+    missing = []
+    for member, what in members_of(given).items() if inspect.isclass(given) else ():
+        used = re.search(rf"\.{member}\b", shown)
+        if not used and not example_of(getattr(what, "func", what)):
+            missing.append(f"{name}.{member}")
+    return missing
+
+
+@pytest.fixture
+def place(tmp_path, monkeypatch):
+    """A folder that examples may write into, and plots without a window."""
+    before = mpl.get_backend()
+    pyplot.switch_backend("agg")
+    monkeypatch.chdir(tmp_path)
+    yield
+    pyplot.close("all")
+    pyplot.switch_backend(before)
+
+
+@pytest.mark.parametrize("name", OBJECTS)
+def test_the_examples_give_what_they_say(name, place):
+    finder, runner = doctest.DocTestFinder(recurse=True), doctest.DocTestRunner(optionflags=doctest.ELLIPSIS)
+    report = []
+    for test in finder.find(OBJECTS[name], name, globs={"np": np, "cpm": cpm}):
+        runner.run(test, out=report.append)
+    assert runner.summarize(verbose=False).failed == 0, "".join(report)
+
+
+@pytest.mark.parametrize("name", OBJECTS)
+def test_every_public_name_has_an_example(name):
+    assert without_example(name, OBJECTS[name]) == []
+
+
+def test_a_name_without_an_example_is_seen():
+    class Half:
+        """Something.
+
+        >>> Half().told
+        1
+        """
+
+        told = property(lambda self: 1)
+
+        def silent(self):
+            """Say nothing."""
+
+    Half.__module__ = "cpm_core.half"
+    assert without_example("Half", Half) == ["Half.silent"]
+    assert without_example("f", lambda: None) == ["f"]
+    assert len(OBJECTS) > 70
