@@ -100,7 +100,7 @@ class SlicesFeature(Feature):
         self.bar.show_keys()
 
     def _open_menu(self, point: QPoint) -> None:
-        """Open the menu of what lies at a point of the screen; where nothing lies, the cross has moved, and that is all."""
+        """Open the menu of what lies at a point of the screen; where nothing lies, the cross alone has moved."""
         area = self.context.canvas_area
         thing, _ = area.menu_at(area.mapFromGlobal(point))
         if thing != "image":
