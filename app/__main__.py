@@ -11,6 +11,13 @@ INTERRUPTED = 130
 
 _COMMANDS = frozenset({"run", "info", "batch", "skeleton", "compare", "bench", "figures", "export", "completion"})
 
+_QT = frozenset({"PySide6", "shiboken6", "pyqtgraph"})
+
+_NO_QT = (
+    'The window needs Qt, which is not installed: run pip install "cpm-particles[gui]", or work without a window by '
+    "“cpm run IMAGE …”."
+)
+
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run CPM.
@@ -71,6 +78,8 @@ def _open_window(path: str | None) -> int:
             return _refuse(reason)
         from app.views.application import run
     except ImportError as error:
+        if (error.name or "").partition(".")[0] in _QT and isinstance(error, ModuleNotFoundError):
+            return _refuse(_NO_QT)
         return _refuse(f"The window cannot be opened because a library cannot be loaded ({error}); see the README.")
     return run(path)
 

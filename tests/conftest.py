@@ -3,14 +3,13 @@
 import gc
 import os
 import signal
-import threading
 from collections.abc import Iterator
 
 import pytest
 from hypothesis import HealthCheck, settings
 
 from cpm_core.numerics.parallel import cores
-from cpm_core.objects.warm_up import warm_up, warm_up_volumes
+from cpm_core.objects.warm_up import FIRST, LATER, VOLUMES, compile_ahead, warm_up
 
 _MOST_WORKERS = 4
 """Processes beyond which the memory that each one takes costs more than it saves."""
@@ -36,10 +35,7 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
 def pytest_sessionstart(session: pytest.Session) -> None:
     """Compile the model's loops once, before the processes that share them begin."""
     if getattr(session.config.option, "numprocesses", None):
-        volumes = threading.Thread(target=warm_up_volumes)
-        volumes.start()
-        warm_up()
-        volumes.join()
+        compile_ahead((*FIRST, *LATER, *VOLUMES))
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

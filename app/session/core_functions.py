@@ -9,7 +9,7 @@ from typing import Any
 from cpm_core.formats import export, load_image, load_volume
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.objects.warm_up import warm_up, warm_up_volumes
+from cpm_core.objects.warm_up import warm_up_runs, warm_up_volumes
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.method import METHODS, Method
 
@@ -21,8 +21,8 @@ class Core:
     `load_image` and `load_volume` take a path, what they may call while they read, which raises when the image is no
     longer wanted, and by name which part of the file is read;
     `methods` makes a method of an image, parameters and regions; `export` writes a result to a path, as
-    `cpm_core.formats.export` does; `warm_up` compiles or loads the kernels until its argument returns True,
-    `warm_up_volumes` those of volumes.
+    `cpm_core.formats.export` does; `warm_up` compiles or loads the kernels until its first argument
+    returns True, and calls its second one with the fraction that is compiled; `warm_up_volumes` does so for volumes.
     """
 
     load_image: Callable[..., Image] = load_image
@@ -31,5 +31,5 @@ class Core:
         default_factory=lambda: METHODS
     )
     export: Callable[..., None] = export
-    warm_up: Callable[[Callable[[], bool]], None] = warm_up
-    warm_up_volumes: Callable[[Callable[[], bool]], None] = warm_up_volumes
+    warm_up: Callable[[Callable[[], bool], Callable[[float], object]], None] = warm_up_runs
+    warm_up_volumes: Callable[[Callable[[], bool], Callable[[float], object]], None] = warm_up_volumes

@@ -13,6 +13,7 @@ from app.model.state.status import Phase, RunStatus
 from app.model.text.language import tr
 from app.session.exchange.messages import (
     CommandFailed,
+    Compiling,
     Exported,
     Opened,
     Overlays,
@@ -34,6 +35,8 @@ from app.session.worker.commands.timeline import Compared
 from app.session.worker.worker_thread import WorkerThread
 from cpm_core.contours.result import Result
 from cpm_core.medial_axis.skeleton import Skeleton
+
+_COMPILING = tr("Preparing for the first run on this computer: {percent} %")
 
 _FIGURES_EVERY = 0.1
 """Time between two updates of the numbers in the window [s]."""
@@ -176,6 +179,9 @@ class Progress:
                 self._session.say(written if counts is None else f"{written} ({in_words(counts)})", topic=EXPORTING)
             case CommandFailed(sentence, topic):
                 self._session.say(sentence, True, topic)
+            case Compiling(percent):
+                if "preparing" in self._busy:
+                    self._busy["preparing"] = _COMPILING.format(percent=percent)
             case WarmedUp():
                 self._busy.pop("preparing", None)
         self._show_answer(report)

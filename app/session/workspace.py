@@ -6,6 +6,7 @@ from app.session.core_functions import Core
 from app.session.features.contour_learning import ContourLearning
 from app.session.features.contour_review import ContourReview
 from app.session.features.hand_editing import HandEditing
+from app.session.features.image_batch import ImageBatch
 from app.session.features.objects.object_fitting import ObjectFitting
 from app.session.features.objects.object_list import ObjectList
 from app.session.features.objects.object_selection import ObjectSelection
@@ -39,6 +40,7 @@ class Workspace:
         self.sweep = Sweep(self.session, self.truth)
         self.comparison = MethodComparison(self.session)
         self.pages = StackPages(self.session, core or Core())
+        self.batch = ImageBatch(self.session)
         self.object_selection.offers_for = self.pages.is_drawn
 
     def close(self) -> None:

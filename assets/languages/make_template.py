@@ -47,6 +47,9 @@ CORE = "core\x04"
 _COMMAND_LINE = ROOT / "cpm_core" / "cli"
 """Speaks English, as what it prints is read by programs too."""
 
+_BATCH = tuple(_COMMAND_LINE / "batch" / f"{name}.py" for name in ("batch", "jobs", "summary", "workers"))
+"""What the window shares with it."""
+
 _NOT_READ = (
     "cpm_core/contours/features.py",  # names of numbers
     "cpm_core/formats/sessions/particle_state.py",  # names of fields of files
@@ -88,12 +91,14 @@ def finished() -> Iterator[tuple[str, str]]:
     for package in ("cpm_core", "app"):
         for path in sorted((ROOT / package).rglob("*.py")):
             place = path.relative_to(ROOT).as_posix()
-            if not path.is_relative_to(_COMMAND_LINE):
+            if not path.is_relative_to(_COMMAND_LINE) or path in _BATCH:
                 errors_only = package == "app" or place.startswith(_NOT_READ)
                 for said, line in templates(path.read_text(encoding="utf-8"), errors_only):
                     yield said, f"{place}:{line}"
     for said in OF_THE_SYSTEM:
         yield said, "what the system says of files"
+    for said in ("The image is small: scales is set to {most}.", "The image is gray: it has no channel {wanted}."):
+        yield said, "cpm_core/cli/arguments.py"
     for said in WORDS:
         yield said, "a word within sentences"
 

@@ -18,6 +18,7 @@ from cpm_core.formats import CONTOURS_READABLE, WRITABLE, export, left_out, load
 from cpm_core.formats.contours.reading.contour_file import plane_of, read_contours
 from cpm_core.formats.images.resolution import known_unit
 from cpm_core.formats.provenance import ENTRY, facts_of, with_shapes
+from cpm_core.formats.sessions.chosen_part import part_for
 from cpm_core.formats.sessions.recorded_run import shown_state
 from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, find_image, load_session
 from cpm_core.image.image import Image
@@ -109,7 +110,9 @@ def _of_session(source: Path, named: str | None) -> tuple[Result, str]:
         raise ValueError(f"{source.name} names no image: add --image IMAGE.")
     path, notes = Path(named or ""), session.notes
     part = {}
-    if named is None and session.image is not None:
+    if session.image is not None and named is not None:
+        part = part_for(path, session.image.reading)
+    elif session.image is not None:
         path, found = find_image(session.image, source.absolute().parent)
         notes, part = (*notes, *found), session.image.reading.arguments
     for told in notes:

@@ -11,7 +11,7 @@ from contextlib import contextmanager, suppress
 from types import TracebackType
 
 from cpm_core.formats.printable import printable
-from cpm_core.numerics import jit_cache
+from cpm_core.objects.warm_up import FIRST, compile_ahead, is_compiled
 from cpm_core.particles.state import State
 
 _REDRAW = 0.1  # [s] between two lines of progress
@@ -90,10 +90,21 @@ def progress_line(*followers: Callable[[State], object]) -> Iterator[Callable[[S
 
 
 def announce_compilation() -> None:
-    """Say that the inner loops have to be compiled first, where they have not been yet."""
-    folder = jit_cache.folder_of_this_package()
-    if folder is not None and not jit_cache.has_loops(folder):
-        say("cpm: the inner loops are compiled for this computer, once; the first run begins some seconds later.")
+    """Compile the inner loops of a run ahead, where that has not been done yet, and say so."""
+    if is_compiled(FIRST):
+        return
+    say("cpm: the inner loops are compiled for this computer, once; the first run begins some seconds later.")
+    shown = sys.stderr.isatty()
+
+    def show(done: float) -> None:
+        if shown:
+            print(f"\r\x1b[2Kcompiling: {done:.0%}", end="", file=sys.stderr, flush=True)
+
+    try:
+        compile_ahead(FIRST, told=show)
+    finally:
+        if shown:
+            print("\r\x1b[2K", end="", file=sys.stderr, flush=True)
 
 
 class Count:

@@ -15,12 +15,12 @@ not fit, which takes three seconds. Assign the elements one by one.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import lru_cache
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache, partial
 from typing import Any, TypeVar, cast
 
 import numba
-from numba.core import serialize
+from numba.core import serialize, types
 
 from cpm_core.numerics.loop_cache.kept_loop import kept_loop
 
@@ -35,6 +35,7 @@ _OPTIONS: dict[str, Any] = {
     "nogil": True,
     "error_model": "numpy",
     "fastmath": {"nsz"},
+    "no_cfunc_wrapper": True,  # it would be compiled with each loop, and only other languages call it
 }
 _REORDERED: dict[str, Any] = _OPTIONS | {"fastmath": {"reassoc", "contract", "arcp", "nsz"}}
 
@@ -60,6 +61,13 @@ def inlined(function: _Function) -> _Function:
 
 def _kept(loop: Any, function: Callable[..., Any]) -> Any:
     """A loop that is cached on disk, where that is possible; the function itself where nothing is compiled."""
-    if hasattr(loop, "py_func") and (cache := kept_loop(function)) is not None:
-        loop._cache = cache
+    if hasattr(loop, "py_func"):
+        loop.get_call_template = partial(_call_template, loop.get_call_template)
+        if (cache := kept_loop(function)) is not None:
+            loop._cache = cache
     return loop
+
+
+def _call_template(found: Callable[..., Any], args: Sequence[Any], kws: Mapping[str, Any]) -> Any:
+    """How a loop calls another: as with any number, where Numba would compile it again for each constant."""
+    return found([types.unliteral(arg) for arg in args], {name: types.unliteral(arg) for name, arg in kws.items()})

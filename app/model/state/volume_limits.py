@@ -19,6 +19,7 @@ _TRUTH = tr("A ground truth can be compared with the contours of an image, not w
 _LAYER = tr("This layer shows what only a run in an image finds.")
 _METHODS = tr("The classical methods are for images; in a volume there is nothing to compare with.")
 _MOSAIC = tr("A mosaic shows runs with different parameters side by side; in a volume each of them takes too long.")
+_BATCH = tr("Many images are run at once; volumes are run one by one.")
 
 NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
     {
@@ -38,6 +39,7 @@ NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
             tuple(f"layer_{name}" for name in ("truth", "skeleton")), _LAYER),
         "mosaic": _MOSAIC,
         "compare_methods": _METHODS,
+        "apply_to_folder": _BATCH,
     }
 )  # fmt: skip
 """Names of actions and of tools -> why they are not offered while a volume is open."""

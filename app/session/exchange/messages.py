@@ -234,5 +234,12 @@ class CommandFailed(Report):
 
 
 @dataclass(frozen=True, slots=True)
+class Compiling(Report):
+    """The kernels are being compiled, this part of them is done."""
+
+    percent: int
+
+
+@dataclass(frozen=True, slots=True)
 class WarmedUp(Report):
     """The kernels are ready."""

@@ -14,12 +14,18 @@ _NUMBER = re.compile(r"(\d+)")
 
 def images_beside(image: Path) -> tuple[Path, ...]:
     """The images in the folder of an image, this one among them: 2 comes before 10."""
+    others = {path.name for path in images_in(image.parent)}
+    return tuple(image.parent / name for name in sorted(others | {image.name}, key=_counted))
+
+
+def images_in(folder: Path) -> tuple[Path, ...]:
+    """The images in a folder; none in one that cannot be read."""
     try:
-        with os.scandir(image.parent) as entries:
-            names = {entry.name for entry in entries if _is_image(entry)}
+        with os.scandir(folder) as entries:
+            names = [entry.name for entry in entries if _is_image(entry)]
     except OSError:
-        names = set()
-    return tuple(image.parent / name for name in sorted(names | {image.name}, key=_counted))
+        return ()
+    return tuple(folder / name for name in sorted(names, key=_counted))
 
 
 def session_beside(image: Path) -> Path | None:

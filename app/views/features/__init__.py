@@ -12,6 +12,7 @@ from app.views.features.edit.draw import DrawFeature
 from app.views.features.edit.modes import ModesFeature
 from app.views.features.edit.pixel_size import PixelSizeFeature
 from app.views.features.edit.undo_selection import HistoryFeature, UndoSelectionFeature
+from app.views.features.file.batch import BatchFeature
 from app.views.features.file.beginning import BeginningFeature
 from app.views.features.file.export import ClipboardFeature, ExportFeature
 from app.views.features.file.folder import FolderFeature
@@ -19,6 +20,7 @@ from app.views.features.file.large_image import LargeImageFeature
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.file.preferences import PreferencesFeature
 from app.views.features.file.recovery import RecoveryFeature
+from app.views.features.file.script import ScriptFeature
 from app.views.features.file.stack import StackFeature
 from app.views.features.file.start import StartFeature
 from app.views.features.help.help import HelpFeature
@@ -44,6 +46,8 @@ FEATURES: tuple[type[Feature], ...] = (
     StartFeature,
     FolderFeature,
     ExportFeature,
+    BatchFeature,
+    ScriptFeature,
     RecoveryFeature,
     AnimationFeature,
     UndoSelectionFeature,

@@ -58,7 +58,7 @@ class Actions:
             action = self._actions[spec.name]
             if spec.holds is not None:
                 action.setChecked(spec.holds(situation))
-            if spec.worded is not None and action.text() != (text := spec.worded(situation)):
+            if spec.worded is not None and _plain(action.text()) != _plain(text := spec.worded(situation)):
                 action.setText(text)
                 self._tell(spec.name)
             if spec.pictured is not None and self._icons[spec.name] != (wanted := spec.pictured(situation)):
@@ -133,7 +133,12 @@ class Actions:
             self._actions[name].setIcon(icon(self._icons[name], color, faded=self._theme.line))
 
 
+def _plain(text: str) -> str:
+    """A text without its mnemonic, which a menu may have moved."""
+    return text.replace("&", "")
+
+
 def tooltip(text: str, spec: ActionSpec) -> str:
     """Name, key and tip of an action in one line."""
     keys = f" ({native(spec.shortcuts[0])})" if spec.shortcuts else ""
-    return f"{text.replace('&', '').rstrip('…')}{keys}: {spec.said}"
+    return f"{_plain(text).rstrip('…')}{keys}: {spec.said}"

@@ -5,31 +5,24 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Mapping, Sequence
-from contextlib import closing
-from dataclasses import fields
+from collections.abc import Sequence
 from pathlib import Path
 
 from cpm_core.cli.arguments import add_json, add_parameters, add_session, as_number, as_steps, parameters_of
-from cpm_core.cli.batch.jobs import Done, Job
-from cpm_core.cli.batch.summary import NAME, Row, Summary, now
+from cpm_core.cli.batch.batch import Batch, Order
+from cpm_core.cli.batch.summary import NAME, Row
 from cpm_core.cli.batch.workers import elsewhere, here
 from cpm_core.cli.outcome import print_json
 from cpm_core.cli.terminal import Count, announce_compilation, counted, written
 from cpm_core.formats import READABLE, WRITABLE
-from cpm_core.formats.atomic import write_together
 from cpm_core.formats.fingerprint import fingerprint
 from cpm_core.formats.printable import printable
 from cpm_core.formats.sessions.session_file import load_session
-from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
 from cpm_core.shapes.document_shapes import starts_of
 
 FAILED = 1
 """Exit status when some images failed."""
-
-_LONGEST = 200
-"""Longest part of an image's name that is taken into those of its files [bytes]."""
 
 _STANDARD = (".svg", ".csv", ".png")
 
@@ -39,7 +32,8 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     parser = commands.add_parser("batch", help="find the contours of many images", allow_abbrev=False)
     parser.set_defaults(command=_batch)
     parser.description = (
-        "Apply a session file to each image: its start, regions, charges and parameters. An image that fails is "
+        "Apply a session file to each image: its start, regions, charges and parameters, and of a file of several "
+        "images the page, channel, point in time and series that the session shows. An image that fails is "
         "reported, and the others go on. What the summary in the folder says is done already is not done again."
     )
     parser.add_argument(
@@ -77,64 +71,39 @@ def _batch(arguments: argparse.Namespace) -> int:
     suffixes = _suffixes(arguments.export)
     if not starts_of(session.shapes):
         raise ValueError(f"{arguments.session} has no start: draw one, or start everywhere, and save it again.")
-    output = _folder(arguments.output)
-    summary = Summary(output, arguments.images)
-    settings = _settings(session.parameters, parameters, max_steps, suffixes)
-    session_hash = fingerprint(Path(arguments.session))
-    known = {} if arguments.again else summary.done(session_hash, settings)
-    stems = _stems(arguments.images, known, summary.taken(), suffixes)
+    fingerprinted = fingerprint(Path(arguments.session))
+    order = Order(
+        arguments.images,
+        session,
+        fingerprinted,
+        _folder(arguments.output),
+        suffixes,
+        parameters,
+        max_steps,
+        arguments.again,
+    )
+    batch = Batch(order)
     for note in session.notes:
         print(f"cpm: {note}", file=sys.stderr)
-    if known:
-        print(f"cpm: {counted(len(known), 'image')} done before; --again does them again.", file=sys.stderr)
-    paths = {number: str(Path(image).absolute()) for number, image in enumerate(arguments.images)}
-    jobs = [
-        Job(number, path, session, parameters, max_steps, suffixes)
-        for number, path in paths.items()
-        if number not in known
-    ]
+    if batch.known:
+        print(f"cpm: {counted(len(batch.known), 'image')} done before; --again does them again.", file=sys.stderr)
+    jobs, images = batch.jobs, counted(len(order.images), "image")
     announce_compilation()
     results = elsewhere(jobs, arguments.scheduler) if arguments.scheduler else here(jobs, workers)
     began, progress = time.perf_counter(), Count(len(jobs))
     try:
-        with closing(results), progress:
-            for done in results:
-                image = arguments.images[done.number]
-                row = _write(image, done, output, stems[done.number], session_hash, settings, summary)
-                summary.add(done.number, row)
+        with progress:
+            for number, row in batch.rows(results):
                 progress.advance()
                 for sentence in filter(None, (row.trouble, *row.notes)):
-                    progress.message(printable(f"cpm: {image}: {sentence}"))
+                    progress.message(printable(f"cpm: {order.images[number]}: {sentence}"))
     except KeyboardInterrupt:
-        summary.write()
-        finished = f"{len(summary.rows)} of {counted(len(paths), 'image')} were done, and their files are complete"
+        finished = f"{len(batch.summary.rows)} of {images} were done, and their files are complete"
         raise KeyboardInterrupt(f"{finished}; the same command does the others") from None
-    summary.write()
-    with written(f"all {counted(len(paths), 'image')} were done"):
-        _report(list(summary.rows.values()), output, time.perf_counter() - began, as_json=arguments.json)
-    return FAILED if any(row.trouble for row in summary.rows.values()) else 0
-
-
-def _write(image: str, done: Done, output: Path, stem: str, session_hash: str, settings: str, summary: Summary) -> Row:
-    """Write all files of an image, or none, and tell it as a row of the summary."""
-    files = [(output / f"{stem}{suffix}", content) for suffix, content in done.files.items()]
-    error, facts = done.error, done.facts
-    try:
-        summary.release(path.name for path, _ in files)
-        write_together(files)
-    except ValueError as trouble:
-        error, facts, files = str(trouble), {}, []
-    names = tuple(path.name for path, _ in files)
-    hashes = {"image_sha256": done.sha256, "session_sha256": session_hash}
-    return Row(image, facts, names, error, done.notes, **hashes, settings=settings, finished=now())
-
-
-def _settings(session: Parameters, used: Parameters, max_steps: int | None, suffixes: Sequence[str]) -> str:
-    """What a batch is asked in addition to the session: other parameters, steps, formats."""
-    parts = {field.name: getattr(used, field.name) for field in fields(Parameters)}
-    changed = [f"{name}={value}" for name, value in parts.items() if value != getattr(session, name)]
-    steps = [] if max_steps is None else [f"max_steps={max_steps}"]
-    return " ".join([*changed, *steps, f"export={','.join(suffixes)}"])
+    rows = list(batch.summary.rows.values())
+    with written(f"all {images} were done"):
+        _report(rows, order.output, time.perf_counter() - began, as_json=arguments.json)
+    return FAILED if any(row.trouble for row in rows) else 0
 
 
 def _workers(given: int | float | str | None) -> int | None:
@@ -159,27 +128,6 @@ def _folder(given: str) -> Path:
     except OSError as error:
         raise ValueError(f"--output is {folder} but no folder can be made there: {error.strerror or error}.") from error
     return folder
-
-
-def _stems(images: Sequence[str], known: Mapping[int, Row], taken: set[str], suffixes: Sequence[str]) -> dict[int, str]:
-    """Unique file names without a suffix, after the names of the images that are not done yet."""
-    stems: dict[int, str] = {}
-    for number, image in enumerate(images):
-        if number in known:
-            continue
-        stem = first = f"{_short(Path(image).stem)}_contours"
-        count = 1
-        while any(f"{stem}{suffix}".lower() in taken for suffix in suffixes):
-            count += 1
-            stem = f"{first}_{count}"
-        taken |= {f"{stem}{suffix}".lower() for suffix in suffixes}
-        stems[number] = stem
-    return stems
-
-
-def _short(stem: str) -> str:
-    """The beginning of a name that leaves room for what is added to it; file systems allow 255 bytes."""
-    return printable(stem).encode()[:_LONGEST].decode(errors="ignore")
 
 
 def _report(every: Sequence[Row], output: Path, seconds: float, *, as_json: bool) -> None:

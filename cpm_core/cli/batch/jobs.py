@@ -13,7 +13,9 @@ from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply
 from cpm_core.formats import encoded, load_image, omission
 from cpm_core.formats.fingerprint import fingerprint_if_read
+from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.formats.provenance import with_shapes
+from cpm_core.formats.sessions.chosen_part import part_for
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.segment import segment, with_hand_edits
@@ -50,7 +52,8 @@ def do(job: Job) -> Done:
     """Find the contours of one image; the files are only encoded, and the batch writes them together."""
     try:
         began = time.perf_counter()
-        image, shapes = load_image(job.path), job.session.shapes
+        shown, shapes = job.session.image, job.session.shapes
+        image = load_image(job.path, **part_for(Path(job.path), DEFAULT if shown is None else shown.reading))
         parameters, small = with_room(job.parameters, image)
         seeds = seeds_on(image, shapes, parameters.smoothing, parameters.channel)
         found = segment(

@@ -7,7 +7,7 @@ import multiprocessing
 import multiprocessing.connection
 import signal
 from asyncio import CancelledError
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from contextlib import suppress
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
@@ -23,20 +23,26 @@ _LOG = logging.getLogger(__name__)
 _PATIENCE = 5.0
 """How long a scheduler is waited for at the end [s]."""
 
+_LOOK = 0.2
+"""Time between two looks at whether to go on [s]."""
+
 _DIED = "The process that worked on it ended unexpectedly; perhaps there was not enough memory."
 
 
-def here(jobs: Sequence[Job], workers: int | None) -> Generator[Done, None, None]:
+def here(
+    jobs: Sequence[Job], workers: int | None, go_on: Callable[[], object] | None = None
+) -> Generator[Done, None, None]:
     """Do jobs on this computer and yield results as they finish.
 
-    There is one process for each core unless `workers` gives a number; with one, jobs are done in this process. A job
-    whose process dies is tried once more, as the last one.
+    There is one process for each core unless `workers` gives a number; with one, jobs are done in this process, unless
+    there is `go_on`. That is called several times a second, and what it raises ends all processes. A job whose process
+    dies is tried once more, as the last one.
     """
     count = min(workers or cores(), len(jobs))
-    if count <= 1:
+    if count <= 1 and (go_on is None or not jobs):
         yield from map(do, jobs)
         return
-    _compile_once()
+    _compile_once(go_on)
     waiting = list(reversed(jobs))
     tried: set[int] = set()
     crew = [_Worker() for _ in range(count)]
@@ -45,7 +51,9 @@ def here(jobs: Sequence[Job], workers: int | None) -> Generator[Done, None, None
             worker.give(waiting.pop())
         while any(worker.job for worker in crew):
             busy = {worker.line: worker for worker in crew if worker.job}
-            for line in multiprocessing.connection.wait(list(busy)):
+            if go_on is not None:
+                go_on()
+            for line in multiprocessing.connection.wait(list(busy), _LOOK if go_on is not None else None):
                 worker = busy[line]  # type: ignore[index]  # only those connections were given
                 job = worker.job
                 assert job is not None
@@ -112,10 +120,21 @@ def _result(future: Any, number: int) -> Done:
     return done
 
 
-def _compile_once() -> None:
+def _compile_once(go_on: Callable[[], object] | None) -> None:
     """Compile the loops once if they are not in the cache of this computer, before every process does it."""
+
+    def stopped() -> bool:
+        try:
+            if go_on is not None:
+                go_on()
+        except Exception:  # it is raised again where nothing has to be ended first
+            return True
+        return False
+
     if not is_compiled():
-        warm_up()
+        warm_up(stopped)
+        if go_on is not None:
+            go_on()
 
 
 class _Worker:

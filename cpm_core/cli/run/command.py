@@ -45,6 +45,7 @@ from cpm_core.field.edge_map import edge_map
 from cpm_core.formats import CONTOURS_READABLE, export, left_out, load_image, suffix_of
 from cpm_core.formats.printable import printable
 from cpm_core.formats.provenance import ENTRY, facts_of, plain_shapes, with_shapes
+from cpm_core.formats.sessions.chosen_part import part_for
 from cpm_core.formats.sessions.recorded_run import Recorder
 from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, find_image, load_session
 from cpm_core.image.image import Image
@@ -122,8 +123,9 @@ def _run(arguments: argparse.Namespace) -> int:
     drawn = seeds_drawn(arguments, session)
     regions = regions_drawn(arguments, session)
     path, notes = _image(arguments, session)
-    if session.image is not None and arguments.image is None:
-        own = session.image.reading.arguments
+    if session.image is not None:
+        reading = session.image.reading
+        own = reading.arguments if arguments.image is None else part_for(path, reading)
         part = {name: given for name, given in own.items() if name != "page" or arguments.pages is None} | part
     check_pages(arguments, str(path))
     check_save(arguments, str(path))

@@ -56,7 +56,12 @@ def _part(look: Appearance, grid: Grid) -> tuple[Single, Single, Pixels]:
     rows = slice(grid.top, grid.top + len(grid.rows))
     cols = slice(grid.left, grid.left + len(grid.cols))
     rank, gray, bins = look.resolutions[grid.scale]
-    return rank[rows, cols], gray[rows, cols], bins[rows, cols]
+    # in one piece, whatever the part: a loop is compiled for each layout of an array
+    return (
+        np.ascontiguousarray(rank[rows, cols]),
+        np.ascontiguousarray(gray[rows, cols]),
+        np.ascontiguousarray(bins[rows, cols]),
+    )
 
 
 @compiled

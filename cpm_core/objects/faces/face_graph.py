@@ -143,7 +143,7 @@ def _graph_in(
     )
     sums = np.zeros((6, count))
     rows, cols = labels.shape
-    _measure(face, np.ascontiguousarray(values[window]), window[0].start, window[1].start, rows, cols, sums)
+    _measure(face, np.array(values[window]), window[0].start, window[1].start, rows, cols, sums)
     area, gray, squares, down, right, on_border = sums
     pairs, found = _borders(face, edge, on_line, on_barrier, count)
     low, high = pairs.T

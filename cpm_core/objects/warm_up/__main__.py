@@ -52,7 +52,7 @@ def fill(folder: Path, target: Target, parts: Sequence[str]) -> int:
             FOLDER_VARIABLE: "",
         }
         for part in parts:
-            process = other_process(part, environment)
+            process = other_process(part, environment, telling=True)
             if process.wait():
                 raise ValueError(f"{part} cannot be run.")
             process.communicate()

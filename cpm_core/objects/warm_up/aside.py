@@ -24,6 +24,9 @@ from cpm_core.objects.warm_up.parts import Part
 _LOOK_EVERY = 0.05
 """Interval at which the other processes are polled [s]."""
 
+_GENTLE = 10
+"""By how much the priority of a process is lowered that other programs go before."""
+
 _ALMOST = 0.99
 """Greatest fraction that is told before the end."""
 
@@ -32,11 +35,12 @@ def compile_parts(
     parts: Sequence[Part],
     canceled: Callable[[], bool],
     told: Callable[[float], object],
-    environment: Mapping[str, str] | None = None,
+    gently: bool = False,
 ) -> None:
     """Compile parts of the loops in other processes, one for each core; where none can be started, do nothing.
 
-    `told` is called with the fraction that is done. When `canceled()` becomes true the processes are ended.
+    `told` is called with the fraction that is done. When `canceled()` becomes true the processes are ended. Other
+    programs go before them if `gently`.
     """
     folder = kept_folder()
     if not parts or folder is None or cores() < 2:
@@ -51,7 +55,7 @@ def compile_parts(
         try:
             while is_at_work() and not canceled():
                 while waiting and sum(process.poll() is None for process in processes) < cores():
-                    processes.append(other_process(waiting.pop(0).name, environment))
+                    processes.append(other_process(waiting.pop(0).name, gently=gently))
                 told(min((_count(folder) - before) / expected, _ALMOST))
                 time.sleep(_LOOK_EVERY)
         finally:
@@ -61,30 +65,34 @@ def compile_parts(
                 process.communicate()
 
 
-def other_process(part: str, environment: Mapping[str, str] | None = None) -> subprocess.Popen[bytes]:
-    """Start a process that compiles a part of the loops; `part` is module:function."""
+def other_process(
+    part: str, environment: Mapping[str, str] | None = None, *, gently: bool = False, telling: bool = False
+) -> subprocess.Popen[bytes]:
+    """Start a process that compiles a part of the loops, module:function; its errors are seen if `telling`."""
     if getattr(sys, "frozen", False) or not sys.executable:
         raise FileNotFoundError("there is no interpreter to start")
     found_in = [str(Path(__file__).parents[3]), *filter(None, [os.environ.get("PYTHONPATH")])]
     module, _, function = part.partition(":")
-    code = f"from cpm_core.objects.warm_up import aside; aside.run_alone({module!r}, {function!r})"
+    code = f"from cpm_core.objects.warm_up import aside; aside.run_alone({module!r}, {function!r}, {gently})"
     return subprocess.Popen(
         # -P: nothing is imported from the current folder of the user
         [sys.executable, "-P", "-c", code],
         env={**os.environ, "PYTHONPATH": os.pathsep.join(found_in), **(environment or {})},
         stdin=subprocess.PIPE,
         stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
+        stderr=None if telling else subprocess.DEVNULL,
         creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),  # Windows would open a console
     )
 
 
-def run_alone(module: str, function: str) -> None:
+def run_alone(module: str, function: str, gently: bool) -> None:
     """Compile a part of the loops, in a process of its own that ends with the one that has started it.
 
     Garbage is not collected: compiling makes so many objects that the search through them takes a tenth of the time.
     """
     _end_with_the_caller()
+    if gently and hasattr(os, "nice"):
+        os.nice(_GENTLE)
     gc.disable()
     getattr(importlib.import_module(module), function)()
 

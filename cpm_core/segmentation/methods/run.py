@@ -10,6 +10,7 @@ from typing import Any
 from cpm_core.contours.agreement import Comparison, compare
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.image.image import Image, as_plane
+from cpm_core.numerics.real_numbers import checked_number
 from cpm_core.parameters.quotation import counted, described, shown
 from cpm_core.segmentation.methods.method import AnyMethod, ContourMethod, ContourState, Start
 
@@ -52,9 +53,14 @@ def moments(method: AnyMethod, image: Image, start: Start, settings: Any = None)
         raise ValueError(f"the method is {shown(method)} but must be one of CONTOUR_METHODS.")
     if not isinstance(start, Start):
         raise ValueError(f"the start is {shown(start)} but must be a Start: Start((outline,)).")
+    settings = method.settings() if settings is None else settings
+    if not isinstance(settings, method.settings):
+        raise ValueError(
+            f"the settings are {shown(settings)} but must be {method.settings.__name__}, those of {method.title}."
+        )
     method.check()
     image = as_plane(image)
-    states = method.evolve(image, start, method.settings() if settings is None else settings)
+    states = method.evolve(image, start, settings)
     seconds = 0.0
     while True:
         began = time.perf_counter()
@@ -77,6 +83,10 @@ def run_method(
     >>> len(moment.state.contours), moment.state.step
     (1, 20)
     """
+    if max_steps is not None:
+        checked_number(
+            "max_steps", max_steps, lambda count: count >= 0 and count == int(count), "at least 0, and whole"
+        )
     last = None
     for last in moments(method, image, start, settings):
         if last.state.step == max_steps:

@@ -164,7 +164,7 @@ class Bench:
     def _build(self, image: Image, parameters: Parameters, regions: Regions | None) -> FakeEngine:
         return FakeEngine(image, parameters, regions, self.engines)
 
-    def _warm_up(self, unwanted: Callable[[], bool]) -> None:
+    def _warm_up(self, unwanted: Callable[[], bool], told: Callable[[float], object]) -> None:
         assert self.hold.wait(20)
         self.warm.set()
 

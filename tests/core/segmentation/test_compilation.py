@@ -67,7 +67,7 @@ def started_instead(monkeypatch, code):
     """Let other processes run this code; returns those that have been started."""
     processes = []
 
-    def start(part, environment=None):
+    def start(part, gently=False):
         processes.append(subprocess.Popen([sys.executable, "-c", code], stdin=subprocess.PIPE))
         return processes[-1]
 

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import functools
 import inspect
-from collections.abc import Callable, Mapping
+import itertools
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from random import Random
 from typing import Any, cast
@@ -16,7 +17,19 @@ import numpy as np
 from hypothesis import strategies as st
 
 import cpm_core
-from cpm_core import Centerlines, Contour, Image, Parameters, PlacedCharge, Regions, Result, Skeleton, Surface, Truth
+from cpm_core import (
+    Centerlines,
+    Contour,
+    Image,
+    Parameters,
+    PlacedCharge,
+    Regions,
+    Result,
+    Skeleton,
+    Start,
+    Surface,
+    Truth,
+)
 from cpm_core.formats.writers import FOR_VOLUMES
 from cpm_core.image.colors import Colors
 from cpm_core.objects.warm_up import warm_up
@@ -32,6 +45,7 @@ BALL = np.where(np.linalg.norm(np.indices((12, 13, 14)) - 6.0, axis=0) < 4.0, 20
 _SEEDS = np.array([[4.0, 8.0], [7.5, 8.5], [11.0, 9.0]])
 _COLORED = Image(DISC, colors=Colors(np.stack([DISC, DISC[:, ::-1], DISC * 0.5], -1).astype(np.uint8), 255.0))
 """An image with colors."""
+_START = Start((np.array([[3.0, 3.0], [3.0, 14.0], [12.0, 14.0], [12.0, 3.0]]),))
 _FRAME = np.zeros((4, 6, 3), np.uint8)
 
 _NUMBERS: tuple[Any, ...] = (
@@ -218,6 +232,7 @@ def sound() -> Mapping[str, tuple[Any, ...]]:
             "implicit",
             "crust",
             "x",
+            *cpm_core.CONTOUR_METHODS.values(),
         ),
         "suffix": (*cpm_core.formats.WRITABLE, *FOR_VOLUMES, ".x", "svg"),
         "of": (None, "auto", "dark", "light", "x"),
@@ -244,13 +259,30 @@ def sound() -> Mapping[str, tuple[Any, ...]]:
         "channel": ("luminance", "red", "x"),
         "holes": (True, False),
         "outside": (True, False),
-        "outlines": (True, False),
         "contrast": (True, False),
         "columns": (None, 1, 2, 0),
         "interest": ((), (((2, 2), (2, 9), (9, 9)),), (((2, 2),),)),
         "barriers": ((), (((0, 3), (15, 3)),)),
         "position": ((5.0, 5.0), (1, 2)),
         "smoothing": ("auto", 1.0, 2.5),
+        **_of_stacks_and_methods(),
+    }
+
+
+def _of_stacks_and_methods() -> Mapping[str, tuple[Any, ...]]:
+    """Name of an argument of what follows pages or compares methods -> values that it may have."""
+    moment = cpm_core.run_method(cpm_core.CONTOUR_METHODS["chan_vese"], Image(DISC), _START, max_steps=3)
+    return {
+        "pages": ([DISC] * 2, [DISC, DISC[:5]], np.stack([DISC] * 3), [], [None], "ab", BALL, [DISC * np.nan, DISC]),
+        "numbers": (None, (1,), [2, 1], [0], [1, 1], np.array([1]), np.array([1.0]), np.array(1), "1"),
+        "known": ((), [None], (DISC,)),
+        "start": (_START, Start((_SEEDS * 4.0,), around=True), Start((_SEEDS, _SEEDS + 1e5))),
+        "settings": (None, {}, *(method.settings() for method in cpm_core.CONTOUR_METHODS.values())),
+        "moment": (moment,),
+        "outlines": ((_SEEDS,), [_SEEDS.tolist()], (_SEEDS[:2],), (), True, False),
+        "line": _POINTS,
+        "axis": (0, 1, 2, 3, -1, 0.5),
+        "name": (*cpm_core.EXAMPLES, "x") if hasattr(cpm_core, "EXAMPLES") else ("disk", "x"),
     }
 
 
@@ -343,10 +375,12 @@ def calls(draw: st.DrawFn) -> tuple[str, dict[str, Any]]:
 def attempt(call: tuple[str, dict[str, Any]]) -> None:
     """Call a function; fails unless its result is finite, or it says in one sentence what it refuses."""
     name, arguments = call
-    if name == "segment":
+    if name in ("segment", "run_method", "follow"):
         arguments = {"max_steps": 3, **arguments}
     try:
         found = FUNCTIONS[name](**arguments)
+        if isinstance(found, Iterator):
+            found = list(itertools.islice(found, 3))
     except ValueError as error:
         check_sentence(error)
     else:

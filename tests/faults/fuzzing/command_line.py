@@ -9,6 +9,7 @@ from pathlib import Path
 from random import Random
 
 import numpy as np
+import tifffile
 
 from cpm_core.cli import main
 from cpm_core.formats import WRITABLE
@@ -22,10 +23,11 @@ from .limits import LONGEST_SENTENCE, in_time
 prepare = warm_up
 
 _AT_ONCE = 4
-_SESSION, _POINTS, _TEXT, _VOLUME = "sound.cpm", "points.csv", "notes.txt", "ball.npy"
+_SESSION, _POINTS, _TEXT, _VOLUME, _STACK = "sound.cpm", "points.csv", "notes.txt", "ball.npy", "stack.tif"
 _FILES = (
     IMAGE,
     _VOLUME,
+    _STACK,
     "truth.npy",
     _SESSION,
     _POINTS,
@@ -88,8 +90,23 @@ _FLAGS: dict[str, tuple[str, ...]] = {
     "--stroke": _PLACES,
     "--region": _PLACES,
     "--barrier": _PLACES,
-    "--object": _PLACES,
-    "--not": _PLACES,
+    "--object": (*_PLACES, "9,9,9", "0,0,0", "nan,9,9"),
+    "--not": (*_PLACES, "9,9,2"),
+    "--polygon": _PLACES,
+    "--around": (),
+    "--methods": ("chan_vese", "gvf", "snake", "all", "x", ""),
+    "--set": ("chan_vese.mu=0.3", "snake.alpha=nan", "gvf.iterations=9", "x.y=1", "snake", "=", "snake.alpha=1e999"),
+    "--truth": _FILES,
+    "--page": _NUMBERS,
+    "--time": _NUMBERS,
+    "--series": _NUMBERS,
+    "--pages": ("all", "1-2", "2,1", "3-1", "0", "9", "-1", "1-", "1,,2", "x", "", "1-99999999999"),
+    "--follow": (),
+    "--resume": (),
+    "--pixel-size": ("0.25um", "1,2um", "0", "nan", "-1mm", "x", "1e-300", "2,2,2mm"),
+    "--volume": (),
+    "--faces": _NUMBERS,
+    "--space": ("RAS", "LPS", "x", ""),
     "--points": _FILES,
     "--session": _FILES,
     "--within": _FILES,
@@ -119,22 +136,24 @@ _FLAGS: dict[str, tuple[str, ...]] = {
     "--edges": ("vessels", "x"),
     "--channel": ("red",),
 }
-_COMMANDS = ("run", "run", "run", "skeleton", "info", "batch", "x", "")
-_STEPS = {"run": ["--max-steps", "3"], "batch": ["--workers", "1", "--max-steps", "3"]}
+_COMMANDS = ("run", "run", "run", "run", "compare", "skeleton", "info", "batch", "x", "")
+_STEPS = {"run": ["--max-steps", "3"], "compare": ["--max-steps", "3"], "batch": ["--workers", "1", "--max-steps", "3"]}
 
 
 def arguments_of(random: Random) -> list[str]:
     """A list of arguments, more often than not one that can be carried out."""
     command = random.choice(_COMMANDS)
     given = [command]
-    in_space = command == "run" and random.random() < 0.3
+    in_space, pages = command == "run" and random.random() < 0.3, command == "run" and random.random() < 0.2
     if in_space:
         given += [_VOLUME, "--sphere", random.choice(_SPHERES[:2])]
+    elif pages:
+        given += [_STACK, "--pages", random.choice(("all", "1-2", "2,1"))]
     elif random.random() < 0.8:
         given += [IMAGE] if random.random() < 0.8 else [random.choice(_FILES)]
     if command == "batch" and random.random() < 0.8:
         given += ["--session", _SESSION, "--output", "there"]
-    if command == "run" and not in_space and random.random() < 0.6:
+    if command in ("run", "compare") and not in_space and random.random() < 0.6:
         given += ["--circle", "20,20,6"]
     for _ in range(random.randrange(5)):
         flag = random.choice(list(_FLAGS))
@@ -165,7 +184,7 @@ def attempt(arguments: list[str]) -> None:
     changed = {name for name in after if before.get(name) != after[name]}
     assert before.keys() <= after.keys(), f"lost {before.keys() - after.keys()}"
     assert status != 2 or not changed, f"refused with {lines[-1:]}, but wrote {changed}"
-    assert not changed & {IMAGE, _SESSION, _POINTS, _TEXT, _VOLUME}, f"overwrote {changed}"
+    assert not changed & {IMAGE, _SESSION, _POINTS, _TEXT, _VOLUME, _STACK}, f"overwrote {changed}"
     assert all(after[name] for name in changed), f"an empty file among {changed}"
     if "--json" in arguments and status == 0 and "--help" not in arguments and "--version" not in arguments:
         json.loads(printed.getvalue(), parse_constant=_refuse)
@@ -189,6 +208,9 @@ def trial(random: Random, folder: Path) -> int:
     (folder / _TEXT).write_text("nothing\n")
     away = np.linalg.norm(np.indices((19, 19, 19)) - 9.0, axis=0)
     np.save(folder / _VOLUME, np.where(away < 6.0, 200.0, 20.0))
+    row, col = np.indices((32, 34))
+    disks = [np.where(np.hypot(row - 15.0 - page, col - 16.0) < 8.0, 200, 20) for page in range(3)]
+    tifffile.imwrite(folder / _STACK, np.array(disks, np.uint8), photometric="minisblack")
     np.save(folder / "é.png.npy", np.zeros((9, 9)))
     with contextlib.chdir(folder):
         for _ in range(_AT_ONCE):

@@ -19,6 +19,7 @@ from app.session.core_functions import Core
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.messages import (
     CommandFailed,
+    Compiling,
     Exported,
     Reconstruction,
     Report,
@@ -303,7 +304,15 @@ class WarmUp(Command):
 
     def execute(self, context: CommandContext) -> None:
         """Compile or load them."""
-        (context.core.warm_up_volumes if self.volumes else context.core.warm_up)(context.closing)
+        told = -1
+
+        def tell(done: float) -> None:
+            nonlocal told
+            if (percent := int(100.0 * done)) > told:
+                told = percent
+                context.report(Compiling(percent))
+
+        (context.core.warm_up_volumes if self.volumes else context.core.warm_up)(context.closing, tell)
         # What is loaded by now stays; a search through it for garbage would delay the window by several frames.
         gc.freeze()
         context.report(WarmedUp())

@@ -203,3 +203,16 @@ def test_a_front_drifts_with_the_velocity():
     phi = flow(distance_of(np.hypot(ROW - 31.5, COL - 24.5) < 12), 32, 0.25, velocity=(0.0, 1.0))
     center = np.argwhere(phi > 0.0).mean(axis=0)
     assert np.abs(center - [31.5, 32.5]).max() < 0.6
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("given", [{}, np.zeros((2, 2)), "x"], ids=["a dictionary", "an array", "a text"])
+def test_settings_of_another_kind_are_refused_in_a_sentence(name, given):
+    with pytest.raises(ValueError, match=r"the settings are .* but must be \w+, those of .*\.$"):
+        run_method(CONTOUR_METHODS[name], IMAGE, START, given)
+
+
+@pytest.mark.parametrize("steps", [-1, 0.5, "x", np.nan])
+def test_a_number_of_steps_that_is_none_is_refused_in_a_sentence(steps):
+    with pytest.raises(ValueError, match=r"max_steps is .* but must be at least 0, and whole\.$"):
+        run_method(CONTOUR_METHODS["snake"], IMAGE, START, max_steps=steps)

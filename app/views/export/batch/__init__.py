@@ -1,0 +1,1 @@
+"""The dialog that applies a session to many images."""
