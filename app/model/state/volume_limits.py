@@ -29,7 +29,7 @@ NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
         **dict.fromkeys(
             ("contours", "edit_contours", "outline", "close_contours", "join_contours", "cut_contour", "image_skeleton",
              "contour_skeleton", "next_contour", "all_contours", "other_contours", "learn", "doubtful_contour",
-             "show_rejected"), _CONTOUR),
+             "show_rejected", "import_contours"), _CONTOUR),
         "object_skeleton": _MODE,
         "objects_alike": _ALIKE,
         "merge_objects": _MERGE,
