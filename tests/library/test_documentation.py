@@ -73,6 +73,22 @@ def test_each_expectation_names_a_test_that_there_is(row):
     assert name in {node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}
 
 
+def test_the_continuous_check_builds_it_by_the_command_of_the_readme():
+    script = (ROOT / ".ci" / "docs").read_text(encoding="utf-8")
+    pattern = re.search(r"grep -m 1 '(.*)' README.md", script).group(1)
+    lines = [line for line in (ROOT / "README.md").read_text(encoding="utf-8").splitlines() if re.search(pattern, line)]
+    assert len(lines) == 1
+    assert "-e '.[docs]'" in lines[0]
+
+
+def test_the_first_command_is_that_of_the_readme():
+    readme = (ROOT / "README.md").read_text(encoding="utf-8").splitlines()
+    page = (DOCS / "start.md").read_text(encoding="utf-8")
+    first = [line for line in page.splitlines() if "-m venv" in line]
+    assert len(first) == 2
+    assert set(first) <= set(readme)
+
+
 def test_there_are_38_expectations_each_once():
     assert len(rows.ROWS) == 38
     assert len({row.what for row in rows.ROWS}) == len({row.test for row in rows.ROWS}) == 38
