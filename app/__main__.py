@@ -33,16 +33,43 @@ def main(argv: Sequence[str] | None = None) -> int:
         Exit status; 2 when the window cannot be opened or the arguments are invalid.
     """
     try:
+        _end_at_once_if_interrupted()
         return _run(list(sys.argv[1:] if argv is None else argv))
-    except KeyboardInterrupt:  # while the libraries were loaded
+    except KeyboardInterrupt:
         print("cpm: interrupted; nothing was written.", file=sys.stderr)
         return INTERRUPTED
+    finally:
+        _interrupt_as_usual()
+
+
+def _end_at_once_if_interrupted() -> None:
+    """Let Ctrl+C end the program while libraries are loaded: some would make another error of it."""
+    import signal  # loads others: whoever interrupts that is answered already
+
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        try:
+            signal.signal(signal.SIGINT, _end_at_once)
+        except ValueError:  # only the main thread is interrupted
+            return
+
+
+def _end_at_once(*_: object) -> None:
+    os.write(2, b"cpm: interrupted; nothing was written.\n")
+    os._exit(INTERRUPTED)
+
+
+def _interrupt_as_usual() -> None:
+    import signal
+
+    if signal.getsignal(signal.SIGINT) is _end_at_once:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def _run(arguments: Sequence[str]) -> int:
     if arguments and (arguments[0] in _COMMANDS or arguments[0].startswith("-")):
         from cpm_core import cli
 
+        _interrupt_as_usual()
         return cli.main(arguments)
     paths = list(arguments)
     if arguments and not os.path.lexists(arguments[0]):  # a word that was mistyped opens no window
@@ -81,6 +108,7 @@ def _open_window(path: str | None) -> int:
         if (error.name or "").partition(".")[0] in _QT and isinstance(error, ModuleNotFoundError):
             return _refuse(_NO_QT)
         return _refuse(f"The window cannot be opened because a library cannot be loaded ({error}); see the README.")
+    _interrupt_as_usual()
     return run(path)
 
 

@@ -315,12 +315,16 @@ def test_the_top_level_holds_what_it_should_and_nothing_else():
         "pyproject.toml",
         "app",
         "cpm_core",
+        "docs",
         "tests",
         "assets",
         "README.md",
         "ARCHITECTURE.md",
         "CHANGELOG.md",
+        "CITATION.cff",
+        "CONTRIBUTING.md",
         "LICENSE",
+        "release",
     }
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from cpm_core import cli
 from cpm_core.formats import READABLE, WRITABLE
-from cpm_core.parameters import DEFAULTS, PARAMETERS, PRESETS
+from cpm_core.parameters import PRESETS
 
 ROOT = Path(__file__).parent.parent
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -25,24 +25,6 @@ def place(tmp_path, monkeypatch):
     shutil.copytree(ROOT / "assets" / "samples", tmp_path / "assets" / "samples")
     monkeypatch.chdir(tmp_path)
     return tmp_path
-
-
-def table_line(name):
-    """Line of the table that tells about a parameter."""
-    info = PARAMETERS[name]
-    unit = f" {info.unit}" if info.unit else ""
-    allowed = f"{info.low:g} or more" if info.high >= 1e9 else f"{info.low:g} to {info.high:g}"
-    default = "auto" if DEFAULTS[name] == "auto" else f"{DEFAULTS[name]:g}"
-    return f"| `{name}`: {info.title.lower()} | {info.symbol} | {default}{unit} | {allowed} | {info.more} |"
-
-
-@pytest.mark.parametrize("name", PARAMETERS)
-def test_the_table_says_of_each_parameter_what_the_program_says(name):
-    assert table_line(name) in TEXT.splitlines()
-
-
-def test_the_table_has_no_other_parameters():
-    assert len(re.findall(r"^\| `\w+`: ", TEXT, flags=re.MULTILINE)) == len(PARAMETERS)
 
 
 def test_presets_and_formats_are_named():

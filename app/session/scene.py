@@ -12,16 +12,15 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.model.display.differences import Difference
-from app.model.display.display_image import DisplayImage, DisplayVolume
+from app.model.display.display_image import DisplayImage
 from app.model.document.document import Document
 from app.model.document.objects import AnySelection
 from app.model.text.language import tr
 from app.model.volume.slices import Slices
 from app.session.exchange.contour_tracking import TrackedContours
-from app.session.exchange.messages import Reconstruction, Snapshot
+from app.session.exchange.messages import Drawn, Reconstruction, Snapshot
 from app.session.worker.commands.forces import Probed
 from app.session.worker.commands.intensity_window import Shaded, WindowFound
 from app.session.worker.commands.timeline import Compared
@@ -196,7 +195,7 @@ class Scene:
         Keys of the selected contours.
     hovered_contour : int or None
         Key of the contour under the pointer.
-    overlays : mapping of str to ndarray, DisplayImage or DisplayVolume
+    overlays : mapping of str to what is drawn
         The requested overlays by name; see `app.session.worker.overlays`.
     probed : Probed or None
         Forces on a particle.
@@ -228,7 +227,7 @@ class Scene:
     contours: ReviewedContours = NO_CONTOURS
     selected_contours: frozenset[int] = frozenset()
     hovered_contour: int | None = None
-    overlays: Mapping[str, NDArray[np.generic] | DisplayImage | DisplayVolume] = field(default_factory=dict)
+    overlays: Mapping[str, Drawn] = field(default_factory=dict)
     probed: Probed | None = None
     compared: Compared | None = None
     truth: Truth | None = None

@@ -202,7 +202,7 @@ def _document(opened: Opened, mode: Mode) -> Document:
     """The document that an image or a session begins with; the mode stays unless it is a sample or a session."""
     image, path, sample = opened.image, opened.path, sample_at(opened.path)
     if image.ndim == 3 and opened.saved is None and sample is None:
-        mode = "shape"  # the only one that volumes have
+        mode = "shape"  # starts everywhere take long in a volume, and skeletons there are none
     reference = ImageReference.of(path, image, opened.reading)
     if opened.saved is not None:
         return restored(opened.saved.file, reference, opened.parameters)

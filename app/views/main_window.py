@@ -23,6 +23,7 @@ from app.views.canvas.strip.pointer_readout import PointerReadout
 from app.views.canvas.strip.zoom_field import ZoomField
 from app.views.features import FEATURES
 from app.views.features.file.folder import FolderFeature
+from app.views.features.file.importing import ImportFeature
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.file.recovery import RecoveryFeature
 from app.views.features.file.script import ScriptFeature
@@ -157,6 +158,10 @@ class MainWindow(QMainWindow):
     def _introduce_files(self) -> None:
         """Tell features that work with files of each other."""
         files = self.feature(OpenSaveFeature)
+        importing = self.feature(ImportFeature)
+        files.import_contours = importing.take
+        importing.open_files = files.take_dropped
+        importing.open_picture = lambda path: files.take([path])
         files.bring_in = self.feature(ParametersFeature).preset_files.import_file
         self.feature(RecoveryFeature).keep(files.document_file)
         self.feature(FolderFeature).keep(files.document_file)

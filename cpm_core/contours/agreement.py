@@ -131,9 +131,9 @@ class Comparison(Agreement):
     Attributes
     ----------
     dice : float
-        2 |A ∩ B| / (|A| + |B|), Dice (1945), doi:10.2307/1932409; 1 when both are empty.
+        ``2 |A ∩ B| / (|A| + |B|)``, Dice (1945), doi:10.2307/1932409; 1 when both are empty.
     jaccard : float
-        |A ∩ B| / |A ∪ B|, Jaccard (1912); 1 when both are empty.
+        ``|A ∩ B| / |A ∪ B|``, Jaccard (1912); 1 when both are empty.
     distances : tuple of ndarray, shape (K,)
         For each contour the distance from each of its vertices to b [px].
     missing : ndarray, shape (M, 2)

@@ -70,6 +70,9 @@ _SURFACES: Mapping[str, Callable[[Result | Skeleton, Convention], bytes]] = Mapp
 )
 """Suffix of a file with coordinates of a patient -> the function that encodes it in LPS or RAS."""
 
+IN_SPACE = frozenset(_SURFACES)
+"""Suffixes of the files of surfaces whose coordinates are in LPS or RAS, as `export` is told."""
+
 _OUTLINES: Mapping[str, Encode] = MappingProxyType(
     {
         ".png": partial(labels.encode_png, outlines=True),

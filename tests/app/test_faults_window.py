@@ -70,7 +70,7 @@ def test_threads_that_wait_for_a_processor_are_told() -> None:
 
 def test_memory_that_rises_to_the_end_is_told() -> None:
     def rising(resident: float, qt: float) -> list[Taken]:
-        return [Taken(400.0 + resident * n, 1000, Counter(QWidget=round(1000 + qt * n))) for n in range(40)]
+        return [Taken(400.0 + resident * n, Counter(QWidget=round(1000 + qt * n))) for n in range(40)]
 
     assert still_rising(quarters(rising(0.0, 0.0))) == []
     assert len(still_rising(quarters(rising(1.0, 0.0)))) == 1
@@ -78,6 +78,6 @@ def test_memory_that_rises_to_the_end_is_told() -> None:
 
 
 def test_memory_that_rises_only_at_the_beginning_or_for_a_moment_is_no_leak() -> None:
-    marks = [Taken(400.0 + 10.0 * min(n, 10), 1000, Counter(QWidget=100)) for n in range(40)]
+    marks = [Taken(400.0 + 10.0 * min(n, 10), Counter(QWidget=100)) for n in range(40)]
     marks[-1] = replace(marks[-1], resident=900.0)
     assert still_rising(quarters(marks)) == []

@@ -2,11 +2,11 @@
 
 ``python tests/benchmarks/tune_methods.py [NAME ...]`` prints, for each method, the settings with the highest mean F:
 each parameter in turn takes each value of its list while the others stay, and the best is kept; then all of them once
-more, until nothing becomes better, three times at most. It begins with the defaults; those of the classical methods are
-what it has found. The images are every second trial of ``cpm bench --claims``, and a drawn horse and three coins of
-scikit-image, from inside and from around. The other trials take no part; the mean F of the defaults and of what was
-found is printed for them as well. The charged particles are searched in the same way, and told, but keep the values of
-the publication. It takes about half an hour of one core.
+more, until nothing becomes better, three times at most. It begins with the defaults. The images are every second trial
+of ``cpm bench --claims``, and a drawn horse and three coins of scikit-image, from inside and from around. The other
+trials take no part; the mean F of the defaults and of what was found is printed for them as well, and what was found
+becomes the default where it is no worse on them. The charged particles are searched in the same way. It takes about
+half an hour of one core.
 """
 
 import sys

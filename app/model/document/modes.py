@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import cast
 
-from app.model.document.document import Document, Mode
+from app.model.document.document import Document, ImageReference, Mode
 from app.model.parameters.controls import RATIO
 from app.model.text.language import tr
 from cpm_core.image.image import Image
@@ -73,9 +73,9 @@ MODES: Mapping[Mode, ModeInfo] = MappingProxyType(
 )
 
 
-def fresh_parameters(mode: Mode) -> Parameters:
-    """The parameters with which work in a mode begins."""
-    return PRESETS[MODES[mode].preset]
+def fresh_parameters(mode: Mode, image: ImageReference | None = None) -> Parameters:
+    """The parameters with which work in a mode begins, on a volume those for volumes."""
+    return PRESETS["volume" if image is not None and len(image.shape) == 3 else MODES[mode].preset]
 
 
 def suited(parameters: Parameters, image: Image) -> Parameters:
@@ -109,7 +109,7 @@ def use_mode(document: Document, mode: Mode) -> Document:
     Shape recovery removes starts all over the image; automatic segmentation removes all others; skeletons, which need
     no start, keep all shapes.
     """
-    fresh = replace(fresh_parameters(mode), channel=document.parameters.channel)
+    fresh = replace(fresh_parameters(mode, document.image), channel=document.parameters.channel)
     shapes, parameters = starting(mode, document.shapes), document.fitting(fresh)
     return replace(document, mode=mode, shapes=shapes, parameters=parameters, outlined=Outlined())
 
@@ -118,7 +118,7 @@ def is_only_in_another_mode(document: Document, known: Document) -> bool:
     """Whether a document is what another one becomes when nothing but the mode is changed, once or several times."""
     began = {known.shapes, starting("automatic", known.shapes), starting("shape", known.shapes)}
     shapes = {starting(document.mode, before) for before in began}
-    parameters = replace(fresh_parameters(document.mode), channel=known.parameters.channel)
+    parameters = replace(fresh_parameters(document.mode, known.image), channel=known.parameters.channel)
     return document.shapes in shapes and document == replace(
         known, mode=document.mode, shapes=document.shapes, parameters=parameters, outlined=Outlined()
     )

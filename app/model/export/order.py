@@ -14,6 +14,7 @@ from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply, reviewed
 from cpm_core.field.edge_map import edge_map
 from cpm_core.formats import left_out
+from cpm_core.image.geometry import Convention
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.parameters import Parameters
@@ -129,6 +130,8 @@ class ExportOrder:
         Size of a pixel in `unit`; 0 for that of the image.
     unit : str
         Unit of `spacing`.
+    space : {"LPS", "RAS"}
+        Where the coordinates of a surface point.
     """
 
     source: str = "all"
@@ -137,6 +140,7 @@ class ExportOrder:
     outlines: bool = False
     spacing: float = 0.0
     unit: str = ""
+    space: Convention = "LPS"
 
 
 def can_be_exported(document: Document) -> bool:

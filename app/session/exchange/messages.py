@@ -16,6 +16,7 @@ from app.model.document.document import Document
 from app.model.export.order import Account
 from app.model.state.surface_figures import SurfaceFigures
 from app.model.volume.parts import Parts
+from app.model.volume.sampled_volumes import SampledForce, SampledValues
 from app.model.volume.surface_section import prepare
 from app.session.exchange.contour_tracking import ContourTracker, TrackedContours
 from app.session.timeline.outline import Outline
@@ -102,6 +103,10 @@ class ReconstructionFailed:
     sentence: str
 
 
+Drawn = NDArray[np.generic] | DisplayImage | DisplayVolume | SampledForce | SampledValues
+"""An overlay: an array or an image, or what those of the slices of a volume are made from."""
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Overlays:
     """The requested overlays by name, for the image opened as `generation`; see `app.session.worker.overlays`.
@@ -110,7 +115,7 @@ class Overlays:
     """
 
     generation: int
-    arrays: Mapping[str, NDArray[np.generic] | DisplayImage | DisplayVolume]
+    arrays: Mapping[str, Drawn]
     trouble: str = ""
 
 

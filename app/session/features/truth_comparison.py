@@ -88,7 +88,9 @@ class GroundTruth(QObject):
         self._path = file
         self._session.tasks.start(
             tr("Reading {name}…").format(name=file.name),
-            lambda task: TruthRead(generation, load_truth(file, shape, holes=holes)),
+            lambda task: TruthRead(
+                generation, load_truth(file, shape, holes=holes, spacing=image.spacing, unit=image.unit)
+            ),
             tr("reading {name}").format(name=file.name),
             partial(CommandFailed, topic=_TOPIC),
         )

@@ -5,16 +5,13 @@ To add one, add a line to `OVERLAYS`; a layer requests it by its name with `Sess
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from app.model.display.display_image import (
     DisplayImage,
-    DisplayVolume,
     display_of_edge_map,
     display_of_potential,
     volume_of_edge_map,
@@ -22,14 +19,17 @@ from app.model.display.display_image import (
 )
 from app.model.display.iso_lines import iso_lines
 from app.model.text.language import tr
+from app.model.volume.sampled_volumes import SampledForce, SampledValues
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.mailbox import Mailbox
-from app.session.exchange.messages import Overlays
+from app.session.exchange.messages import Drawn, Overlays
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.parameters import Parameters, invalidating
 from cpm_core.segmentation.method import Method
 
-Drawn = NDArray[np.generic] | DisplayImage | DisplayVolume
+_MOST_VOXELS = 1 << 26
+"""Largest volume whose field is worked out, for which it takes 800 MB at a time."""
+
 Overlay = Callable[[Method[Any], Parameters, Sequence[PlacedCharge]], Drawn]
 
 
@@ -44,20 +44,30 @@ def _potential(method: Method[Any], parameters: Parameters, charges: Sequence[Pl
 
 
 def _iso_lines(method: Method[Any], parameters: Parameters, charges: Sequence[PlacedCharge]) -> Drawn:
-    """Lines of equal potential; a volume has none."""
-    return np.empty((0, 2)) if method.image.ndim == 3 else iso_lines(method.potential(parameters, charges))
+    """Lines of equal potential; the values of a volume, in whose slices they are found."""
+    found = method.potential(parameters, charges)
+    return SampledValues.of(found) if found.ndim == 3 else iso_lines(found)
+
+
+def _field(method: Method[Any], parameters: Parameters, charges: Sequence[PlacedCharge]) -> Drawn:
+    image = method.image
+    if math.prod(image.shape) > _MOST_VOXELS:
+        raise ValueError(tr("The volume is too large for arrows of the field: open a part of it, or reduce its size."))
+    found = method.field(parameters, 0, charges)
+    return SampledForce.of(found, image.spacing) if image.ndim == 3 else found
 
 
 OVERLAYS: Mapping[str, Overlay] = MappingProxyType(
     {
         "edge_map": _edge_map,
-        "field": lambda method, parameters, charges: method.field(parameters, 0, charges),
+        "field": _field,
         "potential": _potential,
         "iso_lines": _iso_lines,
     }
 )
 """Display images of the edge map and of the potential, shape (H, W), or (P, R, C) of a volume; electric field of edges
-and placed charges, shape (2, H, W); lines of equal potential, shape (M, 2), with a row of NaN after each."""
+and placed charges, shape (2, H, W); lines of equal potential, shape (M, 2), with a row of NaN after each. Of a volume
+the last two are what their slices are made from."""
 
 
 class OverlayMaker:

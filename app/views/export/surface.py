@@ -7,14 +7,22 @@ from pathlib import Path
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QComboBox, QDialog, QDialogButtonBox, QFormLayout, QLabel, QVBoxLayout, QWidget
 
+from app.model.display.lengths import size_text
 from app.model.export.formats import formats_of_volumes
 from app.model.export.order import ExportOrder
 from app.model.state.surface_figures import SurfaceFigures, in_words
 from app.model.text.language import tr
 from app.views.export.fields import FileFields, FormatField
 from cpm_core.formats import FOR_VOLUMES
+from cpm_core.formats.writers import IN_SPACE
+from cpm_core.image.geometry import CONVENTIONS
+from cpm_core.image.image import Image
 
 _WIDTH = 420
+_SPACES = {
+    "LPS": tr("To the left, back and head of the patient (LPS), as in DICOM"),
+    "RAS": tr("To the right, front and head of the patient (RAS), as in NIfTI"),
+}
 
 
 class SurfaceDialog(QDialog):
@@ -24,19 +32,25 @@ class SurfaceDialog(QDialog):
     """Path of the file and the order for it."""
 
     def __init__(
-        self, parent: QWidget, figures: SurfaceFigures | None, objects: int, image: Path, place: Path, suffix: str
-    ) -> None:
+        self, parent: QWidget, figures: SurfaceFigures | None, objects: int, volume: Image, path: Path, place: Path,
+        suffix: str,
+    ) -> None:  # fmt: skip
         super().__init__(parent)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(tr("Export surface"))
         self.format = FormatField(FOR_VOLUMES, formats_of_volumes())
-        self.file = FileFields(place.parent, place.name, image)
+        self.file = FileFields(place.parent, place.name, path)
         self.source = QComboBox()
         self.source.setAccessibleName(tr("What"))
         if figures is not None:
             self.source.addItem(tr("The surface of the run"), ("all", _summary(figures)))
         if objects:
             self.source.addItem(tr("The objects"), ("objects", _counted(objects)))
+        self.space = QComboBox()
+        self.space.setAccessibleName(tr("Coordinates"))
+        for space in CONVENTIONS:
+            self.space.addItem(_SPACES[space], space)
+        self._placed = volume.geometry is not None
         self.figures, self.note = QLabel(), QLabel()
         for label in (self.figures, self.note):
             label.setWordWrap(True)
@@ -46,9 +60,12 @@ class SurfaceDialog(QDialog):
         form = QFormLayout()
         form.addRow(tr("What"), self.source)
         form.addRow("", self.figures)
+        form.addRow(tr("Size of a voxel"), QLabel(size_text(volume.spacing, volume.unit) or tr("not known")))
         form.addRow(tr("Format"), self.format)
+        form.addRow(tr("Coordinates"), self.space)
         form.addRow(tr("File"), self.file)
         form.addRow("", self.note)
+        self._form = form
         layout = QVBoxLayout(self)
         layout.addLayout(form)
         layout.addWidget(self.buttons)
@@ -65,7 +82,8 @@ class SurfaceDialog(QDialog):
     def accept(self) -> None:
         """Order the export."""
         if self.export_button.isEnabled():
-            self.ordered.emit(self.file.path, ExportOrder(self.source.currentData()[0]))
+            order = ExportOrder(self.source.currentData()[0], space=self.space.currentData())
+            self.ordered.emit(self.file.path, order)
             super().accept()
 
     def _use_format(self) -> None:
@@ -80,6 +98,7 @@ class SurfaceDialog(QDialog):
     def _follow(self) -> None:
         """Tell what stands in the way."""
         self.figures.setText(self.source.currentData()[1])
+        self._form.setRowVisible(self.space, self._placed and self.file.suffix in IN_SPACE)
         trouble = self.file.trouble
         if not trouble and self.file.suffix not in FOR_VOLUMES:
             trouble = tr("This format is for contours: choose one from the list above.")

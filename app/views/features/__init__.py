@@ -16,6 +16,7 @@ from app.views.features.file.batch import BatchFeature
 from app.views.features.file.beginning import BeginningFeature
 from app.views.features.file.export import ClipboardFeature, ExportFeature
 from app.views.features.file.folder import FolderFeature
+from app.views.features.file.importing import ImportFeature
 from app.views.features.file.large_image import LargeImageFeature
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.file.preferences import PreferencesFeature
@@ -52,6 +53,7 @@ FEATURES: tuple[type[Feature], ...] = (
     AnimationFeature,
     UndoSelectionFeature,
     ClipboardFeature,
+    ImportFeature,
     DrawFeature,
     RunControlFeature,
     TimelineFeature,

@@ -125,14 +125,16 @@ _VESSELS = Page(
         Step(tr("<a href='sample:vessels.tif'>Open the vessels</a>. The canvas shows one slice; the slices across the "
                 "other two axes are beside it, and the view in space shows the volume. A small sphere lies in the "
                 "trunk."), "vessels_start.jpg"),
-        Step(tr("Look around: {previous_slice} and {next_slice} go through the slices, a click in a slice beside the "
-                "canvas moves the cross, and a drag turns the view in space.")),
+        Step(tr("Look around: {previous_slice} and {next_slice} go through the slices, the right button in a "
+                "slice beside the canvas moves the cross, and a drag turns the view in space.")),
         Step(tr("{run}. The particles move along the wall of the trunk and into every branch."),
              "vessels_midway.jpg"),
         Step(tr("At rest the surface of the tree is found. The panel Run shows its volume and area, and that it is one "
                 "piece. In the slices its section is drawn as a line."), "vessels_end.jpg"),
         Step(tr("Lower the opacity above the view in space, or cut the surface open with the list beside it, to look "
                 "inside.")),
+        Step(tr("To take single vessels or measure them, choose the tool {objects} and click in one, in a slice or in "
+                "space; Enter takes it, and the table of objects tells its volume.")),
         Step(tr("{export}: the surface (PLY, STL) in the unit of the file, for a printer or another program. "
                 "{export_turntable} makes a film of a full turn.")),
     ),
@@ -196,7 +198,9 @@ _FURTHER = Page(
         tr("<b>Find values.</b> {mosaic} compares runs with several values of two parameters."),
         tr("<b>Compare.</b> {wipe} shows two branches, or a result and the ground truth, on both sides of a divider "
            "that you can drag. {keep_result} keeps a result to compare later ones with it. {compare_methods} runs "
-           "snakes, level sets and others beside the particles, from the same start."),
+           "snakes, level sets and others beside the particles, from the same start, to be paused and looked back on "
+           "step by step. Which of them is best depends on the image: where gray levels tell the object from its "
+           "background, morphological Chan-Vese or grab cut may win."),
         tr("<b>Next image.</b> {next_image} opens the next image of the folder, with the session beside it; {start} "
            "shows recent work. Each image begins with fresh parameters; {former_parameters} takes those of the last "
            "one."),

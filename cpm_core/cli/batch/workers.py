@@ -42,7 +42,7 @@ def here(
     if count <= 1 and (go_on is None or not jobs):
         yield from map(do, jobs)
         return
-    _compile_once()
+    _compile_once(go_on)
     waiting = list(reversed(jobs))
     tried: set[int] = set()
     crew = [_Worker() for _ in range(count)]
@@ -120,10 +120,21 @@ def _result(future: Any, number: int) -> Done:
     return done
 
 
-def _compile_once() -> None:
+def _compile_once(go_on: Callable[[], object] | None) -> None:
     """Compile the loops once if they are not in the cache of this computer, before every process does it."""
+
+    def stopped() -> bool:
+        try:
+            if go_on is not None:
+                go_on()
+        except Exception:  # it is raised again where nothing has to be ended first
+            return True
+        return False
+
     if not is_compiled():
-        warm_up()
+        warm_up(stopped)
+        if go_on is not None:
+            go_on()
 
 
 class _Worker:

@@ -222,9 +222,10 @@ def _offer(
 
 @compiled
 def tangents(normal: Vector) -> tuple[Vector, Vector]:
-    """Two unit vectors of the plane across a normal, at right angles to each other."""
+    """Two unit vectors of the plane across a normal, at right angles to each other; of no length if it has none."""
     one = (0.0, -normal[2], normal[1]) if abs(normal[0]) < 0.7 else (normal[1], -normal[0], 0.0)
-    one = scaled(one, 1.0 / length(one))
+    size = length(one)
+    one = scaled(one, 1.0 / size if size > 0.0 else 0.0)
     other = (
         normal[1] * one[2] - normal[2] * one[1],
         normal[2] * one[0] - normal[0] * one[2],

@@ -31,8 +31,8 @@ def _interpolate_force(packed: Single, positions: Array, out: Array) -> None:
 @compiled
 def between(packed: Single, y: float, x: float) -> tuple[int, int, float, float]:
     """Pixel before a position in an image, shape (H, W, ...), and the distance of the position from it, by axis."""
-    y = min(max(y, 0.0), packed.shape[0] - 1.0)
-    x = min(max(x, 0.0), packed.shape[1] - 1.0)
+    y = min(max(0.0, y), packed.shape[0] - 1.0)  # 0 first: that is the larger one when the other is no number
+    x = min(max(0.0, x), packed.shape[1] - 1.0)
     row, col = min(int(y), packed.shape[0] - 2), min(int(x), packed.shape[1] - 2)
     return row, col, y - row, x - col
 

@@ -15,9 +15,9 @@ from cpm_core.numerics.vectors import Vector
 @compiled
 def value_at(volume: Single, plane: float, row: float, col: float) -> float:
     """Trilinear interpolation at a position in voxels; beyond the outermost ones the value at the border."""
-    z = min(max(plane, 0.0), volume.shape[0] - 1.0)
-    y = min(max(row, 0.0), volume.shape[1] - 1.0)
-    x = min(max(col, 0.0), volume.shape[2] - 1.0)
+    z = min(max(0.0, plane), volume.shape[0] - 1.0)  # 0 first: that is the larger one when the other is no number
+    y = min(max(0.0, row), volume.shape[1] - 1.0)
+    x = min(max(0.0, col), volume.shape[2] - 1.0)
     i, j, k = min(int(z), volume.shape[0] - 2), min(int(y), volume.shape[1] - 2), min(int(x), volume.shape[2] - 2)
     z, y, x = z - i, y - j, x - k
     a = volume[i, j, k] * (1.0 - x) + volume[i, j, k + 1] * x

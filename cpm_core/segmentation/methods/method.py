@@ -198,6 +198,9 @@ class ContourMethod(Generic[S]):
     >>> method = cpm.CONTOUR_METHODS["chan_vese"]
     >>> method.title, method.settings().__class__.__name__, method.most_steps
     ('Chan-Vese', 'ChanVeseSettings', 500)
+    >>> method.check()
+    >>> method.missing == ""  # all that it needs is installed
+    True
     """
 
     name: str
@@ -226,6 +229,9 @@ class ContourMethod(Generic[S]):
         except ValueError as error:
             return str(error)
         return ""
+
+    def __repr__(self) -> str:
+        return described("ContourMethod", self.name, self.title)
 
 
 AnyMethod = ContourMethod[Any]

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
+from PySide6.QtGui import QGuiApplication
 from PySide6.QtWidgets import QLabel, QMessageBox
 
 from app.model.document import edits
@@ -223,3 +224,19 @@ def test_a_lock_is_free_as_soon_as_its_holder_has_ended(tmp_path) -> None:
     first.unlock()
     assert second.tryLock(0)
     second.unlock()
+
+
+@pytest.mark.parametrize("answer", ["Ask me later", "Discard", ""])
+def test_the_keyboard_belongs_to_the_window_when_the_question_is_answered(ready, hand, image_file, answer) -> None:
+    """Without a window manager no other program gives the keyboard to the window."""
+    leave(folder_of_journals(), image_file)
+    box = offer(ready)
+    hand.wait(box.isActiveWindow)
+    if answer:
+        press(box, answer)
+    else:
+        hand.qtbot.keyClick(box, Qt.Key.Key_Escape)
+    hand.wait(lambda: QGuiApplication.focusWindow() is ready.windowHandle())
+    assert ready.canvas_area.canvas.hasFocus()
+    hand.qtbot.keyClick(QGuiApplication.focusWindow(), Qt.Key.Key_Space)
+    hand.wait(lambda: ready.session.status.started)

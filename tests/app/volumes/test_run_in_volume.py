@@ -9,7 +9,7 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.views.features.view.slices import SlicesFeature
-from cpm_core.shapes import Points, Sphere
+from cpm_core.shapes import Everywhere, Points, Sphere
 from tests.app.volumes.conftest import open_file
 
 pytestmark = pytest.mark.shared_window
@@ -140,3 +140,20 @@ def test_the_end_of_a_run_looks_for_no_objects_of_the_plane(volume, hand) -> Non
     hand.wait(lambda: volume.session.idle and volume.session.tasks.idle)
     assert not volume.workspace.object_selection.partitions.preparing
     assert volume.canvas_area.messages.text == ""
+
+
+def test_the_automatic_mode_starts_everywhere_in_a_volume_and_keeps_its_parameters(volume, hand) -> None:
+    parameters = volume.session.document.parameters
+    hand.canvas.setFocus()
+    hand.key(Qt.Key.Key_F2, Qt.KeyboardModifier.ControlModifier)
+    document = volume.session.document
+    assert (document.mode, document.parameters) == ("automatic", parameters)
+    assert document.starts == (Everywhere("grid"),)
+    hand.wait(lambda: volume.session.idle)
+    hand.key(Qt.Key.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: volume.session.idle and volume.session.scene.reconstruction is not None)
+    surface = volume.session.scene.reconstruction.result.surface
+    assert (surface.closed, surface.components, surface.euler) == (True, 1, 2)
+    hand.key(Qt.Key.Key_F1, Qt.KeyboardModifier.ControlModifier)
+    assert (volume.session.document.mode, volume.session.document.starts) == ("shape", ())

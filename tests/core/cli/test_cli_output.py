@@ -87,15 +87,20 @@ def test_an_output_on_a_full_disk_is_told_in_one_line(disk):
 
 
 @posix
-def test_an_interrupt_during_the_start_is_one_line(disk):
-    """Whenever it comes after Python itself has started, there is no traceback."""
+@pytest.mark.parametrize("makes", ["nothing of it", "another error of it"])
+def test_an_interrupt_during_the_start_is_one_line(disk, makes):
+    """Whenever it comes after Python itself has started, there is no traceback, whatever a library makes of it."""
+    wrong = "ImportError('half loaded')" if makes == "another error of it" else "KeyboardInterrupt"
     program = (
         "import os, signal, sys, threading\n"
         "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "class Interrupt:\n"
         "    def find_spec(self, name, *_):\n"
         "        if name == 'cpm_core.cli.run.command':\n"
-        "            os.kill(os.getpid(), signal.SIGINT)\n"
+        "            try:\n"
+        "                os.kill(os.getpid(), signal.SIGINT)\n"
+        "            except KeyboardInterrupt:\n"
+        f"                raise {wrong}\n"
         "sys.meta_path.insert(0, Interrupt())\n"
         "from app.__main__ import main\n"
         "sys.exit(main(['info', sys.argv[1]]))\n"

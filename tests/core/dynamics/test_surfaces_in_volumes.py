@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from cpm_core import PRESETS
 from cpm_core.dynamics.deletion.space import thinned
-from cpm_core.dynamics.insertion.space import apart, insertion
+from cpm_core.dynamics.insertion.space import apart, insertion, tangents
 from cpm_core.dynamics.integrator.space import move
 from cpm_core.dynamics.time_step.space import _wake
 from cpm_core.field.volume.volume_field import VolumeField, build_volume_field
@@ -267,3 +267,10 @@ def test_particles_of_the_other_wall_of_a_thin_object_take_no_room(edge):
     alone = insertion(some, cells_for(some.position), np.array([0]), edge, 2.0)
     beside = insertion(both, cells_for(both.position), np.array([0]), edge, 2.0)
     np.testing.assert_array_equal(beside.position, alone.position)
+
+
+def test_across_a_normal_without_length_there_is_no_direction():
+    """A particle on the flat side of an edge in long voxels has none: what it offers must be places all the same."""
+    assert tangents((0.0, 0.0, 0.0)) == ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    one, other = tangents((0.6, 0.0, 0.8))
+    np.testing.assert_allclose(np.array([one, other]) @ np.array([one, other]).T, np.eye(2), atol=1e-12)

@@ -7,6 +7,7 @@ from scipy import ndimage
 
 from cpm_core.field.interpolation import interpolate
 from cpm_core.field.interpolation.plane import between, component
+from cpm_core.field.interpolation.space import value_at
 
 
 def random_field(shape, channels, seed):
@@ -100,3 +101,16 @@ def test_the_packed_field_is_exact_on_pixels():
     packed = np.ascontiguousarray(np.moveaxis(random_field((5, 6), 3, 0), 0, -1).astype(np.float32))
     for row, col in np.ndindex(5, 6):
         np.testing.assert_array_equal(felt_at(packed, (float(row), float(col))), packed[row, col])
+
+
+def test_a_place_that_is_no_number_is_read_within_the_field():
+    """Else a loop would read from memory that is not of the field."""
+    flat, space = random_field((4, 5), 1, 3)[0].astype(np.float32), random_field((3, 4, 5), 1, 3)[0].astype(np.float32)
+    for y, x in [(np.nan, 2.0), (2.0, np.nan), (-np.inf, np.inf)]:
+        row, col, down, right = between(flat[..., None], y, x)
+        assert 0 <= row <= 2
+        assert 0 <= col <= 3
+        assert 0.0 <= down <= 1.0
+        assert 0.0 <= right <= 1.0
+    assert value_at(space, np.nan, np.nan, np.nan) == space[0, 0, 0]
+    assert value_at(space, 1.0, np.nan, np.inf) == space[1, 0, 4]

@@ -34,7 +34,7 @@ def _truth(path: Path) -> Truth:
 READERS: dict[str, tuple[Callable[[Path], Any], ...]] = {
     ".csv": (load_contours, load_points, _truth),
     ".json": (load_contours, _truth),
-    ".geojson": (load_contours, _truth),
+    **dict.fromkeys((".geojson", ".zip", ".roi", ".svg", ".dxf"), (load_contours, _truth)),
 }
 """What reads files with such a name; all others are images."""
 

@@ -1,4 +1,7 @@
-"""What a window takes: memory of the process, Python's objects, and Qt's by class."""
+"""What a window takes: memory of the process, and Qt's objects by class.
+
+Python's objects are not listed: whoever lists them holds a tuple that another thread still makes, which then fails.
+"""
 
 from __future__ import annotations
 
@@ -30,14 +33,11 @@ class Taken:
     ----------
     resident : float
         Memory of the process [MiB].
-    objects : int
-        Objects that Python's garbage collection knows.
     qt : Counter of str
         Qt objects by class that hang on windows that exist.
     """
 
     resident: float
-    objects: int
     qt: Counter[str]
 
     @property
@@ -104,4 +104,4 @@ def taken() -> Taken:
     for top in QApplication.topLevelWidgets():
         if top.parent() is None:
             qt.update(each.metaObject().className() for each in (top, *top.findChildren(QObject)))
-    return Taken(resident(), len(gc.get_objects()), qt)
+    return Taken(resident(), qt)

@@ -21,7 +21,7 @@ Color = tuple[int, int, int]
 AXIS_COLORS: tuple[Color, Color, Color] = ((70, 120, 255), (60, 180, 75), (230, 70, 60))
 """Colors of the axes: plane, row, column."""
 
-_NEARER = 0.75
+_NEARER = 2.0
 """How much nearer objects are drawn than they are [smallest sides of a voxel]."""
 
 

@@ -30,7 +30,7 @@ class MadeOnce:
     def of(self, name: str, given: tuple[Any, ...], make: Callable[[], T]) -> T:
         """What has been made of the same things before, or is made now."""
         known = self._made.get(name)
-        if known is None or not _same(known[0], given):
+        if known is None or not is_same(known[0], given):
             known = self._made[name] = (given, make())
         made: T = known[1]
         return made
@@ -40,7 +40,8 @@ class MadeOnce:
         self._made.clear()
 
 
-def _same(known: tuple[Any, ...], given: tuple[Any, ...]) -> bool:
+def is_same(known: tuple[Any, ...], given: tuple[Any, ...]) -> bool:
+    """Whether what something is made of is what it was made of: the same objects, or equal values."""
     return len(known) == len(given) and all(
         one is other or one == other for one, other in zip(known, given, strict=True)
     )

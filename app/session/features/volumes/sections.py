@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
+from typing import Any, TypeVar
 
 import numpy as np
 
-from app.model.display.display_image import DisplayImage, DisplayVolume, IntensityWindow
+from app.model.display.display_image import DisplayImage, DisplayVolume, IntensityWindow, apply_window
+from app.model.display.iso_lines import iso_lines
 from app.model.document.document import Document
 from app.model.volume.object_sections import objects_in, selection_in
+from app.model.volume.sampled_volumes import SampledForce, SampledValues
 from app.model.volume.shape_sections import sections
 from app.model.volume.slices import Slice
 from app.model.volume.surface_section import section as lines_of
 from app.model.volume.surface_section import unmeasured
 from app.session.exchange.messages import Reconstruction, Snapshot
-from app.session.features.volumes.large_slices import AT_ONCE, LargeSlices, shaded
+from app.session.features.volumes.made_later import MadeLater
 from app.session.features.volumes.made_once import MadeOnce, Same
 from app.session.scene import NO_CONTOURS, Item, NearParticles, ReviewedContours, Scene, ShownObjects
+from app.session.worker.commands.forces import Probed
 from app.session.worker.commands.timeline import Compared
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import ReviewedContour
@@ -28,6 +32,12 @@ from cpm_core.objects.segmented.segmented_object import SegmentedObjects
 from cpm_core.shapes import Shape
 from cpm_core.shapes.image_starts import ImageSeeds
 
+AT_ONCE = 1 << 21
+"""Largest number of pixels of a slice that is made at once: three of them take a third of a frame of 50 ms."""
+
+T = TypeVar("T")
+Overlay = DisplayImage | Array
+
 
 class Sections:
     """Makes the scenes of one view; parts are made again only when what they depend on is another object.
@@ -36,13 +46,13 @@ class Sections:
     ----------
     axis : int, optional
         The axis across which the view shows its slices; by default that which is worked on.
-    large : LargeSlices, optional
-        Makes the display images of large slices; without it they are made at once, as a film needs them.
+    later : MadeLater, optional
+        Makes what takes long on other threads; without it that is made at once, as a film needs it.
     """
 
-    def __init__(self, axis: int | None = None, large: LargeSlices | None = None) -> None:
+    def __init__(self, axis: int | None = None, later: MadeLater | None = None) -> None:
         self.axis = axis
-        self.large = large
+        self.later = later
         self._parts = MadeOnce()
 
     def of(self, scene: Scene) -> Scene:
@@ -53,11 +63,7 @@ class Sections:
         slices = slices if self.axis is None else slices.turned(self.axis)
         here = slices.current
         image = self._parts.of("image", (volume, here), lambda: volume.cut(here.axis, here.index))
-        window = IntensityWindow(*volume.gray_range)  # that of the volume, so that slices do not flicker
-        if self.large is not None and image.values.size > AT_ONCE:
-            display = self.large.of(image, window)
-        else:
-            display = self._parts.of("display", (image,), lambda: shaded(image, window))
+        display = self._display(image, IntensityWindow(*volume.gray_range))
         drawn = (scene.document, here, volume)
         cut = self._parts.of(
             "objects", (scene.document.objects, here), lambda: objects_in(scene.document.objects, here)
@@ -80,7 +86,8 @@ class Sections:
             self._seeds(scene, here, volume, reach),
             snapshot=snapshot,
             contours=contours,
-            overlays=self._overlays(scene, here),
+            overlays=self._overlays(scene, here, image),
+            probed=self._parts.of("probed", (scene.probed, here), lambda: _probed(scene.probed, here, volume, reach)),
             compared=self._compared(scene.compared, here, volume, reach),
             objects=shown,
             slices=slices,
@@ -88,13 +95,35 @@ class Sections:
             near=near,
         )
 
-    def _overlays(self, scene: Scene, here: Slice) -> Mapping[str, DisplayImage]:
+    def _display(self, image: Image, window: IntensityWindow) -> DisplayImage:
+        """The slice in the window of the volume, so that it does not flicker from slice to slice."""
+
+        def preview() -> DisplayImage:
+            return DisplayImage.preview(image.values, window)
+
+        large = image.values.size > AT_ONCE
+        return self._made("display", (image,), lambda: _shaded(image, window), preview, large)
+
+    def _made(
+        self, name: str, given: tuple[Any, ...], make: Callable[[], T], meanwhile: Callable[[], T], long: bool
+    ) -> T:
+        """A part that is made at once, or later where it takes long and nobody waits for it."""
+        if long and self.later is not None:
+            return self.later.of(name, given, make, meanwhile)
+        return self._parts.of(name, given, make)
+
+    def _overlays(self, scene: Scene, here: Slice, image: Image) -> Mapping[str, Overlay]:
         """The slices of the overlays."""
-        volumes = {name: drawn for name, drawn in scene.overlays.items() if isinstance(drawn, DisplayVolume)}
-        found = {
-            name: self._parts.of(name, (drawn, here), partial(_overlay, drawn, here)) for name, drawn in volumes.items()
-        }
-        return self._parts.of("overlays", (*found.values(),), lambda: found)
+        found: dict[str, Overlay] = {}
+        for name, drawn in scene.overlays.items():
+            given = (drawn, here)
+            if isinstance(drawn, DisplayVolume):
+                found[name] = self._parts.of(name, given, partial(_overlay, drawn, here))
+            elif isinstance(drawn, SampledForce):
+                found[name] = self._parts.of(name, given, partial(drawn.slice_of, here, image.shape))
+            elif isinstance(drawn, SampledValues):
+                found[name] = self._made(name, given, partial(_lines, drawn, here), lambda: np.empty((0, 2)), True)
+        return self._parts.of("overlays", (*found, *map(Same, found.values())), lambda: found)
 
     def _seeds(self, scene: Scene, here: Slice, volume: Image, reach: float) -> ImageSeeds:
         """The particles of starts all over the volume that are near the slice."""
@@ -108,6 +137,25 @@ class Sections:
     def _compared(self, compared: Compared | None, here: Slice, volume: Image, reach: float) -> Compared | None:
         """What the slice shows of a compared branch."""
         return self._parts.of("compared", (compared, here, reach), lambda: _compared(compared, here, volume, reach))
+
+
+def _shaded(image: Image, window: IntensityWindow) -> DisplayImage:
+    return DisplayImage.of(apply_window(image.values, window))
+
+
+def _lines(drawn: SampledValues, here: Slice) -> Array:
+    return iso_lines(drawn.slice_of(here)) * drawn.step
+
+
+def _probed(probed: Probed | None, here: Slice, volume: Image, reach: float) -> Probed | None:
+    """What a slice shows of the forces on a particle: their parts along the slice, where the particle is near it."""
+    if probed is None or len(probed.position) != len(volume.shape):
+        return probed
+    if not len(_index(np.array([probed.position]), here, volume, reach)[0]):
+        return replace(probed, identity=-1)
+    sides = np.array(here.sides(volume.spacing)) / min(volume.spacing)
+    along = {name: here.flattened(force[None])[0] / sides for name, force in probed.forces.items()}
+    return replace(probed, position=here.within(probed.position), forces=along)
 
 
 def _overlay(drawn: DisplayVolume, here: Slice) -> DisplayImage:

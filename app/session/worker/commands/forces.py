@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -11,7 +12,7 @@ from app.model.text.language import tr
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.messages import Report
 from app.session.worker.commands.run import Command, CommandContext
-from cpm_core.numerics.types import Array, Position
+from cpm_core.numerics.types import Array, Place
 from cpm_core.segmentation.method import Steerable
 
 NAMES = ("coulomb", "lorentz", "placed", "friction", "damping", "total")
@@ -31,7 +32,10 @@ class Probed(Report):
     position : tuple of float
         Its position [px of the image].
     forces : mapping
-        By name, (row, col) [px of the image / unit of time^2].
+        By name, (row, col) [px of the image / unit of time^2]; in a volume, (plane, row, col) in smallest sides of a
+        voxel.
+    sizes : mapping
+        Size of each, in a volume.
     trouble : str
         What working them out failed with.
     """
@@ -39,9 +43,14 @@ class Probed(Report):
     generation: int
     step: int
     identity: int = -1
-    position: Position = (0.0, 0.0)
+    position: Place = (0.0, 0.0)
     forces: Mapping[str, Array] = field(default_factory=dict)
     trouble: str = ""
+    sizes: Mapping[str, float] = field(default_factory=dict)
+
+    def size(self, name: str) -> float:
+        """Size of a force, also of one of which a slice shows a part."""
+        return self.sizes[name] if name in self.sizes else math.hypot(*self.forces[name])
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +58,7 @@ class Probe(Command):
     """Report the forces on the particle nearest to a place (row, col), within `reach` [px of the image]."""
 
     generation: int
-    place: Position
+    place: Place
     reach: float
 
     latest_only = True
@@ -62,7 +71,7 @@ class Probe(Command):
             context.report(Probed(self.generation, -1))
             return
         position = state.position
-        distance = np.hypot(*(position - self.place).T)
+        distance = np.linalg.norm(position - self.place, axis=1)
         nearest = int(distance.argmin()) if len(distance) else -1
         if nearest < 0 or distance[nearest] > self.reach:
             context.report(Probed(self.generation, state.step))
@@ -72,9 +81,11 @@ class Probe(Command):
             context.report(Probed(self.generation, state.step))
             return
         size = 2.0**state.scale
-        at = (float(position[nearest, 0]), float(position[nearest, 1]))
+        at = tuple(position[nearest].tolist())
         forces = {name: size * getattr(found, name)[0] for name in NAMES}
-        context.report(Probed(self.generation, state.step, int(state.particles.identity[nearest]), at, forces))
+        sizes = {name: float(np.linalg.norm(force)) for name, force in forces.items()}
+        identity = int(state.particles.identity[nearest])
+        context.report(Probed(self.generation, state.step, identity, at, forces, sizes=sizes))
 
     def failure_report(self, error: Exception) -> Report:
         """There is none."""

@@ -34,6 +34,7 @@ from app.session.worker.run import Run
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import Mark
 from cpm_core.formats import encoded, suffix_of
+from cpm_core.formats.writers import IN_SPACE
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.shapes.image_starts import NO_SEEDS
 
@@ -262,6 +263,8 @@ class Export(Deliver):
         if method is not None:
             whole = closed(result, self.order, method.image, context.run.parameters)
         settings: dict[str, Any] = {"outlines": True} if self.order.outlines else {}
+        if suffix_of(self.path) in IN_SPACE:
+            settings["space"] = self.order.space
         if self.document is not None and self.document.image is not None:
             settings["image"] = self.document.image.path
         context.core.export(whole, self.path, **settings)

@@ -46,12 +46,14 @@ class Cross:
 class SideView(Mirror):
     """Shows the slice across one axis, at first as a whole, and takes the tool in use.
 
-    The right button moves the cross, and its click opens the menu of what lies there; the wheel goes through the
-    slices, with Ctrl it zooms, and the middle button pans.
+    The right button moves the cross, and a click of it on something opens its menu; the wheel goes through the slices,
+    with Ctrl it zooms, and the middle button pans.
     """
 
     went = Signal(object)
     """The user wants the slices through a place of the volume."""
+    asked = Signal(object)
+    """The right button was clicked at a point of the screen: QPoint."""
     passed = Signal(int, int)
     """The user wants the slice so many further along an axis: axis, number."""
 
@@ -70,7 +72,7 @@ class SideView(Mirror):
     def show_slice(self, scene: Scene, axis: int) -> None:
         """Draw the slice of a scene across an axis."""
         if self.sections.axis != axis:
-            self.sections = Sections(axis, self.sections.large)
+            self.sections = Sections(axis, self.sections.later)
             self.setAccessibleName(tr("Slice across the axis: {axis}").format(axis=AXES[axis]))
         self.draw(scene)
         self.cross.show(self.drawn.slices)
@@ -118,7 +120,7 @@ class SideView(Mirror):
         elif event.button() == Qt.MouseButton.RightButton and not self._main.dragging:
             moved = (event.position() - self._pressed).manhattanLength()
             if moved < QApplication.startDragDistance():
-                self._main.menu_wanted.emit(event.globalPosition().toPoint())
+                self.asked.emit(event.globalPosition().toPoint())
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """Treat the second click like any other."""

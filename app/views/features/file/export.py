@@ -77,11 +77,12 @@ class ExportFeature(Feature):
         session = self.context.session
         figures = session.status.surface
         objects = sum(not item.hidden for item in session.document.objects.items)
-        if figures is None and not objects:
+        volume = session.image
+        if volume is None or (figures is None and not objects):
             return
         place = self.context.files.begin("export") / f"{image.name.partition('.')[0]}_surface"
         suffix = suffix_of(self._exported) if self._exported else ".ply"
-        self._open(SurfaceDialog(self.context.window, figures, objects, image, place, suffix))
+        self._open(SurfaceDialog(self.context.window, figures, objects, volume, image, place, suffix))
 
     def _open(self, dialog: ExportDialog | SurfaceDialog) -> None:
         self.dialog = dialog

@@ -9,14 +9,12 @@ from typing import Any
 from PySide6.QtCore import QTimer, QUrl
 from PySide6.QtWidgets import QMenu
 
-from app.model.document import edits
 from app.model.document.document import Document
 from app.model.document.samples import sample_at, samples
 from app.model.parameters.presets import SUFFIX as PRESET
 from app.model.state.situation import has_image
 from app.model.text.language import tr
 from app.session.exchange.messages import Opened
-from app.session.features.import_points import PointsRead, read_points
 from app.session.signals import OF_THE_PROGRAM, OPENING
 from app.session.storage.session_file import DocumentFile, Written
 from app.views.files.recent_files import RecentFiles
@@ -24,9 +22,11 @@ from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.window import dialogs
 from app.views.window.feature import Feature, FeatureContext
 from app.views.window.file_dialogs import images_and_sessions, sessions
+from cpm_core.formats import CONTOURS_READABLE, READABLE
 from cpm_core.formats.images.reading import Reading
 
-POINTS = ".csv"
+CONTOURS = frozenset(CONTOURS_READABLE) - frozenset(READABLE)
+"""Suffixes of files that are no documents, but contours or points for the one that is open."""
 
 
 class OpenSaveFeature(Feature):
@@ -38,6 +38,8 @@ class OpenSaveFeature(Feature):
         self.recent = RecentFiles(context.preferences, lambda path: self.take([path]))
         self.bring_in: Callable[[Path], None] | None = None
         """Imports the file of a preset; set by the window."""
+        self.import_contours: Callable[[Path], None] | None = None
+        """Reads a file of contours or points; set by the window."""
         self._left: tuple[Document, int] | None = None
         context.session.may_replace = self._may_replace
         self.document_file.truth = lambda: context.workspace.truth.file
@@ -46,7 +48,6 @@ class OpenSaveFeature(Feature):
         context.session.document_changed.connect(lambda _: self._name_window())
         context.session.listen(Opened, self._take_opened)
         context.session.listen(Written, lambda written: self._remember(written.order.path))
-        context.session.listen(PointsRead, self._draw_points)
         self._name_window()
 
     def action_specs(self) -> Sequence[ActionSpec | Submenu]:
@@ -67,18 +68,20 @@ class OpenSaveFeature(Feature):
         )  # fmt: skip
 
     def take(self, paths: Sequence[Path], resumes: bool = False) -> None:
-        """Open files by their kind: images and sessions, points (which are drawn), presets (which are imported).
+        """Open files by their kind: images, sessions, contours, points and presets.
+
+        Contours and points are used in the image that is open, presets are imported.
 
         An image that `resumes` is opened with the session beside it. Of a recent file that part is opened which was
         chosen last.
         """
         self.context.canvas_area.messages.keep_only(*OF_THE_PROGRAM)
-        documents = [path for path in paths if path.suffix.lower() not in (POINTS, PRESET)]
+        documents = [path for path in paths if path.suffix.lower() not in (*CONTOURS, PRESET)]
         for path in paths:
             if path.suffix.lower() == PRESET:
                 self._bring_in(path)
-            elif path.suffix.lower() == POINTS:
-                self._draw(path)
+            elif path.suffix.lower() in CONTOURS and self.import_contours is not None:
+                self.import_contours(path)
         if documents and self._may_open():
             as_volume, reading = self.recent.part_of(documents[0])
             self.context.session.open(documents[0], resumes=resumes, as_volume=as_volume, reading=reading)
@@ -187,14 +190,6 @@ class OpenSaveFeature(Feature):
         folder = path.parent if path is not None else None
         return self.context.files.ask_where_to_save("session", tr("Save session"), name, [sessions()], folder)
 
-    def _draw(self, path: Path) -> None:
-        if self.context.session.document.image is None:
-            self.context.session.say(
-                tr("Open an image first. Then {name} can be drawn.").format(name=path.name), True, OPENING
-            )
-        else:
-            read_points(self.context.session, path)
-
     def _bring_in(self, path: Path) -> None:
         if self.bring_in is not None:
             self.bring_in(path)
@@ -208,10 +203,6 @@ class OpenSaveFeature(Feature):
         if sample_at(opened.path) is None or opened.saved:
             self._remember(path)
             self.recent.keep_part(opened)
-
-    def _draw_points(self, read: PointsRead) -> None:
-        name = tr("draw {name}").format(name=read.path.name)
-        self.context.session.edit(name, lambda document: edits.add_shape(document, read.points))
 
     def _remember(self, path: Path) -> None:
         self.recent.add(path)

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
+from PySide6.QtCore import QPoint
+
 from app.model.preferences.table import UNIT
 from app.model.state.situation import Condition
 from app.model.state.volume_limits import has_volume
 from app.model.text.language import tr
 from app.model.volume.slices import AXES, Slices
-from app.session.features.volumes.large_slices import LargeSlices
+from app.session.features.volumes.made_later import MadeLater
 from app.session.scene import Scene
 from app.views.canvas.image_view import ImageView
 from app.views.canvas.volume.side_view import Cross, SideView
@@ -43,8 +45,8 @@ class SlicesFeature(Feature):
         """Views of the slices across the other axes, made when they are first shown."""
         self._wanted = bool(context.preferences.get(_SIDES, True))
         self._cross = Cross(context.canvas_area.canvas)
-        self._large: list[LargeSlices] = []
-        self._draw_large_slices(context.canvas_area.canvas)
+        self._later: list[MadeLater] = []
+        self._draw_later(context.canvas_area.canvas)
         context.canvas_area.canvas.slice_wanted.connect(slices.go)
         context.session.scene_changed.connect(self._show)
         context.preferences.follow(UNIT, self._show_size)
@@ -82,20 +84,27 @@ class SlicesFeature(Feature):
         return (*through, *axes, sides)
 
     def close(self) -> bool:
-        """End the threads that draw large slices."""
-        for large in self._large:
-            large.close()
+        """End the threads that make parts of slices."""
+        for later in self._later:
+            later.close()
         return True
 
-    def _draw_large_slices(self, view: ImageView) -> None:
-        """Draw large slices of a view on a thread of their own."""
-        view.sections.large = large = LargeSlices(self.context.session)
-        large.completed.connect(view.draw_again)
-        self._large.append(large)
+    def _draw_later(self, view: ImageView) -> None:
+        """Draw what takes long of the slices of a view when it has been made on another thread."""
+        view.sections.later = later = MadeLater(self.context.session)
+        later.completed.connect(view.draw_again)
+        self._later.append(later)
 
     def use_keys(self) -> None:
         """Name the keys as they are now."""
         self.bar.show_keys()
+
+    def _open_menu(self, point: QPoint) -> None:
+        """Open the menu of what lies at a point of the screen; where nothing lies, the cross alone has moved."""
+        area = self.context.canvas_area
+        thing, _ = area.menu_at(area.mapFromGlobal(point))
+        if thing != "image":
+            area.canvas.menu_wanted.emit(point)
 
     def _go(self, by: int) -> None:
         """Go to another slice of a volume, or to another page of a stack."""
@@ -146,7 +155,8 @@ class SlicesFeature(Feature):
             view.hide()
             area.level_drag.watch(view.viewport())
             area.views.addWidget(view, row, 1)
-            self._draw_large_slices(view)
+            self._draw_later(view)
+            view.asked.connect(self._open_menu)
             view.went.connect(self._slices.through)
             view.passed.connect(self._slices.pass_on)
         return made

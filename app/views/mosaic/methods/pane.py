@@ -130,7 +130,8 @@ def _words(frame: Frame) -> str:
     facts = frame.facts
     if facts is None:
         return ""
-    first = tr("{steps} steps, {seconds} s").format(steps=facts.steps, seconds=f"{facts.seconds:.2f}")
+    counted = tr("1 step, {seconds} s") if facts.steps == 1 else tr("{steps} steps, {seconds} s")
+    first = counted.format(steps=facts.steps, seconds=f"{facts.seconds:.2f}")
     if not frame.over:
         return first
     return "\n".join([f"{first}, {from_core(facts.stop_reason)}", *_agreement(facts)])

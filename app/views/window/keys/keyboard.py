@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import shiboken6
-from PySide6.QtCore import QCoreApplication, QEvent, QObject, Qt
-from PySide6.QtGui import QKeyEvent
+from PySide6.QtCore import QCoreApplication, QEvent, QObject, Qt, QTimer
+from PySide6.QtGui import QGuiApplication, QKeyEvent
 from PySide6.QtWidgets import (
     QAbstractButton,
     QAbstractItemView,
     QApplication,
+    QDialog,
     QDockWidget,
     QMainWindow,
     QMenu,
@@ -63,13 +65,21 @@ class Keyboard(QObject):
             return self._claim(watched, event)
         return event.type() == QEvent.Type.KeyPress and self._press(watched, event)
 
-    def _follow(self, _: QWidget | None, now: QWidget | None) -> None:
+    def _follow(self, before: QWidget | None, now: QWidget | None) -> None:
+        if now is None and before is not None and isinstance(dialog := before.window(), QDialog):
+            QTimer.singleShot(0, self, partial(self._take_back, dialog))
         if self._watched is not None and shiboken6.isValid(self._watched):
             self._watched.removeEventFilter(self)
         self._watched, self._before = None, None
         if now is not None and self._is_mine(now):
             self._watched = now
             now.installEventFilter(self)
+
+    def _take_back(self, dialog: QDialog) -> None:
+        """Take the keyboard from a dialog that has closed: without a window manager nobody else gives it."""
+        closed = not shiboken6.isValid(dialog) or not dialog.isVisible()
+        if closed and QGuiApplication.focusWindow() is None and self._window.isVisible():
+            (QApplication.activeModalWidget() or self._window).activateWindow()
 
     def _is_mine(self, widget: QWidget) -> bool:
         """Whether a widget is in the window or in one of its detached panels, and is not the canvas."""

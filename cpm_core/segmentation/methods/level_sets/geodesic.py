@@ -48,12 +48,12 @@ class GeodesicSettings(Settings):
         (0.1, 20.0), (0.5, 8.0), 0.5, equation="m of eq. (2)",
     )  # fmt: skip
     contrast: float = number(
-        0.1, "k", "Edge contrast", "Edge strength that counts as an edge, as a fraction of the largest.",
+        0.05, "k", "Edge contrast", "Edge strength that counts as an edge, as a fraction of the largest.",
         "More of it lets the contour cross weak edges.",
         (1e-4, 10.0), (0.01, 1.0), 0.01,
     )  # fmt: skip
     smoothing: float = number(
-        1.0, "σ", "Smoothing", "Width of the Gaussian that smooths the image before its edges are found.",
+        1.5, "σ", "Smoothing", "Width of the Gaussian that smooths the image before its edges are found.",
         "More of it removes noise and rounds corners.", (0.0, 50.0), (0.5, 8.0), 0.5, "px",
     )  # fmt: skip
 

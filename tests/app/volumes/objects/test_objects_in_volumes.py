@@ -7,6 +7,7 @@ import pytest
 import tifffile
 from PySide6.QtCore import QPoint, Qt
 
+from app.model.state.volume_limits import NOT_IN_VOLUMES
 from app.session.features.objects.object_list import ObjectList
 from app.session.storage.session_file import DocumentFile
 from app.views.features.file.export import ExportFeature
@@ -237,3 +238,14 @@ def test_before_a_run_the_tool_says_what_it_needs(volume, hand) -> None:
     hand.canvas.setFocus()
     hand.key(KEY.Key_W)
     assert "Let a run find the surface first" in volume.canvas_area.hint.text()
+
+
+def test_what_objects_in_volumes_lack_is_gray_in_menu_and_panel_and_says_why(found, hand) -> None:
+    hand.key(KEY.Key_Return)
+    found.workspace.object_list.choose({1, 2})
+    buttons = found.panels["objects"].buttons
+    for name, action in (("freeze", "freeze_object"), ("merge", "merge_objects")):
+        assert not buttons[name].isEnabled()
+        assert buttons[name].toolTip() == NOT_IN_VOLUMES[action]
+        assert not found.actions_by_name[action].isEnabled()
+    assert buttons["hide"].isEnabled()

@@ -29,6 +29,9 @@ DEPTH = BAY_END - BAY_MOUTH
 UNIT_FIELD = GeometricGvfSettings(mu=0.2, curvature=0.05, smoothing=1.0, evenness=1.0)
 """The field as Xu and Prince have it, all vectors of the length 1."""
 
+PUBLISHED = GeodesicSettings(balloon=1.0, curvature=0.05, pull=1.0, contrast=0.1, smoothing=1.0)
+"""A geodesic contour that is driven on by a balloon, as that of Fig. 3."""
+
 
 def end_of(name, image, start, settings=None):
     return run_method(CONTOUR_METHODS[name], image, start, settings)
@@ -88,7 +91,7 @@ def test_the_geodesic_contour_leaks_with_a_small_exponent_and_sticks_with_a_larg
     area = (truth.labels > 0).sum()
     inside = {}
     for exponent in (2.0, 8.0):
-        settings = GeodesicSettings(exponent=exponent, balloon=1.0, curvature=0.05, pull=1.0, contrast=0.1)
+        settings = replace(PUBLISHED, exponent=exponent)
         state = end_of("gac", image, start, settings).state
         inside[exponent] = (np.asarray(state.values) > 0.0).sum()
     assert inside[2.0] == image.values.size  # it has left the image

@@ -86,7 +86,7 @@ def _arrays() -> list[Sample]:
 
 
 def _contours() -> list[Sample]:
-    suffixes = (".csv", ".json", ".geojson", ".labelme.json", ".coco.json")
+    suffixes = (".csv", ".json", ".geojson", ".labelme.json", ".coco.json", ".zip", ".svg", ".dxf")
     own = [Sample(f".{suffix.rsplit('.', 1)[1]}", encoded(RESULT, suffix)) for suffix in suffixes]
     return [*own, Sample(".csv", b"col,row\n3.5,4\n5,6.25\n"), Sample(".csv", b"1,2\n3,4\n")]
 

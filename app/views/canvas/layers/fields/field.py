@@ -40,6 +40,7 @@ class FieldLayer(Layer):
     tip = tr("Direction in which edges pull.")
     shortcut = "Alt+9"
     initially = False
+    in_slices = True
     colors = (theme.FIELD,)
     options = (
         Choice(

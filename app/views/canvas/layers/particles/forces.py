@@ -54,6 +54,7 @@ class ForceLayer(Layer):
     tip = tr("Coulomb, Lorentz and damping force on the particle nearest to the pointer.")
     shortcut = "Alt+3"
     initially = False
+    in_slices = True
     colors = (theme.COULOMB, theme.LORENTZ, theme.DAMPING)
     options = (Amount("length", tr("Length"), 20, 200, 5, 80, tr("Length of the longest arrow, in px of the screen.")),)
 
@@ -109,7 +110,8 @@ class ForceLayer(Layer):
         seen = self.view.viewRect().center()
         place = self._place if self._place is not None else (seen.y(), seen.x())
         reach = _REACH * self._pixel() if self._place is not None else math.inf
-        self.requests.post(Probe(snapshot.generation, place, reach))
+        here = None if self.scene.slices is None else self.scene.slices.current
+        self.requests.post(Probe(snapshot.generation, place if here is None else here.lifted(place), reach))
 
     def _use(self, probed: Probed | None) -> None:
         self.probed = probed
@@ -140,7 +142,7 @@ class ForceItem(Pinned):
 
     def show_forces(self, at: QPointF, probed: Probed, length: float, room: QSizeF) -> None:
         """Show forces on a particle at a point of a canvas of size `room`; the longest arrow is `length` px long."""
-        sizes = {name: math.hypot(*probed.forces[name]) for name in KINDS}
+        sizes = {name: probed.size(name) for name in KINDS}
         listed = [name for name in KINDS if name in _ALWAYS or sizes[name] >= _NOTHING]
         self.lines = [(*KINDS[name], f"{sizes[name]:.3f}") for name in listed]
         self._title = tr("Particle {number}").format(number=f"{probed.identity:,}")

@@ -1,0 +1,74 @@
+"""Fields of a volume for its slices: on a part of the voxels, as many as a view shows arrows or lines for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.model.volume.slices import Slice
+from cpm_core.numerics.types import Array, Single
+
+_MOST = 1 << 18
+"""Voxels of which a force is kept, at most about so many: a view shows some hundred arrows."""
+
+_MOST_VALUES = 1 << 24
+"""Voxels of which a value is kept."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SampledForce:
+    """The force on every so manieth voxel, shape (3, P, R, C), in smallest sides of a voxel, and those sides."""
+
+    force: Single
+    step: int
+    sides: tuple[float, ...]
+
+    @classmethod
+    def of(cls, force: Array, spacing: tuple[float, ...]) -> SampledForce:
+        """That of a force on all voxels, of which nothing is kept."""
+        step = _step(force[0].size, _MOST)
+        sides = tuple(side / min(spacing) for side in spacing)
+        return cls(force[:, ::step, ::step, ::step].astype(np.float32), step, sides)
+
+    def slice_of(self, here: Slice, shape: tuple[int, ...]) -> Array:
+        """The force along a slice of this shape, (2, H, W), as a displacement in its pixels."""
+        axes = [axis for axis in range(3) if axis != here.axis]
+        planes = np.moveaxis(self.force, 1 + here.axis, 1)
+        at = min(here.index / self.step, planes.shape[1] - 1.0)
+        low = int(at)
+        high = min(low + 1, planes.shape[1] - 1)
+        cut = (1.0 - (at - low)) * planes[axes, low] + (at - low) * planes[axes, high]
+        down, across = (_between(side, count, self.step) for side, count in zip(shape, cut.shape[1:], strict=True))
+        pixels = np.array([self.sides[axis] for axis in axes])
+        return np.asarray(down @ cut.astype(float) @ across.T / pixels[:, None, None])
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SampledValues:
+    """A value of every so manieth voxel, shape (P, R, C)."""
+
+    values: Single
+    step: int
+
+    @classmethod
+    def of(cls, values: Array) -> SampledValues:
+        """Those of all voxels, of which nothing is kept."""
+        step = _step(values.size, _MOST_VALUES)
+        return cls(values[::step, ::step, ::step].astype(np.float32), step)
+
+    def slice_of(self, here: Slice) -> Array:
+        """The values of the nearest slice that there is."""
+        planes = self.values.shape[here.axis]
+        nearest = Slice(here.axis, min(round(here.index / self.step), planes - 1))
+        return nearest.of(self.values).astype(float)
+
+
+def _step(size: int, most: int) -> int:
+    return max(1, int(np.ceil((size / most) ** (1.0 / 3.0))))
+
+
+def _between(side: int, count: int, step: int) -> Array:
+    """Weights, shape (side, count), of samples so many pixels apart for each pixel in between."""
+    at = np.minimum(np.arange(side) / step, count - 1.0)
+    return np.asarray(np.maximum(0.0, 1.0 - np.abs(at[:, None] - np.arange(count))))

@@ -1,0 +1,41 @@
+"""Writers for napari: layers of shapes as files of contours, and surfaces as meshes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from app.napari.layers import contours_of
+from cpm_core.contours.result import Result
+from cpm_core.contours.surface import Surface
+from cpm_core.formats import export
+
+_DRAWN = "drawn in napari"
+
+
+def write_shapes(path: str, data: Any, settings: Mapping[str, Any]) -> list[str]:
+    """Write a layer of shapes in the format that the suffix names."""
+    contours, shape = contours_of(data, settings)
+    name = str(settings.get("name") or Path(path).stem)
+    return _written(Result(np.empty((0, 2)), contours, None, 0, True, _DRAWN, shape, (1.0, 1.0), None, name), path)
+
+
+def write_surface(path: str, data: Any, settings: Mapping[str, Any]) -> list[str]:
+    """Write a surface, in the coordinates of its layer."""
+    vertices, faces = np.asarray(data[0], dtype=float), np.asarray(data[1])
+    scale = np.broadcast_to(np.asarray(settings.get("scale", 1.0), dtype=float), (3,))
+    shape = tuple((np.ceil(vertices.max(axis=0)) + 1).astype(int).tolist())
+    name, spacing = str(settings.get("name") or Path(path).stem), tuple(scale.tolist())
+    surface = Surface(vertices, faces, spacing)
+    return _written(Result(np.empty((0, 3)), (), surface, 0, True, _DRAWN, shape, spacing, None, name), path)
+
+
+def _written(result: Result, path: str) -> list[str]:
+    try:
+        export(result, path)
+    except ValueError as error:  # napari takes one for a sign that there is no writer
+        raise RuntimeError(str(error)) from error
+    return [path]

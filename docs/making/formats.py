@@ -1,0 +1,64 @@
+"""The tables of formats, from the lists that readers and writers go by, and what checks each in the tests."""
+
+from __future__ import annotations
+
+from cpm_core.formats import (
+    CONTOURS_READABLE,
+    FOR_CENTERLINES,
+    FOR_SKELETONS,
+    FOR_VOLUMES,
+    READABLE,
+    WRITABLE,
+)
+from making.tables import table
+
+CHECKED: dict[str, str] = {
+    ".svg": "an XML parser, and read back",
+    ".csv": "the csv module, and read back",
+    ".measures.csv": "the csv module",
+    ".json": "the json module, and read back",
+    ".geojson": "shapely, and read back",
+    ".zip": "roifile, and read back",
+    ".roi": "roifile, and read back",
+    ".labelme.json": "the json module, and read back",
+    ".coco.json": "pycocotools, and read back",
+    ".tif": "tifffile and Pillow, and read back",
+    ".tiff": "tifffile and Pillow, and read back",
+    ".nii": "nibabel, and read back",
+    ".nii.gz": "nibabel, and read back",
+    ".dxf": "ezdxf, and read back",
+    ".png": "Pillow, and read back",
+    ".ply": "by its published layout",
+    ".stl": "by its published layout",
+    ".obj": "by its published layout",
+    ".vtk": "by its published layout",
+    ".points.csv": "read back",
+    ".swc": "by its published layout",
+}
+"""What reads a format in the tests."""
+
+
+def readable() -> str:
+    """Images and volumes that can be read."""
+    return table(("suffix", "what it is"), ((f"`{suffix}`", what) for suffix, what in READABLE.items()))
+
+
+def writable() -> str:
+    """Files that can be written, and from what."""
+    lines = []
+    for suffix, what in {**WRITABLE, **FOR_VOLUMES, **FOR_CENTERLINES, **WRITABLE}.items():
+        of = [
+            word
+            for word, known in (
+                ("contours", WRITABLE), ("skeletons", FOR_SKELETONS), ("volumes", FOR_VOLUMES),
+                ("center lines", FOR_CENTERLINES),
+            )
+            if suffix in known
+        ]  # fmt: skip
+        lines.append((f"`{suffix}`", what, ", ".join(of), CHECKED[suffix]))
+    return table(("suffix", "what is written", "of", "checked in the tests by"), lines)
+
+
+def contours_readable() -> str:
+    """Files that contours are read from."""
+    return table(("suffix", "what is read"), ((f"`{suffix}`", what) for suffix, what in CONTOURS_READABLE.items()))

@@ -1,0 +1,88 @@
+"""The reference: a page for each group of public names, from their docstrings."""
+
+from __future__ import annotations
+
+import inspect
+
+import cpm_core
+
+GROUPS: dict[str, tuple[str, tuple[str, ...]]] = {
+    "runs": (
+        "Runs",
+        ("segment", "evolve", "Evolution", "Evolved", "Engine", "State", "Particles", "Forces", "Energies",
+         "Parameters", "PARAMETERS", "PRESETS", "Method", "METHODS"),
+    ),
+    "images": (
+        "Images",
+        ("Image", "Geometry", "load_image", "load_volume", "load_pages", "example", "edge_map", "electric_field"),
+    ),
+    "starts": (
+        "Where particles start, and what limits and steers them",
+        ("circle", "stroke", "uniform_grid", "gradient_threshold", "divergence_centers", "sphere", "box", "in_slice",
+         "everywhere", "on_strong_edges", "Regions", "VolumeRegions", "Extrusion", "PlacedCharge", "coulomb_force"),
+    ),
+    "results": (
+        "What is found, and how it is measured",
+        ("Result", "Contour", "Bridge", "Surface", "Table", "measure", "containment", "reconstruct_curve",
+         "reconstruct_surface", "compare", "Comparison", "Truth", "load_truth", "teach"),
+    ),
+    "objects": (
+        "Objects chosen by places",
+        ("partition", "Partition", "Selection", "VolumePartition", "VolumeSelection", "similar", "objects_result"),
+    ),
+    "skeletons": ("Skeletons", ("skeleton", "Skeleton", "centerlines", "Centerlines", "write_swc")),
+    "files": (
+        "Files and pictures",
+        ("export", "encoded", "load_contours", "write_figure", "write_animation", "strip"),
+    ),
+    "stacks": ("Stacks and time series", ("follow", "Page", "TrackEvent")),
+    "methods": (
+        "Classical methods beside it",
+        ("CONTOUR_METHODS", "ContourMethod", "ContourState", "Start", "run_method", "moments", "facts_of", "Facts"),
+    ),
+}  # fmt: skip
+"""File -> title and public names."""
+
+
+def pages() -> dict[str, str]:
+    """Name of each page -> its text; ValueError unless every public name is on one of them."""
+    listed = [name for _, names in GROUPS.values() for name in names]
+    lacking = set(cpm_core.__all__) - set(listed)
+    if lacking or len(set(listed)) != len(listed):
+        raise ValueError(f"docs/making/reference.py lacks {sorted(lacking)}, or lists a name twice.")
+    made = {f"reference/{file}.rst": _page(title, names) for file, (title, names) in GROUPS.items()}
+    entries = "\n".join(f"   {file}" for file in GROUPS)
+    intro = (
+        "Everything is in ``cpm_core``, which the examples import as ``cpm``, beside NumPy as ``np``. "
+        "They are run by the tests.\n\n"
+    )
+    made["reference/index.rst"] = f"{_title('Reference')}{intro}.. toctree::\n\n{entries}\n"
+    return made
+
+
+def _page(title: str, names: tuple[str, ...]) -> str:
+    """A page of some names."""
+    return _title(title) + "\n".join(map(_entry, names))
+
+
+def _title(text: str) -> str:
+    return f"{text}\n{'=' * len(text)}\n\n"
+
+
+def _entry(name: str) -> str:
+    """The directive for one name."""
+    given = getattr(cpm_core, name)
+    if inspect.isclass(given):
+        return f".. autoclass:: cpm_core.{name}\n"
+    if callable(given):
+        return f".. autofunction:: cpm_core.{name}\n"
+    keys = ", ".join(f"``{key}``" for key in given)
+    return f".. py:data:: cpm_core.{name}\n\n   {_ABOUT[name]}: {keys}.\n"
+
+
+_ABOUT = {
+    "PARAMETERS": "Description of every parameter that is a number, by name",
+    "PRESETS": "Named parameters",
+    "METHODS": "Methods that find contours or skeletons, by name",
+    "CONTOUR_METHODS": "Methods that can be compared, by name",
+}

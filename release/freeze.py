@@ -1,0 +1,110 @@
+"""Makes an application that needs no Python: a folder with the program, its libraries, compiled loops and licenses.
+
+Run ``python release/freeze.py`` in an environment with the program and PyInstaller (see ``release/README.md``), on the
+system that the application is for: Linux, Windows or macOS. The folder is ``dist/cpm``, or ``cpm`` in that of
+``--output``; ``dist/cpm/cpm`` opens the window, and with arguments it is the command line.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import subprocess
+import sys
+from collections.abc import Sequence
+from importlib import metadata
+from pathlib import Path
+
+from licenses import gathered
+
+ROOT = Path(__file__).resolve().parents[1]
+
+ASSETS = ("icons", "samples", "presets", "guide", "languages")
+"""Files of the program's own that it reads, in the folder assets."""
+
+NAMED = (
+    *("numpy", "scipy", "scikit-image", "numba", "llvmlite", "pillow", "tifffile", "pyqtgraph", "PySide6-Essentials"),
+    *("imagecodecs", "pydicom"),
+)
+"""Distributions whose versions the program tells, or that look for themselves."""
+
+LEFT_OUT = (
+    *("tkinter", "IPython", "pytest", "PyQt5", "PyQt6", "pandas", "numba.cuda", "OpenGL"),
+    *("PySide6.QtQml", "PySide6.QtQuick", "PySide6.QtOpenGL", "PySide6.QtSql", "PySide6.QtTest", "matplotlib"),
+)
+"""What is installed here or named by a library, and not needed."""
+
+LATE = ("cpm_core.cli", "app.views.features", "cpm_core.formats", "imagecodecs", "pydicom.pixels", "nibabel", "nrrd")
+"""Packages of which modules are loaded by name, or late."""
+
+
+def frozen(output: Path, work: Path) -> Path:
+    """Freeze the program into a folder; what is made on the way stays in another, and is used again."""
+    loops = work / "compiled"
+    if not (loops / "target.json").exists():
+        environment = os.environ | {"PYTHONPATH": str(ROOT)}
+        subprocess.run([sys.executable, "-m", "cpm_core.objects.warm_up", str(loops)], check=True, env=environment)
+    options = [
+        *("--name", "cpm", "--noconfirm", "--clean", "--onedir", "--paths", str(ROOT)),
+        *("--distpath", str(output), "--workpath", str(work / "pyinstaller"), "--specpath", str(work)),
+        *(part for name in ASSETS for part in ("--add-data", f"{ROOT / 'assets' / name}:app/assets/{name}")),
+        *("--add-data", f"{loops}:cpm_core/compiled"),
+        *(part for name in NAMED if _is_there(name) for part in ("--copy-metadata", name)),
+        *(part for name in LATE for part in ("--collect-submodules", name)),
+        *("--collect-data", "skimage", "--collect-binaries", "imagecodecs"),
+        *(part for name in LEFT_OUT for part in ("--exclude-module", name)),
+    ]
+    if sys.platform in ("win32", "darwin"):
+        options += ["--icon", str(_picture(work))]
+    if sys.platform == "darwin":
+        options += ["--windowed", "--osx-bundle-identifier", "org.cpm_particles.cpm"]
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    start = str(Path(__file__).with_name("start.py"))
+    subprocess.run([sys.executable, "-m", "PyInstaller", *options, start], check=True, cwd=work, env=environment)
+    folder = output / "cpm"
+    (folder / "LICENSES.txt").write_text(gathered(), encoding="utf-8")
+    return folder
+
+
+def _picture(work: Path) -> Path:
+    """The icon in pixels, which PyInstaller turns into that of the system."""
+    from PySide6.QtGui import QImage, QPainter
+    from PySide6.QtSvg import QSvgRenderer
+
+    image = QImage(512, 512, QImage.Format.Format_ARGB32)
+    image.fill(0)
+    painter = QPainter(image)
+    QSvgRenderer(str(ROOT / "assets" / "icons" / "cpm.svg")).render(painter)
+    painter.end()
+    path = work / "cpm.png"
+    image.save(str(path))
+    return path
+
+
+def _is_there(name: str) -> bool:
+    try:
+        metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return False
+    return True
+
+
+def size(folder: Path) -> int:
+    """Bytes of all files in a folder; links count once."""
+    return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file() and not path.is_symlink())
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Freeze, and tell where the application is and how large."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--output", type=Path, default=ROOT / "dist", help="folder to write into (default: dist)")
+    parser.add_argument("--work", type=Path, default=ROOT / "build", help="folder for what is made on the way")
+    arguments = parser.parse_args(argv)
+    arguments.work.mkdir(parents=True, exist_ok=True)
+    folder = frozen(arguments.output.absolute(), arguments.work.absolute())
+    sys.stdout.write(f"{folder}: {size(folder) / 1e6:.0f} MB\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

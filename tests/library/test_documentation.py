@@ -1,0 +1,131 @@
+"""The documentation is made from the program, names tests that there are, and its notebooks run."""
+
+from __future__ import annotations
+
+import ast
+import json
+import re
+import shutil
+import sys
+from pathlib import Path
+
+import matplotlib as mpl
+import pytest
+from matplotlib import pyplot
+
+import cpm_core as cpm
+from cpm_core.formats import FOR_CENTERLINES, FOR_VOLUMES, WRITABLE
+from cpm_core.parameters import PARAMETERS
+from cpm_core.parameters.choices import CHOICES
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+
+sys.path.append(str(DOCS))
+
+from making import command_line, formats, notebooks, parameters, reference, rows  # noqa: E402
+
+SCRIPTS = sorted((DOCS / "notebooks").glob("*.py"))
+PAGES = sorted(path for path in DOCS.rglob("*.md") if not {"_made", "_build"} & set(path.parts))
+
+
+@pytest.fixture
+def place(tmp_path, monkeypatch):
+    """A folder with the samples, and plots without a window."""
+    (tmp_path / "assets").mkdir()
+    shutil.copytree(ROOT / "assets" / "samples", tmp_path / "assets" / "samples")
+    monkeypatch.chdir(tmp_path)
+    before = mpl.get_backend()
+    pyplot.switch_backend("agg")
+    yield tmp_path
+    pyplot.close("all")
+    pyplot.switch_backend(before)
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
+def test_a_notebook_runs(script, place):
+    cells = notebooks.cells(script.read_text(encoding="utf-8"))
+    assert cells[0].text.startswith("# ")
+    names = {}
+    outputs = [notebooks.run(cell, names) for cell in cells if cell.code]
+    assert isinstance(names["result" if script.stem != "artery" else "bones"], cpm.Result | cpm.Skeleton)
+    assert pyplot.get_fignums()
+    assert any(printed for printed, _ in outputs)
+
+
+def test_there_are_notebooks_of_four_tasks():
+    assert len(SCRIPTS) == 4
+
+
+def test_a_script_becomes_a_notebook_with_the_same_cells():
+    cells = notebooks.cells("# %% [markdown]\n# # Title\n#\n# Text.\n\n# %%\na = 1\na + 1\n")
+    assert [(cell.text, cell.code) for cell in cells] == [("# Title\n\nText.", False), ("a = 1\na + 1", True)]
+    assert notebooks.run(cells[1], {}) == ("", 2)
+    made = json.loads(notebooks.jupyter(cells))
+    assert [cell["cell_type"] for cell in made["cells"]] == ["markdown", "code"]
+    assert "".join(made["cells"][1]["source"]) == "a = 1\na + 1"
+
+
+@pytest.mark.parametrize("row", rows.ROWS, ids=lambda row: row.what)
+def test_each_expectation_names_a_test_that_there_is(row):
+    path, name = row.test.split("::")
+    tree = ast.parse((ROOT / path).read_text(encoding="utf-8"))
+    assert name in {node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}
+
+
+def test_the_continuous_check_builds_it_by_the_command_of_the_readme():
+    script = (ROOT / ".ci" / "docs").read_text(encoding="utf-8")
+    pattern = re.search(r"grep -m 1 '(.*)' README.md", script).group(1)
+    lines = [line for line in (ROOT / "README.md").read_text(encoding="utf-8").splitlines() if re.search(pattern, line)]
+    assert len(lines) == 1
+    assert "-e '.[docs]'" in lines[0]
+
+
+def test_the_first_command_is_that_of_the_readme():
+    readme = (ROOT / "README.md").read_text(encoding="utf-8").splitlines()
+    page = (DOCS / "start.md").read_text(encoding="utf-8")
+    first = [line for line in page.splitlines() if "-m venv" in line]
+    assert len(first) == 2
+    assert set(first) <= set(readme)
+
+
+def test_there_are_38_expectations_each_once():
+    assert len(rows.ROWS) == 38
+    assert len({row.what for row in rows.ROWS}) == len({row.test for row in rows.ROWS}) == 38
+    assert all(f"`{row.test}`" in rows.table() for row in rows.ROWS)
+
+
+def test_every_public_name_is_on_one_page_of_the_reference():
+    text = "\n".join(reference.pages().values())
+    for name in cpm.__all__:
+        assert (
+            len(re.findall(rf"^\.\. (?:py:data|autoclass|autofunction):: cpm_core\.{name}$", text, re.MULTILINE)) == 1
+        )
+
+
+def test_tables_hold_every_parameter_format_and_command():
+    assert all(f"| `{name}` |" in parameters.table() for name in (*PARAMETERS, *CHOICES))
+    assert all(f"| `{name}` |" in parameters.presets() for name in cpm.PRESETS)
+    assert all(f"| `{suffix}` |" in formats.writable() for suffix in {**WRITABLE, **FOR_VOLUMES, **FOR_CENTERLINES})
+    commands = command_line.text()
+    assert {"## cpm run", "## cpm batch", "## cpm skeleton", "## cpm info"} <= set(commands.splitlines())
+    assert "--time-step" in commands
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_pages_point_to_what_there_is(page):
+    for target in re.findall(r"\]\((?!http)([^)#]+)\)", page.read_text(encoding="utf-8")):
+        made = target.split("_made/notebooks/")
+        assert (
+            (page.parent / target).is_file()
+            or "_made/figures/" in target
+            or (DOCS / "notebooks" / made[-1]).with_suffix(".py").is_file()
+        ), target
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_examples_of_pages_are_python_that_names_what_there_is(page):
+    for block in re.findall(r"^```python\n(.*?)^```$", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL):
+        for node in ast.walk(ast.parse(block)):
+            if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "cpm":
+                assert node.attr in cpm.__all__

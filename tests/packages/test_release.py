@@ -1,0 +1,94 @@
+"""What desktops, hosts and readers are told of the program agrees with the program."""
+
+import importlib
+import re
+import shutil
+import subprocess
+from configparser import ConfigParser
+from xml.etree import ElementTree
+
+import pytest
+
+from cpm_core.formats.provenance import VERSION
+from cpm_core.formats.sessions.session_file import SUFFIX
+from cpm_core.formats.sessions.session_json import MARK
+from tests.packages.places import ROOT
+
+LINUX = ROOT / "release" / "linux"
+NAMESPACE = {"m": "http://www.freedesktop.org/standards/shared-mime-info"}
+
+
+@pytest.fixture(scope="module")
+def entry():
+    """The desktop entry."""
+    read = ConfigParser(interpolation=None, delimiters="=")
+    read.optionxform = str
+    read.read(LINUX / "cpm.desktop", encoding="utf-8")
+    return read["Desktop Entry"]
+
+
+@pytest.fixture(scope="module")
+def kind():
+    """The type of session files."""
+    return ElementTree.parse(LINUX / "cpm-session.xml").getroot().find("m:mime-type", NAMESPACE)
+
+
+@pytest.fixture(scope="module")
+def told():
+    """The data for software centers."""
+    return ElementTree.parse(LINUX / "cpm.metainfo.xml").getroot()
+
+
+def test_the_desktop_entry_starts_the_program_and_names_its_icon_and_files(entry, kind) -> None:
+    assert entry["Exec"] == "cpm %f"
+    assert (ROOT / "assets" / "icons" / f"{entry['Icon']}.svg").is_file()
+    assert kind.get("type") in entry["MimeType"].split(";")
+
+
+def test_session_files_are_known_by_name_and_content(kind) -> None:
+    assert kind.find("m:glob", NAMESPACE).get("pattern") == f"*{SUFFIX}"
+    assert kind.find("m:magic/m:match", NAMESPACE).get("value") == MARK
+
+
+def test_software_centers_are_told_the_same(told, kind) -> None:
+    assert told.findtext("launchable") == "cpm.desktop"
+    assert told.findtext("provides/mediatype") == kind.get("type")
+    assert told.find("releases/release").get("version") == VERSION
+    assert told.findtext("project_license") == "MIT"
+
+
+@pytest.mark.parametrize(
+    ("tool", "arguments"),
+    [
+        ("desktop-file-validate", [LINUX / "cpm.desktop"]),
+        ("appstreamcli", ["validate", "--no-net", LINUX / "cpm.metainfo.xml"]),
+    ],
+)
+def test_the_tools_of_desktops_find_nothing_wrong(tool, arguments) -> None:
+    if shutil.which(tool) is None:
+        pytest.skip(f"{tool} is not there")
+    done = subprocess.run([tool, *arguments], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_what_is_cited_is_this_version() -> None:
+    text = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert re.search(r"^version: (.*)$", text, re.MULTILINE).group(1) == VERSION
+
+
+@pytest.mark.parametrize("file", [".github/workflows/checks.yml", ".gitlab-ci.yml"])
+def test_hosts_run_what_everybody_runs(file) -> None:
+    path = ROOT / file
+    if not path.exists():
+        pytest.skip("an archive of the source has no files of hosts")
+    assert re.search(r"- (run: )?\.ci/run$", path.read_text(encoding="utf-8"), re.MULTILINE)
+
+
+def test_the_licenses_of_all_that_is_handed_out_are_gathered(monkeypatch) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "release"))
+    licenses = importlib.import_module("licenses")
+    found = licenses.distributions("scikit-image", ())
+    assert {"numpy", "scipy", "pillow"} <= set(found)
+    assert all(len(licenses.license_of(each)) > 2 for each in found.values())
+    assert "not told" not in map(licenses.license_of, found.values())
+    assert licenses.gathered().startswith("CPM\n\nMIT License")
