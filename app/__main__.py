@@ -105,7 +105,7 @@ def _open_window(path: str | None) -> int:
             return _refuse(reason)
         from app.views.application import run
     except ImportError as error:
-        if (error.name or "").partition(".")[0] in _QT and isinstance(error, ModuleNotFoundError):
+        if error.name in _QT and isinstance(error, ModuleNotFoundError):
             return _refuse(_NO_QT)
         return _refuse(f"The window cannot be opened because a library cannot be loaded ({error}); see the README.")
     _interrupt_as_usual()

@@ -30,11 +30,14 @@ NAMED = (
 
 LEFT_OUT = (
     *("tkinter", "IPython", "pytest", "PyQt5", "PyQt6", "pandas", "numba.cuda", "OpenGL"),
-    *("PySide6.QtQml", "PySide6.QtQuick", "PySide6.QtOpenGL", "PySide6.QtSql", "PySide6.QtTest", "matplotlib"),
+    *("PySide6.QtQml", "PySide6.QtQuick", "PySide6.QtSql", "matplotlib"),
 )
 """What is installed here or named by a library, and not needed."""
 
-LATE = ("cpm_core.cli", "app.views.features", "cpm_core.formats", "imagecodecs", "pydicom.pixels", "nibabel", "nrrd")
+UNSEEN = ("numba._devicearray", "numba.mviewbuf")
+"""Modules that only compiled code loads."""
+
+LATE = ("cpm_core.cli", "app.views.features", "cpm_core.formats", "imagecodecs", "pydicom.pixels")
 """Packages of which modules are loaded by name, or late."""
 
 
@@ -51,6 +54,8 @@ def frozen(output: Path, work: Path) -> Path:
         *("--add-data", f"{loops}:cpm_core/compiled"),
         *(part for name in NAMED if _is_there(name) for part in ("--copy-metadata", name)),
         *(part for name in LATE for part in ("--collect-submodules", name)),
+        *(part for name in UNSEEN for part in ("--hidden-import", name)),
+        *(part for name in ("nibabel", "nrrd") if _is_there(name) for part in ("--hidden-import", name)),
         *("--collect-data", "skimage", "--collect-binaries", "imagecodecs"),
         *(part for name in LEFT_OUT for part in ("--exclude-module", name)),
     ]

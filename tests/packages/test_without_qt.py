@@ -51,9 +51,9 @@ assert QT.isdisjoint(name.partition(".")[0] for name in sys.modules)
     assert (tmp_path / "u.svg").stat().st_size > 0
 
 
-@pytest.mark.parametrize("arguments", ["[]", "['u_shape.png']"])
+@pytest.mark.parametrize("arguments", [(), (ROOT / "assets" / "samples" / "u_shape.png",)], ids=["alone", "an image"])
 def test_a_window_without_qt_says_what_to_install(arguments) -> None:
-    done = run(f"from app.__main__ import main\nsys.exit(main({arguments}))")
+    done = run("from app.__main__ import main\nsys.exit(main(sys.argv[1:]))", *arguments)
     assert done.returncode == 2
     assert done.stdout == ""
     assert done.stderr == (

@@ -50,7 +50,7 @@ def script_of(document: Document, session: Path) -> Script:
     if document.mode == "skeleton":
         return _of_skeleton(document)
     if document.marks or document.hand_edits or document.objects.barriers:
-        return Script(_python_of_session(session), _command_of_session(session, document), True, "")
+        return Script(_python_of_session(session, document), _command_of_session(session, document), True, "")
     python = _python(document, volume)
     command = _command_of_volume(document) if volume else _command(document)
     if not command and volume:
@@ -87,13 +87,13 @@ def _python(document: Document, volume: bool) -> str:
             "    regions=regions_of(shapes),",
             "    charges=charges_of(shapes),",
             ")",
-            f'cpm.export(result, "{_result(document)}")',
+            f"cpm.export(result, {_result(document)!r})",
             "",
         )
     )
 
 
-def _python_of_session(session: Path) -> str:
+def _python_of_session(session: Path, document: Document) -> str:
     return "\n".join(
         (
             *_head(session.name, "from pathlib import Path", ""),
@@ -119,7 +119,7 @@ def _python_of_session(session: Path) -> str:
             "edited = with_hand_edits(found, image, parameters, session.hand_edits)",
             "whole = with_kept(edited, session.marks)",
             "result = apply(whole, session.marks, learning=session.learning, found=edited.contours)",
-            f'cpm.export(result, "{session.stem}_contours.svg")',
+            f"cpm.export(result, {_result(document)!r})",
             "",
         )
     )
@@ -135,7 +135,7 @@ def _of_skeleton(document: Document) -> Script:
         "",
         f"image = cpm.load_image({_arguments(image.path, _reading(document))})",
         *_written_out("parameters", "cpm.Parameters", _changed(document.parameters, Parameters())),
-        "cpm.export(cpm.skeleton(image, parameters), " + f'"{name}")',
+        f"cpm.export(cpm.skeleton(image, parameters), {name!r})",
         "",
     )
     parts = ("cpm", "skeleton", image.path, *_parameters(given), *_part(document), "--export", name)
@@ -146,7 +146,7 @@ def _of_skeleton(document: Document) -> Script:
 
 def _head(name: str, *more: str) -> tuple[str, ...]:
     return (
-        f'"""Finds the contours of {name} as they were found in the window of CPM."""',
+        f"# Finds the contours of {name!r} as they were found in the window of CPM.",
         "",
         *more,
         "import cpm_core as cpm",

@@ -1,4 +1,4 @@
-"""The texts of the guide: first steps, four real tasks on sample images, and the use of the canvas.
+"""The texts of the guide: first steps, four real tasks on sample images, stacks, and the use of the canvas.
 
 A text may name an action in braces, as in ``{run}``, or a parameter, as in ``{=beta}``; the guide inserts the name in
 the menu and the key of the action, or the label and symbol of the parameter. ``{key:run}`` is the key alone.
@@ -145,6 +145,32 @@ _VESSELS = Page(
     "vessels.tif",
 )  # fmt: skip
 
+_STACKS = Page(
+    "stacks",
+    tr("Stacks and series"),
+    tr("A file with several images, or a folder with the slices of a DICOM series, is opened as one volume, or as "
+       "pages that are images of their own, such as a cell through time. How large is the cell on each page?"),
+    (
+        Step(tr("<b>Open</b> the file, or drop the folder on the window. A line above the image says what there is and "
+                "what is missing; {choose_part} opens another page, channel, point in time or series, and {open_stack} "
+                "makes a volume of the pages.")),
+        Step(tr("<b>Draw</b> a start on the first page, and run until its contours are right.")),
+        Step(tr("{run_pages} does the same on every page, in the background. With {follow_pages} each page starts from "
+                "the contours of the one before, and an object keeps its number on all pages.")),
+        Step(tr("{key:previous_slice} and {key:next_slice} go from page to page. Each page has a drawing, a run and an "
+                "undo history of its own: where a page went wrong, draw another start there, and run it again.")),
+        Step(tr("The panel Pages (menu View) lists the contours of all pages, and says where an object begins, ends, "
+                "splits or merges; a double click goes to a contour.")),
+        Step(tr("{export_pages}: measures of all pages as one table, labels as a stack, contours as one file.")),
+    ),
+    (
+        tr("A series with missing slices or with two distances opens its longest even part; the other parts are in the "
+           "list of series. One slice of a series offers to open all of it: {open_series}."),
+        tr("Where the file does not tell the size of a pixel, set it: {pixel_size}. Without a window: "
+           "<code>cpm run FILE --pages all --follow</code>."),
+    ),
+)  # fmt: skip
+
 _CANVAS = Page(
     "canvas",
     tr("On the canvas"),
@@ -211,5 +237,5 @@ _FURTHER = Page(
     ),
 )  # fmt: skip
 
-PAGES = (_FIRST, _ARTERY, _NUCLEI, _HAND, _VESSELS, _FURTHER, _CANVAS)
+PAGES = (_FIRST, _ARTERY, _NUCLEI, _HAND, _VESSELS, _STACKS, _FURTHER, _CANVAS)
 """The pages in the order of the table of contents."""

@@ -18,8 +18,8 @@ from cpm_core.numerics import parallel
 from cpm_core.numerics.parallel import share
 
 _PACKAGE = Path(cpm_core.__file__).parent
-_HARMED = ("numba", "threading.py", "concurrent")
-"""Parts of the names of files whose code must not be interrupted."""
+_HARMED = ("serialize.py", "threading.py", "concurrent")
+"""Parts of names of files whose code must not be interrupted; in the first Numba finds the class of a result."""
 
 ROW, COL = np.indices((40, 44))
 DISC = np.where(np.hypot(ROW - 20, COL - 22) < 12, 200.0, 20.0)

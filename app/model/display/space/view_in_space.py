@@ -24,6 +24,9 @@ AXIS_COLORS: tuple[Color, Color, Color] = ((70, 120, 255), (60, 180, 75), (230, 
 _NEARER = 2.0
 """How much nearer objects are drawn than they are [smallest sides of a voxel]."""
 
+_OVER = 1.5
+"""The same, at least [radii of a particle]."""
+
 
 @dataclass(frozen=True, slots=True)
 class Look:
@@ -120,8 +123,9 @@ class ViewInSpace:
         if self.particles is not None:
             self._draw_particles(picture, self.particles, camera, look)
         for each in self.objects:
-            # a little nearer than the surface of the run, whose triangles they share
-            nearer = replace(camera, center=camera.center + _NEARER * min(self.spacing) * camera.axes[2])
+            # a little nearer than the surface of the run, whose triangles they share, and than its particles
+            by = max(_NEARER * min(self.spacing), _OVER * look.radius / camera.scale)
+            nearer = replace(camera, center=camera.center + by * camera.axes[2])
             draw_mesh(picture, each.mesh, nearer, each.color, each.color, self.cut)
         if self.mesh is not None and self.opacity > 0.0:
             self._draw_surface(picture, self.mesh, camera, look)
