@@ -18,8 +18,15 @@ def interpolate(field: NDArray[np.floating], positions: Array) -> Array:
     shape = np.array(field.shape[1:], dtype=np.int64)
     kept = field.dtype if field.dtype == np.float32 else np.float64  # a large field in single precision is not copied
     flat = np.ascontiguousarray(field, dtype=kept).reshape(len(field), -1)
-    _interpolate(flat, shape, np.ascontiguousarray(positions, dtype=float), out)
+    _interpolate(_read_only(flat), shape, _read_only(np.ascontiguousarray(positions, dtype=float)), out)
     return out
+
+
+def _read_only(values: Array) -> Array:
+    """A view that cannot be written to, as those of images: the loop is compiled once for all arrays."""
+    view = values.view()
+    view.flags.writeable = False
+    return view
 
 
 @compiled

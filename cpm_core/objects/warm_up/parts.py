@@ -15,6 +15,7 @@ from cpm_core.image.regions import Regions
 from cpm_core.numerics.loop_cache.folders import has_loops
 from cpm_core.objects.partition import partition
 from cpm_core.parameters import PRESETS, Parameters
+from cpm_core.particles.coulomb.mesh_force.plane import mesh_force
 from cpm_core.particles.initialization import circle
 from cpm_core.particles.volume_starts import sphere
 from cpm_core.segmentation.engine import Engine
@@ -29,16 +30,17 @@ _CHARGES_IN_VOLUME = (PlacedCharge((4.0, 4.0, 4.0), 1.0),)
 _STEPS = 12
 
 _MOST_STEPS = 60
-"""Steps in which a run in the small volume ends."""
+"""Steps in which a run in the small volume ends, and one in the small image goes on to the finer scale."""
 
 
 def step_once() -> None:
     """Run the loops of the steps of a run, and of its energy."""
     engine = Engine(_IMAGE, _PARAMETERS)
     state = engine.start(circle((15.5, 15.5), 5.0))
-    for _ in range(_STEPS):
+    for _ in range(_MOST_STEPS):
         state = engine.step(state, _PARAMETERS)
     engine.energies(state, _PARAMETERS)
+    mesh_force(state.position, _IMAGE.shape, 4.0)  # which more particles than these would need
 
 
 def contours_once() -> None:
