@@ -116,3 +116,9 @@ class FileDialogs:
 def ask_for_folder(parent: QWidget, title: str, folder: str) -> str:
     """A folder, empty when the user cancels."""
     return QFileDialog.getExistingDirectory(parent, title, folder)
+
+
+def ask_for_images(parent: QWidget, title: str, folder: str) -> list[Path]:
+    """Images that exist, none when the user cancels."""
+    chosen, _ = QFileDialog.getOpenFileNames(parent, title, folder, images().filter, "", _SHORT)
+    return [Path(name) for name in chosen]

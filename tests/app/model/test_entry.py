@@ -30,8 +30,11 @@ def test_the_command_line_runs_without_importing_qt() -> None:
     assert "nowhere.png" in done.stderr
 
 
-def test_more_than_one_image_is_refused_in_a_sentence(capsys) -> None:
-    assert entry.main(["a.png", "b.png"]) == 2
+def test_more_than_one_image_is_refused_in_a_sentence(capsys, tmp_path) -> None:
+    images = [tmp_path / "a.png", tmp_path / "b.png"]
+    for image in images:
+        image.touch()
+    assert entry.main([str(image) for image in images]) == 2
     assert "one image" in capsys.readouterr().err
 
 

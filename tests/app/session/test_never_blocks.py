@@ -43,6 +43,9 @@ COMPUTING = tuple(
 )
 """Rooms of the core in which there is much to be computed, read or written: they are entered by other threads."""
 
+VALUES = tuple(str(Path("segmentation", "methods", name)) for name in ("compared.py", "registry.py"))
+"""Modules in them that hold values only: which methods are compared is a part of the document."""
+
 SIDE, SPACING = 2048, 14.0
 PATIENCE = 120_000
 
@@ -76,8 +79,9 @@ class Watch:
     def _count(self, frame: FrameType, event: str, _: object) -> None:
         if event in ("call", "c_call"):
             self._calls += 1
-            if event == "call" and frame.f_code.co_filename.startswith(COMPUTING):
-                self.computed.add(f"{frame.f_code.co_filename}:{frame.f_code.co_qualname}")
+            file = frame.f_code.co_filename
+            if event == "call" and file.startswith(COMPUTING) and not file.endswith(VALUES):
+                self.computed.add(f"{file}:{frame.f_code.co_qualname}")
 
 
 def free(what: str, do: Callable[[], object]) -> None:

@@ -11,6 +11,7 @@ from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QApplication
 
 from app.model.document import edits
+from app.model.text.keys import with_keys
 from app.views.canvas.tools import TOOLS
 from cpm_core import edge_map
 from cpm_core.numerics import polyline
@@ -261,7 +262,7 @@ def test_every_tool_has_a_key_of_its_own_a_tip_and_a_button_within_a_window_720_
         place = button.mapTo(window, button.rect().bottomRight())
         assert button.isVisible()
         assert place.y() < window.height() - window.statusBar().height()
-        assert tool.tip in button.toolTip()
+        assert with_keys(tool.tip) in button.toolTip()
         assert not button.icon().isNull()
         qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
         assert hand.canvas.tool.name == tool.name

@@ -35,7 +35,7 @@ def test_an_entry_that_appears_gets_a_letter_of_its_own(window):
     menu = window.menuBar().actions()[0].menu()
     menu.aboutToShow.emit()
     taken = letter_of(next(action.text() for action in menu.actions() if letter_of(action.text())))
-    added = QAction(f"&{taken} again", menu)
+    added = QAction(f"&{taken} 再 Qxzwjykv", menu)
     menu.addAction(added)
 
     menu.aboutToShow.emit()

@@ -9,7 +9,6 @@ from PySide6.QtCore import Qt, QTimer
 from PySide6.QtWidgets import (
     QDialog,
     QDialogButtonBox,
-    QFileDialog,
     QFormLayout,
     QHBoxLayout,
     QLabel,
@@ -30,7 +29,7 @@ from app.session.features.latest import Latest
 from app.session.session import Session
 from app.session.tasks.folder_images import images_in
 from app.views.export.batch.table import ImageTable
-from app.views.window.file_dialogs import ask_for_folder, images
+from app.views.window.file_dialogs import ask_for_folder, ask_for_images
 
 _USUAL = (".svg", ".measures.csv", ".png")
 """Formats that are chosen at first."""
@@ -205,8 +204,9 @@ class BatchDialog(QDialog):
             self.use_folder(Path(chosen))
 
     def _ask_files(self) -> None:
-        chosen, _ = QFileDialog.getOpenFileNames(self, tr("Images"), self.folder.text(), images().filter)
-        self.use_files([Path(name) for name in chosen])
+        chosen = ask_for_images(self, tr("Images"), self.folder.text())
+        if chosen:
+            self.use_files(chosen)
 
     def _ask_output(self) -> None:
         chosen = ask_for_folder(self, tr("Folder for the results"), self.output.text())
