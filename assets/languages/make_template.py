@@ -9,6 +9,7 @@ import ast
 import json
 import sys
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 from core_templates import OF_THE_SYSTEM, WORDS, templates
@@ -103,6 +104,7 @@ def finished() -> Iterator[tuple[str, str]]:
         yield said, "a word within sentences"
 
 
+@cache
 def sentences() -> dict[str, list[str]]:
     """All sentences, each with the places where it stands; those that reach the window finished begin with `CORE`."""
     places: dict[str, list[str]] = {NAME: ["name of the language in itself"]}
