@@ -37,6 +37,7 @@ class SettingsForm(QWidget):
         self._settings, self.fields = settings, {}
         if self._body is not None:
             self._layout.removeWidget(self._body)
+            self._body.hide()  # it is deleted later than what takes its place is shown
             self._body.deleteLater()
         self._body = QWidget()
         rows = QVBoxLayout(self._body)
