@@ -14,6 +14,7 @@ from cpm_core.image.image import Image
 from cpm_core.numerics.types import Mask
 from cpm_core.segmentation.methods.gray import unit_gray
 from cpm_core.segmentation.methods.method import ContourMethod, Needed, Start
+from cpm_core.segmentation.methods.regions.certain import certain_pixels
 from cpm_core.segmentation.methods.settings import Settings, number
 from cpm_core.segmentation.methods.states import LevelSetState
 
@@ -69,17 +70,11 @@ def first_labels(start: Start, shape: tuple[int, ...], settings: GrabCutSettings
     of the image, or what lies far from the start, is certainly background. A start around the object may be object all
     over, and what lies outside it is background.
     """
-    inside = start.mask(shape)
-    edt = scipy.ndimage.distance_transform_edt
-    rim = np.ones(shape, dtype=bool)
-    rim[1:-1, 1:-1] = False
+    inner, outer = certain_pixels(start, shape, settings.depth, settings.margin)
     if start.around:
-        depth = edt(np.pad(inside, 1))[1:-1, 1:-1]
-        certain = (depth >= settings.depth * depth.max()) & (settings.depth < 1.0)
-        labels = np.where(inside & ~rim, np.where(certain, OBJECT, MAYBE_OBJECT), BACKGROUND)
+        labels = np.where(outer, BACKGROUND, np.where(inner & (settings.depth < 1.0), OBJECT, MAYBE_OBJECT))
     else:
-        far = edt(~inside) >= settings.margin if settings.margin > 0.0 else rim
-        labels = np.where(inside, OBJECT, np.where(far, BACKGROUND, MAYBE_BACKGROUND))
+        labels = np.where(inner, OBJECT, np.where(outer, BACKGROUND, MAYBE_BACKGROUND))
     return labels.astype(np.uint8)
 
 

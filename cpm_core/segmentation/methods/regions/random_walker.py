@@ -6,13 +6,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 import skimage
 from numpy.typing import NDArray
 
 from cpm_core.image.image import Image
 from cpm_core.segmentation.methods.gray import unit_gray
 from cpm_core.segmentation.methods.method import ContourMethod, Start
+from cpm_core.segmentation.methods.regions.certain import certain_pixels
 from cpm_core.segmentation.methods.settings import Settings, number
 from cpm_core.segmentation.methods.states import LevelSetState
 
@@ -51,15 +51,7 @@ def seeds(start: Start, shape: tuple[int, ...], settings: RandomWalkerSettings) 
     A start in the object is all object, and the border of the image, or what lies far from the start, background. A
     start around the object has only its middle in the object, and what lies outside it is background.
     """
-    inside = start.mask(shape)
-    edt = scipy.ndimage.distance_transform_edt
-    rim = np.ones(shape, dtype=bool)
-    rim[1:-1, 1:-1] = False
-    if start.around:
-        depth = edt(np.pad(inside, 1))[1:-1, 1:-1]
-        inner, outer = inside & (depth >= settings.depth * depth.max()), ~inside | rim
-    else:
-        inner, outer = inside, edt(~inside) >= settings.margin if settings.margin > 0.0 else rim
+    inner, outer = certain_pixels(start, shape, settings.depth, settings.margin)
     return np.where(inner, OBJECT, np.where(outer, BACKGROUND, 0)).astype(np.int32)
 
 
