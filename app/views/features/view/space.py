@@ -35,7 +35,7 @@ class SpaceFeature(Feature):
         self._seen = SeenInSpace()
         self._layers = layers = context.canvas_area.canvas.layers
         context.session.scene_changed.connect(self._show)
-        context.session.image_changed.connect(self._reveal)
+        context.session.image_changed.connect(lambda: context.turns.ask(self._reveal))
         self._hand = SpaceHand(context.session, self.panel.view)
         self.panel.view.picked.connect(self._pick)
         context.canvas_area.level_drag.watch(self.panel.view)
