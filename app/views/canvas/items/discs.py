@@ -106,7 +106,7 @@ class Discs(OverImage):
         device = painter.device()
         ratio = device.devicePixelRatioF()
         transform = painter.worldTransform()
-        stamp = self._stamp_for(ratio, transform.m11())
+        stamp = self._stamp_for(ratio, abs(transform.m11()))
         origin = transform.map(QPointF(0.0, 0.0))
         x, y = to_xy(self.position)
         x, y = origin.x() + x * transform.m11(), origin.y() + y * transform.m22()
