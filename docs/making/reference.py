@@ -24,7 +24,8 @@ GROUPS: dict[str, tuple[str, tuple[str, ...]]] = {
     "results": (
         "What is found, and how it is measured",
         ("Result", "Contour", "Bridge", "Surface", "Table", "measure", "containment", "reconstruct_curve",
-         "reconstruct_surface", "compare", "Comparison", "Truth", "load_truth", "teach"),
+         "reconstruct_surface", "compare", "Comparison", "Truth", "load_truth", "compare_surface",
+         "SurfaceComparison", "VolumeTruth", "load_volume_truth", "teach"),
     ),
     "objects": (
         "Objects chosen by places",
@@ -33,7 +34,8 @@ GROUPS: dict[str, tuple[str, tuple[str, ...]]] = {
     "skeletons": ("Skeletons", ("skeleton", "Skeleton", "centerlines", "Centerlines", "write_swc")),
     "files": (
         "Files and pictures",
-        ("export", "encoded", "load_contours", "write_figure", "write_animation", "strip"),
+        ("export", "encoded", "load_contours", "load_surface", "load_centerlines", "load_points", "write_figure",
+          "write_animation", "strip"),
     ),
     "stacks": ("Stacks and time series", ("follow", "Page", "TrackEvent")),
     "methods": (
