@@ -296,8 +296,8 @@ def _cut(points: Array, truth: Truth, tolerance: float) -> Mask:
     last = np.array(truth.shape) - 1
     before, beyond = points + 0.5 <= tolerance, last + 0.5 - points <= tolerance
     pixels = np.where(before, 0, np.where(beyond, last, np.clip(np.rint(points), 0, last))).astype(int)
-    at_border: Mask = (before | beyond).any(axis=1)
-    return at_border & (truth.labels[tuple(pixels.T)] > 0)
+    cut: Mask = np.any(before | beyond, axis=1) & (truth.labels[tuple(pixels.T)] > 0)
+    return cut
 
 
 def _boundaries(a: _Boundary, b: _Boundary, tolerance: float) -> dict[str, float]:
