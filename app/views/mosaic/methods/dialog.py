@@ -113,6 +113,7 @@ class CompareDialog(RunDialog):
         grid = QGridLayout()
         for place, pane in enumerate(self.panes):
             grid.addWidget(pane, place // 2, place % 2)
+            grid.setColumnStretch(place % 2, 1)
         upper = QHBoxLayout()
         upper.addLayout(grid, 1)
         upper.addWidget(self.side)
