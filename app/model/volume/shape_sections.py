@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 import numpy as np
 
 from app.model.volume.slices import Slice
 from app.model.volume.surface_section import section
+from cpm_core.contours.surface import Surface
 from cpm_core.field.placed_charges import RADIUS
 from cpm_core.numerics.types import Array, Position
 from cpm_core.shapes import (
@@ -36,6 +38,9 @@ from cpm_core.shapes.space.extruded import Extruded
 
 NEAR = 1.0
 """Distance from a slice up to which it shows a point, in sides of the smallest voxel."""
+
+_KEPT = 64
+"""Number of sections of surfaces that are kept: those of the slices that are shown."""
 
 _IN = 0.5
 """Distance from a slice up to which a place lies in it [voxels]."""
@@ -160,11 +165,16 @@ def _sections(shape: Shape, axis: int, index: float, sides: Sequence[float]) -> 
         yield from _of_points(shape.positions, axis, index)
 
 
+@lru_cache(maxsize=_KEPT)
+def _cut(surface: Surface, here: Slice) -> tuple[tuple[Position, ...], ...]:
+    """Corners of the closed lines in which a slice cuts a surface; asked for again whenever the pointer moves."""
+    closed = (line.points for line in section(surface, here) if line.closed)
+    return tuple(tuple((row, col) for row, col in points.tolist()) for points in closed)
+
+
 def _of_surface(shape: EnclosedRegion | EnclosingWall, here: Slice) -> Iterator[Shape]:
     """The lines in which a slice cuts a surface."""
-    lines = [line.points for line in section(shape.surface.surface, here) if line.closed and len(line.points) > 2]
-    for points in lines:
-        corners = tuple((row, col) for row, col in points.tolist())
+    for corners in _cut(shape.surface.surface, here):
         if len(set(corners)) > 2:
             yield RegionSection(corners) if isinstance(shape, EnclosedRegion) else Barrier((*corners, corners[0]))
 
