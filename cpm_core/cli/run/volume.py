@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -26,11 +26,18 @@ from cpm_core.objects.partition import partition
 from cpm_core.parameters import PRESETS
 from cpm_core.parameters.quotation import shown
 from cpm_core.particles.initialization import stroke
-from cpm_core.particles.volume_starts import everywhere, on_strong_edges, sphere
+from cpm_core.particles.volume_starts import at_centers, everywhere, on_strong_edges, sphere
 from cpm_core.segmentation.segment import segment
 
 _OF_IMAGES = ("circle", "session", "close", "pages", "follow", "resume", "start", "save_session")
 """Options that have a meaning for images only."""
+
+_AUTOMATIC: Mapping[str, Callable[[Image], Array]] = {
+    "grid": everywhere,
+    "gradient": on_strong_edges,
+    "centers": at_centers,
+}
+"""What starts without anything drawn."""
 
 _FEWEST_FACES = 4
 """Least number of triangles of a closed surface."""
@@ -48,8 +55,6 @@ def run_volume(arguments: argparse.Namespace) -> None:
             )
     if arguments.image is None:
         raise ValueError("No VOLUME is given: name one.")
-    if arguments.auto == "centers":
-        raise ValueError("--auto is centers, which is for images: use --auto grid or --auto gradient in a volume.")
     drawn, regions = _drawn(arguments), _regions(arguments)
     clicks = _clicks("--object", arguments.object), _clicks("--not", arguments.outside)
     if clicks[1] and not clicks[0]:
@@ -171,7 +176,7 @@ def _seeds(arguments: argparse.Namespace, volume: Image, drawn: list[Array]) -> 
     sides = (plane, row, col)
     seeds = [part if part.ndim == 2 else sphere((part[0], part[1], part[2]), part[3], spacing=sides) for part in drawn]
     if arguments.auto:
-        seeds.append(everywhere(volume) if arguments.auto == "grid" else on_strong_edges(volume))
+        seeds.append(_AUTOMATIC[arguments.auto](volume))
     return np.concatenate(seeds)
 
 
