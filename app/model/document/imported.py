@@ -1,23 +1,31 @@
-"""Contours of other programs in a document: as starts, or as objects."""
+"""Contours and surfaces of files in a document: as starts, or as objects."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
 from app.model.document.document import Document
 from app.model.text.language import tr
 from cpm_core.contours.contour import Contour
+from cpm_core.contours.surface import Surface
+from cpm_core.contours.surface.packing import PackedSurface
 from cpm_core.formats.contours.reading.contour_file import ContourFile
+from cpm_core.image.image import Image
+from cpm_core.medial_axis.space.centerlines import Centerlines
 from cpm_core.numerics.types import Array
+from cpm_core.objects.faces.space import VolumePartition
 from cpm_core.objects.segmented.segmented_object import Line, SegmentedObject
 from cpm_core.shapes import Points, Polygon, Stroke
-from cpm_core.shapes.outlines import starts_along
+from cpm_core.shapes.outlines import start_on_surface, starts_along, starts_in
 
 MOST = 1000
 """Most contours that are taken over: each is a shape or an object that can be moved and named by itself."""
+
+Kind = Literal["contours", "surface", "center lines"]
 
 _DECIMALS = 3
 
@@ -31,15 +39,17 @@ class Imported:
     name : str
         Name of the file for the user.
     count : int
-        Number of contours.
+        Number of contours, of center lines, or of surfaces, which is one.
     starts : tuple of Polygon, Stroke or Points
-        Starts along the contours.
+        Starts along them.
     objects : tuple of SegmentedObject
-        Objects of the closed contours.
+        Objects of the closed ones.
     open : int
-        Number of open contours, which enclose no object.
+        Number of open ones, which enclose no object.
     notes : tuple of str
-        What was left out, one sentence each.
+        What was left out or assumed, one sentence each.
+    kind : {"contours", "surface", "center lines"}
+        What it is; the latter two lie in a volume.
     """
 
     name: str
@@ -48,6 +58,22 @@ class Imported:
     objects: tuple[SegmentedObject, ...]
     open: int
     notes: tuple[str, ...]
+    kind: Kind = "contours"
+
+    @classmethod
+    def of_surface(cls, surface: Surface, volume: Image, name: str, notes: tuple[str, ...] = ()) -> Imported:
+        """A surface in a volume, with an object for each body inside; ValueError when those are too many."""
+        objects = bodies_of(surface, volume) if surface.closed else ()
+        if len(objects) > MOST:
+            message = tr("{name} has {count} objects, but no more than {most} can be taken over.")
+            raise ValueError(message.format(name=name, count=len(objects), most=MOST))
+        return cls(name, 1, (start_on_surface(surface),), objects, int(not surface.closed), notes, "surface")
+
+    @classmethod
+    def of_lines(cls, lines: Centerlines, notes: tuple[str, ...] = ()) -> Imported:
+        """Center lines in a volume."""
+        count = len(lines.branches)
+        return cls(lines.source, count, starts_in(lines), (), count, notes, "center lines")
 
     @classmethod
     def of(cls, found: ContourFile, name: str) -> Imported:
@@ -75,6 +101,20 @@ def objects_of(contours: Sequence[Contour]) -> tuple[SegmentedObject, ...]:
             number = len(made) + 1
             made.append(SegmentedObject(number, (), tuple(lines), name=first.name, color=first.color, confidence=1.0))
     return tuple(made)
+
+
+def bodies_of(surface: Surface, volume: Image) -> tuple[SegmentedObject, ...]:
+    """An object for each number that a closed surface has, or for each body inside it."""
+    if surface.numbers is not None:
+        parts = [(number, surface.faces[surface.numbers == number]) for number in np.unique(surface.numbers).tolist()]
+        bodies = [replace(surface, faces=faces, numbers=None) for _, faces in parts]
+    else:
+        partition = VolumePartition(volume, surface)
+        bodies = [partition.boundary_of(np.array([number])) for number in partition.solid.tolist()]
+    packed = [PackedSurface.of(body) for body in bodies if len(body.faces)]
+    return tuple(
+        SegmentedObject(number, (), surface=(body,), confidence=1.0) for number, body in enumerate(packed, start=1)
+    )
 
 
 def add_starts(document: Document, imported: Imported) -> Document:

@@ -78,27 +78,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     part = parser.add_argument_group("part of a file")
     add_part(part)
     add_pages(part)
-    start = parser.add_argument_group("start (one at least, of a session or here; several add up)")
-    place = parser.add_argument_group("place (each may be repeated)")
-    line = "ROW,COL,ROW,COL,..."
-    for group, flag, form, meaning in (
-        (start, "--circle", "ROW,COL,RADIUS", "a circle, in px"),
-        (start, "--sphere", "PLANE,ROW,COL,RADIUS", "a sphere in a volume, in voxels; IMAGE is then a volume"),
-        (start, "--stroke", line, "a stroke from point to point"),
-        (start, "--points", "FILE.csv", "points: row,col on each line"),
-        (
-            start,
-            "--start",
-            "FILE",
-            f"the contours of a file ({', '.join(CONTOURS_READABLE)}, or a label mask); in a "
-            f"volume a surface, labels or center lines ({', '.join((*SURFACES_READABLE, *FOR_CENTERLINES))})",
-        ),
-        (place, "--region", line, "corners of a polygon that particles stay in, in px; in a volume of a box"),
-        (place, "--barrier", line, "vertices of a line that no particle crosses, in px; in a volume a plane"),
-    ):
-        group.add_argument(flag, metavar=form, action="append", default=[], help=meaning)
-    start.add_argument("--volume", action="store_true", help="IMAGE is a volume; places are then PLANE,ROW,COL")
-    start.add_argument("--auto", choices=KINDS, help="everywhere, on the strongest edges, or midway between edges")
+    _add_places(parser)
     add_objects(parser.add_argument_group("object"))
     parameters = parser.add_argument_group("parameters")
     parameters.add_argument(
@@ -122,6 +102,31 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
         "--save-session", metavar="FILE", help=f"write a session ({SUFFIX}) that the window opens with these contours"
     )
     add_json(outcome)
+
+
+def _add_places(parser: argparse.ArgumentParser) -> None:
+    """Add where a run starts, and what limits it."""
+    start = parser.add_argument_group("start (one at least, of a session or here; several add up)")
+    place = parser.add_argument_group("place (each may be repeated)")
+    line = "ROW,COL,ROW,COL,..."
+    for group, flag, form, meaning in (
+        (start, "--circle", "ROW,COL,RADIUS", "a circle, in px"),
+        (start, "--sphere", "PLANE,ROW,COL,RADIUS", "a sphere in a volume, in voxels; IMAGE is then a volume"),
+        (start, "--stroke", line, "a stroke from point to point"),
+        (start, "--points", "FILE.csv", "points: row,col on each line"),
+        (
+            start,
+            "--start",
+            "FILE",
+            f"the contours of a file ({', '.join(CONTOURS_READABLE)}, or a label mask); in a "
+            f"volume a surface, labels or center lines ({', '.join((*SURFACES_READABLE, *FOR_CENTERLINES))})",
+        ),
+        (place, "--region", line, "corners of a polygon that particles stay in, in px; in a volume of a box"),
+        (place, "--barrier", line, "vertices of a line that no particle crosses, in px; in a volume a plane"),
+    ):
+        group.add_argument(flag, metavar=form, action="append", default=[], help=meaning)
+    start.add_argument("--volume", action="store_true", help="IMAGE is a volume; places are then PLANE,ROW,COL")
+    start.add_argument("--auto", choices=KINDS, help="everywhere, on the strongest edges, or midway between edges")
 
 
 def _run(arguments: argparse.Namespace) -> int:
