@@ -7,18 +7,20 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+import scipy
 
 from app.model.document.document import Document
 from app.model.text.language import tr
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.surface import Surface
+from cpm_core.contours.surface.inside import inside_of
 from cpm_core.contours.surface.packing import PackedSurface
 from cpm_core.formats.contours.reading.contour_file import ContourFile
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.space.centerlines import Centerlines
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Place
 from cpm_core.objects.faces.space import VolumePartition
-from cpm_core.objects.segmented.segmented_object import Line, SegmentedObject
+from cpm_core.objects.segmented.segmented_object import Click, Line, SegmentedObject
 from cpm_core.shapes import Points, Polygon, Stroke
 from cpm_core.shapes.outlines import start_on_surface, starts_along, starts_in
 
@@ -104,17 +106,32 @@ def objects_of(contours: Sequence[Contour]) -> tuple[SegmentedObject, ...]:
 
 
 def bodies_of(surface: Surface, volume: Image) -> tuple[SegmentedObject, ...]:
-    """An object for each number that a closed surface has, or for each body inside it."""
+    """An object for each number that a closed surface has, or for each body inside it, with a click in its middle."""
     if surface.numbers is not None:
-        parts = [(number, surface.faces[surface.numbers == number]) for number in np.unique(surface.numbers).tolist()]
-        bodies = [replace(surface, faces=faces, numbers=None) for _, faces in parts]
+        faces = [surface.faces[surface.numbers == number] for number in np.unique(surface.numbers)]
+        bodies = [replace(surface, faces=own, numbers=None) for own in faces]
     else:
         partition = VolumePartition(volume, surface)
         bodies = [partition.boundary_of(np.array([number])) for number in partition.solid.tolist()]
-    packed = [PackedSurface.of(body) for body in bodies if len(body.faces)]
     return tuple(
-        SegmentedObject(number, (), surface=(body,), confidence=1.0) for number, body in enumerate(packed, start=1)
+        SegmentedObject(
+            number, (Click((_innermost(body, volume.shape),)),), surface=(PackedSurface.of(body),), confidence=1.0
+        )
+        for number, body in enumerate((body for body in bodies if len(body.faces)), start=1)
     )
+
+
+def _innermost(body: Surface, shape: tuple[int, ...]) -> Place:
+    """The voxel inside a body that is farthest from its boundary; a vertex when no voxel lies inside."""
+    vertices = body.vertices[np.unique(body.faces)]
+    first = np.clip(np.floor(vertices.min(axis=0)), 0, shape).astype(np.int64)
+    size = np.clip(np.ceil(vertices.max(axis=0)) + 1, first, shape).astype(np.int64) - first
+    inside = inside_of(replace(body, vertices=body.vertices - first, whole=None), tuple(size.tolist()))
+    if not inside.any():
+        return tuple(vertices[0].tolist())
+    depth = scipy.ndimage.distance_transform_edt(np.pad(inside, 1), sampling=body.spacing)[1:-1, 1:-1, 1:-1]
+    deepest = np.unravel_index(int(np.argmax(depth)), inside.shape)
+    return tuple((deepest + first).astype(float).tolist())
 
 
 def add_starts(document: Document, imported: Imported) -> Document:

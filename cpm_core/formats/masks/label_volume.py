@@ -22,9 +22,9 @@ def labels_like(file: Path, volume: Image) -> Array:
     labels = load_volume(file)
     values = _turned_as(labels, volume)
     if values.shape != volume.shape:
-        sizes = (" x ".join(map(str, shape)) for shape in (labels.shape, volume.shape))
+        found, wanted = (" x ".join(map(str, shape)) for shape in (labels.shape, volume.shape))
         raise ValueError(
-            "{} has {} voxels, but this volume has {}: choose the labels of this very volume.".format(file.name, *sizes)
+            f"{file.name} has {found} voxels, but this volume has {wanted}: choose the labels of this very volume."
         )
     return values
 

@@ -68,10 +68,27 @@ def test_a_dropped_surface_gives_an_object_for_each_body(volume, hand, tmp_path)
         hand.wait(lambda: bool(volume.session.document.objects.items))
     items = volume.session.document.objects.items
     assert sorted(int(inside_of(item.body, SHAPE).sum()) for item in items) == [int(SMALL.sum()), int(INSIDE.sum())]
+    for item in items:
+        plane, row, col = map(int, item.inside[0])
+        assert inside_of(item.body, SHAPE)[plane, row, col]
     volume.activateWindow()  # the question was the active one
     hand.wait(volume.isActiveWindow)
     hand.key(Qt.Key.Key_Z, CTRL)
     assert not volume.session.document.objects.items
+
+
+def test_an_object_of_a_file_stands_beside_a_run_and_is_not_proposed_again(volume, hand, tmp_path) -> None:
+    hand.drag((14, 16), (14, 20))
+    hand.key(Qt.Key.Key_Space)
+    hand.wait_for_phase("finished")
+    export(RESULT, tmp_path / "a.ply")
+    with answering("Objects"):
+        drop(volume, tmp_path / "a.ply")
+        hand.wait(lambda: len(volume.session.document.objects.items) == 2)
+    volume.actions_by_name["objects"].trigger()
+    hand.wait(lambda: volume.session.idle and volume.workspace.object_selection.idle)
+    assert volume.session.scene.objects.proposals == ()
+    assert "shapes" not in volume.canvas_area.messages.text
 
 
 def test_a_dropped_surface_is_the_truth(volume, hand, tmp_path) -> None:
