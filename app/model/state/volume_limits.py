@@ -22,7 +22,7 @@ NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
         **dict.fromkeys(
             ("contours", "edit_contours", "outline", "close_contours", "join_contours", "cut_contour", "image_skeleton",
              "contour_skeleton", "next_contour", "all_contours", "other_contours", "learn", "doubtful_contour",
-             "show_rejected", "import_contours"), _CONTOUR),
+             "show_rejected"), _CONTOUR),
         "object_skeleton": _MODE,
         "objects_alike": _ALIKE,
         "layer_skeleton": _LAYER,
@@ -56,6 +56,10 @@ OTHERWISE_IN_VOLUMES: Mapping[str, tuple[str, str]] = MappingProxyType(
             ),
         ),
         "points": (tr("&Point tool"), tr("Click to place a point in the slice.")),
+        "import_contours": (
+            tr("&Import surface…"),
+            tr("Read a surface, labels or center lines, as a start, as objects or as ground truth."),
+        ),
         "region": (
             tr("Region of &interest tool"),
             tr("Drag a box, or click corner by corner around what particles are to stay in, through all slices."),
