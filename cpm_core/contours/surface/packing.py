@@ -5,14 +5,18 @@ from __future__ import annotations
 import base64
 import binascii
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import DTypeLike, NDArray
 
 from cpm_core.contours.surface import Surface
+from cpm_core.contours.surface.inside import inside_of
+from cpm_core.image.volume_regions import Voxels
+from cpm_core.numerics.types import Place
 
 _LARGEST = 256 * 2**20
 """Most bytes of an array that is read."""
@@ -78,3 +82,22 @@ class PackedSurface:
         if len(vertices) % 3 or len(faces) % 3:
             raise ValueError("the surface of an object is damaged: it does not consist of triangles.")
         return Surface(vertices.reshape(-1, 3), faces.reshape(-1, 3))
+
+    @cached_property
+    def voxels(self) -> Voxels:
+        """The voxels whose centers lie inside."""
+        vertices = self.surface.vertices
+        first = np.floor(vertices.min(axis=0)).astype(int) - 1
+        shape = np.ceil(vertices.max(axis=0)).astype(int) + 2 - first
+        there = replace(self.surface, vertices=vertices - first)
+        return Voxels(inside_of(there, tuple(shape.tolist())), tuple(first.tolist()))
+
+    @cached_property
+    def shell(self) -> Voxels:
+        """Those of them that have a side in common with a voxel outside."""
+        inside = self.voxels.mask
+        return Voxels(inside & ~scipy.ndimage.binary_erosion(inside), self.voxels.first)
+
+    def moved(self, by: Place) -> PackedSurface:
+        """The same surface displaced by so much along each axis [voxels]."""
+        return PackedSurface.of(replace(self.surface, vertices=self.surface.vertices + np.array(by)))
