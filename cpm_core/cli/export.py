@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cpm_core.cli.arguments import add_json, check_exports
+from cpm_core.cli.arguments import add_json, check_exports, notes_on, with_room
 from cpm_core.cli.outcome import tell
 from cpm_core.cli.terminal import announce_compilation, counted, progress_line, say, written
 from cpm_core.contours.kept import with_kept
@@ -118,8 +118,11 @@ def _of_session(source: Path, named: str | None) -> tuple[Result, str]:
     for told in notes:
         _tell(told)
     image = load_image(path, **part)
-    result = _found(session, image, source)
-    edited = with_hand_edits(with_shapes(result, session.shapes), image, session.parameters, session.hand_edits)
+    parameters, small = with_room(session.parameters, image)
+    for note in (*notes_on(image, parameters), *small):
+        _tell(f"{image.source}: {note}")
+    result = _found(replace(session, parameters=parameters), image, source)
+    edited = with_hand_edits(with_shapes(result, session.shapes), image, parameters, session.hand_edits)
     whole = with_kept(edited, session.marks)
     return apply(whole, session.marks, learning=session.learning, found=edited.contours), str(path)
 

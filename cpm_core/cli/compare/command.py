@@ -34,6 +34,7 @@ from cpm_core.segmentation.methods import (
     runnable,
 )
 from cpm_core.shapes import Barrier, Charge, Circle, Region
+from cpm_core.shapes.document_shapes import check_axes
 from cpm_core.shapes.outlines import outlines_of
 
 _WIDTH = 26
@@ -102,6 +103,7 @@ def _compare(arguments: argparse.Namespace) -> None:
     for path in arguments.export:
         check_comparison(path, names)
     image = _image(arguments, session)
+    check_axes(session.shapes, image.shape, image.source)
     truth = None if arguments.truth is None else load_truth(arguments.truth, image.shape)
     for missing in [] if named else [method.missing for method in CONTOUR_METHODS.values() if method.missing]:
         say(f"cpm: {missing}")

@@ -38,6 +38,7 @@ from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
 from cpm_core.segmentation.methods import Compared
 from cpm_core.shapes import Shape
+from cpm_core.shapes.document_shapes import check_axes
 
 SUFFIX = ".cpm"
 """Ending of the name of a session file."""
@@ -225,9 +226,12 @@ def decode(content: bytes, name: str) -> SessionFile:
         parameters, unknown = parameters_from_plain(plain.get("parameters", {}))
         runs, pages, truth, comparison, faults = beside_document(plain)
         left_out = f"Parameters that are not known here were left out: {shown(', '.join(unknown))}."
+        image = _image(plain["image"]) if plain.get("image") is not None else None
+        shapes = tuple(shape_from_plain(shape, f"shape {index}") for index, shape in _listed(plain, "shapes"))
+        check_axes(shapes, () if image is None else image.shape)
         return SessionFile(
-            image=_image(plain["image"]) if plain.get("image") is not None else None,
-            shapes=tuple(shape_from_plain(shape, f"shape {index}") for index, shape in _listed(plain, "shapes")),
+            image=image,
+            shapes=shapes,
             parameters=parameters,
             marks=tuple(_mark(mark, f"mark {index}") for index, mark in _listed(plain, "marks")),
             learning=true_or_false(plain.get("learning", False), "learning"),

@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core import Truth, load_contours, load_image, load_truth, load_volume
+from cpm_core import Contour, Image, Truth, load_contours, load_image, load_truth, load_volume
 from cpm_core.formats import load_points
 from cpm_core.formats.images.decoded import MAXIMUM_PIXELS
 
 from ..report import Budget, Report
 from .inputs.mutations import mutated
-from .inputs.samples import SHAPE, samples
+from .inputs.samples import GRAY, SHAPE, samples
 from .limits import check_sentence, in_time
 from .trials import at_length
 
@@ -31,14 +31,18 @@ def _truth(path: Path) -> Truth:
     return load_truth(path, SHAPE)
 
 
+def _placed(path: Path) -> tuple[Contour, ...]:
+    return load_contours(path, _IMAGE)
+
+
 READERS: dict[str, tuple[Callable[[Path], Any], ...]] = {
-    ".csv": (load_contours, load_points, _truth),
-    ".json": (load_contours, _truth),
-    **dict.fromkeys((".geojson", ".zip", ".roi", ".svg", ".dxf"), (load_contours, _truth)),
+    ".csv": (load_contours, _placed, load_points, _truth),
+    **dict.fromkeys((".json", ".geojson", ".zip", ".roi", ".svg", ".dxf"), (load_contours, _placed, _truth)),
 }
 """What reads files with such a name; all others are images."""
 
-_OF_IMAGES = (load_image, load_volume, _truth)
+_OF_IMAGES = (load_image, load_volume, _truth, load_contours)
+_IMAGE = Image(GRAY, spacing=(0.5, 0.5), unit="mm", source="gray")
 
 
 def read(path: Path) -> None:
