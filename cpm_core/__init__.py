@@ -49,8 +49,9 @@ same as an iterator over its steps, and `follow` one on each page of a stack, fr
 `Result.table` are the pixels inside and their measurements. Where the **ground truth** is known, as a mask or as
 contours, `compare` measures the agreement with it (`contours.agreement`, `contours.ground_truth`).
 `formats` reads and writes files: `export` chooses the format of contours by the suffix, `encoded` returns the same
-without a file, `load_contours` reads them; `write_animation` and `strip` show a run frame by frame; `write_figure`
-draws image and contours for a publication, and so does ``plot`` of images and results, on axes of matplotlib.
+without a file; `load_contours`, `load_surface`, `load_centerlines` and `load_points` read them. `write_animation` and
+`strip` show a run frame by frame; `write_figure` draws image and contours for a publication, and so does ``plot`` of
+images and results, on axes of matplotlib.
 
 The **skeleton** is the middle line of an object with the distance to its boundary, from which the object can be
 reconstructed (`medial_axis`). It needs no seeds. In a volume it is the center lines
@@ -81,7 +82,17 @@ from cpm_core.dynamics.forces import Forces
 from cpm_core.field.edge_map import edge_map
 from cpm_core.field.electric_field import electric_field
 from cpm_core.field.placed_charges import PlacedCharge
-from cpm_core.formats import encoded, export, load_contours, load_image, load_pages, load_volume
+from cpm_core.formats import (
+    encoded,
+    export,
+    load_centerlines,
+    load_contours,
+    load_image,
+    load_pages,
+    load_points,
+    load_surface,
+    load_volume,
+)
 from cpm_core.formats.animations.animation import write_animation
 from cpm_core.formats.animations.figure import write_figure
 from cpm_core.formats.animations.snapshot_strip import strip
@@ -180,9 +191,12 @@ __all__ = [
     "follow",
     "gradient_threshold",
     "in_slice",
+    "load_centerlines",
     "load_contours",
     "load_image",
     "load_pages",
+    "load_points",
+    "load_surface",
     "load_truth",
     "load_volume",
     "measure",

@@ -33,7 +33,8 @@ GROUPS: dict[str, tuple[str, tuple[str, ...]]] = {
     "skeletons": ("Skeletons", ("skeleton", "Skeleton", "centerlines", "Centerlines", "write_swc")),
     "files": (
         "Files and pictures",
-        ("export", "encoded", "load_contours", "write_figure", "write_animation", "strip"),
+        ("export", "encoded", "load_contours", "load_surface", "load_centerlines", "load_points", "write_figure",
+          "write_animation", "strip"),
     ),
     "stacks": ("Stacks and time series", ("follow", "Page", "TrackEvent")),
     "methods": (

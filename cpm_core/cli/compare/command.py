@@ -11,6 +11,7 @@ import numpy as np
 
 from cpm_core.cli.arguments import add_image, add_json, add_part, add_session, as_number, as_steps, part_of
 from cpm_core.cli.compare.settings import add_settings, chosen_settings
+from cpm_core.cli.compare.start import add_start, outlines_drawn, start_on
 from cpm_core.cli.outcome import print_json
 from cpm_core.cli.terminal import announce_compilation, say
 from cpm_core.contours.ground_truth import Truth
@@ -20,9 +21,7 @@ from cpm_core.formats.ground_truth_file import load_truth
 from cpm_core.formats.printable import printable
 from cpm_core.formats.sessions.session_file import SessionFile, find_image, load_session
 from cpm_core.image.image import Image
-from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
-from cpm_core.parameters.quotation import shown
 from cpm_core.segmentation.methods import (
     CONTOUR_METHODS,
     Compared,
@@ -33,9 +32,7 @@ from cpm_core.segmentation.methods import (
     run_method,
     runnable,
 )
-from cpm_core.shapes import Barrier, Charge, Circle, Region
 from cpm_core.shapes.document_shapes import check_axes
-from cpm_core.shapes.outlines import outlines_of
 
 _WIDTH = 26
 """Width of the column of the methods [characters]."""
@@ -52,16 +49,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     add_image(parser, optional=True)
     add_session(parser)
     add_part(parser.add_argument_group("part of a file"), channel=True)
-    start = parser.add_argument_group("start (one at least, of a session or here; several add up)")
-    start.add_argument("--circle", metavar="ROW,COL,RADIUS", action="append", default=[], help="a circle, in px")
-    start.add_argument(
-        "--polygon", metavar="ROW,COL,ROW,COL,...", action="append", default=[], help="corners of a closed line, in px"
-    )
-    start.add_argument(
-        "--around",
-        action="store_true",
-        help="the start lies around the object, so that balloons and pressures drive contours inwards",
-    )
+    add_start(parser)
     methods = parser.add_argument_group("methods")
     methods.add_argument(
         "--methods",
@@ -97,13 +85,12 @@ def _compare(arguments: argparse.Namespace) -> None:
     names = _methods(named)
     settings = chosen_settings(arguments, names, session.parameters if arguments.session else Parameters(), compared)
     max_steps = as_steps(arguments.max_steps)
-    start = _start(arguments, session)
-    if any(isinstance(shape, Region | Barrier | Charge) for shape in session.shapes):
-        say("cpm: regions, barriers and charges of the session are left out: the other methods have none.")
+    outlines = outlines_drawn(arguments, session)
     for path in arguments.export:
         check_comparison(path, names)
     image = _image(arguments, session)
     check_axes(session.shapes, image.shape, image.source)
+    start = start_on(image, outlines, arguments, session)
     truth = None if arguments.truth is None else load_truth(arguments.truth, image.shape)
     for missing in [] if named else [method.missing for method in CONTOUR_METHODS.values() if method.missing]:
         say(f"cpm: {missing}")
@@ -170,40 +157,3 @@ def _image(arguments: argparse.Namespace, session: SessionFile) -> Image:
     if image.ndim != 2:
         raise ValueError(f"{image.source} is a volume, but methods are compared on images: take a plane, --page N.")
     return image
-
-
-def _start(arguments: argparse.Namespace, session: SessionFile) -> Start:
-    """The outlines on the command line, and those of the session."""
-    outlines = [_circle(text) for text in arguments.circle] + [_polygon(text) for text in arguments.polygon]
-    drawn = outlines_of(session.shapes)
-    if not (outlines or drawn):
-        raise ValueError(
-            "No start is given: add --circle ROW,COL,RADIUS or --polygon ROW,COL,ROW,COL,..., or a session with a "
-            "circle, an ellipse or a polygon."
-        )
-    return Start((*outlines, *drawn), around=arguments.around or session.comparison.around)
-
-
-def _circle(text: str) -> Array:
-    numbers = _numbers(text)
-    if len(numbers) != 3:
-        raise ValueError(f"--circle is {shown(text)} but must be three numbers, ROW,COL,RADIUS in px.")
-    return Circle((numbers[0], numbers[1]), numbers[2]).outline[:-1]
-
-
-def _polygon(text: str) -> Array:
-    numbers = _numbers(text)
-    corners = np.array(numbers[: len(numbers) // 2 * 2]).reshape(-1, 2)
-    if len(numbers) % 2 or len(np.unique(corners, axis=0)) < 3:
-        raise ValueError(
-            f"--polygon is {shown(text)} but must be rows and columns in turn, of three different corners at least, "
-            "ROW,COL,ROW,COL,... in px."
-        )
-    return corners
-
-
-def _numbers(text: str) -> list[float]:
-    """Numbers between commas; an empty list when a part is not a finite number."""
-    parts = [as_number(part.strip()) for part in text.split(",")]
-    numbers = [float(part) for part in parts if not isinstance(part, str) and np.isfinite(part)]
-    return numbers if len(numbers) == len(parts) else []

@@ -26,13 +26,15 @@ from cpm_core.shapes.outlines import starts_along
 
 def starts_from_files(arguments: argparse.Namespace, image: Image) -> tuple[Polygon | Stroke | Points, ...]:
     """Starts along the contours of the files of ``--start``."""
-    starts: list[Polygon | Stroke | Points] = []
-    for path in arguments.start:
-        found = read_contours(path, plane_of(image))
-        for note in found.notes:
-            say(f"cpm: {Path(path).name}: {note}")
-        starts += starts_along(found.contours, found.places)
-    return tuple(starts)
+    return tuple(start for path in arguments.start for start in starts_from_file(path, image))
+
+
+def starts_from_file(path: str, image: Image) -> tuple[Polygon | Stroke | Points, ...]:
+    """Starts along the contours of one file; what was left out of it is said."""
+    found = read_contours(path, plane_of(image))
+    for note in found.notes:
+        say(f"cpm: {Path(path).name}: {note}")
+    return starts_along(found.contours, found.places)
 
 
 def shapes_drawn(arguments: argparse.Namespace, image: Image) -> tuple[Shape, ...]:

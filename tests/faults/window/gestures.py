@@ -336,9 +336,8 @@ class Hand:
 def _within(top: QWidget, place: QPoint) -> bool:
     """Whether a place is in a window that is shown; it may have become smaller since the place was chosen."""
     window = top.windowHandle()
-    if window is None or not window.isVisible():
-        return False
-    return top.rect().contains(place) and QRect(QPoint(), window.size()).contains(place)
+    shown = window is not None and window.isVisible()
+    return shown and top.rect().contains(place) and QRect(QPoint(), window.size()).contains(place)
 
 
 def _hit(widget: QWidget) -> QWidget:

@@ -105,6 +105,16 @@ def test_a_start_needs_an_outline():
         Start((np.zeros((2, 2)),))
 
 
+def test_an_outline_within_others_bounds_a_hole_of_the_start():
+    outer, inner, core, apart = ring((31, 33), 20.0), ring((31, 33), 12.0), ring((31, 33), 5.0), ring((8, 8), 4.0)
+    disks = [Start((line,)).mask((64, 64)) for line in (outer, inner, core, apart)]
+    expected = (disks[0] & ~disks[1]) | disks[2] | disks[3]
+    for lines in ((outer, inner, core, apart), (apart, core, apart, inner, outer, core)):
+        assert np.array_equal(Start(lines).mask((64, 64)), expected)
+    across = ring((31, 50), 10.0)
+    assert np.array_equal(Start((outer, across)).mask((64, 64)), disks[0] | Start((across,)).mask((64, 64)))
+
+
 def test_an_unknown_method_is_refused_with_the_names_that_there_are():
     with pytest.raises(ValueError, match='"gfv" is no method: choose among cpm, snake, gvf'):
         method_named("gfv")
