@@ -12,6 +12,7 @@ import pytest
 
 from cpm_core import Image, Parameters
 from cpm_core.cli import main
+from cpm_core.formats.sessions.plain_values import shape_to_plain
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, decode, encode, save_session
 from cpm_core.shapes import Circle, Everywhere, Points, Shape, Sphere
 from cpm_core.shapes.document_shapes import axes_of, check_axes, seeds_on
@@ -55,14 +56,17 @@ def test_particles_in_space_do_not_start_in_a_plane() -> None:
 
 @pytest.mark.parametrize("shapes", [(DISK, BALL), (BALL, Everywhere("grid"), DISK)])
 def test_a_session_that_mixes_images_and_volumes_is_refused(shapes: tuple[Shape, ...]) -> None:
-    content = encode(SessionFile(shapes=shapes), Path())
+    plain = json.loads(encode(SessionFile(), Path()))
+    plain["shapes"] = [shape_to_plain(shape) for shape in shapes]
     with pytest.raises(ValueError, match=r"^a.cpm: shape \d \(\w+\) is for \w+, but shape 1 \(\w+\) is for ") as caught:
-        decode(content, "a.cpm")
+        decode(json.dumps(plain).encode(), "a.cpm")
     assert str(caught.value).endswith("keep those of one kind.")
+    with pytest.raises(ValueError, match=re.escape(str(caught.value).removeprefix("a.cpm: "))):
+        encode(SessionFile(shapes=shapes), Path())
 
 
 def test_a_session_whose_shapes_do_not_suit_its_image_is_refused() -> None:
-    content = encode(SessionFile(ImageFile("a.npy", shape=(40, 50)), (BALL,)), Path())
+    content = encode(SessionFile(ImageFile("a.npy"), (BALL,)), Path()).replace(b'"shape": []', b'"shape": [40, 50]')
     with pytest.raises(
         ValueError, match=r"a.cpm: shape 1 \(sphere\) is for volumes, but the image is .* 40 x 50 pixels"
     ):
@@ -78,8 +82,7 @@ def test_a_session_in_space_is_refused_on_an_image_in_one_sentence(
     save_session(SessionFile(ImageFile(IMAGE), (BALL,), Parameters(scales=1)), Path("ball.cpm"))
     name, *more = command
     assert main([name, *(["ball.cpm"] if name == "export" else ["--session", "ball.cpm"]), *more]) == 2
-    said = capsys.readouterr().err
-    assert said == (
+    assert capsys.readouterr().err.endswith(
         f"cpm: shape 1 (sphere) is for volumes, but {IMAGE} is taken as an image of 40 x 40 pixels: "
         "choose an image of the kind that the shapes were drawn in.\n"
     )

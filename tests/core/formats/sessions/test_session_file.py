@@ -31,6 +31,7 @@ from cpm_core.formats.sessions.session_file import (
 from cpm_core.parameters import AUTOMATIC, PARAMETERS, PRESETS, Parameters
 from cpm_core.parameters.choices import CHOICES
 from cpm_core.shapes import SHAPES, Circle, Everywhere, Region
+from cpm_core.shapes.document_shapes import axes_of
 
 numbers = st.floats(-LARGEST, LARGEST, allow_nan=False)
 ranges = {"radius": st.floats(0.5, 1e5), "spacing": st.floats(0.5, 1e5), "fraction": st.floats(0.0, 1.0)}
@@ -74,6 +75,10 @@ def made(kind: type, given: dict[str, Any]) -> Any:
 
 
 shapes = st.one_of(*(any_of(kind) for kind in SHAPES.values()))
+drawings = st.sampled_from((2, 3)).flatmap(
+    lambda axes: st.lists(shapes.filter(lambda one: axes_of(one) in (axes, None)), max_size=5)
+)
+"""Shapes of images, or of volumes."""
 
 
 @st.composite
@@ -111,10 +116,18 @@ hand_edits = st.one_of(
     st.builds(HandEdit, removed=lines | st.just(()), added=lines, before=ends, after=ends),
     st.builds(HandEdit, added=st.lists(places, min_size=3, max_size=4).map(tuple), closed=st.just(True)),
 )
+
+
+def suiting(session: SessionFile) -> SessionFile:
+    """A session whose image, if it tells its size, suits the shapes."""
+    deep = any(axes_of(shape) == 3 for shape in session.shapes)
+    return replace(session, image=None) if deep and session.image and session.image.shape else session
+
+
 sessions = st.builds(
     SessionFile,
     image=st.sampled_from([None, ImageFile("a.png", 64 * "a", (4, 5), ("/b/a.png",)), ImageFile("/b/ü.png")]),
-    shapes=st.lists(shapes, max_size=5).map(tuple),
+    shapes=drawings.map(tuple),
     parameters=parameters(),
     marks=st.lists(marks, max_size=3).map(tuple),
     learning=st.booleans(),
@@ -122,7 +135,7 @@ sessions = st.builds(
     mode=st.text(),
     view=mappings,
     extra=st.dictionaries(st.text().map(lambda text: f"x-{text}"), plain, max_size=3),
-)
+).map(suiting)
 
 
 @given(sessions)

@@ -38,7 +38,7 @@ def _selections() -> list[Sample]:
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as archive:
         for number, content in enumerate(contents):
-            archive.writestr(f"{number:04d}.roi", content)
+            archive.writestr(zipfile.ZipInfo(f"{number:04d}.roi"), content)
     return [*(Sample(".roi", content) for content in contents), Sample(".zip", stream.getvalue())]
 
 
@@ -137,8 +137,12 @@ def _cad(version: str) -> bytes:
         space.add_rational_spline([(*corner, 0.0) for corner in corners], [1.0, 2.0, 1.0, 0.5])
         hatch = space.add_hatch()
         hatch.paths.add_polyline_path(corners)
-    stream = io.StringIO()
-    document.write(stream)
+    stream, fixed = io.StringIO(), ezdxf.options.write_fixed_meta_data_for_testing
+    ezdxf.options.write_fixed_meta_data_for_testing = True  # no time in the file
+    try:
+        document.write(stream)
+    finally:
+        ezdxf.options.write_fixed_meta_data_for_testing = fixed
     return stream.getvalue().encode(document.output_encoding)
 
 
