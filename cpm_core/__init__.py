@@ -47,7 +47,8 @@ The model on one page
 same as an iterator over its steps, and `follow` one on each page of a stack, from the contours of the page before
 (`segmentation.pages`). `contours.measurements` measures each contour and finds which lies in which; `Result.labels` and
 `Result.table` are the pixels inside and their measurements. Where the **ground truth** is known, as a mask or as
-contours, `compare` measures the agreement with it (`contours.agreement`, `contours.ground_truth`).
+contours, `compare` measures the agreement with it (`contours.agreement`, `contours.ground_truth`), and in a volume
+`compare_surface` that of the surface.
 `formats` reads and writes files: `export` chooses the format of contours by the suffix, `encoded` returns the same
 without a file; `load_contours`, `load_surface`, `load_centerlines` and `load_points` read them. `write_animation` and
 `strip` show a run frame by frame; `write_figure` draws image and contours for a publication, and so does ``plot`` of
@@ -77,6 +78,8 @@ from cpm_core.contours.measurements import containment, measure
 from cpm_core.contours.measurements.table import Table
 from cpm_core.contours.result import Result
 from cpm_core.contours.surface import Surface
+from cpm_core.contours.surface.agreement import SurfaceComparison, compare_surface
+from cpm_core.contours.surface.ground_truth import VolumeTruth
 from cpm_core.dynamics.energies import Energies
 from cpm_core.dynamics.forces import Forces
 from cpm_core.field.edge_map import edge_map
@@ -96,7 +99,7 @@ from cpm_core.formats import (
 from cpm_core.formats.animations.animation import write_animation
 from cpm_core.formats.animations.figure import write_figure
 from cpm_core.formats.animations.snapshot_strip import strip
-from cpm_core.formats.ground_truth_file import load_truth
+from cpm_core.formats.ground_truth_file import load_truth, load_volume_truth
 from cpm_core.formats.images.examples import example
 from cpm_core.formats.meshes.swc import write_swc
 from cpm_core.formats.provenance import VERSION
@@ -167,16 +170,19 @@ __all__ = [
     "Start",
     "State",
     "Surface",
+    "SurfaceComparison",
     "Table",
     "TrackEvent",
     "Truth",
     "VolumePartition",
     "VolumeRegions",
     "VolumeSelection",
+    "VolumeTruth",
     "box",
     "centerlines",
     "circle",
     "compare",
+    "compare_surface",
     "containment",
     "coulomb_force",
     "divergence_centers",
@@ -199,6 +205,7 @@ __all__ = [
     "load_surface",
     "load_truth",
     "load_volume",
+    "load_volume_truth",
     "measure",
     "moments",
     "objects_result",

@@ -245,7 +245,7 @@ def compare(
         extra_area=found & ~true,
         missing_area=true & ~found,
         matches=_matches(contours, overlaps),
-        objects=_counts(overlaps),
+        objects=object_counts(overlaps),
     )
 
 
@@ -315,7 +315,11 @@ def _overlaps(contours: Sequence[Contour], truth: Truth) -> NDArray[np.int64]:
     return np.bincount((objects * width + found).ravel(), minlength=height * width).reshape(height, width)
 
 
-def _counts(table: NDArray[np.int64]) -> ObjectCounts:
+def object_counts(table: NDArray[np.int64]) -> ObjectCounts:
+    """Counts from the pixels of each true object (rows) in each found one (columns).
+
+    The first row and the first column are the background.
+    """
     sizes, areas, common = table.sum(axis=1)[1:], table.sum(axis=0)[1:], table[1:, 1:]
     either = sizes[:, None] + areas[None, :] - common
     found = int((2 * common > either).sum())  # above 1/2 there is at most one contour for an object, and one for it

@@ -121,8 +121,14 @@ def truth_of_mask(values: NDArray[np.generic], source: str = "ground truth") -> 
     ValueError
         When all pixels are equal, or so many neighbors differ that it is no mask.
     """
+    labels = labels_of(values, source)
+    return Truth(labels, _between(labels), source)
+
+
+def labels_of(values: NDArray[np.generic], source: str) -> Labels:
+    """Numbers of the gray levels of a mask, from 0; ValueError when it is none, as for `truth_of_mask`."""
     levels, index = np.unique(values, return_inverse=True)
-    labels = index.reshape(values.shape).astype(np.int32)
+    labels: Labels = index.reshape(values.shape).astype(np.int32)
     if len(levels) > 2 and values.dtype.kind != "b":
         span = (np.asarray(values, dtype=np.float64) - float(levels[0])) / float(levels[-1] - levels[0])
         smeared = np.minimum(span, 1.0 - span)
@@ -130,13 +136,15 @@ def truth_of_mask(values: NDArray[np.generic], source: str = "ground truth") -> 
             labels = (span > 0.5).astype(np.int32)
     if len(levels) < 2:
         raise ValueError(f"{source} has one gray level everywhere, so it shows no object: choose another mask.")
-    changes = np.mean([(np.diff(labels, axis=axis) != 0).mean() for axis in range(2)])
+    changes = np.mean(
+        [(np.diff(labels, axis=axis) != 0).mean() for axis in range(labels.ndim) if labels.shape[axis] > 1]
+    )
     if len(levels) > 2 and changes > _MOST_CHANGES:
         raise ValueError(
             f"{source} has {len(levels)} gray levels that change from pixel to pixel, so it is an image and no mask: "
             "choose an image with one gray level for the background and one for each object."
         )
-    return Truth(labels, _between(labels), source)
+    return labels
 
 
 def _between(labels: Labels) -> tuple[Contour, ...]:

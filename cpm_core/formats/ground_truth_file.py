@@ -1,4 +1,4 @@
-"""Ground truth from a file: a mask, or contours."""
+"""Ground truth from a file: a mask or contours of an image, or a label volume."""
 
 from __future__ import annotations
 
@@ -10,12 +10,18 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import Truth, truth_of_contours, truth_of_mask
-from cpm_core.formats import load_image
+from cpm_core.contours.surface.ground_truth import VolumeTruth, truth_of_volume
+from cpm_core.formats import load_image, load_volume
 from cpm_core.formats.contours.reading.contents import Plane
 from cpm_core.formats.contours.reading.contour_file import CONTOURS_READABLE, read_contours
+from cpm_core.image.image import Image
+from cpm_core.numerics.types import Array
 
 _BESIDE = 1.0
 """Distance that vertices may lie outside the image [px]."""
+
+_ASIDE = 0.5
+"""How far labels may lie from where their volume lies [voxels]."""
 
 
 def load_truth(
@@ -70,6 +76,74 @@ def load_truth(
     image = load_image(file)
     _check_size(file.name, image.shape, (rows, cols))
     return truth_of_mask(image.values, file.name)
+
+
+def load_volume_truth(path: str | os.PathLike[str], volume: Image) -> VolumeTruth:
+    """Read the ground truth of a volume.
+
+    Parameters
+    ----------
+    path : path-like
+        A label volume, which is any that `load_volume` reads: its lowest gray level is the background, each other one
+        an object, and two levels make one class.
+    volume : Image
+        The volume that the truth belongs to.
+
+    Returns
+    -------
+    VolumeTruth
+        With voxels as large as those of the volume. Where both files tell a place in space, the labels are turned as
+        the volume is.
+
+    Raises
+    ------
+    ValueError
+        When the file cannot be read, is no label volume, or belongs to a volume of another size or place.
+
+    Examples
+    --------
+    >>> volume = cpm.example("ball")
+    >>> np.save("labels.npy", (volume.values > volume.values.mean()).astype(np.uint8))
+    >>> cpm.load_volume_truth("labels.npy", volume)
+    <VolumeTruth labels.npy, 31 x 31 x 31 voxels, 1 object>
+    """
+    file = Path(path)
+    if file.suffix.lower() in CONTOURS_READABLE:
+        raise ValueError(f"{file.name} holds contours, which lie in a plane: choose a label volume.")
+    labels = load_volume(file)
+    values = _turned_as(labels, volume)
+    if values.shape != volume.shape:
+        sizes = (" x ".join(map(str, shape)) for shape in (labels.shape, volume.shape))
+        raise ValueError(
+            "{} has {} voxels, but this volume has {}: choose the labels of this very volume.".format(file.name, *sizes)
+        )
+    return truth_of_volume(values, volume.spacing, volume.unit, file.name)
+
+
+def _turned_as(labels: Image, volume: Image) -> Array:
+    """The values of labels in the order of the axes of a volume; ValueError when they lie elsewhere in space."""
+    if labels.geometry is None or volume.geometry is None:
+        return labels.values
+    one, unit = (1.0, 1.0, 1.0), labels.unit == volume.unit
+    there, here = (np.array(image.geometry.affine(one, "LPS")) for image in (labels, volume) if image.geometry)
+    turn = np.linalg.solve(there[:3, :3], here[:3, :3])  # from steps in the volume to those in the labels
+    axes = np.abs(turn).argmax(axis=0)  # the axis of the labels that runs along each of the volume
+    lies = np.abs(turn - np.rint(turn)).max() * max(volume.shape) <= _ASIDE
+    sides = np.array(labels.spacing)[axes]
+    if lies and unit and np.allclose(sides, volume.spacing, rtol=1e-3):  # else the sides were set by hand
+        middles = (
+            image.geometry.affine(image.spacing, "LPS") @ [*(0.5 * (np.array(image.shape) - 1.0)), 1.0]
+            for image in (labels, volume)
+            if image.geometry
+        )
+        lies = bool(np.linalg.norm(np.subtract(*middles)) <= _ASIDE * max(volume.spacing))
+    if not lies:
+        raise ValueError(
+            f"{labels.source} lies elsewhere in space than {volume.source}: choose the labels of this very volume, or "
+            "save them without a place, as .npy or .tif."
+        )
+    backward = tuple(slice(None, None, -1) if turn[axes[axis], axis] < 0.0 else slice(None) for axis in range(3))
+    return np.ascontiguousarray(labels.values.transpose(axes)[backward])
 
 
 def _contours(file: Path, plane: Plane, shape: tuple[int, int]) -> tuple[Contour, ...]:

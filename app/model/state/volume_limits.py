@@ -15,7 +15,6 @@ _CONTOUR = tr("Contours are found in images; a run in a volume finds a surface."
 _ALIKE = tr("Objects that are alike are found in images by their gray values and size, not in volumes.")
 _MERGE = tr("In a volume, click in all bodies of an object before you take it.")
 _FREEZE = tr("Objects in a volume do not hold particles back: draw a region of interest or a barrier in its slices.")
-_TRUTH = tr("A ground truth can be compared with the contours of an image, not with a surface.")
 _LAYER = tr("This layer shows what only a run in an image finds.")
 _METHODS = tr("The classical methods are for images; in a volume there is nothing to compare with.")
 _MOSAIC = tr("A mosaic shows runs with different parameters side by side; in a volume each of them takes too long.")
@@ -34,9 +33,7 @@ NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
         "objects_alike": _ALIKE,
         "merge_objects": _MERGE,
         **dict.fromkeys(("freeze_object", "object_start", "object_region", "object_barrier"), _FREEZE),
-        **dict.fromkeys(("load_truth", "worst_place", "next_place"), _TRUTH),
-        **dict.fromkeys(
-            tuple(f"layer_{name}" for name in ("truth", "skeleton")), _LAYER),
+        "layer_skeleton": _LAYER,
         "mosaic": _MOSAIC,
         "compare_methods": _METHODS,
         "apply_to_folder": _BATCH,

@@ -101,7 +101,9 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     add_space(outcome)
     add_export(outcome, "contours")
     add_close(outcome)
-    outcome.add_argument("--truth", metavar="FILE", help="compare with a ground truth: a mask, or a file of contours")
+    outcome.add_argument(
+        "--truth", metavar="FILE", help="compare with a ground truth: a mask, contours, or a label volume"
+    )
     outcome.add_argument(
         "--save-session", metavar="FILE", help=f"write a session ({SUFFIX}) that the window opens with these contours"
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -14,6 +14,7 @@ import numpy as np
 from cpm_core.cli.arguments import as_number, as_steps, check_exports, parameters_of, part_of
 from cpm_core.cli.outcome import tell
 from cpm_core.cli.place import facts_on, lines_on
+from cpm_core.cli.run.agreement import agreement, sentence_on, volume_truth_for
 from cpm_core.cli.terminal import announce_compilation, counted, progress_line, say, written
 from cpm_core.contours.result import Result
 from cpm_core.formats import FOR_VOLUMES, export, load_volume, suffix_of
@@ -28,7 +29,7 @@ from cpm_core.particles.initialization import stroke
 from cpm_core.particles.volume_starts import everywhere, on_strong_edges, sphere
 from cpm_core.segmentation.segment import segment
 
-_OF_IMAGES = ("circle", "session", "close", "pages", "follow", "resume", "start", "truth", "save_session")
+_OF_IMAGES = ("circle", "session", "close", "pages", "follow", "resume", "start", "save_session")
 """Options that have a meaning for images only."""
 
 _FEWEST_FACES = 4
@@ -63,6 +64,7 @@ def run_volume(arguments: argparse.Namespace) -> None:
     volume = load_volume(arguments.image, **part)
     for note in volume.notes:
         say(f"cpm: {volume.source}: {note}")
+    truth = volume_truth_for(arguments, volume)
     started = time.perf_counter()
     seeds = _seeds(arguments, volume, drawn)
     announce_compilation()
@@ -73,7 +75,7 @@ def run_volume(arguments: argparse.Namespace) -> None:
     seconds = time.perf_counter() - started
     export(result, *arguments.export, image=arguments.image, space=arguments.space or "LPS")
     with written("the files were written before" if arguments.export else ""):
-        _report(result, seconds, arguments)
+        _report(result, seconds, agreement(result, truth), arguments)
 
 
 def part_of_volume(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -173,7 +175,7 @@ def _seeds(arguments: argparse.Namespace, volume: Image, drawn: list[Array]) -> 
     return np.concatenate(seeds)
 
 
-def _report(result: Result, seconds: float, arguments: argparse.Namespace) -> None:
+def _report(result: Result, seconds: float, agreed: Mapping[str, Any], arguments: argparse.Namespace) -> None:
     surface = result.surface
     vertices, faces = (0, 0) if surface is None else (len(surface.vertices), len(surface.faces))
     facts = {
@@ -189,11 +191,13 @@ def _report(result: Result, seconds: float, arguments: argparse.Namespace) -> No
         "stop_reason": result.stop_reason,
         "seconds": round(seconds, 3),
         **({} if result.image is None else facts_on(result.image)),
+        **agreed,
     }
     lines = [
         f"{result.source}: a surface of {counted(faces, 'triangle')}, with {vertices} corners",
         f"{counted(len(result.particles), 'particle')}, {counted(result.steps, 'step')} in {seconds:.2f} s",
         f"Stopped: {result.stop_reason}",
         *([] if result.image is None else lines_on(result.image)),
+        *([sentence_on(agreed["truth"])] if agreed else []),
     ]
     tell("run", facts, lines, arguments.export, as_json=arguments.json)

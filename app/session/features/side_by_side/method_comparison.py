@@ -12,6 +12,7 @@ from app.session.exchange.messages import Report
 from app.session.features.side_by_side.method_run import Frame, History, MethodRun, Order
 from app.session.session import Session
 from app.session.tasks.tasks import Task
+from cpm_core.contours.ground_truth import Truth
 from cpm_core.formats.animations.comparison import Tile, write_comparison
 from cpm_core.image.image import Image
 from cpm_core.segmentation.methods import PLACES, Start
@@ -78,7 +79,9 @@ class MethodComparison(QObject):
         plain = ours or image.colors is None or channel == "luminance"
         taken = image if plain else Image(image.gray(channel), source=image.source)
         settings = document.parameters if ours else document.comparison.settings_of(method)
-        order = Order(method, taken, self.start_of(), settings, self._session.scene.truth)
+        truth = self._session.scene.truth
+        truth = truth if isinstance(truth, Truth) else None
+        order = Order(method, taken, self.start_of(), settings, truth)
         run = self._runs[place] = MethodRun(order, self.held)
         self.histories[place] = run.history
         self._timer.start()

@@ -11,6 +11,7 @@ import numpy as np
 
 from app.model.display.display_image import DisplayImage, DisplayVolume, IntensityWindow, apply_window
 from app.model.display.iso_lines import iso_lines
+from app.model.display.truth.surfaces import differences_in, truth_in
 from app.model.document.document import Document
 from app.model.volume.object_sections import objects_in, selection_in
 from app.model.volume.sampled_volumes import SampledForce, SampledValues
@@ -89,6 +90,8 @@ class Sections:
             overlays=self._overlays(scene, here, image),
             probed=self._parts.of("probed", (scene.probed, here), lambda: _probed(scene.probed, here, volume, reach)),
             compared=self._compared(scene.compared, here, volume, reach),
+            truth=self._parts.of("truth", (scene.truth, here), lambda: truth_in(scene.truth, here)),
+            differences=self._parts.of("apart", (scene.apart, here), lambda: differences_in(scene.apart, here)),
             objects=shown,
             slices=slices,
             volume=volume,
