@@ -12,6 +12,7 @@ from tests.core.formats.drawn import RESULT
 
 from .contour_samples import contours_of_others
 from .encoders import Sample, numpy_array, picture, tiff
+from .surface_samples import surfaces
 from .volume_samples import volumes
 
 SHAPE = (11, 14)
@@ -99,6 +100,7 @@ KINDS: dict[str, Callable[[], list[Sample]]] = {
     "arrays": _arrays,
     "contours": _contours,
     "volumes": volumes,
+    "surfaces": surfaces,
 }
 """What is read -> its samples."""
 
