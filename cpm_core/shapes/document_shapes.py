@@ -11,7 +11,7 @@ import numpy as np
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Line, Regions
-from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
+from cpm_core.image.volume_regions import AnyRegions, VolumeRegions, Voxels
 from cpm_core.numerics.types import Array
 from cpm_core.shapes import (
     Barrier,
@@ -20,6 +20,8 @@ from cpm_core.shapes import (
     Charge,
     Circle,
     Ellipse,
+    EnclosedRegion,
+    EnclosingWall,
     Everywhere,
     Points,
     PrismRegion,
@@ -41,7 +43,7 @@ def axes_of(shape: Shape) -> int | None:
     match shape:
         case Everywhere():
             return None
-        case Sphere() | Box() | BoxRegion() | PrismRegion() | Wall():
+        case Sphere() | Box() | BoxRegion() | PrismRegion() | Wall() | EnclosedRegion() | EnclosingWall():
             return 3
         case Circle() | Ellipse():
             return 2
@@ -78,17 +80,18 @@ def starts_of(shapes: Iterable[Shape]) -> tuple[Start, ...]:
     return tuple(shape for shape in shapes if isinstance(shape, Start))
 
 
-def regions_of(shapes: Iterable[Shape], barriers: tuple[Line, ...] = ()) -> AnyRegions | None:
+def regions_of(shapes: Iterable[Shape], barriers: tuple[Line | Voxels, ...] = ()) -> AnyRegions | None:
     """Regions of interest, and barriers with those that are given besides; None when there are none."""
     drawn = tuple(shapes)
-    if any(isinstance(shape, BoxRegion | PrismRegion | Wall) for shape in drawn):
-        boxes = [shape.limit for shape in drawn if isinstance(shape, BoxRegion)]
-        prisms = [shape.limit for shape in drawn if isinstance(shape, PrismRegion)]
-        walls = [shape.limit for shape in drawn if isinstance(shape, Wall)]
-        return VolumeRegions(interest=(*boxes, *prisms), barriers=tuple(walls))
+    inside = tuple(shape.limit for shape in drawn if isinstance(shape, BoxRegion | PrismRegion | EnclosedRegion))
+    painted = [barrier for barrier in barriers if isinstance(barrier, Voxels)]
+    walls = (*(shape.limit for shape in drawn if isinstance(shape, Wall | EnclosingWall)), *painted)
+    if inside or walls:
+        return VolumeRegions(inside, walls)
     interest = tuple(shape.points for shape in drawn if isinstance(shape, Region))
-    barriers = (*(shape.points for shape in drawn if isinstance(shape, Barrier)), *barriers)
-    return _regions(interest, barriers) if interest or barriers else None
+    given = (barrier for barrier in barriers if not isinstance(barrier, Voxels))
+    lines = (*(shape.points for shape in drawn if isinstance(shape, Barrier)), *given)
+    return _regions(interest, lines) if interest or lines else None
 
 
 _made: deque[Regions] = deque(maxlen=2)

@@ -20,6 +20,8 @@ from cpm_core.shapes import (
     Charge,
     Circle,
     Ellipse,
+    EnclosedRegion,
+    EnclosingWall,
     Everywhere,
     Grid,
     Points,
@@ -38,7 +40,7 @@ _ICONS: Mapping[type, str] = MappingProxyType(
         Barrier: "barrier", Charge: "attract", Circle: "circle", Ellipse: "ellipse", Everywhere: "everywhere",
         Grid: "grid_area", Points: "points", Polygon: "polygon", Region: "region", Stroke: "stroke",
         Sphere: "circle", Threshold: "threshold", Box: "box", BoxRegion: "region", PrismRegion: "region",
-        Wall: "barrier",
+        Wall: "barrier", EnclosedRegion: "region", EnclosingWall: "barrier",
     }
 )  # fmt: skip
 """Icons of shapes, those of their tools."""
@@ -129,7 +131,7 @@ def _size(shape: Shape) -> object:
 
 def _place(shape: Shape) -> Place | None:
     """Row and column of the center, or of the first corner; None for what is all over the image."""
-    if isinstance(shape, Circle | Ellipse | Sphere | Box | BoxRegion):
+    if isinstance(shape, Circle | Ellipse | Sphere | Box | BoxRegion | EnclosedRegion | EnclosingWall):
         return shape.center
     if isinstance(shape, Charge):
         return shape.position

@@ -13,8 +13,6 @@ _START = tr("Centers are found in the field of an image; in a volume, start ever
 _MODE = tr("Skeletons are found in images; in a volume, use cpm skeleton.")
 _CONTOUR = tr("Contours are found in images; a run in a volume finds a surface.")
 _ALIKE = tr("Objects that are alike are found in images by their gray values and size, not in volumes.")
-_MERGE = tr("In a volume, click in all bodies of an object before you take it.")
-_FREEZE = tr("Objects in a volume do not hold particles back: draw a region of interest or a barrier in its slices.")
 _LAYER = tr("This layer shows what only a run in an image finds.")
 _METHODS = tr("The classical methods are for images; in a volume there is nothing to compare with.")
 _MOSAIC = tr("A mosaic shows runs with different parameters side by side; in a volume each of them takes too long.")
@@ -31,8 +29,6 @@ NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
              "show_rejected", "import_contours"), _CONTOUR),
         "object_skeleton": _MODE,
         "objects_alike": _ALIKE,
-        "merge_objects": _MERGE,
-        **dict.fromkeys(("freeze_object", "object_start", "object_region", "object_barrier"), _FREEZE),
         "layer_skeleton": _LAYER,
         "mosaic": _MOSAIC,
         "compare_methods": _METHODS,

@@ -5,9 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 import numpy as np
 
+from app.model.volume.slices import Slice
+from app.model.volume.surface_section import section
+from cpm_core.contours.surface import Surface
 from cpm_core.field.placed_charges import RADIUS
 from cpm_core.numerics.types import Array, Position
 from cpm_core.shapes import (
@@ -15,6 +19,8 @@ from cpm_core.shapes import (
     Box,
     BoxRegion,
     Charge,
+    EnclosedRegion,
+    EnclosingWall,
     Interest,
     Points,
     Polygon,
@@ -25,13 +31,16 @@ from cpm_core.shapes import (
     Stroke,
     Wall,
 )
-from cpm_core.shapes.box import Cuboid
 from cpm_core.shapes.ellipse import Ellipse
-from cpm_core.shapes.extruded import Extruded
 from cpm_core.shapes.path import SMALLEST
+from cpm_core.shapes.space.box import Cuboid
+from cpm_core.shapes.space.extruded import Extruded
 
 NEAR = 1.0
 """Distance from a slice up to which it shows a point, in sides of the smallest voxel."""
+
+_KEPT = 64
+"""Number of sections of surfaces that are kept: those of the slices that are shown."""
 
 _IN = 0.5
 """Distance from a slice up to which a place lies in it [voxels]."""
@@ -146,12 +155,28 @@ def _sections(shape: Shape, axis: int, index: float, sides: Sequence[float]) -> 
     elif isinstance(shape, PrismRegion | Wall):
         if shape.first - _IN <= index <= shape.last + _IN or axis != shape.axis:
             yield from _across(shape) if axis == shape.axis else _along(shape, axis, index)
+    elif isinstance(shape, EnclosedRegion | EnclosingWall):
+        yield from _of_surface(shape, Slice(axis, round(index)))
     elif isinstance(shape, Charge) and len(shape.position) == 3:
         yield from _of_charge(shape, axis, index, sides)
     elif isinstance(shape, Stroke | Polygon) and len(shape.points[0]) == 3:
         yield from _of_line(shape, axis, index)
     elif isinstance(shape, Points) and len(shape.positions[0]) == 3:
         yield from _of_points(shape.positions, axis, index)
+
+
+@lru_cache(maxsize=_KEPT)
+def _cut(surface: Surface, here: Slice) -> tuple[tuple[Position, ...], ...]:
+    """Corners of the closed lines in which a slice cuts a surface; asked for again whenever the pointer moves."""
+    closed = (line.points for line in section(surface, here) if line.closed)
+    return tuple(tuple((row, col) for row, col in points.tolist()) for points in closed)
+
+
+def _of_surface(shape: EnclosedRegion | EnclosingWall, here: Slice) -> Iterator[Shape]:
+    """The lines in which a slice cuts a surface."""
+    for corners in _cut(shape.surface.surface, here):
+        if len(set(corners)) > 2:
+            yield RegionSection(corners) if isinstance(shape, EnclosedRegion) else Barrier((*corners, corners[0]))
 
 
 def _flat(place: Sequence[float], axis: int) -> Position:

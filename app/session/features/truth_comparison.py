@@ -86,6 +86,11 @@ class GroundTruth(QObject):
         return self._session.image is not None and self._session.image.ndim == 3
 
     @property
+    def lacks_result(self) -> bool:
+        """Whether nothing has been found yet that could be compared."""
+        return self._review.result is None
+
+    @property
     def idle(self) -> bool:
         """Whether the comparison is up to date."""
         return self._latest.idle

@@ -34,7 +34,7 @@ from cpm_core.segmentation.methods import (
 )
 from cpm_core.shapes.document_shapes import check_axes
 
-_WIDTH = 26
+_WIDTH = 24
 """Width of the column of the methods [characters]."""
 
 
@@ -101,7 +101,7 @@ def _compare(arguments: argparse.Namespace) -> None:
         tiles.append(Tile(moment.state.contours, facts_of(moment, truth), settings[name]))
         if not arguments.json:
             _tell(tiles[-1].facts, truth, first=len(tiles) == 1)
-    written = write_comparison(image, start, tiles, arguments.export, lambda said: say(f"cpm: {said}"))
+    written = write_comparison(image, start, tiles, arguments.export, lambda said: say(f"cpm: {said}"), truth)
     if arguments.json:
         _print_json(image, start, [tile.facts for tile in tiles], truth)
         return
@@ -130,14 +130,14 @@ def _finite(value: object) -> object:
 def _tell(row: Facts, truth: Truth | None, *, first: bool) -> None:
     """Print a line of the table, before the first its head."""
     if first:
-        scores = f"{'Dice':>7}{'F':>7}{'Hausdorff':>12}{'mean':>11}" if truth else ""
-        print(f"{'':{_WIDTH}}{'steps':>7}{'time':>10}{scores}  contours  end")
+        scores = f"{'Dice':>7}{'F':>7}{'Hausdorff':>12}{'mean dist.':>12}" if truth else ""
+        print(f"{'':{_WIDTH}}{'steps':>7}{'time':>10}{scores}{'contours':>10}{'closed':>8}  end")
     agree = ""
     if row.dice is not None and row.f is not None:
-        agree = f"{row.dice:7.3f}{row.f:7.3f}{_px(row.hausdorff, 1):>12}{_px(row.mean_distance, 2):>11}"
-    title = CONTOUR_METHODS[row.method].title
-    time = f"{row.seconds:.2f} s"
-    print(f"{title:{_WIDTH}}{row.steps:7}{time:>10}{agree}{row.contours:10}  {row.stop_reason}", flush=True)
+        agree = f"{row.dice:7.3f}{row.f:7.3f}{_px(row.hausdorff, 1):>12}{_px(row.mean_distance, 2):>12}"
+    counts = f"{row.contours:10}{row.closed:8}"
+    title, time = CONTOUR_METHODS[row.method].title, f"{row.seconds:.2f} s"
+    print(f"{title:{_WIDTH}}{row.steps:7}{time:>10}{agree}{counts}  {row.stop_reason}", flush=True)
 
 
 def _px(distance: float | None, digits: int) -> str:

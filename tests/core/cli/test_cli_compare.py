@@ -42,7 +42,7 @@ def test_methods_are_told_as_json_in_the_order_in_which_they_are_named(image, ma
     assert (status, err) == (0, "")
     assert [row["method"] for row in facts["methods"]] == list(QUICK)
     for row in facts["methods"]:
-        assert row["converged"] and row["contours"] == 1 and row["steps"] > 1 and row["seconds"] > 0.0
+        assert row["converged"] and row["contours"] == row["closed"] == 1 and row["steps"] > 1 and row["seconds"] > 0.0
         assert row["dice"] > 0.95 and row["f"] > 0.99 and row["hausdorff"] < 2.0 and row["mean_distance"] < 1.0
 
 
@@ -50,14 +50,14 @@ def test_a_person_sees_a_line_for_each_method(image, mask, command):
     status, out, _ = command("compare", image, *CIRCLE, "--methods", "cpm", "chan_vese", "--truth", mask)
     head, *lines = out.splitlines()
     assert status == 0
-    assert head.split() == ["steps", "time", "Dice", "F", "Hausdorff", "mean", "contours", "end"]
-    assert [line[:26].strip() for line in lines] == ["Charged particles", "Chan-Vese"]
+    assert head.split() == ["steps", "time", "Dice", "F", "Hausdorff", "mean", "dist.", "contours", "closed", "end"]
+    assert [line[:24].strip() for line in lines] == ["Charged particles", "Chan-Vese"]
 
 
 def test_without_a_truth_nothing_is_said_of_agreement(image, command):
     status, out, _ = command("compare", image, *CIRCLE, "--methods", "gvf")
     assert status == 0
-    assert out.splitlines()[0].split() == ["steps", "time", "contours", "end"]
+    assert out.splitlines()[0].split() == ["steps", "time", "contours", "closed", "end"]
 
 
 def test_a_method_that_finds_nothing_is_told_as_well(image, mask, command):

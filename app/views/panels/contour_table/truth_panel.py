@@ -181,6 +181,8 @@ class TruthPanel(QWidget):
     def _summary(self) -> str:
         if self._truth.truth is None:
             return ""
+        if self._truth.verified is None and not self._truth.lacks_result:
+            return tr("Comparing…")
         if self._truth.verified is None:
             return (
                 tr("No surface yet. Start the run.") if self._truth.in_volume else tr("No contours yet. Start the run.")

@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 import tifffile
 
-from cpm_core import Parameters
+from cpm_core import Parameters, Surface
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark, Outline
+from cpm_core.contours.surface.packing import PackedSurface
 from cpm_core.formats.contours.pages.stack_json import page_to_plain
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.sessions.beside_document import TruthFile
@@ -30,6 +31,8 @@ from cpm_core.shapes import (
     Charge,
     Circle,
     Ellipse,
+    EnclosedRegion,
+    EnclosingWall,
     Everywhere,
     Grid,
     Points,
@@ -53,6 +56,12 @@ SHAPES: Mapping[str, tuple[int, ...]] = MappingProxyType(
 PAGES = 3
 _CORNERS = ((4.0, 4.0), (4.0, 34.5), (34.0, 34.0), (33.0, 5.0))
 _BOX = ((10.0, 10.0), (10.0, 20.0), (20.0, 20.0))
+
+
+_PLACES = np.array([(x, y, z) for z in (6, 12) for y in (6, 12) for x in (6, 12)], np.float32)
+_SIDES = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
+_FACES = np.array([(a, *pair) for a, b, c, d in _SIDES for pair in ((b, c), (c, d))])
+_CUBE = PackedSurface.of(Surface(_PLACES, _FACES))
 
 
 def write_images(folder: Path) -> None:
@@ -121,7 +130,12 @@ def sample_in_space(folder: Path) -> dict[str, Any]:
             BoxRegion((1.0, 1.0, 1.0), (16.0, 17.0, 18.0)),
             PrismRegion(((1.0, 1.0), (1.0, 17.0), (17.0, 17.0)), 0, 1.0, 16.0),
             Wall(((4.0, 4.0), (4.0, 12.0)), 2, 3.0, 9.0),
+            EnclosedRegion(_CUBE),
+            EnclosingWall(_CUBE),
             Charge((9.0, 9.0, 3.0), -1.5),
+        ),
+        objects=SegmentedObjects(
+            (SegmentedObject(1, (Click(((9.0, 9.0, 9.0),)),), confidence=0.5, surface=(_CUBE,), frozen=True),)
         ),
         parameters=Parameters(scales=1),
         view={"volume": {"at": [9, 9, 9], "axis": 1}},
