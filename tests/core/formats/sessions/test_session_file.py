@@ -10,6 +10,7 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -17,6 +18,7 @@ from hypothesis import strategies as st
 import cpm_core
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark, Verdict
+from cpm_core.contours.surface.packing import PackedSurface
 from cpm_core.formats.fingerprint import fingerprint
 from cpm_core.formats.sessions.plain_values import LARGEST
 from cpm_core.formats.sessions.session_file import (
@@ -56,8 +58,16 @@ def values(hint: Any, name: str) -> st.SearchStrategy[Any]:
         return st.tuples(*(values(item, "") for item in items))
     if get_origin(hint) is Literal:
         return st.sampled_from(get_args(hint))
+    if hint is PackedSurface:
+        return st.sampled_from(SURFACES)
     assert hint is float, hint
     return numbers
+
+
+CORNERS = np.array([(x, y, z) for z in (0, 3) for y in (0, 3) for x in (0, 3)], np.float32)
+SIDES = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
+TRIANGLES = np.array([(a, *pair) for a, b, c, d in SIDES for pair in ((b, c), (c, d))])
+SURFACES = [PackedSurface.of(cpm_core.Surface(corners, TRIANGLES)) for corners in (CORNERS, CORNERS / 3.0 - 7.0)]
 
 
 def any_of(kind: type) -> st.SearchStrategy[Any]:
