@@ -115,7 +115,7 @@ from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 from cpm_core.particles.coulomb.coulomb_force import coulomb_force
 from cpm_core.particles.initialization import circle, divergence_centers, gradient_threshold, stroke, uniform_grid
 from cpm_core.particles.state import Particles, State
-from cpm_core.particles.volume_starts import box, everywhere, in_slice, on_strong_edges, sphere
+from cpm_core.particles.volume_starts import at_centers, box, everywhere, in_slice, on_strong_edges, sphere
 from cpm_core.reconstruction import reconstruct_curve, reconstruct_surface
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.evolve import Evolution, Evolved, evolve
@@ -178,6 +178,7 @@ __all__ = [
     "VolumeRegions",
     "VolumeSelection",
     "VolumeTruth",
+    "at_centers",
     "box",
     "centerlines",
     "circle",

@@ -1,4 +1,4 @@
-"""Ground truth from a file: a mask or contours of an image, or a label volume."""
+"""Ground truth from a file: a mask or contours of an image, labels or a surface of a volume."""
 
 from __future__ import annotations
 
@@ -11,17 +11,15 @@ import numpy as np
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import Truth, truth_of_contours, truth_of_mask
 from cpm_core.contours.surface.ground_truth import VolumeTruth, truth_of_volume
-from cpm_core.formats import load_image, load_volume
+from cpm_core.contours.surface.inside import numbered
+from cpm_core.formats import SURFACES_READABLE, load_image, load_surface
 from cpm_core.formats.contours.reading.contents import Plane
 from cpm_core.formats.contours.reading.contour_file import CONTOURS_READABLE, read_contours
+from cpm_core.formats.masks.label_volume import labels_like
 from cpm_core.image.image import Image
-from cpm_core.numerics.types import Array
 
 _BESIDE = 1.0
 """Distance that vertices may lie outside the image [px]."""
-
-_ASIDE = 0.5
-"""How far labels may lie from where their volume lies [voxels]."""
 
 
 def load_truth(
@@ -85,7 +83,7 @@ def load_volume_truth(path: str | os.PathLike[str], volume: Image) -> VolumeTrut
     ----------
     path : path-like
         A label volume, which is any that `load_volume` reads: its lowest gray level is the background, each other one
-        an object, and two levels make one class.
+        an object, and two levels make one class. Or a closed surface, which is any that `load_surface` reads.
     volume : Image
         The volume that the truth belongs to.
 
@@ -109,41 +107,16 @@ def load_volume_truth(path: str | os.PathLike[str], volume: Image) -> VolumeTrut
     """
     file = Path(path)
     if file.suffix.lower() in CONTOURS_READABLE:
-        raise ValueError(f"{file.name} holds contours, which lie in a plane: choose a label volume.")
-    labels = load_volume(file)
-    values = _turned_as(labels, volume)
-    if values.shape != volume.shape:
-        sizes = (" x ".join(map(str, shape)) for shape in (labels.shape, volume.shape))
-        raise ValueError(
-            "{} has {} voxels, but this volume has {}: choose the labels of this very volume.".format(file.name, *sizes)
-        )
-    return truth_of_volume(values, volume.spacing, volume.unit, file.name)
-
-
-def _turned_as(labels: Image, volume: Image) -> Array:
-    """The values of labels in the order of the axes of a volume; ValueError when they lie elsewhere in space."""
-    if labels.geometry is None or volume.geometry is None:
-        return labels.values
-    one, unit = (1.0, 1.0, 1.0), labels.unit == volume.unit
-    there, here = (np.array(image.geometry.affine(one, "LPS")) for image in (labels, volume) if image.geometry)
-    turn = np.linalg.solve(there[:3, :3], here[:3, :3])  # from steps in the volume to those in the labels
-    axes = np.abs(turn).argmax(axis=0)  # the axis of the labels that runs along each of the volume
-    lies = np.abs(turn - np.rint(turn)).max() * max(volume.shape) <= _ASIDE
-    sides = np.array(labels.spacing)[axes]
-    if lies and unit and np.allclose(sides, volume.spacing, rtol=1e-3):  # else the sides were set by hand
-        middles = (
-            image.geometry.affine(image.spacing, "LPS") @ [*(0.5 * (np.array(image.shape) - 1.0)), 1.0]
-            for image in (labels, volume)
-            if image.geometry
-        )
-        lies = bool(np.linalg.norm(np.subtract(*middles)) <= _ASIDE * max(volume.spacing))
-    if not lies:
-        raise ValueError(
-            f"{labels.source} lies elsewhere in space than {volume.source}: choose the labels of this very volume, or "
-            "save them without a place, as .npy or .tif."
-        )
-    backward = tuple(slice(None, None, -1) if turn[axes[axis], axis] < 0.0 else slice(None) for axis in range(3))
-    return np.ascontiguousarray(labels.values.transpose(axes)[backward])
+        raise ValueError(f"{file.name} holds contours, which lie in a plane: choose labels or a surface.")
+    if file.suffix.lower() in SURFACES_READABLE:
+        surface = load_surface(file, volume)
+        if not surface.closed:
+            raise ValueError(
+                f"The surface of {file.name} is not closed, so that nothing is inside: choose another one."
+            )
+        labels = numbered(surface, volume.shape).astype(np.int32)
+        return VolumeTruth(labels, volume.spacing, volume.unit, file.name, boundary=surface)
+    return truth_of_volume(labels_like(file, volume), volume.spacing, volume.unit, file.name)
 
 
 def _contours(file: Path, plane: Plane, shape: tuple[int, int]) -> tuple[Contour, ...]:

@@ -20,13 +20,16 @@ from cpm_core.shapes.ellipse import Ellipse
 from cpm_core.shapes.everywhere import KINDS, Everywhere, Kind
 from cpm_core.shapes.lines import Barrier, Polygon, Region, Stroke
 from cpm_core.shapes.points import Points
+from cpm_core.shapes.space.areas import BoxGrid, BoxThreshold
 from cpm_core.shapes.space.box import Box, BoxRegion
 from cpm_core.shapes.space.enclosed import EnclosedRegion, EnclosingWall
 from cpm_core.shapes.space.extruded import PrismRegion, Wall
 from cpm_core.shapes.space.sphere import Sphere
 
-Start = Circle | Ellipse | Polygon | Stroke | Points | Grid | Threshold | Everywhere | Sphere | Box
-"""Shapes that give particles; spheres and boxes lie in volumes, polygons, strokes and points in images or volumes."""
+Start = (
+    Circle | Ellipse | Polygon | Stroke | Points | Grid | Threshold | Everywhere | Sphere | Box | BoxGrid | BoxThreshold
+)
+"""Shapes that give particles; spheres and all boxes lie in volumes, polygons, strokes and points in either."""
 
 Interest = Region | BoxRegion | PrismRegion | EnclosedRegion
 """Regions of interest, the first in images."""
@@ -45,7 +48,9 @@ __all__ = [
     "SMALLEST_RADIUS",
     "Barrier",
     "Box",
+    "BoxGrid",
     "BoxRegion",
+    "BoxThreshold",
     "Charge",
     "Circle",
     "Ellipse",

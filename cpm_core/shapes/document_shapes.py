@@ -15,7 +15,6 @@ from cpm_core.image.volume_regions import AnyRegions, VolumeRegions, Voxels
 from cpm_core.numerics.types import Array
 from cpm_core.shapes import (
     Barrier,
-    Box,
     BoxRegion,
     Charge,
     Circle,
@@ -32,6 +31,9 @@ from cpm_core.shapes import (
     Wall,
 )
 from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds, ImageStart, SeedCache
+from cpm_core.shapes.space.box import Cuboid
+from cpm_core.shapes.space.enclosed import Enclosed
+from cpm_core.shapes.space.extruded import Extruded
 
 _KINDS = {2: "images", 3: "volumes"}
 _ONE = {2: "an image", 3: "a volume"}
@@ -43,7 +45,7 @@ def axes_of(shape: Shape) -> int | None:
     match shape:
         case Everywhere():
             return None
-        case Sphere() | Box() | BoxRegion() | PrismRegion() | Wall() | EnclosedRegion() | EnclosingWall():
+        case Sphere() | Cuboid() | Extruded() | Enclosed():
             return 3
         case Circle() | Ellipse():
             return 2

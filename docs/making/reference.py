@@ -19,7 +19,8 @@ GROUPS: dict[str, tuple[str, tuple[str, ...]]] = {
     "starts": (
         "Where particles start, and what limits and steers them",
         ("circle", "stroke", "uniform_grid", "gradient_threshold", "divergence_centers", "sphere", "box", "in_slice",
-         "everywhere", "on_strong_edges", "Regions", "VolumeRegions", "Extrusion", "PlacedCharge", "coulomb_force"),
+         "everywhere", "on_strong_edges", "at_centers", "Regions", "VolumeRegions", "Extrusion",
+         "PlacedCharge", "coulomb_force"),
     ),
     "results": (
         "What is found, and how it is measured",

@@ -8,8 +8,6 @@ from types import MappingProxyType
 from app.model.state.situation import Situation
 from app.model.text.language import tr
 
-_AREA = tr("This tool fills an area of an image; in a volume, start from spheres, boxes, lines and points.")
-_START = tr("Centers are found in the field of an image; in a volume, start everywhere or on strong edges.")
 _MODE = tr("Skeletons are found in images; in a volume, use cpm skeleton.")
 _CONTOUR = tr("Contours are found in images; a run in a volume finds a surface.")
 _ALIKE = tr("Objects that are alike are found in images by their gray values and size, not in volumes.")
@@ -20,13 +18,11 @@ _BATCH = tr("Many images are run at once; volumes are run one by one.")
 
 NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
     {
-        **dict.fromkeys(("grid_area", "threshold"), _AREA),
-        "start_centers": _START,
         "mode_skeleton": _MODE,
         **dict.fromkeys(
             ("contours", "edit_contours", "outline", "close_contours", "join_contours", "cut_contour", "image_skeleton",
              "contour_skeleton", "next_contour", "all_contours", "other_contours", "learn", "doubtful_contour",
-             "show_rejected", "import_contours"), _CONTOUR),
+             "show_rejected"), _CONTOUR),
         "object_skeleton": _MODE,
         "objects_alike": _ALIKE,
         "layer_skeleton": _LAYER,
@@ -49,7 +45,21 @@ OTHERWISE_IN_VOLUMES: Mapping[str, tuple[str, str]] = MappingProxyType(
             tr("Bo&x tool"),
             tr("Drag from corner to corner to draw a box, as deep as its shorter side; Shift makes it a square."),
         ),
+        "grid_area": (
+            tr("&Grid tool"),
+            tr("Drag a box, as deep as its shorter side, to fill with an even grid; < and > change its spacing."),
+        ),
+        "threshold": (
+            tr("T&hreshold tool"),
+            tr(
+                "Drag a box, as deep as its shorter side, in which to start on strong edges; < and > change how strong."
+            ),
+        ),
         "points": (tr("&Point tool"), tr("Click to place a point in the slice.")),
+        "import_contours": (
+            tr("&Import surface…"),
+            tr("Read a surface, labels or center lines, as a start, as objects or as ground truth."),
+        ),
         "region": (
             tr("Region of &interest tool"),
             tr("Drag a box, or click corner by corner around what particles are to stay in, through all slices."),

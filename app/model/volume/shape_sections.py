@@ -17,10 +17,14 @@ from cpm_core.numerics.types import Array, Position
 from cpm_core.shapes import (
     Barrier,
     Box,
+    BoxGrid,
     BoxRegion,
+    BoxThreshold,
     Charge,
     EnclosedRegion,
     EnclosingWall,
+    Everywhere,
+    Grid,
     Interest,
     Points,
     Polygon,
@@ -29,6 +33,7 @@ from cpm_core.shapes import (
     Shape,
     Sphere,
     Stroke,
+    Threshold,
     Wall,
 )
 from cpm_core.shapes.ellipse import Ellipse
@@ -71,6 +76,30 @@ class BoxSection(Polygon):
     def seeds(self) -> Array:
         """The particles of the box that lie near the slice, shape (N, 2)."""
         return self.particles
+
+    def handles(self) -> tuple[Position, ...]:
+        """The corners and the middles of the sides, each on the faces that it moves."""
+        return _on_sides(self.points)
+
+
+@dataclass(frozen=True, slots=True)
+class GridSection(Grid):
+    """Where a slice cuts a box with a grid."""
+
+    particles: Array = field(default_factory=lambda: np.empty((0, 2)), compare=False)
+
+    def seeds(self) -> Array:
+        """The particles of the grid that lie near the slice, shape (N, 2)."""
+        return self.particles
+
+    def handles(self) -> tuple[Position, ...]:
+        """The corners and the middles of the sides, each on the faces that it moves."""
+        return _on_sides(self.points)
+
+
+@dataclass(frozen=True, slots=True)
+class ThresholdSection(Threshold):
+    """Where a slice cuts a box with a threshold."""
 
     def handles(self) -> tuple[Position, ...]:
         """The corners and the middles of the sides, each on the faces that it moves."""
@@ -150,7 +179,9 @@ def sections(shape: Shape, axis: int, index: float, sides: Sequence[float] = (1.
 def _sections(shape: Shape, axis: int, index: float, sides: Sequence[float]) -> Iterator[Shape]:
     if isinstance(shape, Sphere):
         yield from _of_sphere(shape, axis, index)
-    elif isinstance(shape, Box | BoxRegion):
+    elif isinstance(shape, Everywhere):
+        yield shape
+    elif isinstance(shape, Box | BoxRegion | BoxGrid | BoxThreshold):
         yield from _of_box(shape, axis, index)
     elif isinstance(shape, PrismRegion | Wall):
         if shape.first - _IN <= index <= shape.last + _IN or axis != shape.axis:
@@ -213,6 +244,12 @@ def _of_box(box: Cuboid, axis: int, index: float) -> Iterator[Shape]:
         seeds = box.seeds()
         near = np.abs(seeds[:, axis] - index) <= max(NEAR, 0.6 * box.apart)
         yield BoxSection(corners, particles=np.delete(seeds[near], axis, axis=1))
+    elif isinstance(box, BoxGrid):
+        seeds = box.seeds()
+        near = np.abs(seeds[:, axis] - index) * box.sides[axis] <= max(NEAR, 0.5 * box.spacing)
+        yield GridSection(corners, box.spacing, np.delete(seeds[near], axis, axis=1))
+    elif isinstance(box, BoxThreshold):
+        yield ThresholdSection(corners, box.fraction)
     else:
         yield RegionSection(corners, held=_on_sides(corners))
 

@@ -12,7 +12,9 @@ from cpm_core.field.placed_charges import RADIUS
 from cpm_core.numerics.types import Array
 from cpm_core.shapes import (
     Box,
+    BoxGrid,
     BoxRegion,
+    BoxThreshold,
     Charge,
     EnclosedRegion,
     EnclosingWall,
@@ -41,7 +43,7 @@ def wires(shape: Shape, sides: tuple[float, ...]) -> Array:
     """
     if isinstance(shape, Sphere):
         return _circles(shape.center, shape.radius, shape.sides)
-    if isinstance(shape, Box | BoxRegion):
+    if isinstance(shape, Box | BoxRegion | BoxGrid | BoxThreshold):
         return np.asarray(shape.outline[_EDGES])
     if isinstance(shape, PrismRegion | Wall):
         return _drawn_through(shape)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -15,6 +15,7 @@ from cpm_core.cli.arguments import as_number, as_steps, check_exports, parameter
 from cpm_core.cli.outcome import tell
 from cpm_core.cli.place import facts_on, lines_on
 from cpm_core.cli.run.agreement import agreement, sentence_on, volume_truth_for
+from cpm_core.cli.run.drawn import in_space, starts_in_volume
 from cpm_core.cli.terminal import announce_compilation, counted, progress_line, say, written
 from cpm_core.contours.result import Result
 from cpm_core.formats import FOR_VOLUMES, export, load_volume, suffix_of
@@ -26,11 +27,18 @@ from cpm_core.objects.partition import partition
 from cpm_core.parameters import PRESETS
 from cpm_core.parameters.quotation import shown
 from cpm_core.particles.initialization import stroke
-from cpm_core.particles.volume_starts import everywhere, on_strong_edges, sphere
+from cpm_core.particles.volume_starts import at_centers, everywhere, on_strong_edges, sphere
 from cpm_core.segmentation.segment import segment
 
-_OF_IMAGES = ("circle", "session", "close", "pages", "follow", "resume", "start", "save_session")
+_OF_IMAGES = ("circle", "session", "close", "pages", "follow", "resume", "save_session")
 """Options that have a meaning for images only."""
+
+_AUTOMATIC: Mapping[str, Callable[[Image], Array]] = {
+    "grid": everywhere,
+    "gradient": on_strong_edges,
+    "centers": at_centers,
+}
+"""What starts without anything drawn."""
 
 _FEWEST_FACES = 4
 """Least number of triangles of a closed surface."""
@@ -38,7 +46,7 @@ _FEWEST_FACES = 4
 
 def run_volume(arguments: argparse.Namespace) -> None:
     """Find a surface; every check that needs no volume comes first."""
-    if not (arguments.sphere or arguments.volume):
+    if not (arguments.sphere or arguments.volume or in_space(arguments)):
         given = "--space" if arguments.faces is None else "--faces"
         raise ValueError(f"{given} is for the surface in a volume: add --sphere PLANE,ROW,COL,RADIUS, or leave it out.")
     for name in _OF_IMAGES:
@@ -48,8 +56,6 @@ def run_volume(arguments: argparse.Namespace) -> None:
             )
     if arguments.image is None:
         raise ValueError("No VOLUME is given: name one.")
-    if arguments.auto == "centers":
-        raise ValueError("--auto is centers, which is for images: use --auto grid or --auto gradient in a volume.")
     drawn, regions = _drawn(arguments), _regions(arguments)
     clicks = _clicks("--object", arguments.object), _clicks("--not", arguments.outside)
     if clicks[1] and not clicks[0]:
@@ -123,10 +129,10 @@ def _drawn(arguments: argparse.Namespace) -> list[Array]:
     """Spheres, as plane, row, column and radius each, then the particles of strokes and of files with points."""
     spheres = [_numbers("--sphere", text, "PLANE,ROW,COL,RADIUS", 4) for text in arguments.sphere]
     lines = [_numbers("--stroke", text, "PLANE,ROW,COL,PLANE,ROW,COL,...") for text in arguments.stroke]
-    if not (spheres or lines or arguments.points or arguments.auto):
+    if not (spheres or lines or arguments.points or arguments.start or arguments.auto):
         raise ValueError(
             "No start is given: add --sphere PLANE,ROW,COL,RADIUS, --stroke PLANE,ROW,COL,PLANE,ROW,COL,..., "
-            "--points FILE.csv or --auto grid."
+            "--points FILE.csv, --start FILE or --auto grid."
         )
     return [
         *(np.array(numbers) for numbers in spheres),
@@ -170,8 +176,9 @@ def _seeds(arguments: argparse.Namespace, volume: Image, drawn: list[Array]) -> 
     plane, row, col = (side / min(volume.spacing) for side in volume.spacing)
     sides = (plane, row, col)
     seeds = [part if part.ndim == 2 else sphere((part[0], part[1], part[2]), part[3], spacing=sides) for part in drawn]
+    seeds += [start.seeds() for start in starts_in_volume(arguments, volume)]
     if arguments.auto:
-        seeds.append(everywhere(volume) if arguments.auto == "grid" else on_strong_edges(volume))
+        seeds.append(_AUTOMATIC[arguments.auto](volume))
     return np.concatenate(seeds)
 
 

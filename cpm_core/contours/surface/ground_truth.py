@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -31,6 +31,8 @@ class VolumeTruth:
         Unit of `spacing`; None when it is not known.
     source : str
         Name of the file for the user.
+    boundary : Surface or None
+        The boundaries of the objects, where they are known better than halfway between voxels.
 
     Raises
     ------
@@ -51,6 +53,7 @@ class VolumeTruth:
     spacing: tuple[float, ...] = (1.0, 1.0, 1.0)
     unit: str | None = None
     source: str = "ground truth"
+    boundary: Surface | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         given = real_numbers(self.labels)
@@ -78,7 +81,9 @@ class VolumeTruth:
 
     @cached_property
     def surface(self) -> Surface:
-        """The boundaries of the objects, halfway between voxels; the border of the volume is none."""
+        """The boundaries of the objects, halfway between voxels unless known; the border of the volume is none."""
+        if self.boundary is not None:
+            return replace(self.boundary, spacing=self.spacing, unit=self.unit)
         vertices, faces, count = [np.empty((0, 3))], [np.empty((0, 3), np.int64)], 0
         boxes = scipy.ndimage.find_objects(self.labels)
         for label in np.unique(self.labels[self.labels > 0]).tolist():

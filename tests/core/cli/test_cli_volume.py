@@ -106,7 +106,6 @@ def test_a_surface_is_compared_with_a_label_volume(folder, command):
         (("none.npy", *SPHERE), "does not exist"),
         (("flat.png", *SPHERE), "flat.png has the shape (20, 20)"),
         (("ball.npy", "--volume"), "No start is given: add --sphere"),
-        (("ball.npy", "--volume", "--auto", "centers"), "--auto is centers, which is for images"),
         (("ball.npy", "--volume", "--stroke", "1,2"), '--stroke is "1,2" but must be planes, rows and columns in turn'),
         (("ball.npy", *SPHERE, "--region", "1,2,3"), '--region is "1,2,3" but must be six numbers'),
         (("ball.npy", *SPHERE, "--region", "40,40,40,50,50,50"), "region of interest 1 holds no voxel of the volume"),

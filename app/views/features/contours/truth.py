@@ -11,7 +11,7 @@ from app.views.panels.contour_table.truth_panel import TruthPanel
 from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature, FeatureContext, Panel
 from app.views.window.file_dialogs import Files, all_files
-from cpm_core.formats import READABLE
+from cpm_core.formats import READABLE, SURFACES_READABLE
 from cpm_core.formats.contours.reading.contour_file import CONTOURS_READABLE
 
 _SPAN = 48.0
@@ -65,7 +65,7 @@ class TruthFeature(Feature):
     def _load(self) -> None:
         self.context.reveal("truth")
         kinds = (
-            (Files(tr("Label volumes"), tuple(READABLE)), all_files())
+            (Files(tr("Label volumes and surfaces"), (*READABLE, *SURFACES_READABLE)), all_files())
             if self.truth.in_volume
             else (
                 Files(tr("Masks and contours"), tuple(dict.fromkeys((*READABLE, *CONTOURS_READABLE)))),

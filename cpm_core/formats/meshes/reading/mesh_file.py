@@ -12,9 +12,11 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from cpm_core.contours.ground_truth import labels_of
 from cpm_core.contours.surface import Surface
 from cpm_core.formats.images.content import content_of
 from cpm_core.formats.images.decoded import UnreadableError
+from cpm_core.formats.masks.label_volume import labels_like
 from cpm_core.formats.meshes.reading import obj, ply, stl, vtk
 from cpm_core.formats.meshes.reading.place import place_of
 from cpm_core.formats.meshes.reading.triangles import Triangles
@@ -36,8 +38,8 @@ _READERS: Mapping[str, tuple[str, Callable[[bytes], Triangles]]] = MappingProxyT
 SURFACES_READABLE: dict[str, str] = {suffix: what for suffix, (what, _) in _READERS.items()}
 """Suffixes of files that surfaces can be read from -> what they are; volumes are read as labels."""
 
-_MOST_LABELS = 10_000
-"""Most objects of a label volume."""
+_MOST_LABELS = 100_000
+"""Largest label that is the number of an object."""
 
 
 def load_surface(
@@ -139,22 +141,20 @@ def _check_inside(surface: Surface, image: Image, name: str) -> None:
 
 
 def _of_labels(file: Path, image: Image | None) -> Surface:
-    """The surfaces of the objects of a label volume, halfway between voxels."""
-    volume = load_volume(file)
-    if image is not None and image.shape != volume.shape:
-        sizes = [" x ".join(map(str, shape)) for shape in (volume.shape, image.shape)]
-        raise ValueError(f"{file.name} is a volume of {sizes[0]} voxels, but {image.source} has {sizes[1]}.")
-    labels = volume.values
-    if (labels != np.floor(labels)).any() or labels.min() < 0 or labels.max() > _MOST_LABELS:
-        raise ValueError(
-            f"{file.name} is no volume of labels, whole numbers from 0 to {_MOST_LABELS}: choose labels or triangles."
-        )
-    spacing, unit = (volume.spacing, volume.unit) if image is None else (image.spacing, image.unit)
-    return surface_of_labels(labels.astype(np.int32), spacing, unit, file.name)
+    """The surfaces of the objects of a label volume, halfway between voxels; whole numbers are kept."""
+    volume = image or load_volume(file)
+    values = volume.values if image is None else labels_like(file, image)
+    labels = labels_of(values, file.name)
+    if values.min() == 0 and values.max() <= _MOST_LABELS and not (values % 1.0).any():
+        labels = values.astype(np.int32)
+    return surface_of_labels(labels, volume.spacing, volume.unit)
 
 
-def surface_of_labels(labels: NDArray[np.int32], spacing: tuple[float, ...], unit: str | None, name: str) -> Surface:
-    """The surfaces between the voxels of labels and their neighbors, each with its number; ValueError without any."""
+def surface_of_labels(labels: NDArray[np.int32], spacing: tuple[float, ...], unit: str | None) -> Surface:
+    """The closed surfaces between the voxels of labels and their neighbors; there must be one label at least.
+
+    With a single label the connected parts are the objects, and none has a number.
+    """
     from cpm_core.reconstruction.surface.iso.marching import zero_surface  # noqa: PLC0415 - compiles loops
 
     places, corners, numbers, count = [], [], [], 0
@@ -168,6 +168,5 @@ def surface_of_labels(labels: NDArray[np.int32], spacing: tuple[float, ...], uni
         corners.append(faces + count)
         numbers.append(np.full(len(faces), number))
         count += len(vertices)
-    if not places:
-        raise ValueError(f"{name} has the label 0 everywhere, so it shows no object: choose another volume.")
-    return Surface(np.concatenate(places), np.concatenate(corners), spacing, unit, numbers=np.concatenate(numbers))
+    of = np.concatenate(numbers) if len(numbers) > 1 else None
+    return Surface(np.concatenate(places), np.concatenate(corners), spacing, unit, numbers=of)

@@ -18,7 +18,9 @@ from cpm_core import (
     load_centerlines,
     load_points,
     load_surface,
+    load_volume_truth,
 )
+from cpm_core.contours.surface.agreement import compare_surface
 from cpm_core.formats.meshes.reading.mesh_file import SURFACES_READABLE, decode_surface
 
 from .test_meshes import RESULT, SHAPE, SPACING, SURFACE, VALUES
@@ -132,6 +134,19 @@ def test_the_surface_of_a_label_volume_has_the_same_labels(suffix, tmp_path):
     np.testing.assert_array_equal(replace(result, surface=found).labels, result.labels)
 
 
+def test_a_surface_is_the_truth_of_its_volume(tmp_path):
+    result = placed(Geometry((5.0, 6.0, 7.0)))
+    export(result, tmp_path / "truth.ply")
+    truth = load_volume_truth(tmp_path / "truth.ply", result.image)
+    np.testing.assert_array_equal(truth.labels > 0, VALUES > 0.0)
+    assert np.abs(truth.surface.vertices - SURFACE.vertices).max() < NEAR
+    assert compare_surface(SURFACE, truth).hausdorff < NEAR
+    opened = replace(result, surface=replace(SURFACE, faces=SURFACE.faces[1:]))
+    export(opened, tmp_path / "open.ply")
+    with pytest.raises(ValueError, match=r"surface of open\.ply is not closed"):
+        load_volume_truth(tmp_path / "open.ply", result.image)
+
+
 def test_particles_come_back(tmp_path):
     particles = np.random.default_rng(0).uniform(0, 4000, (50, 3))
     export(replace(RESULT, particles=particles), tmp_path / "a.points.csv")
@@ -212,13 +227,13 @@ def test_a_file_that_is_cut_off_is_refused_in_a_sentence_or_read_in_part(suffix,
 
 def test_a_volume_of_another_size_or_without_labels_is_refused(tmp_path):
     np.save(tmp_path / "gray.npy", VALUES)
-    with pytest.raises(ValueError, match=r"gray\.npy is no volume of labels"):
+    with pytest.raises(ValueError, match=r"gray\.npy has .* so it is an image and no mask"):
         load_surface(tmp_path / "gray.npy")
     np.save(tmp_path / "small.npy", np.ones((8, 9, 10), np.uint8))
-    with pytest.raises(ValueError, match=r"small\.npy is a volume of 8 x 9 x 10 voxels, but image has 16 x 20 x 24"):
+    with pytest.raises(ValueError, match=r"small\.npy has 8 x 9 x 10 voxels, but this volume has 16 x 20 x 24"):
         load_surface(tmp_path / "small.npy", Image(np.zeros(SHAPE)))
     np.save(tmp_path / "none.npy", np.zeros((8, 9, 10), np.uint8))
-    with pytest.raises(ValueError, match=r"label 0 everywhere"):
+    with pytest.raises(ValueError, match=r"one gray level everywhere"):
         load_surface(tmp_path / "none.npy")
     with pytest.raises(ValueError, match=r"a\.txt"):
         load_surface(tmp_path / "a.txt")

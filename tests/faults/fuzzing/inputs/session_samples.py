@@ -27,7 +27,9 @@ from cpm_core.segmentation.pages.page import Page
 from cpm_core.shapes import (
     Barrier,
     Box,
+    BoxGrid,
     BoxRegion,
+    BoxThreshold,
     Charge,
     Circle,
     Ellipse,
@@ -130,6 +132,8 @@ def sample_in_space(folder: Path) -> dict[str, Any]:
             BoxRegion((1.0, 1.0, 1.0), (16.0, 17.0, 18.0)),
             PrismRegion(((1.0, 1.0), (1.0, 17.0), (17.0, 17.0)), 0, 1.0, 16.0),
             Wall(((4.0, 4.0), (4.0, 12.0)), 2, 3.0, 9.0),
+            BoxGrid((5.0, 5.0, 5.0), (12.0, 13.0, 12.5), 3.0),
+            BoxThreshold((5.0, 5.0, 5.0), (12.0, 13.0, 12.5), 0.4),
             EnclosedRegion(_CUBE),
             EnclosingWall(_CUBE),
             Charge((9.0, 9.0, 3.0), -1.5),
