@@ -10,6 +10,7 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -17,6 +18,8 @@ from hypothesis import strategies as st
 import cpm_core
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark, Verdict
+from cpm_core.contours.surface import Surface
+from cpm_core.contours.surface.packing import PackedSurface
 from cpm_core.formats.fingerprint import fingerprint
 from cpm_core.formats.sessions.plain_values import LARGEST
 from cpm_core.formats.sessions.session_file import (
@@ -55,8 +58,16 @@ def values(hint: Any, name: str) -> st.SearchStrategy[Any]:
         return st.tuples(*(values(item, "") for item in items))
     if get_origin(hint) is Literal:
         return st.sampled_from(get_args(hint))
+    if hint is PackedSurface:
+        return st.builds(tetrahedron, st.floats(-1e4, 1e4), st.floats(1.0, 50.0))
     assert hint is float, hint
     return numbers
+
+
+def tetrahedron(at: float, side: float) -> PackedSurface:
+    """The least surface that is closed."""
+    corners = at + side * np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], float)
+    return PackedSurface.of(Surface(corners, np.array([(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])))
 
 
 def any_of(kind: type) -> st.SearchStrategy[Any]:
