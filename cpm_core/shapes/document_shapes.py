@@ -17,15 +17,64 @@ from cpm_core.shapes import (
     Barrier,
     BoxRegion,
     Charge,
+    Circle,
+    Ellipse,
     EnclosedRegion,
     EnclosingWall,
+    Everywhere,
+    Points,
     PrismRegion,
     Region,
     Shape,
+    Sphere,
     Start,
     Wall,
 )
 from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds, ImageStart, SeedCache
+from cpm_core.shapes.space.box import Cuboid
+from cpm_core.shapes.space.enclosed import Enclosed
+from cpm_core.shapes.space.extruded import Extruded
+
+_KINDS = {2: "images", 3: "volumes"}
+_ONE = {2: "an image", 3: "a volume"}
+_PARTS = {2: "pixels", 3: "voxels"}
+
+
+def axes_of(shape: Shape) -> int | None:
+    """How many axes an image has for which a shape is: 2, or 3 for a volume; None where any image will do."""
+    match shape:
+        case Everywhere():
+            return None
+        case Sphere() | Cuboid() | Extruded() | Enclosed():
+            return 3
+        case Circle() | Ellipse():
+            return 2
+        case Points():
+            return len(shape.positions[0])
+        case Charge():
+            return len(shape.position)
+        case _:
+            return len(shape.points[0])
+
+
+def check_axes(shapes: Iterable[Shape], size: tuple[int, ...] = (), image: str = "the image") -> None:
+    """Raise ValueError when shapes are not all for one kind of image, or not for an image of this size.
+
+    An empty `size` says that the image is not known; `image` is its name.
+    """
+    axes, first = len(size), ""
+    for number, shape in enumerate(shapes, 1):
+        own, this = axes_of(shape), f"shape {number} ({shape.title})"
+        if own is None:
+            continue
+        if size and own != axes:
+            raise ValueError(
+                f"{this} is for {_KINDS[own]}, but {image} is taken as {_ONE[axes]} of {' x '.join(map(str, size))} "
+                f"{_PARTS[axes]}: choose an image of the kind that the shapes were drawn in."
+            )
+        if axes and own != axes:
+            raise ValueError(f"{this} is for {_KINDS[own]}, but {first} is for {_KINDS[axes]}: keep those of one kind.")
+        axes, first = own, first or this
 
 
 def starts_of(shapes: Iterable[Shape]) -> tuple[Start, ...]:
@@ -86,5 +135,6 @@ def seeds_on(image: Image, shapes: Iterable[Shape], smoothing: float | str, chan
     `channel` says what gives the gray levels of a color image.
     """
     drawn = tuple(shapes)
+    check_axes(drawn, image.shape, image.source)
     dependent = [shape for shape in drawn if isinstance(shape, ImageStart)]
     return seeds_of(drawn, SeedCache(image).seeds_for(dependent, smoothing, regions_of(drawn), channel))

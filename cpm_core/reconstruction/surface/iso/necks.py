@@ -68,8 +68,8 @@ class Surroundings:
     def on_a_ridge(self, way: Index, saddle: Index) -> bool:
         """Whether gray levels fall to all sides of a way, shape (K, 3), nearly as much as they rise along it.
 
-        The curvature is the mean over its voxels without both ends, which lie inside: at the saddle alone noise decides, and where a thin
-        vessel ends in a thick one the saddle lies on the flank of the thick one.
+        The curvature is the mean over its voxels without both ends, which lie inside. At the saddle alone noise
+        decides, and where a thin vessel ends in a thick one the saddle lies on the flank of the thick one.
         """
         near = self._places.query_ball_point(saddle * self.size, _AROUND)
         if not near:
