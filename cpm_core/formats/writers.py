@@ -14,9 +14,8 @@ from pathlib import Path
 from types import MappingProxyType
 
 from cpm_core.contours.result import Result
-from cpm_core.formats.animations import figure
 from cpm_core.formats.atomic import check_place, write_together
-from cpm_core.formats.contours import coco, contour_csv, contour_json, geojson, imagej, labelme, svg
+from cpm_core.formats.contours import coco, contour_csv, contour_json, figure, geojson, imagej, labelme, svg
 from cpm_core.formats.contours.dxf import drawing as dxf
 from cpm_core.formats.masks import label_tiff, labels, nifti
 from cpm_core.formats.meshes import obj, ply, points_csv, stl, swc, vtk

@@ -45,7 +45,7 @@ ROWS = (
         "tests/core/formats/test_all_read_back.py::test_there_is_a_reader_for_every_file_of_lines_surfaces_or_points"),
     Row("What other programs write is read", "ImageJ, QuPath, labelme, COCO, SVG, DXF, napari",
         f"{_CONTOURS}/reading/test_other_programs.py::test_shapes_of_napari_are_read"),
-    Row("Figures for publications, with a scale bar", "Ctrl+E: `.figure.svg`, PDF, PNG; `cpm export`, `cpm batch`, `plot`",
+    Row("Figures for publications, with a scale bar", "Ctrl+E: `.figure.svg`, PDF, PNG; `cpm export`, `plot`",
         "tests/app/features/test_export.py::test_a_figure_shows_image_contours_and_a_scale_bar_of_the_typed_size"),
     Row("The run as an animation or a strip of snapshots", "Ctrl+E: GIF, APNG, MP4",
         "tests/core/formats/animations/test_animation.py::test_all_frames_are_there_for_their_time"),
