@@ -132,3 +132,10 @@ def test_a_drag_of_the_right_button_moves_the_volume_and_opens_no_menu(volume, h
     hand.qtbot.wait(5)
     assert QApplication.activePopupWidget() is None
     assert view.camera is not before
+
+
+def test_the_view_opens_with_as_much_room_as_the_panel_above_it(window, hand, volume_file) -> None:
+    window.resize(1400, 1000)
+    open_file(window, hand, volume_file)
+    docks = window.docks
+    hand.wait(lambda: docks["space"].height() >= docks["parameters"].height() - 2)
