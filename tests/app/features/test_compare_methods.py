@@ -28,6 +28,8 @@ from cpm_core.segmentation.methods.level_sets.geodesic import GeodesicSettings
 from cpm_core.shapes.outlines import outlines_of
 from tests.app.conftest import Hand, disc
 
+pytestmark = pytest.mark.shared_window
+
 KEY = Qt.Key
 LEFT = Qt.MouseButton.LeftButton
 

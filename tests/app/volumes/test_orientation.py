@@ -10,6 +10,8 @@ from app.views.features.view.slices import SlicesFeature
 from app.views.features.view.space import SpaceFeature
 from tests.app.volumes.conftest import ball, open_file
 
+pytestmark = pytest.mark.shared_window
+
 
 def shown(view):
     """The letters at the top, bottom, left and right of a view."""
@@ -45,11 +47,13 @@ def test_the_letters_can_be_hidden(patient) -> None:
     assert shown(patient.feature(SlicesFeature).sides[0]) == ("", "", "", "")
 
 
+@pytest.mark.own_window
 def test_a_volume_that_tells_nothing_has_the_names_of_its_axes(volume) -> None:
     assert shown(volume.canvas_area.canvas) == ("", "row", "", "column")
     assert volume.feature(SpaceFeature).panel.view.marks.names[0] == ("", "plane")
 
 
+@pytest.mark.own_window
 def test_a_plain_image_has_no_letters_and_a_plane_of_a_patient_has(patient, hand, image_file) -> None:
     patient.actions_by_name["open_stack"].trigger()
     hand.wait(lambda: patient.session.image.ndim == 2 and patient.session.idle)

@@ -20,6 +20,8 @@ from app.views.help.cheat_sheet import CheatSheet
 from app.views.widgets.key_text import native
 from cpm_core.shapes import Circle, Everywhere
 
+pytestmark = pytest.mark.shared_window
+
 LANGUAGES = Path(__file__).parents[3] / "assets" / "languages"
 
 NAMED = re.compile(r"\{key:(\w+)\}")
