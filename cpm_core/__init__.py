@@ -47,10 +47,12 @@ The model on one page
 same as an iterator over its steps, and `follow` one on each page of a stack, from the contours of the page before
 (`segmentation.pages`). `contours.measurements` measures each contour and finds which lies in which; `Result.labels` and
 `Result.table` are the pixels inside and their measurements. Where the **ground truth** is known, as a mask or as
-contours, `compare` measures the agreement with it (`contours.agreement`, `contours.ground_truth`).
+contours, `compare` measures the agreement with it (`contours.agreement`, `contours.ground_truth`), and in a volume
+`compare_surface` that of the surface.
 `formats` reads and writes files: `export` chooses the format of contours by the suffix, `encoded` returns the same
-without a file, `load_contours` reads them; `write_animation` and `strip` show a run frame by frame; `write_figure`
-draws image and contours for a publication, and so does ``plot`` of images and results, on axes of matplotlib.
+without a file; `load_contours`, `load_surface`, `load_centerlines` and `load_points` read them. `write_animation` and
+`strip` show a run frame by frame; `write_figure` draws image and contours for a publication, and so does ``plot`` of
+images and results, on axes of matplotlib.
 
 The **skeleton** is the middle line of an object with the distance to its boundary, from which the object can be
 reconstructed (`medial_axis`). It needs no seeds. In a volume it is the center lines
@@ -76,16 +78,28 @@ from cpm_core.contours.measurements import containment, measure
 from cpm_core.contours.measurements.table import Table
 from cpm_core.contours.result import Result
 from cpm_core.contours.surface import Surface
+from cpm_core.contours.surface.agreement import SurfaceComparison, compare_surface
+from cpm_core.contours.surface.ground_truth import VolumeTruth
 from cpm_core.dynamics.energies import Energies
 from cpm_core.dynamics.forces import Forces
 from cpm_core.field.edge_map import edge_map
 from cpm_core.field.electric_field import electric_field
 from cpm_core.field.placed_charges import PlacedCharge
-from cpm_core.formats import encoded, export, load_contours, load_image, load_pages, load_volume
+from cpm_core.formats import (
+    encoded,
+    export,
+    load_centerlines,
+    load_contours,
+    load_image,
+    load_pages,
+    load_points,
+    load_surface,
+    load_volume,
+)
 from cpm_core.formats.animations.animation import write_animation
-from cpm_core.formats.animations.figure import write_figure
 from cpm_core.formats.animations.snapshot_strip import strip
-from cpm_core.formats.ground_truth_file import load_truth
+from cpm_core.formats.contours.figure import write_figure
+from cpm_core.formats.ground_truth_file import load_truth, load_volume_truth
 from cpm_core.formats.images.examples import example
 from cpm_core.formats.meshes.swc import write_swc
 from cpm_core.formats.provenance import VERSION
@@ -101,7 +115,7 @@ from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 from cpm_core.particles.coulomb.coulomb_force import coulomb_force
 from cpm_core.particles.initialization import circle, divergence_centers, gradient_threshold, stroke, uniform_grid
 from cpm_core.particles.state import Particles, State
-from cpm_core.particles.volume_starts import box, everywhere, in_slice, on_strong_edges, sphere
+from cpm_core.particles.volume_starts import at_centers, box, everywhere, in_slice, on_strong_edges, sphere
 from cpm_core.reconstruction import reconstruct_curve, reconstruct_surface
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.evolve import Evolution, Evolved, evolve
@@ -156,16 +170,20 @@ __all__ = [
     "Start",
     "State",
     "Surface",
+    "SurfaceComparison",
     "Table",
     "TrackEvent",
     "Truth",
     "VolumePartition",
     "VolumeRegions",
     "VolumeSelection",
+    "VolumeTruth",
+    "at_centers",
     "box",
     "centerlines",
     "circle",
     "compare",
+    "compare_surface",
     "containment",
     "coulomb_force",
     "divergence_centers",
@@ -180,11 +198,15 @@ __all__ = [
     "follow",
     "gradient_threshold",
     "in_slice",
+    "load_centerlines",
     "load_contours",
     "load_image",
     "load_pages",
+    "load_points",
+    "load_surface",
     "load_truth",
     "load_volume",
+    "load_volume_truth",
     "measure",
     "moments",
     "objects_result",

@@ -1,4 +1,4 @@
-"""The README promises nothing that is not so: its commands, its example and its table are run and compared."""
+"""README and guide promise nothing that is not so: their commands, examples and tables are run and compared."""
 
 import re
 import shlex
@@ -13,10 +13,16 @@ from cpm_core.parameters import PRESETS
 
 ROOT = Path(__file__).parent.parent
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
-BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```$", TEXT, flags=re.MULTILINE | re.DOTALL)
+FORMATS = (ROOT / "docs" / "formats.md").read_text(encoding="utf-8")
+PAGES = {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in (ROOT / "docs").glob("*.md")}
+BLOCKS = [
+    (kind, block)
+    for page in (TEXT, *PAGES.values())
+    for kind, block in re.findall(r"^```(\w+)\n(.*?)^```$", page, flags=re.MULTILINE | re.DOTALL)
+]
 COMMANDS = [line for kind, block in BLOCKS if kind == "sh" for line in block.splitlines()]
-RUNS = [line for line in COMMANDS if line.startswith("cpm ")]
-EXAMPLES = [block for kind, block in BLOCKS if kind == "python"]
+RUNS = sorted({line for line in COMMANDS if line.startswith("cpm ")})
+EXAMPLES = [block for kind, block in BLOCKS if kind == "python" and "rings.svg" in block]
 
 
 @pytest.fixture
@@ -29,7 +35,7 @@ def place(tmp_path, monkeypatch):
 
 def test_presets_and_formats_are_named():
     assert all(f"`{name}`" in TEXT for name in PRESETS)
-    assert all(f"| `{suffix}` |" in TEXT for suffix in WRITABLE)
+    assert all(f"`{suffix}`" in FORMATS.split("## What is written")[1] for suffix in WRITABLE)
     names = {
         "PNG": ".png",
         "TIFF": ".tif .tiff",
@@ -47,11 +53,11 @@ def test_presets_and_formats_are_named():
     }
     assert {suffix for suffixes in names.values() for suffix in suffixes.split()} == set(READABLE)
     assert all(name in " ".join(TEXT.split()) for name in names)
-    assert all(f"`{suffix}`" in TEXT for suffix in READABLE)
+    assert all(f"`{suffix}`" in FORMATS for suffix in READABLE)
 
 
 @pytest.mark.parametrize("line", RUNS)
-def test_commands_of_the_tour_work_as_they_stand(place, capsys, line):
+def test_commands_of_the_tour_work_as_they_stand(compiled_loops, place, capsys, line):
     assert cli.main(shlex.split(line)[1:]) == 0
     output = capsys.readouterr()
     assert output.out
@@ -61,8 +67,8 @@ def test_commands_of_the_tour_work_as_they_stand(place, capsys, line):
 
 
 @pytest.mark.parametrize("example", EXAMPLES)
-def test_the_library_example_works_as_it_stands(place, capsys, example):
-    exec(compile(example, "README.md", "exec"), {})
+def test_the_library_examples_work_as_they_stand(place, capsys, example):
+    exec(compile(example, "example", "exec"), {})
     output = capsys.readouterr().out
     assert output.count("closed: True") == 5
     assert "at rest" in output
@@ -71,19 +77,21 @@ def test_the_library_example_works_as_it_stands(place, capsys, example):
 
 def test_the_tour_has_commands_and_an_example():
     assert len(RUNS) >= 3
-    assert len(EXAMPLES) == 1
+    assert len(EXAMPLES) == 2
 
 
 def test_pictures_and_files_that_it_points_to_are_there():
-    for target in re.findall(r"\]\((?!http)([^)]+)\)", TEXT):
-        assert (ROOT / target).is_file(), target
+    for page, text in {"README.md": TEXT, **PAGES}.items():
+        for target in re.findall(r"\]\((?!http|#|_made/)([^)#]+)[^)]*\)", text):
+            assert (ROOT / page).parent.joinpath(target).is_file(), (page, target)
 
 
-def test_each_command_stands_on_one_line_and_the_continuous_check_runs_the_second():
+def test_each_command_stands_on_one_line_and_the_continuous_check_runs_those_that_check():
     assert "python3 -m venv .venv && .venv/bin/pip install '.[gui]' && .venv/bin/cpm" in COMMANDS
     script = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
-    pattern = re.search(r"grep -m 1 '(.*)' README.md", script).group(1)
-    assert [line for line in TEXT.splitlines() if re.search(pattern, line)] == [
-        "python3 -m venv .venv && .venv/bin/pip install -e '.[test]' && .venv/bin/python -m pytest"
+    patterns = re.findall(r"grep -m 1 '(.*)' README.md", script)
+    assert [[line for line in TEXT.splitlines() if re.search(pattern, line)] for pattern in patterns] == [
+        ["python3 -m venv .venv && .venv/bin/pip install -e '.[test]' && .venv/bin/python -m pytest"],
+        [".venv/bin/python -m mypy"],
     ]
     assert len(re.findall(r"^sudo apt-get install -y ", TEXT, flags=re.MULTILINE)) == 1

@@ -13,8 +13,9 @@ from types import MappingProxyType
 
 import numpy as np
 
-from app.model.display.differences import Difference
 from app.model.display.display_image import DisplayImage
+from app.model.display.truth.differences import Difference
+from app.model.display.truth.surfaces import Apart
 from app.model.document.document import Document
 from app.model.document.objects import AnySelection
 from app.model.text.language import tr
@@ -29,6 +30,7 @@ from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.measurements import Measures
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import Mark, ReviewedContour, learned, reviewed
+from cpm_core.contours.surface.ground_truth import VolumeTruth
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array, Index
@@ -201,10 +203,12 @@ class Scene:
         Forces on a particle.
     compared : Compared or None
         Another branch of the timeline at the same step.
-    truth : Truth or None
+    truth : Truth, VolumeTruth or None
         Ground truth.
     differences : tuple of Difference
-        Where the contours differ from it.
+        Where the contours, or the surface, differ from it.
+    apart : tuple of Apart
+        The same in a volume, as parts of the surfaces.
     objects : ShownObjects
         The selection of objects.
     slices : Slices or None
@@ -230,8 +234,9 @@ class Scene:
     overlays: Mapping[str, Drawn] = field(default_factory=dict)
     probed: Probed | None = None
     compared: Compared | None = None
-    truth: Truth | None = None
+    truth: Truth | VolumeTruth | None = None
     differences: tuple[Difference, ...] = ()
+    apart: tuple[Apart, ...] = ()
     objects: ShownObjects = field(default_factory=ShownObjects)
     slices: Slices | None = None
     volume: Image | None = None

@@ -7,10 +7,11 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
-from cpm_core.cli import export, info
+from cpm_core.cli import info
 from cpm_core.cli.batch import command as batch_command
 from cpm_core.cli.bench import command as bench_command
 from cpm_core.cli.compare import command as compare_command
+from cpm_core.cli.export import command as export_command
 from cpm_core.cli.figures import command as figures_command
 from cpm_core.cli.help import completion
 from cpm_core.cli.help.examples import is_examples, text_of
@@ -24,7 +25,7 @@ from cpm_core.formats.provenance import VERSION
 _MODULES = (
     run_command,
     batch_command,
-    export,
+    export_command,
     skeleton_command,
     compare_command,
     info,

@@ -214,7 +214,8 @@ def compare(
     Returns
     -------
     Comparison
-        Overlap, distances and differences; a pixel is inside when its center is.
+        Overlap, distances and differences; a pixel is inside when its center is. A stretch along the border of the
+        image is boundary of neither where an object of the truth reaches the border: nobody can see one there.
 
     Raises
     ------
@@ -231,7 +232,7 @@ def compare(
     (True, 1.0, 1)
     """
     _check(tolerance)
-    a, b = _Boundary(contours), _Boundary(truth.contours)
+    a, b = (_Boundary(some, truth, tolerance) for some in (contours, truth.contours))
     found, true = inside(contours, truth.shape, holes=holes), truth.labels > 0
     common, either = int((found & true).sum()), int((found | true).sum())
     starts = np.cumsum([len(contour.points) for contour in contours])[:-1]
@@ -240,12 +241,12 @@ def compare(
         **_boundaries(a, b, tolerance),
         dice=2.0 * common / (common + either) if either else 1.0,
         jaccard=common / either if either else 1.0,
-        distances=tuple(np.split(b.tree.distances(a.vertices), starts)) if contours else (),
+        distances=tuple(np.split(b.tree.distances(_vertices(contours)), starts)) if contours else (),
         missing=b.samples[a.tree.distances(b.samples) > tolerance],
         extra_area=found & ~true,
         missing_area=true & ~found,
         matches=_matches(contours, overlaps),
-        objects=_counts(overlaps),
+        objects=object_counts(overlaps),
     )
 
 
@@ -272,15 +273,31 @@ def recovered(contours: Sequence[Contour], truth: Sequence[Contour], tolerance: 
 
 
 class _Boundary:
-    """Samples and segments of contours."""
+    """Samples and segments of contours; of a truth without the samples where its objects reach the image border."""
 
-    def __init__(self, contours: Sequence[Contour]) -> None:
+    def __init__(self, contours: Sequence[Contour], truth: Truth | None = None, tolerance: float = 0.0) -> None:
         none = np.empty((0, 2))
         paths = [contour.path for contour in contours]
-        self.samples = sampled(contours)
-        self.vertices = np.concatenate([none, *(contour.points for contour in contours)])
+        self.samples, self.vertices = sampled(contours), _vertices(contours)
+        if truth is not None:
+            self.samples, self.vertices = (
+                kept[~_cut(kept, truth, tolerance)] for kept in (self.samples, self.vertices)
+            )
         begin = np.concatenate([none, *(path[:-1] for path in paths)])
         self.tree = SegmentTree(begin, np.concatenate([none, *(path[1:] for path in paths)]))
+
+
+def _vertices(contours: Sequence[Contour]) -> Array:
+    return np.concatenate([np.empty((0, 2)), *(contour.points for contour in contours)])
+
+
+def _cut(points: Array, truth: Truth, tolerance: float) -> Mask:
+    """Which points, shape (N, 2), lie within the tolerance of the image border where it cuts an object; shape (N,)."""
+    last = np.array(truth.shape) - 1
+    before, beyond = points + 0.5 <= tolerance, last + 0.5 - points <= tolerance
+    pixels = np.where(before, 0, np.where(beyond, last, np.clip(np.rint(points), 0, last))).astype(int)
+    cut: Mask = np.any(before | beyond, axis=1) & (truth.labels[tuple(pixels.T)] > 0)
+    return cut
 
 
 def _boundaries(a: _Boundary, b: _Boundary, tolerance: float) -> dict[str, float]:
@@ -315,7 +332,11 @@ def _overlaps(contours: Sequence[Contour], truth: Truth) -> NDArray[np.int64]:
     return np.bincount((objects * width + found).ravel(), minlength=height * width).reshape(height, width)
 
 
-def _counts(table: NDArray[np.int64]) -> ObjectCounts:
+def object_counts(table: NDArray[np.int64]) -> ObjectCounts:
+    """Counts from the pixels of each true object (rows) in each found one (columns).
+
+    The first row and the first column are the background.
+    """
     sizes, areas, common = table.sum(axis=1)[1:], table.sum(axis=0)[1:], table[1:, 1:]
     either = sizes[:, None] + areas[None, :] - common
     found = int((2 * common > either).sum())  # above 1/2 there is at most one contour for an object, and one for it

@@ -2,6 +2,8 @@
 
 from cpm_core.formats.contours.points_csv import load_points
 from cpm_core.formats.contours.reading.contour_file import CONTOURS_READABLE, load_contours
+from cpm_core.formats.meshes.reading.mesh_file import SURFACES_READABLE, load_surface
+from cpm_core.formats.meshes.reading.tree import load_centerlines
 from cpm_core.formats.readers import READABLE, holds_volume, load_image, load_pages, load_volume, open_stack
 from cpm_core.formats.writers import (
     FOR_CENTERLINES,
@@ -24,16 +26,19 @@ __all__ = [
     "FOR_VOLUMES",
     "OUTLINABLE",
     "READABLE",
+    "SURFACES_READABLE",
     "WRITABLE",
     "check_export",
     "encoded",
     "export",
     "holds_volume",
     "left_out",
+    "load_centerlines",
     "load_contours",
     "load_image",
     "load_pages",
     "load_points",
+    "load_surface",
     "load_volume",
     "omission",
     "open_stack",

@@ -1,4 +1,4 @@
-"""Ground truth from a file: a mask, or contours."""
+"""Ground truth from a file: a mask or contours of an image, labels or a surface of a volume."""
 
 from __future__ import annotations
 
@@ -10,9 +10,13 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import Truth, truth_of_contours, truth_of_mask
-from cpm_core.formats import load_image
+from cpm_core.contours.surface.ground_truth import VolumeTruth, truth_of_volume
+from cpm_core.contours.surface.inside import numbered
+from cpm_core.formats import SURFACES_READABLE, load_image, load_surface
 from cpm_core.formats.contours.reading.contents import Plane
 from cpm_core.formats.contours.reading.contour_file import CONTOURS_READABLE, read_contours
+from cpm_core.formats.masks.label_volume import labels_like
+from cpm_core.image.image import Image
 
 _BESIDE = 1.0
 """Distance that vertices may lie outside the image [px]."""
@@ -70,6 +74,49 @@ def load_truth(
     image = load_image(file)
     _check_size(file.name, image.shape, (rows, cols))
     return truth_of_mask(image.values, file.name)
+
+
+def load_volume_truth(path: str | os.PathLike[str], volume: Image) -> VolumeTruth:
+    """Read the ground truth of a volume.
+
+    Parameters
+    ----------
+    path : path-like
+        A label volume, which is any that `load_volume` reads: its lowest gray level is the background, each other one
+        an object, and two levels make one class. Or a closed surface, which is any that `load_surface` reads.
+    volume : Image
+        The volume that the truth belongs to.
+
+    Returns
+    -------
+    VolumeTruth
+        With voxels as large as those of the volume. Where both files tell a place in space, the labels are turned as
+        the volume is.
+
+    Raises
+    ------
+    ValueError
+        When the file cannot be read, is no label volume, or belongs to a volume of another size or place.
+
+    Examples
+    --------
+    >>> volume = cpm.example("ball")
+    >>> np.save("labels.npy", (volume.values > volume.values.mean()).astype(np.uint8))
+    >>> cpm.load_volume_truth("labels.npy", volume)
+    <VolumeTruth labels.npy, 31 x 31 x 31 voxels, 1 object>
+    """
+    file = Path(path)
+    if file.suffix.lower() in CONTOURS_READABLE:
+        raise ValueError(f"{file.name} holds contours, which lie in a plane: choose labels or a surface.")
+    if file.suffix.lower() in SURFACES_READABLE:
+        surface = load_surface(file, volume)
+        if not surface.closed:
+            raise ValueError(
+                f"The surface of {file.name} is not closed, so that nothing is inside: choose another one."
+            )
+        labels = numbered(surface, volume.shape).astype(np.int32)
+        return VolumeTruth(labels, volume.spacing, volume.unit, file.name, boundary=surface)
+    return truth_of_volume(labels_like(file, volume), volume.spacing, volume.unit, file.name)
 
 
 def _contours(file: Path, plane: Plane, shape: tuple[int, int]) -> tuple[Contour, ...]:

@@ -18,7 +18,7 @@ from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import Extrusion, Voxels
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.parameters.provenance import Provenance
-from cpm_core.shapes import SHAPES, Shape
+from cpm_core.shapes import SHAPES, EnclosedRegion, EnclosingWall, Shape
 
 VERSION = "0.1.0"
 """Version of CPM; the package is built with it."""
@@ -109,7 +109,14 @@ def ascii_entries_of(facts: Mapping[str, Any]) -> dict[str, str]:
 def plain_shapes(shapes: Iterable[Shape]) -> tuple[dict[str, Any], ...]:
     """Shapes for `Provenance.shapes`, with the kinds and fields that session files have."""
     kinds = {kind: name for name, kind in SHAPES.items()}
-    return tuple({"shape": kinds[type(shape)], **asdict(shape)} for shape in shapes)
+    return tuple({"shape": kinds[type(shape)], **_fields(shape)} for shape in shapes)
+
+
+def _fields(shape: Shape) -> dict[str, Any]:
+    """The fields of a shape; of a surface, which may have many thousand triangles, their number and the voxels."""
+    if isinstance(shape, EnclosedRegion | EnclosingWall):
+        return {"triangles": len(shape.surface.surface.faces), "voxels": int(shape.limit.mask.sum())}
+    return asdict(shape)
 
 
 def with_shapes(result: Result, shapes: Iterable[Shape], more: Iterable[Mapping[str, Any]] = ()) -> Result:

@@ -39,9 +39,18 @@ _FINE = 0.25
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Voxels:
-    """Some voxels of a volume, shape (P, R, C); equal to others that are the same voxels."""
+    """Some voxels of a volume; equal to others that are the same voxels.
+
+    Attributes
+    ----------
+    mask : ndarray of bool, shape (P, R, C)
+        Which voxels.
+    first : tuple of int or None
+        The voxel of the volume that the mask begins at, which may lie outside; None for a mask of the whole volume.
+    """
 
     mask: Mask
+    first: tuple[int, ...] | None = None
 
     def __post_init__(self) -> None:
         mask = np.array(self.mask, dtype=np.bool_, order="C")
@@ -49,17 +58,27 @@ class Voxels:
         object.__setattr__(self, "mask", mask)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Voxels) and (self.mask is other.mask or np.array_equal(self.mask, other.mask))
+        if not isinstance(other, Voxels) or self.first != other.first:
+            return False
+        return self.mask is other.mask or np.array_equal(self.mask, other.mask)
 
     def __hash__(self) -> int:
         return hash((self.mask.shape, int(np.count_nonzero(self.mask))))
 
     def fill(self, filled: Mask) -> None:
         """Mark them in a volume."""
-        filled |= self.mask
+        if self.first is None:
+            filled |= self.mask
+            return
+        begin, end = np.array(self.first), np.array(self.first) + self.mask.shape
+        low, high = np.clip(begin, 0, filled.shape), np.clip(end, 0, filled.shape)
+        there = tuple(slice(a, b) for a, b in zip(low, high, strict=True))
+        here = tuple(slice(a, b) for a, b in zip(low - begin, high - begin, strict=True))
+        filled[there] |= self.mask[here]
 
     def hold(self, voxels: Array) -> Mask:
         """Which of voxels, shape (N, 3), are among them."""
+        voxels = voxels - np.array(self.first or (0, 0, 0))
         last = np.array(self.mask.shape) - 1
         within = ((voxels >= 0) & (voxels <= last)).all(axis=1)
         found: Mask = within & self.mask[tuple(np.clip(voxels, 0, last).astype(np.int64).T)]
@@ -221,7 +240,7 @@ class VolumeRegions:
             raise ValueError(f"these regions are for a volume, but the image is one of {size} pixels: use Regions.")
         for noun, limits in (("region of interest", self.interest), ("barrier", self.barriers)):
             for number, limit in enumerate(limits, start=1):
-                if isinstance(limit, Voxels) and limit.mask.shape != shape:
+                if isinstance(limit, Voxels) and limit.first is None and limit.mask.shape != shape:
                     raise ValueError(
                         f"the mask of {noun} {number} has {' x '.join(map(str, limit.mask.shape))} voxels but must "
                         f"have those of the volume, {size}."

@@ -254,14 +254,18 @@ def divergence_centers(values: ArrayLike, smoothing: float = 2.0, spacing: float
     if image.ndim != 2:
         raise ValueError(f"the image has {image.ndim} dimensions but must have 2 to look for centers of divergence.")
     _positive("spacing", spacing)
-    strength = edge_map(image, smoothing)
+    return centers_between(edge_map(image, smoothing), spacing)
+
+
+def centers_between(strength: Array, spacing: float) -> Array:
+    """Centers of divergence of the field of an edge map, as of `divergence_centers`, in any dimension."""
     direction = unit_vectors(electric_field(strength))
     parts = [np.gradient(component, axis=axis) for axis, component in enumerate(direction)]
     divergence = gaussian_filter(np.asarray(sum(parts)), _RIPPLE)
     largest = scipy.ndimage.maximum_filter(divergence, size=2 * int(spacing) + 1, mode="nearest")
     centers = np.argwhere((divergence == largest) & (divergence > _LEAST_DIVERGENCE)).astype(float)
-    rim = np.concatenate([strength[0], strength[-1], strength[:, 0], strength[:, -1]])
-    cut = rim.max() > WEAKEST_EDGE * strength.max()
+    rim = max(float(np.take(strength, end, axis).max()) for axis in range(strength.ndim) for end in (0, -1))
+    cut = rim > WEAKEST_EDGE * strength.max()
     return np.concatenate([centers, _inflow(direction)]) if cut else centers
 
 
@@ -321,11 +325,11 @@ def allowed_by(positions: Array, regions: AnyRegions | None) -> Mask:
 
 
 def _inflow(direction: Array) -> Array:
-    """Positions along the border of an image, shape (N, 2), where a field of the given direction enters."""
+    """Positions along the border of an image, shape (N, D), where a field of the given direction enters."""
     shape = direction.shape[1:]
-    found = [np.empty((0, 2))]
-    for axis in range(2):
-        along = uniform_grid((shape[1 - axis],), _BORDER_SPACING)
+    found = [np.empty((0, len(shape)))]
+    for axis in range(len(shape)):
+        along = uniform_grid(shape[:axis] + shape[axis + 1 :], _BORDER_SPACING)
         for at, inwards in ((0.0, 1.0), (shape[axis] - 1.0, -1.0)):
             places = np.insert(along, axis, at, axis=1)
             found.append(places[inwards * interpolate(direction, places)[:, axis] > 0.0])

@@ -1,8 +1,9 @@
-"""Starts in a volume: on a sphere, on a box, at what is drawn in slices, evenly spread, and on strong edges."""
+"""Starts in a volume: on a sphere or a box, at what is drawn in slices, evenly, on strong edges, between edges."""
 
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
 
 from cpm_core.field.volume.volume_field import edge_strength, smoothed_volume
@@ -11,13 +12,16 @@ from cpm_core.image.image import Image, as_image
 from cpm_core.numerics.real_numbers import checked_number, real_numbers, three_numbers, voxel_sides
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import shown
-from cpm_core.particles.initialization import STRONG, uniform_grid
+from cpm_core.particles.initialization import STRONG, centers_between, uniform_grid
 
 _GOLDEN = np.pi * (1.0 + 5.0**0.5)
 """Turn from one particle on a sphere to the next: no two of them line up."""
 
 _LARGEST, _MOST = 1e5, 10_000_000
 """Largest radius, beyond any volume that can be processed [voxels], and the most particles."""
+
+_CUBES = 2e6
+"""Number of cubes in which centers are looked for in a large volume."""
 
 _FARTHEST = 1e9
 """Largest coordinate of a corner [voxels]."""
@@ -187,10 +191,57 @@ def on_strong_edges(volume: Image | ArrayLike, fraction: float = STRONG, smoothi
     """
     checked_number("fraction", fraction, lambda share: 0.0 <= share <= 1.0, "from 0 to 1")
     sigma = checked_number("smoothing", smoothing, lambda width: width >= 0.0, "0 or more")
-    volume = _volume(volume)
-    pitch = pitch_of(volume.spacing)
-    strength = edge_strength(smoothed_volume(volume.values, [sigma / side for side in pitch]), pitch)
+    strength = strength_of(_volume(volume), sigma)
     return np.argwhere(strength > fraction * strength.max()).astype(float)
+
+
+def strength_of(volume: Image, smoothing: float) -> Array:
+    """Edge strength of every voxel; `smoothing` as for `on_strong_edges`."""
+    pitch = pitch_of(volume.spacing)
+    return np.asarray(edge_strength(smoothed_volume(volume.values, [smoothing / side for side in pitch]), pitch))
+
+
+def at_centers(volume: Image | ArrayLike, smoothing: float = 2.0, spacing: float = 4.0) -> Array:
+    """Particles in the middle between edges, where the field diverges; shape (N, 3) [voxels].
+
+    Parameters
+    ----------
+    volume : Image or array_like, shape (P, R, C)
+        Volume. A large one is looked at more coarsely, in cubes of about two million in number.
+    smoothing : float
+        Sigma of the Gaussian before the gradient [smallest sides of a voxel].
+    spacing : float
+        Of two centers at most this far apart along each axis only the stronger is kept [smallest sides of a voxel, or
+        of those cubes].
+
+    Returns
+    -------
+    ndarray, shape (N, 3)
+        Positions; see `divergence_centers`.
+
+    Raises
+    ------
+    ValueError
+        When it is no volume, smoothing is negative, or spacing is not a positive number.
+
+    Examples
+    --------
+    >>> seeds = cpm.at_centers(cpm.example("ball"))
+    >>> bool((np.linalg.norm(seeds - 15, axis=1) < 2).any()), len(seeds) < len(cpm.everywhere(cpm.example("ball")))
+    (True, True)
+    """
+    sigma = checked_number("smoothing", smoothing, lambda width: width >= 0.0, "0 or more")
+    apart = checked_number("spacing", spacing, lambda number: number > 0.0, "above 0")
+    volume = _volume(volume)
+    pitch = np.array(pitch_of(volume.spacing))
+    smooth = smoothed_volume(volume.values, (sigma / pitch).tolist())
+    extent = np.maximum(np.array(volume.shape) - 1, 1) * pitch
+    cube = max(1.0, float(np.prod(extent) / _CUBES) ** (1.0 / 3.0))
+    shape = np.maximum(np.rint(extent / cube).astype(int) + 1, 2)
+    even = scipy.ndimage.zoom(smooth, shape / np.array(volume.shape), order=1, grid_mode=False)
+    strength = edge_strength(even, (1.0, 1.0, 1.0))
+    found = centers_between(np.asarray(strength, dtype=np.float64), apart)
+    return np.asarray(found * (np.array(volume.shape) - 1) / (np.array(even.shape) - 1))
 
 
 def _volume(values: Image | ArrayLike) -> Image:

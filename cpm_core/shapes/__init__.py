@@ -14,23 +14,27 @@ from types import MappingProxyType
 from typing import get_args
 
 from cpm_core.shapes.areas import Grid, Threshold
-from cpm_core.shapes.box import Box, BoxRegion
 from cpm_core.shapes.charge import Charge
 from cpm_core.shapes.circle import SMALLEST_RADIUS, Circle
 from cpm_core.shapes.ellipse import Ellipse
 from cpm_core.shapes.everywhere import KINDS, Everywhere, Kind
-from cpm_core.shapes.extruded import PrismRegion, Wall
 from cpm_core.shapes.lines import Barrier, Polygon, Region, Stroke
 from cpm_core.shapes.points import Points
-from cpm_core.shapes.sphere import Sphere
+from cpm_core.shapes.space.areas import BoxGrid, BoxThreshold
+from cpm_core.shapes.space.box import Box, BoxRegion
+from cpm_core.shapes.space.enclosed import EnclosedRegion, EnclosingWall
+from cpm_core.shapes.space.extruded import PrismRegion, Wall
+from cpm_core.shapes.space.sphere import Sphere
 
-Start = Circle | Ellipse | Polygon | Stroke | Points | Grid | Threshold | Everywhere | Sphere | Box
-"""Shapes that give particles; spheres and boxes lie in volumes, polygons, strokes and points in images or volumes."""
+Start = (
+    Circle | Ellipse | Polygon | Stroke | Points | Grid | Threshold | Everywhere | Sphere | Box | BoxGrid | BoxThreshold
+)
+"""Shapes that give particles; spheres and all boxes lie in volumes, polygons, strokes and points in either."""
 
-Interest = Region | BoxRegion | PrismRegion
+Interest = Region | BoxRegion | PrismRegion | EnclosedRegion
 """Regions of interest, the first in images."""
 
-Limit = Region | Barrier | BoxRegion | PrismRegion | Wall
+Limit = Region | Barrier | BoxRegion | PrismRegion | Wall | EnclosedRegion | EnclosingWall
 """Shapes that hold particles back; the first two in images."""
 
 Shape = Start | Limit | Charge
@@ -44,10 +48,14 @@ __all__ = [
     "SMALLEST_RADIUS",
     "Barrier",
     "Box",
+    "BoxGrid",
     "BoxRegion",
+    "BoxThreshold",
     "Charge",
     "Circle",
     "Ellipse",
+    "EnclosedRegion",
+    "EnclosingWall",
     "Everywhere",
     "Grid",
     "Interest",

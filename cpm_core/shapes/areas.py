@@ -20,7 +20,7 @@ FINEST, COARSEST = 2.0, 64.0
 MOST_PLACES = 2**23
 """Particles that a grid may have; their places are counted before memory is taken for them."""
 
-LOWEST, HIGHEST, _STEP = 0.02, 0.98, 0.02
+LOWEST, HIGHEST, STEP = 0.02, 0.98, 0.02
 """Bounds of the fraction of a threshold, and how much it changes at a time."""
 
 
@@ -54,7 +54,7 @@ class Grid(ClosedPath):
     def seeds(self) -> Array:
         """Positions of the particles, shape (N, 2), centered in the area; a single one where the area is too small."""
         low, high = np.min(self.points, axis=0), np.max(self.points, axis=0)
-        along = [_along(length, self.spacing) for length in (high - low).tolist()]
+        along = [centered_along(length, self.spacing) for length in (high - low).tolist()]
         places = np.stack(np.meshgrid(*along, indexing="ij"), axis=-1).reshape(-1, 2) + low
         found = places[polyline.inside(self.points, places)]
         return np.asarray(found if len(found) else np.mean(self.points, axis=0)[None])
@@ -100,7 +100,7 @@ class Threshold(ClosedPath):
 
     def resized(self, by: float) -> Threshold:
         """The same area with the threshold raised by so many steps of 0.02."""
-        return replace(self, fraction=round(min(max(self.fraction + _STEP * by, LOWEST), HIGHEST), 6))
+        return replace(self, fraction=round(min(max(self.fraction + STEP * by, LOWEST), HIGHEST), 6))
 
 
 def _extent(points: Sequence[Position]) -> list[float]:
@@ -108,7 +108,7 @@ def _extent(points: Sequence[Position]) -> list[float]:
     return list(np.ptp(np.array(points, dtype=float), axis=0).tolist())
 
 
-def _along(length: float, spacing: float) -> Array:
+def centered_along(length: float, spacing: float) -> Array:
     """Positions along a length, with the same margin at both ends."""
     count = int(length // spacing) + 1
     return np.asarray(0.5 * length + spacing * (np.arange(count) - 0.5 * (count - 1)), dtype=float)

@@ -11,10 +11,70 @@ import numpy as np
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Line, Regions
-from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
+from cpm_core.image.volume_regions import AnyRegions, VolumeRegions, Voxels
 from cpm_core.numerics.types import Array
-from cpm_core.shapes import Barrier, BoxRegion, Charge, PrismRegion, Region, Shape, Start, Wall
+from cpm_core.shapes import (
+    Barrier,
+    BoxRegion,
+    Charge,
+    Circle,
+    Ellipse,
+    EnclosedRegion,
+    EnclosingWall,
+    Everywhere,
+    Points,
+    PrismRegion,
+    Region,
+    Shape,
+    Sphere,
+    Start,
+    Wall,
+)
 from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds, ImageStart, SeedCache
+from cpm_core.shapes.space.box import Cuboid
+from cpm_core.shapes.space.enclosed import Enclosed
+from cpm_core.shapes.space.extruded import Extruded
+
+_KINDS = {2: "images", 3: "volumes"}
+_ONE = {2: "an image", 3: "a volume"}
+_PARTS = {2: "pixels", 3: "voxels"}
+
+
+def axes_of(shape: Shape) -> int | None:
+    """How many axes an image has for which a shape is: 2, or 3 for a volume; None where any image will do."""
+    match shape:
+        case Everywhere():
+            return None
+        case Sphere() | Cuboid() | Extruded() | Enclosed():
+            return 3
+        case Circle() | Ellipse():
+            return 2
+        case Points():
+            return len(shape.positions[0])
+        case Charge():
+            return len(shape.position)
+        case _:
+            return len(shape.points[0])
+
+
+def check_axes(shapes: Iterable[Shape], size: tuple[int, ...] = (), image: str = "the image") -> None:
+    """Raise ValueError when shapes are not all for one kind of image, or not for an image of this size.
+
+    An empty `size` says that the image is not known; `image` is its name.
+    """
+    axes, first = len(size), ""
+    for number, shape in enumerate(shapes, 1):
+        own, this = axes_of(shape), f"shape {number} ({shape.title})"
+        if own is None:
+            continue
+        if size and own != axes:
+            raise ValueError(
+                f"{this} is for {_KINDS[own]}, but {image} is taken as {_ONE[axes]} of {' x '.join(map(str, size))} "
+                f"{_PARTS[axes]}: choose an image of the kind that the shapes were drawn in."
+            )
+        if axes and own != axes:
+            raise ValueError(f"{this} is for {_KINDS[own]}, but {first} is for {_KINDS[axes]}: keep those of one kind.")
+        axes, first = own, first or this
 
 
 def starts_of(shapes: Iterable[Shape]) -> tuple[Start, ...]:
@@ -22,17 +82,18 @@ def starts_of(shapes: Iterable[Shape]) -> tuple[Start, ...]:
     return tuple(shape for shape in shapes if isinstance(shape, Start))
 
 
-def regions_of(shapes: Iterable[Shape], barriers: tuple[Line, ...] = ()) -> AnyRegions | None:
+def regions_of(shapes: Iterable[Shape], barriers: tuple[Line | Voxels, ...] = ()) -> AnyRegions | None:
     """Regions of interest, and barriers with those that are given besides; None when there are none."""
     drawn = tuple(shapes)
-    if any(isinstance(shape, BoxRegion | PrismRegion | Wall) for shape in drawn):
-        boxes = [shape.limit for shape in drawn if isinstance(shape, BoxRegion)]
-        prisms = [shape.limit for shape in drawn if isinstance(shape, PrismRegion)]
-        walls = [shape.limit for shape in drawn if isinstance(shape, Wall)]
-        return VolumeRegions(interest=(*boxes, *prisms), barriers=tuple(walls))
+    inside = tuple(shape.limit for shape in drawn if isinstance(shape, BoxRegion | PrismRegion | EnclosedRegion))
+    painted = [barrier for barrier in barriers if isinstance(barrier, Voxels)]
+    walls = (*(shape.limit for shape in drawn if isinstance(shape, Wall | EnclosingWall)), *painted)
+    if inside or walls:
+        return VolumeRegions(inside, walls)
     interest = tuple(shape.points for shape in drawn if isinstance(shape, Region))
-    barriers = (*(shape.points for shape in drawn if isinstance(shape, Barrier)), *barriers)
-    return _regions(interest, barriers) if interest or barriers else None
+    given = (barrier for barrier in barriers if not isinstance(barrier, Voxels))
+    lines = (*(shape.points for shape in drawn if isinstance(shape, Barrier)), *given)
+    return _regions(interest, lines) if interest or lines else None
 
 
 _made: deque[Regions] = deque(maxlen=2)
@@ -74,5 +135,6 @@ def seeds_on(image: Image, shapes: Iterable[Shape], smoothing: float | str, chan
     `channel` says what gives the gray levels of a color image.
     """
     drawn = tuple(shapes)
+    check_axes(drawn, image.shape, image.source)
     dependent = [shape for shape in drawn if isinstance(shape, ImageStart)]
     return seeds_of(drawn, SeedCache(image).seeds_for(dependent, smoothing, regions_of(drawn), channel))

@@ -63,7 +63,7 @@ class Everywhere(WithoutOutline):
         return divergence_centers(values)
 
     def seeds_in(self, volume: Image, smoothing: float) -> Array:
-        """Positions of the particles in a volume, shape (N, 3), evenly or on strong edges; else ValueError.
+        """Positions of the particles in a volume, shape (N, 3).
 
         `smoothing` is the sigma of the Gaussian before the gradient [smallest sides of a voxel].
         """
@@ -71,9 +71,7 @@ class Everywhere(WithoutOutline):
             return volume_starts.everywhere(volume)
         if self.kind == "gradient":
             return volume_starts.on_strong_edges(volume, smoothing=smoothing)
-        raise ValueError(
-            f"{self.title} is for images, but {volume.source} is a volume: start everywhere or on strong edges there."
-        )
+        return volume_starts.at_centers(volume)
 
     def moved(self, by: Position) -> Everywhere:
         """The same shape: it has no position."""

@@ -9,9 +9,10 @@ from cpm_core.field.edge_map import automatic_smoothing, edge_map
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.types import Array
-from cpm_core.shapes import Everywhere, Threshold
+from cpm_core.particles.volume_starts import strength_of
+from cpm_core.shapes import BoxThreshold, Everywhere, Threshold
 
-ImageStart = Everywhere | Threshold
+ImageStart = Everywhere | Threshold | BoxThreshold
 """Starts whose positions depend on the image."""
 
 ImageSeeds = Mapping[ImageStart, Array]
@@ -64,16 +65,23 @@ class SeedCache:
         return self._kept[start][1]
 
     def _found(self, start: ImageStart, smoothing: float) -> Array:
-        if self._image.ndim != 3:
-            return start.seeds_for(self._values, lambda: self._edges(smoothing))
-        if isinstance(start, Everywhere):
+        if isinstance(start, Everywhere) and self._image.ndim == 3:
             return start.seeds_in(self._image, smoothing)
-        raise ValueError(f"a {start.title} is for images, but {self._image.source} is a volume: draw something else.")
+        if isinstance(start, BoxThreshold) is not (self._image.ndim == 3):
+            kind, found = ("images", "a volume") if self._image.ndim == 3 else ("volumes", "an image")
+            raise ValueError(
+                f"this {start.title} is for {kind}, but {self._image.source} is {found}: draw another one."
+            )
+        if isinstance(start, BoxThreshold):
+            return start.seeds_within(lambda: self._edges(smoothing))
+        return start.seeds_for(self._values, lambda: self._edges(smoothing))
 
     def _edges(self, smoothing: float) -> Array:
         """Edge strength of the image, cached because dragging an area does not change the smoothing."""
         if self._strength is None or self._strength[0] != smoothing:
-            self._strength = (smoothing, edge_map(self._values, smoothing))
+            volume = self._image.ndim == 3
+            found = strength_of(self._image, smoothing) if volume else edge_map(self._values, smoothing)
+            self._strength = (smoothing, found)
         return self._strength[1]
 
     def _smoothing(self, smoothing: float | str) -> float:

@@ -1,15 +1,21 @@
-"""The closed lines of drawn starts, from which methods that need an inside begin; and starts along given lines."""
+"""The closed lines of drawn starts, from which methods that need an inside begin; and starts along what is given."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 
 from cpm_core.contours.contour import Contour
+from cpm_core.contours.surface import Surface
+from cpm_core.medial_axis.space.centerlines import Centerlines
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array
 from cpm_core.shapes import Circle, Ellipse, Points, Polygon, Shape, Stroke
+
+APART = 2.0
+"""Distance of the particles that a surface gives, as of those along a stroke [smallest sides of a voxel]."""
 
 
 def outlines_of(shapes: Iterable[Shape]) -> tuple[Array, ...]:
@@ -27,3 +33,17 @@ def starts_along(contours: Sequence[Contour], places: Array | None = None) -> tu
     if places is not None and len(places):
         starts.append(Points(tuple((row, col) for row, col in np.asarray(places).tolist())))
     return tuple(starts)
+
+
+def start_on_surface(surface: Surface, apart: float = APART) -> Points:
+    """A start on a surface: of its vertices one in each cube of this side, in smallest sides of a voxel."""
+    used = surface.vertices[np.unique(surface.faces)]
+    cubes = np.floor(used * surface.spacing / (apart * min(surface.spacing))).astype(np.int64)
+    first = np.sort(np.unique(cubes, axis=0, return_index=True)[1])
+    return Points(tuple((plane, row, col) for plane, row, col in used[first].tolist()))
+
+
+def starts_in(lines: Centerlines) -> tuple[Stroke, ...]:
+    """Starts along center lines, with the corners that matter."""
+    paths: list[Any] = [branch.points.tolist() for branch in lines.branches]
+    return tuple(Stroke(polyline.thinned(path)) for path in paths)

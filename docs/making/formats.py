@@ -8,6 +8,7 @@ from cpm_core.formats import (
     FOR_SKELETONS,
     FOR_VOLUMES,
     READABLE,
+    SURFACES_READABLE,
     WRITABLE,
 )
 from making.tables import table
@@ -28,12 +29,15 @@ CHECKED: dict[str, str] = {
     ".nii.gz": "nibabel, and read back",
     ".dxf": "ezdxf, and read back",
     ".png": "Pillow, and read back",
-    ".ply": "by its published layout",
-    ".stl": "by its published layout",
-    ".obj": "by its published layout",
-    ".vtk": "by its published layout",
+    ".figure.svg": "an XML parser",
+    ".figure.png": "Pillow",
+    ".figure.pdf": "its head alone",
+    ".ply": "by its published layout, and read back",
+    ".stl": "by its published layout, and read back",
+    ".obj": "by its published layout, and read back",
+    ".vtk": "by its published layout, and read back",
     ".points.csv": "read back",
-    ".swc": "by its published layout",
+    ".swc": "by its published layout, and read back",
 }
 """What reads a format in the tests."""
 
@@ -62,3 +66,8 @@ def writable() -> str:
 def contours_readable() -> str:
     """Files that contours are read from."""
     return table(("suffix", "what is read"), ((f"`{suffix}`", what) for suffix, what in CONTOURS_READABLE.items()))
+
+
+def surfaces_readable() -> str:
+    """Files that surfaces are read from."""
+    return table(("suffix", "what is read"), ((f"`{suffix}`", what) for suffix, what in SURFACES_READABLE.items()))

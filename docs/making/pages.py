@@ -21,6 +21,7 @@ def make(folder: Path) -> None:
         "readable.md": formats.readable(),
         "writable.md": formats.writable(),
         "contours_readable.md": formats.contours_readable(),
+        "surfaces_readable.md": formats.surfaces_readable(),
         "rows.md": rows.table(),
         **reference.pages(),
     }

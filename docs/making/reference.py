@@ -19,12 +19,14 @@ GROUPS: dict[str, tuple[str, tuple[str, ...]]] = {
     "starts": (
         "Where particles start, and what limits and steers them",
         ("circle", "stroke", "uniform_grid", "gradient_threshold", "divergence_centers", "sphere", "box", "in_slice",
-         "everywhere", "on_strong_edges", "Regions", "VolumeRegions", "Extrusion", "PlacedCharge", "coulomb_force"),
+         "everywhere", "on_strong_edges", "at_centers", "Regions", "VolumeRegions", "Extrusion",
+         "PlacedCharge", "coulomb_force"),
     ),
     "results": (
         "What is found, and how it is measured",
         ("Result", "Contour", "Bridge", "Surface", "Table", "measure", "containment", "reconstruct_curve",
-         "reconstruct_surface", "compare", "Comparison", "Truth", "load_truth", "teach"),
+         "reconstruct_surface", "compare", "Comparison", "Truth", "load_truth", "compare_surface",
+         "SurfaceComparison", "VolumeTruth", "load_volume_truth", "teach"),
     ),
     "objects": (
         "Objects chosen by places",
@@ -33,7 +35,8 @@ GROUPS: dict[str, tuple[str, tuple[str, ...]]] = {
     "skeletons": ("Skeletons", ("skeleton", "Skeleton", "centerlines", "Centerlines", "write_swc")),
     "files": (
         "Files and pictures",
-        ("export", "encoded", "load_contours", "write_figure", "write_animation", "strip"),
+        ("export", "encoded", "load_contours", "load_surface", "load_centerlines", "load_points", "write_figure",
+          "write_animation", "strip"),
     ),
     "stacks": ("Stacks and time series", ("follow", "Page", "TrackEvent")),
     "methods": (

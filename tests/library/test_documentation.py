@@ -115,6 +115,9 @@ def test_tables_hold_every_parameter_format_and_command():
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_pages_point_to_what_there_is(page):
     for target in re.findall(r"\]\((?!http)([^)#]+)\)", page.read_text(encoding="utf-8")):
+        if "_made/reference/" in target:
+            assert Path(target).name in {Path(name).name for name in reference.pages()}, target
+            continue
         made = target.split("_made/notebooks/")
         assert (
             (page.parent / target).is_file()

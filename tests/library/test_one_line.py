@@ -33,11 +33,12 @@ def objects():
     moment = cpm.run_method(gac, image, start, max_steps=2)
     pages = list(cpm.follow([image, image], cpm.circle((32, 18), 5)))
     truth = cpm.Truth(result.labels, result.contours)
+    labels = cpm.VolumeTruth(surface.labels)
     evolution = cpm.evolve(image, seeds)
     return [
         image, result, ball, surface, surface.surface, engine, state, state.particles, partition, bodies, gac, start,
         moment, pages[0], cpm.TrackEvent("splits", 3, 1, tuple(range(2, 60))), truth, evolution, next(evolution),
-        result.contours[0], result.table(),
+        labels, cpm.compare_surface(surface.surface, labels), result.contours[0], result.table(),
         cpm.compare(result.contours, truth), cpm.facts_of(moment, truth), engine.forces(state, cpm.Parameters()),
         engine.energies(state, cpm.Parameters()), cpm.skeleton(image), partition.select([(32, 18)]),
         bodies.select([(15, 15, 15)]), cpm.centerlines(surface.labels), cpm.Geometry(), cpm.Parameters(),

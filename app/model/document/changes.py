@@ -16,10 +16,14 @@ from cpm_core.numerics.types import Place
 from cpm_core.shapes import (
     Barrier,
     Box,
+    BoxGrid,
     BoxRegion,
+    BoxThreshold,
     Charge,
     Circle,
     Ellipse,
+    EnclosedRegion,
+    EnclosingWall,
     Everywhere,
     Grid,
     Points,
@@ -32,13 +36,16 @@ from cpm_core.shapes import (
     Threshold,
     Wall,
 )
+from cpm_core.shapes.space.box import Cuboid
+from cpm_core.shapes.space.enclosed import Enclosed
 
 _ICONS: Mapping[type, str] = MappingProxyType(
     {
         Barrier: "barrier", Charge: "attract", Circle: "circle", Ellipse: "ellipse", Everywhere: "everywhere",
         Grid: "grid_area", Points: "points", Polygon: "polygon", Region: "region", Stroke: "stroke",
         Sphere: "circle", Threshold: "threshold", Box: "box", BoxRegion: "region", PrismRegion: "region",
-        Wall: "barrier",
+        Wall: "barrier", EnclosedRegion: "region", EnclosingWall: "barrier", BoxGrid: "grid_area",
+        BoxThreshold: "threshold",
     }
 )  # fmt: skip
 """Icons of shapes, those of their tools."""
@@ -122,14 +129,14 @@ def _size(shape: Shape) -> object:
         return shape.radius
     if isinstance(shape, Ellipse):
         return shape.radii, shape.angle
-    if isinstance(shape, Box | BoxRegion):
+    if isinstance(shape, Cuboid):
         return tuple(round(high - low, 6) for low, high in zip(shape.first, shape.last, strict=True))
     return shape.strength if isinstance(shape, Charge) else None
 
 
 def _place(shape: Shape) -> Place | None:
     """Row and column of the center, or of the first corner; None for what is all over the image."""
-    if isinstance(shape, Circle | Ellipse | Sphere | Box | BoxRegion):
+    if isinstance(shape, Circle | Ellipse | Sphere | Cuboid | Enclosed):
         return shape.center
     if isinstance(shape, Charge):
         return shape.position

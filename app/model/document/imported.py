@@ -1,23 +1,33 @@
-"""Contours of other programs in a document: as starts, or as objects."""
+"""Contours and surfaces of files in a document: as starts, or as objects."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
+import scipy
 
 from app.model.document.document import Document
 from app.model.text.language import tr
 from cpm_core.contours.contour import Contour
+from cpm_core.contours.surface import Surface
+from cpm_core.contours.surface.inside import inside_of
+from cpm_core.contours.surface.packing import PackedSurface
 from cpm_core.formats.contours.reading.contour_file import ContourFile
-from cpm_core.numerics.types import Array
-from cpm_core.objects.segmented.segmented_object import Line, SegmentedObject
+from cpm_core.image.image import Image
+from cpm_core.medial_axis.space.centerlines import Centerlines
+from cpm_core.numerics.types import Array, Place
+from cpm_core.objects.faces.space import VolumePartition
+from cpm_core.objects.segmented.segmented_object import Click, Line, SegmentedObject
 from cpm_core.shapes import Points, Polygon, Stroke
-from cpm_core.shapes.outlines import starts_along
+from cpm_core.shapes.outlines import start_on_surface, starts_along, starts_in
 
 MOST = 1000
 """Most contours that are taken over: each is a shape or an object that can be moved and named by itself."""
+
+Kind = Literal["contours", "surface", "center lines"]
 
 _DECIMALS = 3
 
@@ -31,15 +41,17 @@ class Imported:
     name : str
         Name of the file for the user.
     count : int
-        Number of contours.
+        Number of contours, of center lines, or of surfaces, which is one.
     starts : tuple of Polygon, Stroke or Points
-        Starts along the contours.
+        Starts along them.
     objects : tuple of SegmentedObject
-        Objects of the closed contours.
+        Objects of the closed ones.
     open : int
-        Number of open contours, which enclose no object.
+        Number of open ones, which enclose no object.
     notes : tuple of str
-        What was left out, one sentence each.
+        What was left out or assumed, one sentence each.
+    kind : {"contours", "surface", "center lines"}
+        What it is; the latter two lie in a volume.
     """
 
     name: str
@@ -48,6 +60,22 @@ class Imported:
     objects: tuple[SegmentedObject, ...]
     open: int
     notes: tuple[str, ...]
+    kind: Kind = "contours"
+
+    @classmethod
+    def of_surface(cls, surface: Surface, volume: Image, name: str, notes: tuple[str, ...] = ()) -> Imported:
+        """A surface in a volume, with an object for each body inside; ValueError when those are too many."""
+        objects = bodies_of(surface, volume) if surface.closed else ()
+        if len(objects) > MOST:
+            message = tr("{name} has {count} objects, but no more than {most} can be taken over.")
+            raise ValueError(message.format(name=name, count=len(objects), most=MOST))
+        return cls(name, 1, (start_on_surface(surface),), objects, int(not surface.closed), notes, "surface")
+
+    @classmethod
+    def of_lines(cls, lines: Centerlines, notes: tuple[str, ...] = ()) -> Imported:
+        """Center lines in a volume."""
+        count = len(lines.branches)
+        return cls(lines.source, count, starts_in(lines), (), count, notes, "center lines")
 
     @classmethod
     def of(cls, found: ContourFile, name: str) -> Imported:
@@ -75,6 +103,35 @@ def objects_of(contours: Sequence[Contour]) -> tuple[SegmentedObject, ...]:
             number = len(made) + 1
             made.append(SegmentedObject(number, (), tuple(lines), name=first.name, color=first.color, confidence=1.0))
     return tuple(made)
+
+
+def bodies_of(surface: Surface, volume: Image) -> tuple[SegmentedObject, ...]:
+    """An object for each number that a closed surface has, or for each body inside it, with a click in its middle."""
+    if surface.numbers is not None:
+        faces = [surface.faces[surface.numbers == number] for number in np.unique(surface.numbers)]
+        bodies = [replace(surface, faces=own, numbers=None) for own in faces]
+    else:
+        partition = VolumePartition(volume, surface)
+        bodies = [partition.boundary_of(np.array([number])) for number in partition.solid.tolist()]
+    return tuple(
+        SegmentedObject(
+            number, (Click((_innermost(body, volume.shape),)),), surface=(PackedSurface.of(body),), confidence=1.0
+        )
+        for number, body in enumerate((body for body in bodies if len(body.faces)), start=1)
+    )
+
+
+def _innermost(body: Surface, shape: tuple[int, ...]) -> Place:
+    """The voxel inside a body that is farthest from its boundary; a vertex when no voxel lies inside."""
+    vertices = body.vertices[np.unique(body.faces)]
+    first = np.clip(np.floor(vertices.min(axis=0)), 0, shape).astype(np.int64)
+    size = np.clip(np.ceil(vertices.max(axis=0)) + 1, first, shape).astype(np.int64) - first
+    inside = inside_of(replace(body, vertices=body.vertices - first, whole=None), tuple(size.tolist()))
+    if not inside.any():
+        return tuple(vertices[0].tolist())
+    depth = scipy.ndimage.distance_transform_edt(np.pad(inside, 1), sampling=body.spacing)[1:-1, 1:-1, 1:-1]
+    deepest = np.unravel_index(int(np.argmax(depth)), inside.shape)
+    return tuple((deepest + first).astype(float).tolist())
 
 
 def add_starts(document: Document, imported: Imported) -> Document:

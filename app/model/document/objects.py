@@ -14,8 +14,9 @@ from app.model.text.language import tr
 from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.result import Result
 from cpm_core.contours.surface import Surface
+from cpm_core.contours.surface.packing import PackedSurface
 from cpm_core.numerics.polyline import length, thinned
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Place
 from cpm_core.objects.faces.space import VolumeSelection
 from cpm_core.objects.objects_result import boundaries_result
 from cpm_core.objects.segmented.segmented_object import (
@@ -29,10 +30,13 @@ from cpm_core.objects.segmented.segmented_object import (
 from cpm_core.objects.segmented.union import union
 from cpm_core.objects.selection import Selection
 from cpm_core.parameters.provenance import Provenance
-from cpm_core.shapes import Barrier, Polygon, Region
+from cpm_core.shapes import Barrier, EnclosedRegion, EnclosingWall, Points, Polygon, Region
 
 AnySelection = Selection | VolumeSelection
 """What has been selected, in an image or in a volume."""
+
+_APART, _MOST_POINTS = 2.0, 4000
+"""Side of the blocks of voxels that get a point on a surface, and how many points there are at most."""
 
 _DECIMALS = 3
 """Decimals of what a session keeps of a selection, such as vertices [px], which are accurate to about a tenth."""
@@ -178,8 +182,17 @@ def merge(document: Document, numbers: Iterable[int]) -> Document:
         return document
     chosen = frozenset(numbers)
     merged = [item for item in document.objects.items if item.number in chosen]
-    rest = delete(document, [item.number for item in merged[1:]])
-    whole = reduce(partial(union, shape=document.image.shape), merged)
+    return merge_into(document, merged, union_of(merged, document.image.shape))
+
+
+def union_of(items: Iterable[SegmentedObject], shape: tuple[int, ...]) -> SegmentedObject:
+    """The first of some objects, with the boundary of all; in a volume that may take seconds."""
+    return reduce(partial(union, shape=shape), items)
+
+
+def merge_into(document: Document, merged: Iterable[SegmentedObject], whole: SegmentedObject) -> Document:
+    """The document in which one object stands for several, of which it has the number of one."""
+    rest = delete(document, [item.number for item in merged if item.number != whole.number])
     return _amended(rest, (whole.number,), lambda _: whole)
 
 
@@ -195,32 +208,47 @@ def name_class(document: Document, category: int, name: str, color: str = "") ->
 
 
 def as_starts(document: Document, numbers: Iterable[int]) -> Document:
-    """The document in which the outlines of objects are starts too."""
-    return _with_shapes(document, numbers, Polygon)
+    """The document in which the outlines of objects are starts too; in a volume, points all over their surfaces."""
+    return _with_shapes(document, numbers, Polygon, lambda surface: Points(_spread(surface.surface)))
 
 
 def as_regions(document: Document, numbers: Iterable[int]) -> Document:
     """The document in which objects are regions of interest too; their holes count as inside."""
-    return _with_shapes(document, numbers, Region)
+    return _with_shapes(document, numbers, Region, EnclosedRegion)
 
 
 def as_barriers(document: Document, numbers: Iterable[int]) -> Document:
     """The document in which the boundaries of objects are barriers too."""
-    return _with_shapes(document, numbers, lambda curve: Barrier((*curve, curve[0])), holes=True)
+    return _with_shapes(document, numbers, lambda curve: Barrier((*curve, curve[0])), EnclosingWall, holes=True)
 
 
 def _with_shapes(
     document: Document,
     numbers: Iterable[int],
     shape: Callable[[Line], Polygon | Region | Barrier],
+    in_volume: Callable[[PackedSurface], Points | EnclosedRegion | EnclosingWall],
     holes: bool = False,
 ) -> Document:
     for number in numbers:
         item = document.objects[number]
+        for surface in item.surface:
+            document = edits.add_shape(document, in_volume(surface))
         for curve in item.boundary if holes else item.outer:
             few = thinned(curve)
             document = edits.add_shape(document, shape(few if len(set(few)) > 2 else curve))
     return document
+
+
+def _spread(surface: Surface) -> tuple[Place, ...]:
+    """Corners of the triangles of a surface, one of each block of some voxels, so that there are not too many."""
+    side = _APART
+    while True:
+        blocks = np.floor(surface.vertices / side).astype(np.int64)
+        first = np.sort(np.unique(blocks, axis=0, return_index=True)[1])
+        if len(first) <= _MOST_POINTS:
+            places = np.round(surface.vertices[first], _DECIMALS).tolist()
+            return tuple((plane, row, col) for plane, row, col in places)
+        side *= 1.5
 
 
 # Exports

@@ -16,7 +16,20 @@ from app.model.state.surface_figures import SURFACE, VOLUME, in_words
 from app.model.state.volume_limits import has_volume
 from app.model.text.keys import with_keys
 from app.model.text.language import from_core, tr
-from cpm_core.shapes import Barrier, Charge, Everywhere, Grid, Points, Shape, Stroke, Threshold
+from cpm_core.shapes import (
+    Barrier,
+    BoxGrid,
+    BoxThreshold,
+    Charge,
+    EnclosedRegion,
+    EnclosingWall,
+    Everywhere,
+    Grid,
+    Points,
+    Shape,
+    Stroke,
+    Threshold,
+)
 
 FULL_SPEED = tr("full speed")
 PACES: tuple[float | None, ...] = (1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 120.0, None)
@@ -170,17 +183,18 @@ def _what_can_be_done_to(shape: Shape) -> str:
     name = describe(shape)
     if isinstance(shape, Everywhere):
         return with_keys(tr("Press {key:run} to run; {key:delete} removes the {shape}."), shape=name)
+    spaced = tr(
+        "Arrow keys or the select tool ({key:select}) move the {shape}, < and > change its spacing; "
+        "{key:delete} removes it."
+    )
+    strong = tr(
+        "< and > change how strong an edge must be for the {shape}, arrow keys move it; {key:delete} removes it."
+    )
+    moved = tr("Arrow keys or the select tool ({key:select}) move the {shape}; {key:delete} removes it.")
     message = {
-        Grid: tr(
-            "Arrow keys or the select tool ({key:select}) move the {shape}, < and > change its spacing; "
-            "{key:delete} removes it."
-        ),
-        Threshold: tr(
-            "< and > change how strong an edge must be for the {shape}, arrow keys move it; {key:delete} removes it."
-        ),
-        Stroke: tr("Arrow keys or the select tool ({key:select}) move the {shape}; {key:delete} removes it."),
-        Points: tr("Arrow keys or the select tool ({key:select}) move the {shape}; {key:delete} removes it."),
-        Barrier: tr("Arrow keys or the select tool ({key:select}) move the {shape}; {key:delete} removes it."),
+        **dict.fromkeys((Grid, BoxGrid), spaced),
+        **dict.fromkeys((Threshold, BoxThreshold), strong),
+        **dict.fromkeys((Stroke, Points, Barrier, EnclosedRegion, EnclosingWall), moved),
     }.get(
         type(shape),
         tr(

@@ -8,14 +8,9 @@ from types import MappingProxyType
 from app.model.state.situation import Situation
 from app.model.text.language import tr
 
-_AREA = tr("This tool fills an area of an image; in a volume, start from spheres, boxes, lines and points.")
-_START = tr("Centers are found in the field of an image; in a volume, start everywhere or on strong edges.")
 _MODE = tr("Skeletons are found in images; in a volume, use cpm skeleton.")
 _CONTOUR = tr("Contours are found in images; a run in a volume finds a surface.")
 _ALIKE = tr("Objects that are alike are found in images by their gray values and size, not in volumes.")
-_MERGE = tr("In a volume, click in all bodies of an object before you take it.")
-_FREEZE = tr("Objects in a volume do not hold particles back: draw a region of interest or a barrier in its slices.")
-_TRUTH = tr("A ground truth can be compared with the contours of an image, not with a surface.")
 _LAYER = tr("This layer shows what only a run in an image finds.")
 _METHODS = tr("The classical methods are for images; in a volume there is nothing to compare with.")
 _MOSAIC = tr("A mosaic shows runs with different parameters side by side; in a volume each of them takes too long.")
@@ -23,20 +18,14 @@ _BATCH = tr("Many images are run at once; volumes are run one by one.")
 
 NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
     {
-        **dict.fromkeys(("grid_area", "threshold"), _AREA),
-        "start_centers": _START,
         "mode_skeleton": _MODE,
         **dict.fromkeys(
             ("contours", "edit_contours", "outline", "close_contours", "join_contours", "cut_contour", "image_skeleton",
              "contour_skeleton", "next_contour", "all_contours", "other_contours", "learn", "doubtful_contour",
-             "show_rejected", "import_contours"), _CONTOUR),
+             "show_rejected"), _CONTOUR),
         "object_skeleton": _MODE,
         "objects_alike": _ALIKE,
-        "merge_objects": _MERGE,
-        **dict.fromkeys(("freeze_object", "object_start", "object_region", "object_barrier"), _FREEZE),
-        **dict.fromkeys(("load_truth", "worst_place", "next_place"), _TRUTH),
-        **dict.fromkeys(
-            tuple(f"layer_{name}" for name in ("truth", "skeleton")), _LAYER),
+        "layer_skeleton": _LAYER,
         "mosaic": _MOSAIC,
         "compare_methods": _METHODS,
         "apply_to_folder": _BATCH,
@@ -56,7 +45,21 @@ OTHERWISE_IN_VOLUMES: Mapping[str, tuple[str, str]] = MappingProxyType(
             tr("Bo&x tool"),
             tr("Drag from corner to corner to draw a box, as deep as its shorter side; Shift makes it a square."),
         ),
+        "grid_area": (
+            tr("&Grid tool"),
+            tr("Drag a box, as deep as its shorter side, to fill with an even grid; < and > change its spacing."),
+        ),
+        "threshold": (
+            tr("T&hreshold tool"),
+            tr(
+                "Drag a box, as deep as its shorter side, in which to start on strong edges; < and > change how strong."
+            ),
+        ),
         "points": (tr("&Point tool"), tr("Click to place a point in the slice.")),
+        "import_contours": (
+            tr("&Import surface…"),
+            tr("Read a surface, labels or center lines, as a start, as objects or as ground truth."),
+        ),
         "region": (
             tr("Region of &interest tool"),
             tr("Drag a box, or click corner by corner around what particles are to stay in, through all slices."),

@@ -5,16 +5,26 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 import numpy as np
 
+from app.model.volume.slices import Slice
+from app.model.volume.surface_section import section
+from cpm_core.contours.surface import Surface
 from cpm_core.field.placed_charges import RADIUS
 from cpm_core.numerics.types import Array, Position
 from cpm_core.shapes import (
     Barrier,
     Box,
+    BoxGrid,
     BoxRegion,
+    BoxThreshold,
     Charge,
+    EnclosedRegion,
+    EnclosingWall,
+    Everywhere,
+    Grid,
     Interest,
     Points,
     Polygon,
@@ -23,15 +33,19 @@ from cpm_core.shapes import (
     Shape,
     Sphere,
     Stroke,
+    Threshold,
     Wall,
 )
-from cpm_core.shapes.box import Cuboid
 from cpm_core.shapes.ellipse import Ellipse
-from cpm_core.shapes.extruded import Extruded
 from cpm_core.shapes.path import SMALLEST
+from cpm_core.shapes.space.box import Cuboid
+from cpm_core.shapes.space.extruded import Extruded
 
 NEAR = 1.0
 """Distance from a slice up to which it shows a point, in sides of the smallest voxel."""
+
+_KEPT = 64
+"""Number of sections of surfaces that are kept: those of the slices that are shown."""
 
 _IN = 0.5
 """Distance from a slice up to which a place lies in it [voxels]."""
@@ -62,6 +76,30 @@ class BoxSection(Polygon):
     def seeds(self) -> Array:
         """The particles of the box that lie near the slice, shape (N, 2)."""
         return self.particles
+
+    def handles(self) -> tuple[Position, ...]:
+        """The corners and the middles of the sides, each on the faces that it moves."""
+        return _on_sides(self.points)
+
+
+@dataclass(frozen=True, slots=True)
+class GridSection(Grid):
+    """Where a slice cuts a box with a grid."""
+
+    particles: Array = field(default_factory=lambda: np.empty((0, 2)), compare=False)
+
+    def seeds(self) -> Array:
+        """The particles of the grid that lie near the slice, shape (N, 2)."""
+        return self.particles
+
+    def handles(self) -> tuple[Position, ...]:
+        """The corners and the middles of the sides, each on the faces that it moves."""
+        return _on_sides(self.points)
+
+
+@dataclass(frozen=True, slots=True)
+class ThresholdSection(Threshold):
+    """Where a slice cuts a box with a threshold."""
 
     def handles(self) -> tuple[Position, ...]:
         """The corners and the middles of the sides, each on the faces that it moves."""
@@ -141,17 +179,35 @@ def sections(shape: Shape, axis: int, index: float, sides: Sequence[float] = (1.
 def _sections(shape: Shape, axis: int, index: float, sides: Sequence[float]) -> Iterator[Shape]:
     if isinstance(shape, Sphere):
         yield from _of_sphere(shape, axis, index)
-    elif isinstance(shape, Box | BoxRegion):
+    elif isinstance(shape, Everywhere):
+        yield shape
+    elif isinstance(shape, Box | BoxRegion | BoxGrid | BoxThreshold):
         yield from _of_box(shape, axis, index)
     elif isinstance(shape, PrismRegion | Wall):
         if shape.first - _IN <= index <= shape.last + _IN or axis != shape.axis:
             yield from _across(shape) if axis == shape.axis else _along(shape, axis, index)
+    elif isinstance(shape, EnclosedRegion | EnclosingWall):
+        yield from _of_surface(shape, Slice(axis, round(index)))
     elif isinstance(shape, Charge) and len(shape.position) == 3:
         yield from _of_charge(shape, axis, index, sides)
     elif isinstance(shape, Stroke | Polygon) and len(shape.points[0]) == 3:
         yield from _of_line(shape, axis, index)
     elif isinstance(shape, Points) and len(shape.positions[0]) == 3:
         yield from _of_points(shape.positions, axis, index)
+
+
+@lru_cache(maxsize=_KEPT)
+def _cut(surface: Surface, here: Slice) -> tuple[tuple[Position, ...], ...]:
+    """Corners of the closed lines in which a slice cuts a surface; asked for again whenever the pointer moves."""
+    closed = (line.points for line in section(surface, here) if line.closed)
+    return tuple(tuple((row, col) for row, col in points.tolist()) for points in closed)
+
+
+def _of_surface(shape: EnclosedRegion | EnclosingWall, here: Slice) -> Iterator[Shape]:
+    """The lines in which a slice cuts a surface."""
+    for corners in _cut(shape.surface.surface, here):
+        if len(set(corners)) > 2:
+            yield RegionSection(corners) if isinstance(shape, EnclosedRegion) else Barrier((*corners, corners[0]))
 
 
 def _flat(place: Sequence[float], axis: int) -> Position:
@@ -188,6 +244,12 @@ def _of_box(box: Cuboid, axis: int, index: float) -> Iterator[Shape]:
         seeds = box.seeds()
         near = np.abs(seeds[:, axis] - index) <= max(NEAR, 0.6 * box.apart)
         yield BoxSection(corners, particles=np.delete(seeds[near], axis, axis=1))
+    elif isinstance(box, BoxGrid):
+        seeds = box.seeds()
+        near = np.abs(seeds[:, axis] - index) * box.sides[axis] <= max(NEAR, 0.5 * box.spacing)
+        yield GridSection(corners, box.spacing, np.delete(seeds[near], axis, axis=1))
+    elif isinstance(box, BoxThreshold):
+        yield ThresholdSection(corners, box.fraction)
     else:
         yield RegionSection(corners, held=_on_sides(corners))
 

@@ -6,10 +6,27 @@ from itertools import product
 
 import numpy as np
 
+from app.model.volume.slices import Slice
+from app.model.volume.surface_section import section
 from cpm_core.field.placed_charges import RADIUS
 from cpm_core.numerics.types import Array
-from cpm_core.shapes import Box, BoxRegion, Charge, Points, Polygon, PrismRegion, Shape, Sphere, Stroke, Wall
-from cpm_core.shapes.extruded import Extruded
+from cpm_core.shapes import (
+    Box,
+    BoxGrid,
+    BoxRegion,
+    BoxThreshold,
+    Charge,
+    EnclosedRegion,
+    EnclosingWall,
+    Points,
+    Polygon,
+    PrismRegion,
+    Shape,
+    Sphere,
+    Stroke,
+    Wall,
+)
+from cpm_core.shapes.space.extruded import Extruded
 
 _TURN = np.linspace(0.0, 2.0 * np.pi, 49)
 _ARM = 2.0
@@ -26,10 +43,12 @@ def wires(shape: Shape, sides: tuple[float, ...]) -> Array:
     """
     if isinstance(shape, Sphere):
         return _circles(shape.center, shape.radius, shape.sides)
-    if isinstance(shape, Box | BoxRegion):
+    if isinstance(shape, Box | BoxRegion | BoxGrid | BoxThreshold):
         return np.asarray(shape.outline[_EDGES])
     if isinstance(shape, PrismRegion | Wall):
         return _drawn_through(shape)
+    if isinstance(shape, EnclosedRegion | EnclosingWall):
+        return _around(shape)
     if isinstance(shape, Charge) and len(shape.position) == 3:
         ball = _circles(shape.position, RADIUS, sides)
         return np.concatenate([ball, _crosses(np.array([shape.position]), sides)])
@@ -38,6 +57,17 @@ def wires(shape: Shape, sides: tuple[float, ...]) -> Array:
     if isinstance(shape, Points) and len(shape.positions[0]) == 3:
         return _crosses(shape.seeds(), sides)
     return np.empty((0, 2, 3))
+
+
+def _around(shape: EnclosedRegion | EnclosingWall) -> Array:
+    """The lines in which slices through its middle, one across each axis, cut a surface."""
+    cuts = (Slice(axis, round(at)) for axis, at in enumerate(shape.center))
+    paths = (
+        np.insert(line.path, cut.axis, cut.index, axis=1)
+        for cut in cuts
+        for line in section(shape.surface.surface, cut)
+    )
+    return np.concatenate([np.empty((0, 2, 3)), *map(_along, paths)])
 
 
 def _along(path: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Contours and points of files and of the clipboard, read on a separate thread, and pictures of the clipboard."""
+"""Contours, surfaces and points of files and of the clipboard, read on a thread, and pictures of the clipboard."""
 
 from __future__ import annotations
 
@@ -14,10 +14,12 @@ from app.model.text.language import tr
 from app.session.exchange.messages import Report
 from app.session.session import Session
 from app.session.tasks.tasks import Task
-from cpm_core.formats import load_points
+from cpm_core.formats import CONTOURS_READABLE, FOR_CENTERLINES, load_centerlines, load_points
 from cpm_core.formats.atomic import write_together
 from cpm_core.formats.contours.reading.contents import Plane
 from cpm_core.formats.contours.reading.contour_file import decode_contours, plane_of, read_contours
+from cpm_core.formats.meshes.reading.mesh_file import read_surface
+from cpm_core.image.image import Image
 from cpm_core.shapes import Points
 
 MOST_POINTS = 100_000
@@ -36,7 +38,7 @@ class PointsRead(Report):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class ContoursRead(Report):
-    """Contours for the image opened as `generation` have been read, from a file or, without a path, the clipboard."""
+    """What was read for the image opened as `generation`, from a file or, without a path, the clipboard."""
 
     generation: int
     imported: Imported
@@ -51,10 +53,14 @@ class PictureKept(Report):
 
 
 def read_file(session: Session, path: Path) -> None:
-    """Start to read contours, or a table of points; reports `ContoursRead`, `PointsRead` or an error."""
-    plane, generation = _plane(session), session.image_generation
+    """Start to read contours, a surface or points; reports `ContoursRead`, `PointsRead` or an error."""
+    image, plane, generation = session.image, _plane(session), session.image_generation
 
     def work(task: Task) -> Report:
+        if image is not None and image.ndim == 3:
+            if path.suffix.lower() == _TABLE:
+                return _points(path, 3)
+            return ContoursRead(generation, _in_volume(path, image), path)
         try:
             return ContoursRead(generation, Imported.of(read_contours(path, plane), path.name), path)
         except ValueError as error:
@@ -105,12 +111,24 @@ def _plane(session: Session) -> Plane:
     return plane_of(session.scene.image)
 
 
-def _points(path: Path) -> PointsRead:
-    positions = load_points(path)
+def _in_volume(path: Path, volume: Image) -> Imported:
+    """A surface or center lines in a volume."""
+    suffix, notes = path.suffix.lower(), list[str]()
+    if suffix in CONTOURS_READABLE:
+        raise ValueError(tr("{name} has contours for an image, but a volume is open.").format(name=path.name))
+    if suffix in FOR_CENTERLINES:
+        lines = load_centerlines(path, volume, tell=notes.append)
+        return Imported.of_lines(lines, tuple(notes))
+    surface, assumed = read_surface(path, volume)
+    return Imported.of_surface(surface, volume, path.name, assumed)
+
+
+def _points(path: Path, axes: int = 2) -> PointsRead:
+    positions = load_points(path, axes)
     if len(positions) > MOST_POINTS:
         message = tr("{name} has {count} points, but no more than {most} can be drawn.")
         raise ValueError(message.format(name=path.name, count=len(positions), most=MOST_POINTS))
-    return PointsRead(path, Points(tuple((row, col) for row, col in positions.tolist())))
+    return PointsRead(path, Points(tuple(map(tuple, positions.tolist()))))
 
 
 def _names_contours(path: Path) -> bool:

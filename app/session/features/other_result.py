@@ -17,8 +17,10 @@ from app.session.session import Session
 from app.session.worker.commands.timeline import Compared
 from app.session.worker.stepper import RESTING_SPEED
 from cpm_core.contours.contour import Contour
+from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.measurements import measure
 from cpm_core.contours.result import Result
+from cpm_core.contours.surface.ground_truth import VolumeTruth
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.skeleton import Skeleton
 
@@ -117,7 +119,7 @@ class OtherResult(QObject):
         kind = self._chosen.kind if self._chosen is not None else ""
         if kind == "branch":
             return replace(scene, compared=None)
-        return replace(scene, truth=None, differences=()) if kind == "truth" else scene
+        return replace(scene, truth=None, differences=(), apart=()) if kind == "truth" else scene
 
     def far(self, scene: Scene) -> Scene:
         """The scene on the right."""
@@ -130,7 +132,10 @@ class OtherResult(QObject):
                 bare, document=kept.document, snapshot=kept.snapshot, reconstruction=kept.reconstruction,
                 contours=kept.contours,
             )  # fmt: skip
-        if kind == "truth" and scene.truth is not None:
+        if kind == "truth" and isinstance(scene.truth, VolumeTruth) and scene.image is not None:
+            result = replace(_result((), scene.image), surface=scene.truth.surface)
+            return replace(bare, reconstruction=Reconstruction(0, result, None))
+        if kind == "truth" and isinstance(scene.truth, Truth):
             return replace(bare, contours=self._contours(scene, scene.truth, scene.truth.contours, with_marks=False))
         if kind == "branch" and scene.compared is not None and scene.compared.state is not None:
             return self._branch(bare, scene, scene.compared)

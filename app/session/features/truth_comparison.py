@@ -1,4 +1,4 @@
-"""Comparison of the contours with the ground truth."""
+"""Comparison of the contours, or of a surface, with the ground truth."""
 
 from __future__ import annotations
 
@@ -9,8 +9,10 @@ from pathlib import Path
 
 from PySide6.QtCore import QObject, Signal
 
-from app.model.display.differences import Difference, differences
+from app.model.display.truth.differences import Difference, differences
+from app.model.display.truth.surfaces import Apart, apart_from, surface_differences
 from app.model.text.language import tr
+from app.model.volume.surface_section import prepare
 from app.session.exchange.messages import CommandFailed, Report
 from app.session.features.contour_review import ContourReview
 from app.session.features.latest import Latest
@@ -18,8 +20,12 @@ from app.session.session import Session
 from cpm_core.contours.agreement import TOLERANCE, Comparison, compare
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import Truth
-from cpm_core.formats.ground_truth_file import load_truth
+from cpm_core.contours.surface import Surface
+from cpm_core.contours.surface.agreement import SurfaceComparison, compare_surface
+from cpm_core.contours.surface.ground_truth import VolumeTruth
+from cpm_core.formats.ground_truth_file import load_truth, load_volume_truth
 from cpm_core.formats.sessions.beside_document import TruthFile
+from cpm_core.image.image import Image
 
 _TOPIC = "truth"
 
@@ -29,22 +35,23 @@ class TruthRead(Report):
     """The ground truth of the image opened as `generation` has been read."""
 
     generation: int
-    truth: Truth
+    truth: Truth | VolumeTruth
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Verified:
-    """Result of a comparison with the ground truth."""
+    """Result of a comparison with the ground truth; `apart` are the parts of surfaces that differ."""
 
-    truth: Truth
-    comparison: Comparison
+    truth: Truth | VolumeTruth
+    comparison: Comparison | SurfaceComparison
     differences: tuple[Difference, ...]
+    apart: tuple[Apart, ...] = ()
 
 
 class GroundTruth(QObject):
     """Holds the ground truth of the image and compares every reconstruction with it, on a separate thread.
 
-    Rejected contours are not compared.
+    Rejected contours are not compared. In a volume the tolerance is in smallest sides of a voxel.
     """
 
     changed = Signal()
@@ -65,12 +72,23 @@ class GroundTruth(QObject):
         self._latest.failed.connect(self._give_up)
         session.listen(TruthRead, self._take_truth)
         session.image_changed.connect(self.forget)
+        session.image_changed.connect(self.changed)
         review.changed.connect(self._compare)
 
     @property
-    def truth(self) -> Truth | None:
+    def truth(self) -> Truth | VolumeTruth | None:
         """The ground truth."""
         return self._session.scene.truth
+
+    @property
+    def in_volume(self) -> bool:
+        """Whether a volume is open, whose surface is compared."""
+        return self._session.image is not None and self._session.image.ndim == 3
+
+    @property
+    def lacks_result(self) -> bool:
+        """Whether nothing has been found yet that could be compared."""
+        return self._review.result is None
 
     @property
     def idle(self) -> bool:
@@ -78,19 +96,17 @@ class GroundTruth(QObject):
         return self._latest.idle
 
     def load(self, path: str | Path) -> None:
-        """Read a mask or contours as the ground truth of the current image."""
-        image = self._session.document.image
+        """Read a mask or contours as the ground truth of the current image, or labels as that of a volume."""
+        image = self._session.image
         self._session.attempt(_TOPIC)
         if image is None:
             self._session.say(tr("There is no image to compare with: open one first."), True, _TOPIC)
             return
-        file, generation, holes, shape = Path(path), self._session.image_generation, self.holes, image.shape
+        file, generation, holes = Path(path), self._session.image_generation, self.holes
         self._path = file
         self._session.tasks.start(
             tr("Reading {name}…").format(name=file.name),
-            lambda task: TruthRead(
-                generation, load_truth(file, shape, holes=holes, spacing=image.spacing, unit=image.unit)
-            ),
+            lambda task: TruthRead(generation, _read(file, image, holes)),
             tr("reading {name}").format(name=file.name),
             partial(CommandFailed, topic=_TOPIC),
         )
@@ -130,9 +146,9 @@ class GroundTruth(QObject):
                 self.load(self._path)
 
     def dice(self, contours: Sequence[Contour]) -> float | None:
-        """The Dice coefficient of contours, from any thread; None when there is no ground truth."""
+        """The Dice coefficient of contours, from any thread; None when there is no ground truth of an image."""
         truth = self.truth
-        return None if truth is None else compare(contours, truth, self.tolerance, holes=self.holes).dice
+        return compare(contours, truth, self.tolerance, holes=self.holes).dice if isinstance(truth, Truth) else None
 
     def close(self) -> None:
         """End the thread."""
@@ -143,9 +159,9 @@ class GroundTruth(QObject):
             self._use(report.truth)
             self._compare()
 
-    def _use(self, truth: Truth | None) -> None:
+    def _use(self, truth: Truth | VolumeTruth | None) -> None:
         self.verified = None
-        self._session.show(replace(self._session.scene, truth=truth, differences=()))
+        self._session.show(replace(self._session.scene, truth=truth, differences=(), apart=()))
         self.changed.emit()
 
     def _compare(self) -> None:
@@ -155,6 +171,10 @@ class GroundTruth(QObject):
         if result is None:
             self._latest.forget()
             self._show(None)
+            return
+        if isinstance(truth, VolumeTruth):
+            surface = result.surface
+            self._latest.ask(lambda: _verified(surface, truth, tolerance))
             return
         contours = [item.contour for item in self._review.items if not item.reviewed.rejected]
 
@@ -174,6 +194,25 @@ class GroundTruth(QObject):
 
     def _show(self, verified: Verified | None) -> None:
         self.verified = verified
-        differences = verified.differences if verified is not None else ()
-        self._session.show(replace(self._session.scene, differences=differences))
+        differences, apart = (verified.differences, verified.apart) if verified is not None else ((), ())
+        self._session.show(replace(self._session.scene, differences=differences, apart=apart))
         self.compared.emit()
+
+
+def _read(file: Path, image: Image, holes: bool) -> Truth | VolumeTruth:
+    """The ground truth of an image, or of a volume with all that slices need of it."""
+    if image.ndim == 2:
+        return load_truth(file, image.shape, holes=holes, spacing=image.spacing, unit=image.unit)
+    truth = load_volume_truth(file, image)
+    prepare(truth.surface)
+    return truth
+
+
+def _verified(surface: Surface | None, truth: VolumeTruth, tolerance: float) -> Verified:
+    """A surface compared with the ground truth; the sides of a voxel are those of the run."""
+    known = truth
+    if surface is not None and (surface.spacing, surface.unit) != (truth.spacing, truth.unit):
+        known = replace(truth, spacing=surface.spacing, unit=surface.unit)
+    found = compare_surface(surface, known, tolerance * min(known.spacing))
+    apart = apart_from(surface, known, found)
+    return Verified(truth, found, surface_differences(apart), apart)

@@ -11,6 +11,7 @@ import numpy as np
 
 from cpm_core.cli.arguments import add_image, add_json, add_part, add_session, as_number, as_steps, part_of
 from cpm_core.cli.compare.settings import add_settings, chosen_settings
+from cpm_core.cli.compare.start import add_start, outlines_drawn, start_on
 from cpm_core.cli.outcome import print_json
 from cpm_core.cli.terminal import announce_compilation, say
 from cpm_core.contours.ground_truth import Truth
@@ -20,9 +21,7 @@ from cpm_core.formats.ground_truth_file import load_truth
 from cpm_core.formats.printable import printable
 from cpm_core.formats.sessions.session_file import SessionFile, find_image, load_session
 from cpm_core.image.image import Image
-from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
-from cpm_core.parameters.quotation import shown
 from cpm_core.segmentation.methods import (
     CONTOUR_METHODS,
     Compared,
@@ -33,10 +32,9 @@ from cpm_core.segmentation.methods import (
     run_method,
     runnable,
 )
-from cpm_core.shapes import Barrier, Charge, Circle, Region
-from cpm_core.shapes.outlines import outlines_of
+from cpm_core.shapes.document_shapes import check_axes
 
-_WIDTH = 26
+_WIDTH = 24
 """Width of the column of the methods [characters]."""
 
 
@@ -51,16 +49,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     add_image(parser, optional=True)
     add_session(parser)
     add_part(parser.add_argument_group("part of a file"), channel=True)
-    start = parser.add_argument_group("start (one at least, of a session or here; several add up)")
-    start.add_argument("--circle", metavar="ROW,COL,RADIUS", action="append", default=[], help="a circle, in px")
-    start.add_argument(
-        "--polygon", metavar="ROW,COL,ROW,COL,...", action="append", default=[], help="corners of a closed line, in px"
-    )
-    start.add_argument(
-        "--around",
-        action="store_true",
-        help="the start lies around the object, so that balloons and pressures drive contours inwards",
-    )
+    add_start(parser)
     methods = parser.add_argument_group("methods")
     methods.add_argument(
         "--methods",
@@ -96,12 +85,12 @@ def _compare(arguments: argparse.Namespace) -> None:
     names = _methods(named)
     settings = chosen_settings(arguments, names, session.parameters if arguments.session else Parameters(), compared)
     max_steps = as_steps(arguments.max_steps)
-    start = _start(arguments, session)
-    if any(isinstance(shape, Region | Barrier | Charge) for shape in session.shapes):
-        say("cpm: regions, barriers and charges of the session are left out: the other methods have none.")
+    outlines = outlines_drawn(arguments, session)
     for path in arguments.export:
         check_comparison(path, names)
     image = _image(arguments, session)
+    check_axes(session.shapes, image.shape, image.source)
+    start = start_on(image, outlines, arguments, session)
     truth = None if arguments.truth is None else load_truth(arguments.truth, image.shape)
     for missing in [] if named else [method.missing for method in CONTOUR_METHODS.values() if method.missing]:
         say(f"cpm: {missing}")
@@ -112,7 +101,7 @@ def _compare(arguments: argparse.Namespace) -> None:
         tiles.append(Tile(moment.state.contours, facts_of(moment, truth), settings[name]))
         if not arguments.json:
             _tell(tiles[-1].facts, truth, first=len(tiles) == 1)
-    written = write_comparison(image, start, tiles, arguments.export, lambda said: say(f"cpm: {said}"))
+    written = write_comparison(image, start, tiles, arguments.export, lambda said: say(f"cpm: {said}"), truth)
     if arguments.json:
         _print_json(image, start, [tile.facts for tile in tiles], truth)
         return
@@ -141,14 +130,14 @@ def _finite(value: object) -> object:
 def _tell(row: Facts, truth: Truth | None, *, first: bool) -> None:
     """Print a line of the table, before the first its head."""
     if first:
-        scores = f"{'Dice':>7}{'F':>7}{'Hausdorff':>12}{'mean':>11}" if truth else ""
-        print(f"{'':{_WIDTH}}{'steps':>7}{'time':>10}{scores}  contours  end")
+        scores = f"{'Dice':>7}{'F':>7}{'Hausdorff':>12}{'mean dist.':>12}" if truth else ""
+        print(f"{'':{_WIDTH}}{'steps':>7}{'time':>10}{scores}{'contours':>10}{'closed':>8}  end")
     agree = ""
     if row.dice is not None and row.f is not None:
-        agree = f"{row.dice:7.3f}{row.f:7.3f}{_px(row.hausdorff, 1):>12}{_px(row.mean_distance, 2):>11}"
-    title = CONTOUR_METHODS[row.method].title
-    time = f"{row.seconds:.2f} s"
-    print(f"{title:{_WIDTH}}{row.steps:7}{time:>10}{agree}{row.contours:10}  {row.stop_reason}", flush=True)
+        agree = f"{row.dice:7.3f}{row.f:7.3f}{_px(row.hausdorff, 1):>12}{_px(row.mean_distance, 2):>12}"
+    counts = f"{row.contours:10}{row.closed:8}"
+    title, time = CONTOUR_METHODS[row.method].title, f"{row.seconds:.2f} s"
+    print(f"{title:{_WIDTH}}{row.steps:7}{time:>10}{agree}{counts}  {row.stop_reason}", flush=True)
 
 
 def _px(distance: float | None, digits: int) -> str:
@@ -168,40 +157,3 @@ def _image(arguments: argparse.Namespace, session: SessionFile) -> Image:
     if image.ndim != 2:
         raise ValueError(f"{image.source} is a volume, but methods are compared on images: take a plane, --page N.")
     return image
-
-
-def _start(arguments: argparse.Namespace, session: SessionFile) -> Start:
-    """The outlines on the command line, and those of the session."""
-    outlines = [_circle(text) for text in arguments.circle] + [_polygon(text) for text in arguments.polygon]
-    drawn = outlines_of(session.shapes)
-    if not (outlines or drawn):
-        raise ValueError(
-            "No start is given: add --circle ROW,COL,RADIUS or --polygon ROW,COL,ROW,COL,..., or a session with a "
-            "circle, an ellipse or a polygon."
-        )
-    return Start((*outlines, *drawn), around=arguments.around or session.comparison.around)
-
-
-def _circle(text: str) -> Array:
-    numbers = _numbers(text)
-    if len(numbers) != 3:
-        raise ValueError(f"--circle is {shown(text)} but must be three numbers, ROW,COL,RADIUS in px.")
-    return Circle((numbers[0], numbers[1]), numbers[2]).outline[:-1]
-
-
-def _polygon(text: str) -> Array:
-    numbers = _numbers(text)
-    corners = np.array(numbers[: len(numbers) // 2 * 2]).reshape(-1, 2)
-    if len(numbers) % 2 or len(np.unique(corners, axis=0)) < 3:
-        raise ValueError(
-            f"--polygon is {shown(text)} but must be rows and columns in turn, of three different corners at least, "
-            "ROW,COL,ROW,COL,... in px."
-        )
-    return corners
-
-
-def _numbers(text: str) -> list[float]:
-    """Numbers between commas; an empty list when a part is not a finite number."""
-    parts = [as_number(part.strip()) for part in text.split(",")]
-    numbers = [float(part) for part in parts if not isinstance(part, str) and np.isfinite(part)]
-    return numbers if len(numbers) == len(parts) else []

@@ -13,9 +13,8 @@ from cpm_core.segmentation.methods import CONTOUR_METHODS, runnable
 
 SEARCHED = (
     "Settings: those of the charged particles are the publication's, with the smoothing chosen by the noise. Those of "
-    "the other methods are their defaults, found by one search of each parameter in turn on every second of these and "
-    "on four more images; it was not finished for Chan-Vese, which has those of scikit-image with a smaller tolerance, "
-    "and for the geometric GVF contour."
+    "the other methods are their defaults: one search of each parameter in turn, on every second of these images and "
+    "on four more, looked for better ones, and they were taken where they are no worse on the other images."
 )
 
 _WHAT, _NUMBER = 26, 8

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import argparse
 import time
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
+from cpm_core.cli.arguments import add_json
 from cpm_core.cli.figures.figures import FIGURES, Figure, write_figures
+from cpm_core.cli.outcome import tell
 from cpm_core.cli.terminal import counted
 
 
@@ -27,17 +31,24 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
         default=[],
         help=f"make only these ({', '.join(FIGURES)})",
     )
+    add_json(parser)
 
 
 def _figures(arguments: argparse.Namespace) -> None:
     """Make figures, with a line for each that is finished."""
     began = time.perf_counter()
+    made: list[dict[str, Any]] = []
 
-    def report(figure: Figure, measured: str) -> None:
+    def report(figure: Figure, entry: Mapping[str, Any]) -> None:
         nonlocal began
         now = time.perf_counter()
-        print(f"{figure.name}  {now - began:4.1f} s  {figure.title}: {measured}", flush=True)
+        made.append({"name": figure.name, **entry, "seconds": now - began})
+        if not arguments.json:
+            print(f"{figure.name}  {now - began:4.1f} s  {figure.title}: {entry['measured']}", flush=True)
         began = now
 
     written = write_figures(Path(arguments.output), arguments.only, report)
-    print(f"Wrote {counted(len(written), 'file')} to {arguments.output}")
+    facts = {"output": str(arguments.output), "figures": made, "files": [path.name for path in written]}
+    tell(
+        "figures", facts, (f"Wrote {counted(len(written), 'file')} to {arguments.output}",), (), as_json=arguments.json
+    )

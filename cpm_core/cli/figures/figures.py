@@ -98,13 +98,16 @@ FIGURES: dict[str, Figure] = {figure.name: figure for figure in _TABLE}
 
 
 def write_figures(
-    folder: Path, names: Sequence[str] = (), progress: Callable[[Figure, str], object] | None = None
+    folder: Path,
+    names: Sequence[str] = (),
+    progress: Callable[[Figure, Mapping[str, Any]], object] | None = None,
 ) -> list[Path]:
     """Repeat experiments and write their pictures, the index of the folder and the measured values.
 
     All figures unless `names` are given. The folder is made when it is missing; its entries for other figures are kept.
-    `progress` is called with each finished figure and a sentence on its results. Returns the files written. ValueError,
-    before anything is written, when a name is unknown, matplotlib is missing, or the folder is not writable.
+    `progress` is called with each finished figure and its entry, which holds heading and results. Returns the files
+    written. ValueError, before anything is written, when a name is unknown, matplotlib is missing, or the folder is
+    not writable.
     """
     unknown = [name for name in names if name not in FIGURES]
     if unknown:
@@ -121,7 +124,7 @@ def write_figures(
         files.append((folder / f"{name}.png", draw(page, title)))
         entries[name] = _entry(figure, title, page)
         if progress is not None:
-            progress(figure, entries[name]["measured"])
+            progress(figure, entries[name])
     ordered = {name: entries[name] for name in FIGURES if name in entries}
     files.append((folder / MEASURED, (json.dumps(ordered, indent=1, ensure_ascii=False) + "\n").encode()))
     files.append((folder / INDEX, _index(ordered).encode()))

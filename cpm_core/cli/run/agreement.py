@@ -1,4 +1,4 @@
-"""Agreement of the contours of ``cpm run`` with a ground truth."""
+"""Agreement of the contours or the surface of ``cpm run`` with a ground truth."""
 
 from __future__ import annotations
 
@@ -7,10 +7,12 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from cpm_core.contours.agreement import compare
+from cpm_core.contours.agreement import Comparison, compare
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.result import Result
-from cpm_core.formats.ground_truth_file import load_truth
+from cpm_core.contours.surface.agreement import SurfaceComparison, compare_surface
+from cpm_core.contours.surface.ground_truth import VolumeTruth
+from cpm_core.formats.ground_truth_file import load_truth, load_volume_truth
 from cpm_core.image.image import Image
 
 
@@ -21,18 +23,39 @@ def truth_for(arguments: argparse.Namespace, image: Image) -> Truth | None:
     return load_truth(arguments.truth, image.shape, spacing=image.spacing, unit=image.unit)
 
 
-def agreement(result: Result, truth: Truth | None) -> dict[str, Any]:
-    """How well contours agree with a ground truth, as values by name; empty where there is none."""
-    if truth is None:
-        return {}
-    found = compare(result.contours, truth)
-    values = {name: getattr(found, name) for name in ("dice", "jaccard", "precision", "recall", "f")}
-    values |= {"hausdorff": found.hausdorff, "mean_distance": found.mean_boundary_distance}
-    plain = {name: round(value, 6) if math.isfinite(value) else None for name, value in values.items()}
-    return {"truth": {"source": truth.source, **plain}}
+def volume_truth_for(arguments: argparse.Namespace, volume: Image) -> VolumeTruth | None:
+    """The ground truth that is named, of this volume."""
+    return None if arguments.truth is None else load_volume_truth(arguments.truth, volume)
+
+
+def agreement(result: Result, truth: Truth | VolumeTruth | None) -> dict[str, Any]:
+    """How well contours, or a surface, agree with a ground truth, as values by name; empty where there is none."""
+    if isinstance(truth, VolumeTruth):
+        surface = compare_surface(result.surface, truth)
+        more = {"unit": truth.unit, "hausdorff95": _finite(surface.hausdorff95)}
+        return {"truth": {"source": truth.source, **_measures(surface), **more}}
+    return {} if truth is None else {"truth": {"source": truth.source, **_measures(compare(result.contours, truth))}}
+
+
+def _measures(found: Comparison | SurfaceComparison) -> dict[str, float | None]:
+    values = {name: _finite(getattr(found, name)) for name in ("dice", "jaccard", "precision", "recall", "f")}
+    return values | {"hausdorff": _finite(found.hausdorff), "mean_distance": _finite(found.mean_boundary_distance)}
+
+
+def _finite(value: float) -> float | None:
+    return round(value, 6) if math.isfinite(value) else None
 
 
 def sentence_on(facts: Mapping[str, Any]) -> str:
     """What a person is told of it."""
-    far = "" if facts["hausdorff"] is None else f", farthest apart {facts['hausdorff']:.1f} px"
-    return f"Beside {facts['source']}: Dice {facts['dice']:.3f}, F of the boundaries {facts['f']:.3f}{far}"
+    unit = facts.get("unit", "px") or "voxels"
+    boundaries = "surfaces" if "unit" in facts else "boundaries"
+    dice = "not known" if facts["dice"] is None else f"{facts['dice']:.3f}"
+    away = ""
+    if facts["hausdorff"] is not None:
+        away = f", farthest apart {facts['hausdorff']:.1f} {unit}"
+        if "hausdorff95" in facts:
+            away = (
+                f", {facts['mean_distance']:.2g} {unit} apart on average, 95 % within {facts['hausdorff95']:.2g}{away}"
+            )
+    return f"Beside {facts['source']}: Dice {dice}, F of the {boundaries} {facts['f']:.3f}{away}"

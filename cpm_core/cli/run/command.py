@@ -32,7 +32,7 @@ from cpm_core.cli.arguments import (
 from cpm_core.cli.batch.jobs import facts_of as outcome_of
 from cpm_core.cli.outcome import tell
 from cpm_core.cli.run.agreement import agreement, sentence_on, truth_for
-from cpm_core.cli.run.drawn import plain_drawn, regions_drawn, seeds_drawn, starts_from_files
+from cpm_core.cli.run.drawn import in_space, plain_drawn, regions_drawn, seeds_drawn, starts_from_files
 from cpm_core.cli.run.objects import add_objects, check_objects, choose, facts_of_object, sentence
 from cpm_core.cli.run.pages import StackRun, add_pages, check_pages, run_pages
 from cpm_core.cli.run.saved_session import check_save, save
@@ -42,7 +42,15 @@ from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply
 from cpm_core.field.edge_map import edge_map
-from cpm_core.formats import CONTOURS_READABLE, export, left_out, load_image, suffix_of
+from cpm_core.formats import (
+    CONTOURS_READABLE,
+    FOR_CENTERLINES,
+    SURFACES_READABLE,
+    export,
+    left_out,
+    load_image,
+    suffix_of,
+)
 from cpm_core.formats.printable import printable
 from cpm_core.formats.provenance import ENTRY, facts_of, plain_shapes, with_shapes
 from cpm_core.formats.sessions.chosen_part import part_for
@@ -70,21 +78,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     part = parser.add_argument_group("part of a file")
     add_part(part)
     add_pages(part)
-    start = parser.add_argument_group("start (one at least, of a session or here; several add up)")
-    place = parser.add_argument_group("place (each may be repeated)")
-    line = "ROW,COL,ROW,COL,..."
-    for group, flag, form, meaning in (
-        (start, "--circle", "ROW,COL,RADIUS", "a circle, in px"),
-        (start, "--sphere", "PLANE,ROW,COL,RADIUS", "a sphere in a volume, in voxels; IMAGE is then a volume"),
-        (start, "--stroke", line, "a stroke from point to point"),
-        (start, "--points", "FILE.csv", "points: row,col on each line"),
-        (start, "--start", "FILE", f"the contours of a file ({', '.join(CONTOURS_READABLE)}, or a label mask)"),
-        (place, "--region", line, "corners of a polygon that particles stay in, in px; in a volume of a box"),
-        (place, "--barrier", line, "vertices of a line that no particle crosses, in px; in a volume a plane"),
-    ):
-        group.add_argument(flag, metavar=form, action="append", default=[], help=meaning)
-    start.add_argument("--volume", action="store_true", help="IMAGE is a volume; places are then PLANE,ROW,COL")
-    start.add_argument("--auto", choices=KINDS, help="everywhere, on the strongest edges, or midway between edges")
+    _add_places(parser)
     add_objects(parser.add_argument_group("object"))
     parameters = parser.add_argument_group("parameters")
     parameters.add_argument(
@@ -101,16 +95,43 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     add_space(outcome)
     add_export(outcome, "contours")
     add_close(outcome)
-    outcome.add_argument("--truth", metavar="FILE", help="compare with a ground truth: a mask, or a file of contours")
+    outcome.add_argument(
+        "--truth", metavar="FILE", help="compare with a ground truth: a mask, contours, or a label volume"
+    )
     outcome.add_argument(
         "--save-session", metavar="FILE", help=f"write a session ({SUFFIX}) that the window opens with these contours"
     )
     add_json(outcome)
 
 
+def _add_places(parser: argparse.ArgumentParser) -> None:
+    """Add where a run starts, and what limits it."""
+    start = parser.add_argument_group("start (one at least, of a session or here; several add up)")
+    place = parser.add_argument_group("place (each may be repeated)")
+    line = "ROW,COL,ROW,COL,..."
+    for group, flag, form, meaning in (
+        (start, "--circle", "ROW,COL,RADIUS", "a circle, in px"),
+        (start, "--sphere", "PLANE,ROW,COL,RADIUS", "a sphere in a volume, in voxels; IMAGE is then a volume"),
+        (start, "--stroke", line, "a stroke from point to point"),
+        (start, "--points", "FILE.csv", "points: row,col on each line"),
+        (
+            start,
+            "--start",
+            "FILE",
+            f"the contours of a file ({', '.join(CONTOURS_READABLE)}, or a label mask); in a "
+            f"volume a surface, labels or center lines ({', '.join((*SURFACES_READABLE, *FOR_CENTERLINES))})",
+        ),
+        (place, "--region", line, "corners of a polygon that particles stay in, in px; in a volume of a box"),
+        (place, "--barrier", line, "vertices of a line that no particle crosses, in px; in a volume a plane"),
+    ):
+        group.add_argument(flag, metavar=form, action="append", default=[], help=meaning)
+    start.add_argument("--volume", action="store_true", help="IMAGE is a volume; places are then PLANE,ROW,COL")
+    start.add_argument("--auto", choices=KINDS, help="everywhere, on the strongest edges, or midway between edges")
+
+
 def _run(arguments: argparse.Namespace) -> int:
     """Find the contours of an image, or of the pages of a stack; every check that needs no image comes first."""
-    if arguments.sphere or arguments.volume or arguments.space or arguments.faces is not None:
+    if arguments.sphere or arguments.volume or arguments.space or arguments.faces is not None or in_space(arguments):
         run_volume(arguments)
         return 0
     session = load_session(Path(arguments.session)) if arguments.session else SessionFile()

@@ -11,7 +11,14 @@ from numpy.typing import NDArray
 
 from cpm_core.cli.arguments import as_number
 from cpm_core.cli.terminal import say
-from cpm_core.formats import load_points
+from cpm_core.formats import (
+    CONTOURS_READABLE,
+    FOR_CENTERLINES,
+    SURFACES_READABLE,
+    load_centerlines,
+    load_points,
+    load_surface,
+)
 from cpm_core.formats.contours.reading.contour_file import plane_of, read_contours
 from cpm_core.formats.sessions.plain_values import shape_from_plain
 from cpm_core.formats.sessions.session_file import SessionFile
@@ -21,18 +28,42 @@ from cpm_core.parameters.quotation import shown
 from cpm_core.particles.initialization import circle, stroke
 from cpm_core.shapes import Barrier, Points, Polygon, Region, Shape, Stroke
 from cpm_core.shapes.document_shapes import regions_of, starts_of
-from cpm_core.shapes.outlines import starts_along
+from cpm_core.shapes.outlines import start_on_surface, starts_along, starts_in
 
 
 def starts_from_files(arguments: argparse.Namespace, image: Image) -> tuple[Polygon | Stroke | Points, ...]:
     """Starts along the contours of the files of ``--start``."""
-    starts: list[Polygon | Stroke | Points] = []
+    return tuple(start for path in arguments.start for start in starts_from_file(path, image))
+
+
+def starts_from_file(path: str, image: Image) -> tuple[Polygon | Stroke | Points, ...]:
+    """Starts along the contours of one file; what was left out of it is said."""
+    found = read_contours(path, plane_of(image))
+    for note in found.notes:
+        say(f"cpm: {Path(path).name}: {note}")
+    return starts_along(found.contours, found.places)
+
+
+def in_space(arguments: argparse.Namespace) -> bool:
+    """Whether a file of a start holds what only volumes have, a surface or center lines."""
+    return any(Path(path).suffix.lower() in {*SURFACES_READABLE, *FOR_CENTERLINES} for path in arguments.start)
+
+
+def starts_in_volume(arguments: argparse.Namespace, volume: Image) -> tuple[Points | Stroke, ...]:
+    """Starts on the surfaces and along the center lines of the files of ``--start``, in a volume."""
+    starts: list[Points | Stroke] = []
     for path in arguments.start:
-        found = read_contours(path, plane_of(image))
-        for note in found.notes:
-            say(f"cpm: {Path(path).name}: {note}")
-        starts += starts_along(found.contours, found.places)
+        if Path(path).suffix.lower() in CONTOURS_READABLE:
+            raise ValueError(f"--start {path} has contours, which lie in a plane: name a surface or center lines.")
+        if Path(path).suffix.lower() in FOR_CENTERLINES:
+            starts += starts_in(load_centerlines(path, volume, tell=_tell))
+        else:
+            starts.append(start_on_surface(load_surface(path, volume, tell=_tell)))
     return tuple(starts)
+
+
+def _tell(note: str) -> None:
+    say(f"cpm: {note}")
 
 
 def shapes_drawn(arguments: argparse.Namespace, image: Image) -> tuple[Shape, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -14,6 +14,8 @@ import numpy as np
 from cpm_core.cli.arguments import as_number, as_steps, check_exports, parameters_of, part_of
 from cpm_core.cli.outcome import tell
 from cpm_core.cli.place import facts_on, lines_on
+from cpm_core.cli.run.agreement import agreement, sentence_on, volume_truth_for
+from cpm_core.cli.run.drawn import in_space, starts_in_volume
 from cpm_core.cli.terminal import announce_compilation, counted, progress_line, say, written
 from cpm_core.contours.result import Result
 from cpm_core.formats import FOR_VOLUMES, export, load_volume, suffix_of
@@ -25,11 +27,18 @@ from cpm_core.objects.partition import partition
 from cpm_core.parameters import PRESETS
 from cpm_core.parameters.quotation import shown
 from cpm_core.particles.initialization import stroke
-from cpm_core.particles.volume_starts import everywhere, on_strong_edges, sphere
+from cpm_core.particles.volume_starts import at_centers, everywhere, on_strong_edges, sphere
 from cpm_core.segmentation.segment import segment
 
-_OF_IMAGES = ("circle", "session", "close", "pages", "follow", "resume", "start", "truth", "save_session")
+_OF_IMAGES = ("circle", "session", "close", "pages", "follow", "resume", "save_session")
 """Options that have a meaning for images only."""
+
+_AUTOMATIC: Mapping[str, Callable[[Image], Array]] = {
+    "grid": everywhere,
+    "gradient": on_strong_edges,
+    "centers": at_centers,
+}
+"""What starts without anything drawn."""
 
 _FEWEST_FACES = 4
 """Least number of triangles of a closed surface."""
@@ -37,7 +46,7 @@ _FEWEST_FACES = 4
 
 def run_volume(arguments: argparse.Namespace) -> None:
     """Find a surface; every check that needs no volume comes first."""
-    if not (arguments.sphere or arguments.volume):
+    if not (arguments.sphere or arguments.volume or in_space(arguments)):
         given = "--space" if arguments.faces is None else "--faces"
         raise ValueError(f"{given} is for the surface in a volume: add --sphere PLANE,ROW,COL,RADIUS, or leave it out.")
     for name in _OF_IMAGES:
@@ -47,8 +56,6 @@ def run_volume(arguments: argparse.Namespace) -> None:
             )
     if arguments.image is None:
         raise ValueError("No VOLUME is given: name one.")
-    if arguments.auto == "centers":
-        raise ValueError("--auto is centers, which is for images: use --auto grid or --auto gradient in a volume.")
     drawn, regions = _drawn(arguments), _regions(arguments)
     clicks = _clicks("--object", arguments.object), _clicks("--not", arguments.outside)
     if clicks[1] and not clicks[0]:
@@ -63,6 +70,7 @@ def run_volume(arguments: argparse.Namespace) -> None:
     volume = load_volume(arguments.image, **part)
     for note in volume.notes:
         say(f"cpm: {volume.source}: {note}")
+    truth = volume_truth_for(arguments, volume)
     started = time.perf_counter()
     seeds = _seeds(arguments, volume, drawn)
     announce_compilation()
@@ -73,7 +81,7 @@ def run_volume(arguments: argparse.Namespace) -> None:
     seconds = time.perf_counter() - started
     export(result, *arguments.export, image=arguments.image, space=arguments.space or "LPS")
     with written("the files were written before" if arguments.export else ""):
-        _report(result, seconds, arguments)
+        _report(result, seconds, agreement(result, truth), arguments)
 
 
 def part_of_volume(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -121,10 +129,10 @@ def _drawn(arguments: argparse.Namespace) -> list[Array]:
     """Spheres, as plane, row, column and radius each, then the particles of strokes and of files with points."""
     spheres = [_numbers("--sphere", text, "PLANE,ROW,COL,RADIUS", 4) for text in arguments.sphere]
     lines = [_numbers("--stroke", text, "PLANE,ROW,COL,PLANE,ROW,COL,...") for text in arguments.stroke]
-    if not (spheres or lines or arguments.points or arguments.auto):
+    if not (spheres or lines or arguments.points or arguments.start or arguments.auto):
         raise ValueError(
             "No start is given: add --sphere PLANE,ROW,COL,RADIUS, --stroke PLANE,ROW,COL,PLANE,ROW,COL,..., "
-            "--points FILE.csv or --auto grid."
+            "--points FILE.csv, --start FILE or --auto grid."
         )
     return [
         *(np.array(numbers) for numbers in spheres),
@@ -168,12 +176,13 @@ def _seeds(arguments: argparse.Namespace, volume: Image, drawn: list[Array]) -> 
     plane, row, col = (side / min(volume.spacing) for side in volume.spacing)
     sides = (plane, row, col)
     seeds = [part if part.ndim == 2 else sphere((part[0], part[1], part[2]), part[3], spacing=sides) for part in drawn]
+    seeds += [start.seeds() for start in starts_in_volume(arguments, volume)]
     if arguments.auto:
-        seeds.append(everywhere(volume) if arguments.auto == "grid" else on_strong_edges(volume))
+        seeds.append(_AUTOMATIC[arguments.auto](volume))
     return np.concatenate(seeds)
 
 
-def _report(result: Result, seconds: float, arguments: argparse.Namespace) -> None:
+def _report(result: Result, seconds: float, agreed: Mapping[str, Any], arguments: argparse.Namespace) -> None:
     surface = result.surface
     vertices, faces = (0, 0) if surface is None else (len(surface.vertices), len(surface.faces))
     facts = {
@@ -189,11 +198,13 @@ def _report(result: Result, seconds: float, arguments: argparse.Namespace) -> No
         "stop_reason": result.stop_reason,
         "seconds": round(seconds, 3),
         **({} if result.image is None else facts_on(result.image)),
+        **agreed,
     }
     lines = [
         f"{result.source}: a surface of {counted(faces, 'triangle')}, with {vertices} corners",
         f"{counted(len(result.particles), 'particle')}, {counted(result.steps, 'step')} in {seconds:.2f} s",
         f"Stopped: {result.stop_reason}",
         *([] if result.image is None else lines_on(result.image)),
+        *([sentence_on(agreed["truth"])] if agreed else []),
     ]
     tell("run", facts, lines, arguments.export, as_json=arguments.json)

@@ -4,18 +4,26 @@ from __future__ import annotations
 
 import base64
 import binascii
+import math
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import DTypeLike, NDArray
 
 from cpm_core.contours.surface import Surface
+from cpm_core.contours.surface.inside import inside_of
+from cpm_core.image.volume_regions import Voxels
+from cpm_core.numerics.types import Place
 
 _LARGEST = 256 * 2**20
 """Most bytes of an array that is read."""
+
+_MOST_VOXELS = 2**28
+"""Most voxels of the box around a surface, whose inside takes a byte for each and more while it is found."""
 
 _FAST = 1
 """Level of compression: bits of positions hardly become fewer, however long one tries."""
@@ -55,7 +63,7 @@ class PackedSurface:
     Raises
     ------
     ValueError
-        When the text holds no surface, or one that is not closed.
+        When the text holds no surface, or one that is not closed or far too large.
     """
 
     vertices: str
@@ -64,6 +72,12 @@ class PackedSurface:
     def __post_init__(self) -> None:
         if not len(self.surface.faces) or not self.surface.closed:
             raise ValueError("The surface around an object is not closed, so that nothing is inside.")
+        sides = np.ceil(np.ptp(self.surface.vertices, axis=0)).tolist()
+        if math.prod(sides) > _MOST_VOXELS:
+            raise ValueError(
+                f"The surface around an object spans {' x '.join(f'{side:g}' for side in sides)} voxels, but at most "
+                f"{_MOST_VOXELS:,} in all can be filled: make it smaller."
+            )
 
     @classmethod
     def of(cls, surface: Surface) -> PackedSurface:
@@ -78,3 +92,22 @@ class PackedSurface:
         if len(vertices) % 3 or len(faces) % 3:
             raise ValueError("the surface of an object is damaged: it does not consist of triangles.")
         return Surface(vertices.reshape(-1, 3), faces.reshape(-1, 3))
+
+    @cached_property
+    def voxels(self) -> Voxels:
+        """The voxels whose centers lie inside."""
+        vertices = self.surface.vertices
+        first = np.floor(vertices.min(axis=0)).astype(int) - 1
+        shape = np.ceil(vertices.max(axis=0)).astype(int) + 2 - first
+        there = replace(self.surface, vertices=vertices - first)
+        return Voxels(inside_of(there, tuple(shape.tolist())), tuple(first.tolist()))
+
+    @cached_property
+    def shell(self) -> Voxels:
+        """Those of them that have a side in common with a voxel outside."""
+        inside = self.voxels.mask
+        return Voxels(inside & ~scipy.ndimage.binary_erosion(inside), self.voxels.first)
+
+    def moved(self, by: Place) -> PackedSurface:
+        """The same surface displaced by so much along each axis [voxels]."""
+        return PackedSurface.of(replace(self.surface, vertices=self.surface.vertices + np.array(by)))

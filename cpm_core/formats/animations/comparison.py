@@ -17,6 +17,7 @@ import PIL.ImageDraw
 import PIL.PngImagePlugin
 
 from cpm_core.contours.contour import Contour
+from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.result import Result
 from cpm_core.formats.animations.snapshot_strip import strip
 from cpm_core.formats.atomic import check_place, write_together
@@ -31,11 +32,15 @@ _LOG = logging.getLogger(__name__)
 TABLE, PICTURE = ".csv", ".png"
 """Suffixes of what is written of all methods together; with others, the contours of each method are."""
 
-_START, _CLOSED, _OPEN, _HALO = "#f0e442", "#56b4e9", "#ff9d1e", "#101216"
-"""Colors of the start, of closed and of open contours, and around them."""
+_START, _TRUTH, _CLOSED, _OPEN, _HALO = "#f0e442", "#d79bd0", "#56b4e9", "#ff9d1e", "#101216"
+"""Colors of the start, of the ground truth, of closed and of open contours, and around them."""
 
-_SIDE, _FINER = 420, 2
-"""Longer side of a tile [px], and how many times finer lines are drawn before they are reduced."""
+_SIDE, _LEAST_WIDTH, _FINER = 420, 380, 2
+"""Longer side of an image in a tile; least width of a tile, for its caption [px]; how many times finer lines are drawn
+before they are reduced."""
+
+_FEW, _ACROSS = 4, (4, 3)
+"""So many tiles stand in one row; of more, one of these numbers, that which leaves the fewest places empty."""
 
 _DARKEST, _BRIGHTEST = 0.1, 0.86
 """Brightness of the extreme gray levels, on which lines and their halos must be visible."""
@@ -63,16 +68,28 @@ def table(rows: Sequence[Facts]) -> bytes:
     return text.getvalue().encode()
 
 
-def picture(image: Image, start: Start, tiles: Sequence[Tile]) -> Pixels:
-    """The start and the contours of each method on the image, side by side, each with its facts below."""
+def picture(image: Image, start: Start, tiles: Sequence[Tile], truth: Truth | None = None) -> Pixels:
+    """The start and the contours of each method on the image, side by side, each with its facts below.
+
+    A ground truth is drawn below all of them. What the colors mean stands below the start.
+    """
     outlines = [Contour(outline, closed=True) for outline in start.outlines]
-    frames = [_drawn(image, [(outlines, _START)])]
-    captions = ["Start"]
+    below = [] if truth is None else [(truth.contours, _TRUTH)]
+    frames = [_drawn(image, [*below, (outlines, _START)])]
+    legend = {"start": "yellow"} | ({} if truth is None else {"truth": "pink"})
+    captions = []
     for tile in tiles:
         closed, loose = ([one for one in tile.contours if one.closed is kind] for kind in (True, False))
-        frames.append(_drawn(image, [(closed, _CLOSED), (loose, _OPEN)]))
+        legend |= ({"closed": "blue"} if closed else {}) | ({"open": "orange"} if loose else {})
+        frames.append(_drawn(image, [*below, (closed, _CLOSED), (loose, _OPEN)]))
         captions.append(caption(tile.facts))
-    return strip(frames, captions, text_size=_LETTERS)
+    first = ", ".join(f"{name} {color}" for name, color in legend.items()).capitalize()
+    return strip(frames, [first, *captions], columns=_columns(len(frames)), text_size=_LETTERS)
+
+
+def _columns(count: int) -> int:
+    """How many of some tiles stand in a row."""
+    return count if count <= _FEW else min(_ACROSS, key=lambda across: -count % across)
 
 
 def caption(facts: Facts) -> str:
@@ -87,6 +104,7 @@ def write_comparison(
     tiles: Sequence[Tile],
     paths: Sequence[str | os.PathLike[str]],
     tell: Callable[[str], object] = _LOG.warning,
+    truth: Truth | None = None,
 ) -> tuple[Path, ...]:
     """Write table, picture and contours, by the suffix of each path; all files or none.
 
@@ -103,6 +121,8 @@ def write_comparison(
         method, whose name is put before the suffix where there are several.
     tell : callable, optional
         Called with a sentence for each file that leaves contours out, or is not written as it would hold none.
+    truth : Truth, optional
+        What the methods are measured by, for the picture.
 
     Returns
     -------
@@ -122,7 +142,7 @@ def write_comparison(
         if suffix == TABLE:
             contents.append((path, table([tile.facts for tile in tiles])))
         elif suffix == PICTURE:
-            contents.append((path, _picture_file(image, start, tiles)))
+            contents.append((path, _picture_file(image, start, tiles, truth)))
         else:
             results = [result_of(tile.facts, tile.contours, image, start, tile.settings) for tile in tiles]
             contents += _contour_files(zip(files_of(path, names), results, strict=True), suffix, tell)
@@ -165,15 +185,15 @@ def _contour_files(
             tell(f"{file} was not written: {error}")
 
 
-def _picture_file(image: Image, start: Start, tiles: Sequence[Tile]) -> bytes:
+def _picture_file(image: Image, start: Start, tiles: Sequence[Tile], truth: Truth | None) -> bytes:
     stream, texts = io.BytesIO(), PIL.PngImagePlugin.PngInfo()
     texts.add_text("Description", ", ".join(tile.facts.method for tile in tiles))
-    PIL.Image.fromarray(picture(image, start, tiles)).save(stream, format="PNG", pnginfo=texts)
+    PIL.Image.fromarray(picture(image, start, tiles, truth)).save(stream, format="PNG", pnginfo=texts)
     return stream.getvalue()
 
 
 def _drawn(image: Image, layers: Sequence[tuple[Sequence[Contour], str]]) -> Pixels:
-    """The image as large as a tile, with lines in their colors on dark halos."""
+    """The image as large as a tile, with lines in their colors on dark halos; a narrow one stands on white."""
     low, high = np.percentile(image.values, (0.2, 99.8))
     shade = np.clip((image.values - low) / max(high - low, 1e-300), 0.0, 1.0)
     gray = np.rint(255.0 * (_DARKEST + (_BRIGHTEST - _DARKEST) * shade)).astype(np.uint8)
@@ -182,11 +202,13 @@ def _drawn(image: Image, layers: Sequence[tuple[Sequence[Contour], str]]) -> Pix
     size = max(round(cols * zoom), _FINER), max(round(rows * zoom), _FINER)
     large = PIL.Image.fromarray(gray).convert("RGB").resize(size, PIL.Image.Resampling.BILINEAR)
     pen = PIL.ImageDraw.Draw(large)
-    for color, width in ((_HALO, 3 * _FINER), (None, 2 * _FINER - 1)):
-        for contours, own in layers:
+    for contours, own in layers:
+        for color, width in ((_HALO, 3 * _FINER), (own, 2 * _FINER - 1)):
             for contour in contours:
-                pen.line(_line(contour.path, zoom), fill=color or own, width=width, joint="curve")
-    return np.asarray(large.resize((size[0] // _FINER, size[1] // _FINER), PIL.Image.Resampling.BOX))
+                pen.line(_line(contour.path, zoom), fill=color, width=width, joint="curve")
+    tile = np.asarray(large.resize((size[0] // _FINER, size[1] // _FINER), PIL.Image.Resampling.BOX))
+    beside = max(_LEAST_WIDTH - tile.shape[1], 0)
+    return np.pad(tile, ((0, 0), (beside // 2, beside - beside // 2), (0, 0)), constant_values=255)
 
 
 def _line(path: Array, zoom: float) -> list[tuple[float, float]]:

@@ -34,6 +34,13 @@ def load_points(path: str | os.PathLike[str], axes: int = 2) -> NDArray[np.float
     ------
     ValueError
         When the file cannot be read or a line does not hold as many finite numbers; the message names the line.
+
+    Examples
+    --------
+    >>> result = cpm.segment(cpm.example("ball"), cpm.sphere((15, 15, 15), 4, 60), cpm.PRESETS["volume"])
+    >>> cpm.export(result, "ball.points.csv")
+    >>> bool(np.abs(cpm.load_points("ball.points.csv", axes=3) - result.particles).max() < 0.001)
+    True
     """
     file = Path(path)
     try:

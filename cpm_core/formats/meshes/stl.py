@@ -11,8 +11,8 @@ from cpm_core.formats.meshes.world import mesh_of
 from cpm_core.image.geometry import Convention
 from cpm_core.medial_axis.skeleton import Skeleton
 
-_HEADER = 80
-_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+HEADER = 80
+TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
 def encode(result: Result | Skeleton, space: Convention = "LPS") -> bytes:
@@ -21,10 +21,10 @@ def encode(result: Result | Skeleton, space: Convention = "LPS") -> bytes:
     Its header has room for the program, the coordinates and the unit alone.
     """
     mesh = mesh_of(result, space)
-    triangles = np.zeros(len(mesh.faces), _TRIANGLE)
+    triangles = np.zeros(len(mesh.faces), TRIANGLE)
     corners = mesh.points[mesh.faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     triangles["normal"], triangles["corners"] = normals / np.maximum(lengths, 1e-30), corners
-    header = " ".join(mesh.notes[:3]).encode()[:_HEADER].ljust(_HEADER)
+    header = " ".join(mesh.notes[:3]).encode()[:HEADER].ljust(HEADER)
     return header + struct.pack("<I", len(triangles)) + triangles.tobytes()

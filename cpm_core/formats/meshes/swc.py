@@ -7,7 +7,7 @@ from collections import deque
 from pathlib import Path
 
 from cpm_core.formats.atomic import check_place, write_together
-from cpm_core.formats.meshes.world import positions
+from cpm_core.formats.meshes.world import decimals_for, positions
 from cpm_core.formats.printable import printable
 from cpm_core.formats.provenance import PROGRAM, facts_on, text_of
 from cpm_core.image.geometry import Convention, Geometry
@@ -74,5 +74,6 @@ def encode(lines: Centerlines, geometry: Geometry | None = None, space: Conventi
     unit = {"µm": "um"}.get(lines.unit or "", lines.unit or "voxel")
     facts = printable(text_of(facts_on(lines.source, lines.provenance)))
     head = f"# {PROGRAM}\n# SPACE={space}\n# UNIT={unit}\n# {facts}\n# id type x y z radius parent\n"
-    text = "".join(f"{k} {_UNDEFINED} {x:.6g} {y:.6g} {z:.6g} {r:.6g} {parent}\n" for k, x, y, z, r, parent in rows)
+    form = f"{{}} {_UNDEFINED}" + 4 * f" {{:.{decimals_for(lines.spacing)}f}}" + " {}\n"
+    text = "".join(form.format(*row) for row in rows)
     return (head + text).encode("ascii", "replace")

@@ -8,6 +8,7 @@ the same place. Files say so by ``SPACE=LPS`` or ``SPACE=RAS``, as 3D Slicer doe
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -20,24 +21,35 @@ from cpm_core.image.geometry import Convention, Geometry
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array
 
+_FINE = 1e-3
+"""How far a position in a file may be from where it is [smallest sides of a voxel]."""
+
 
 class Mesh(NamedTuple):
     """A surface in the coordinates of files.
 
     Attributes
     ----------
-    points, normals : ndarray of float32, shape (N, 3)
-        Positions (x, y, z), and unit vectors outward.
+    points : ndarray of float32 or float64, shape (N, 3)
+        Positions (x, y, z); of double precision where a volume is so far from zero that single precision is coarse.
+    normals : ndarray of float32, shape (N, 3)
+        Unit vectors outward.
     faces : ndarray of int32, shape (F, 3)
         Corners, counter-clockwise as seen from outside.
     notes : tuple of str
         Lines of ASCII: program, coordinates, unit, and how the surface was found.
+    numbers : ndarray of int32, shape (F,), or None
+        Number of the object that each triangle bounds, where objects have their own.
+    decimals : int
+        Decimals that a text of positions needs.
     """
 
-    points: NDArray[np.float32]
+    points: NDArray[np.floating]
     normals: NDArray[np.float32]
     faces: NDArray[np.int32]
     notes: tuple[str, ...]
+    numbers: NDArray[np.int32] | None
+    decimals: int
 
 
 def mesh_of(result: Result | Skeleton, space: Convention = "LPS") -> Mesh:
@@ -52,12 +64,21 @@ def mesh_of(result: Result | Skeleton, space: Convention = "LPS") -> Mesh:
     turned = (surface.normals * surface.spacing) @ np.linalg.inv(matrix)
     lengths = np.linalg.norm(turned, axis=1, keepdims=True)
     faces = surface.faces if np.linalg.det(matrix) > 0.0 else surface.faces[:, ::-1]
+    points = positions(surface.vertices, surface.spacing, result.geometry, space)
+    coarse = np.abs(points).max() * np.finfo(np.float32).eps > _FINE * min(surface.spacing)
     return Mesh(
-        positions(surface.vertices, surface.spacing, result.geometry, space).astype(np.float32),
+        points if coarse else points.astype(np.float32),
         (turned / np.where(lengths > 0.0, lengths, 1.0)).astype(np.float32),
         faces.astype(np.int32),
         tuple(printable(note).encode("ascii", "replace").decode() for note in notes),
+        None if surface.numbers is None else surface.numbers.astype(np.int32),
+        decimals_for(surface.spacing),
     )
+
+
+def decimals_for(spacing: tuple[float, ...]) -> int:
+    """How many decimals place a vertex to less than a thousandth of a voxel."""
+    return max(0, math.ceil(-math.log10(_FINE * min(spacing))))
 
 
 def positions(places: Array, spacing: tuple[float, ...], geometry: Geometry | None, space: Convention = "LPS") -> Array:

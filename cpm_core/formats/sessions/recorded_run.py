@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from cpm_core.field.placed_charges import PlacedCharge, in_order
 from cpm_core.formats.sessions.particle_state import state_from_plain, state_to_plain
+from cpm_core.formats.sessions.plain_regions import regions_from_plain, regions_to_plain
 from cpm_core.formats.sessions.plain_values import from_plain, mapping, parameters_from_plain, shape_to_plain, to_plain
 from cpm_core.formats.sessions.session_file import SessionFile, decode, encode
-from cpm_core.image.regions import Regions
+from cpm_core.image.image import Image
 from cpm_core.parameters import Parameters
 from cpm_core.particles.state import State
 from cpm_core.shapes.document_shapes import charges_of, regions_of, starts_of
@@ -42,8 +43,7 @@ def with_run(session: SessionFile, recorder: Recorder) -> SessionFile:
         return session
     regions = regions_of(session.shapes, session.objects.barriers)
     action: dict[str, Any] = {"step": {}, "charges": [to_plain(charge) for charge in charges_of(session.shapes)]}
-    if regions is not None:
-        action["regions"] = to_plain(regions)
+    action |= regions_to_plain(regions)
     bare = replace(session, image=None, marks=(), learning=False, view={}, extra={}, hand_edits=(), runs={}, truth=None)
     branch = {
         "number": _BRANCH,
@@ -65,17 +65,14 @@ def with_run(session: SessionFile, recorder: Recorder) -> SessionFile:
     return replace(session, runs=runs)
 
 
-def shown_state(session: SessionFile, shape: Sequence[int]) -> tuple[State, Parameters] | None:
-    """The state of the runs of a session that the window shows, with its parameters; None where it was not kept.
-
-    `shape` is that of the image.
-    """
+def shown_state(session: SessionFile, image: Image) -> tuple[State, Parameters] | None:
+    """The state of the runs of a session that the window shows, with its parameters; None where it was not kept."""
     try:
         number, step = session.runs["here"]
         for run in session.runs["runs"]:
             for branch in run["branches"]:
                 if branch["number"] == number:
-                    return _state(session.runs, run, branch, number, step, tuple(shape))
+                    return _state(session.runs, run, branch, number, step, image)
     except (KeyError, TypeError, ValueError, IndexError, OverflowError):
         return None
     return None
@@ -87,7 +84,7 @@ def _state(
     branch: Mapping[str, Any],
     number: int,
     step: int,
-    shape: tuple[int, ...],
+    image: Image,
 ) -> tuple[State, Parameters] | None:
     plain = next((one["state"] for one in runs["states"] if (one["branch"], one["step"]) == (number, step)), None)
     if plain is None:
@@ -97,8 +94,8 @@ def _state(
     usual = to_plain(first)
     parameters, _ = parameters_from_plain({**usual, **mapping(action["step"], "action")})
     charges = tuple(from_plain(PlacedCharge, one, "charge") for one in action.get("charges", []))
-    regions = from_plain(Regions, action["regions"], "regions") if "regions" in action else None
-    state = state_from_plain(plain, shape, first.scales)
+    regions = regions_from_plain(action, "regions")
+    state = state_from_plain(plain, image.shape, first.scales, image.spacing)
     return (
         replace(state, steering=parameters.steering, regions=regions, charges=in_order(charges)),
         parameters,

@@ -49,8 +49,8 @@ class VolumePartition:
     >>> bodies = cpm.partition(result)
     >>> bodies.bodies_at(np.array([(15.0, 15.0, 15.0)])).tolist(), bodies.boundary_of(np.array([1])).closed
     ([1], True)
-    >>> bodies.shape, int(bodies.labels.max()), bodies.select([(15, 15, 15)]).remark
-    ((31, 31, 31), 1, '')
+    >>> bodies.shape, int(bodies.labels.max()), bodies.solid.tolist(), bodies.select([(15, 15, 15)]).remark
+    ((31, 31, 31), 1, [1], '')
     """
 
     image: Image
@@ -94,6 +94,11 @@ class VolumePartition:
             found.append((runs, np.where(enclosed, count + np.cumsum(enclosed), 0)))
             count += int(enclosed.sum())
         return tuple(found)
+
+    @property
+    def solid(self) -> Index:
+        """Numbers of the bodies inside the surface; the others are hollows in them."""
+        return self._parts[0][1]
 
     def select(
         self, inside: ArrayLike, outside: ArrayLike = (), *, previous: VolumeSelection | None = None

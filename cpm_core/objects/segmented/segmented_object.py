@@ -10,8 +10,8 @@ import scipy
 
 from cpm_core.contours.contour import Contour, check_name
 from cpm_core.contours.surface import Surface
-from cpm_core.contours.surface.inside import inside_of
 from cpm_core.contours.surface.packing import PackedSurface
+from cpm_core.image.volume_regions import Voxels
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Mask, Place, Position
 from cpm_core.objects.selection import Selection
@@ -159,9 +159,11 @@ class SegmentedObject:
 
     def mask(self, shape: tuple[int, ...]) -> Mask:
         """The pixels of an image, or the voxels of a volume, of this shape whose centers lie inside."""
-        if self.body is not None:
-            return inside_of(self.body, shape)
         found = np.zeros(shape, np.bool_)
+        for packed in self.surface:
+            packed.voxels.fill(found)
+        if self.surface:
+            return found
         (top, left), window = self._window(shape)
         found[top : top + window.shape[0], left : left + window.shape[1]] = window
         return found
@@ -299,9 +301,11 @@ class SegmentedObjects:
         return max((item.number for item in self.items), default=0) + 1
 
     @property
-    def barriers(self) -> tuple[Line, ...]:
-        """Boundaries of frozen objects, closed, which particles do not cross."""
-        return tuple((*curve, curve[0]) for item in self.items if item.frozen for curve in item.boundary)
+    def barriers(self) -> tuple[Line | Voxels, ...]:
+        """Boundaries of frozen objects, which particles do not cross: closed lines, or voxels in a volume."""
+        frozen = [item for item in self.items if item.frozen]
+        lines = [(*curve, curve[0]) for item in frozen for curve in item.boundary]
+        return (*lines, *(packed.shell for item in frozen for packed in item.surface))
 
     def color(self, item: SegmentedObject) -> str:
         """Color of an object: its own, or that of its class."""

@@ -1,4 +1,4 @@
-"""The union of two objects, with a boundary that stays between the pixels."""
+"""The union of two objects, with a boundary that stays between the pixels, or a closed surface."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import skimage
 
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array
+from cpm_core.objects.segmented.bodies import surface_of_both
 from cpm_core.objects.segmented.segmented_object import Line, SegmentedObject
 
 _BLEND = 3.0
@@ -33,7 +34,7 @@ def union(first: SegmentedObject, second: SegmentedObject, shape: tuple[int, ...
     first, second : SegmentedObject
         The objects.
     shape : tuple of int
-        Rows and columns of their image.
+        Shape of their image or volume.
 
     Returns
     -------
@@ -41,6 +42,9 @@ def union(first: SegmentedObject, second: SegmentedObject, shape: tuple[int, ...
         The first one with the boundary of both, the clicks inside of both, the gaps that still belong to the boundary,
         and the means of confidence and strength weighted by perimeter.
     """
+    if first.surface and second.surface:
+        clicks = tuple(said for item in (first, second) for said in item.clicks if said.inside)
+        return replace(first, clicks=clicks, surface=(surface_of_both(first.surface[0], second.surface[0]),))
     corners = np.concatenate([np.asarray(curve) for item in (first, second) for curve in item.boundary])
     # a boundary may lie beyond the image, but not so far that the memory is not enough
     low = np.clip(np.floor(corners.min(axis=0)), -_BEYOND, shape) - _MARGIN

@@ -94,10 +94,12 @@ class Start:
         return tuple(resampled(outline, spacing)[:-1] for outline in closed)
 
     def mask(self, shape: tuple[int, ...]) -> Mask:
-        """The pixels inside one outline at least, shape (H, W)."""
+        """The pixels inside one outline at least, shape (H, W); an outline that lies within others bounds a hole."""
         found: NDArray[np.bool_] = np.zeros(shape, dtype=bool)
-        for outline in self.outlines:
-            found |= polygon2mask(shape, outline)  # type: ignore[no-untyped-call]
+        masks = (polygon2mask(shape, outline) for outline in self.outlines)  # type: ignore[no-untyped-call]
+        different = {mask.tobytes(): mask for mask in masks}.values()  # a line that is drawn twice bounds no hole
+        for mask in sorted(different, key=np.count_nonzero, reverse=True):
+            found = found & ~mask if found[mask].all() else found | mask
         return found
 
     def __repr__(self) -> str:

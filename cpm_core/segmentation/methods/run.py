@@ -114,8 +114,8 @@ class Facts:
         Whether it came to rest.
     stop_reason : str
         Why it ended.
-    contours : int
-        Number of contours.
+    contours, closed : int
+        Number of contours, and of closed ones among them, which alone have an area that overlaps another.
     dice, f : float or None
         Overlap of the areas, and agreement of the boundaries up to a tolerance.
     hausdorff, mean_distance : float or None
@@ -127,8 +127,8 @@ class Facts:
     >>> moment = cpm.run_method(cpm.CONTOUR_METHODS["cpm"], cpm.example("disk"), start)
     >>> result = cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8))
     >>> facts = cpm.facts_of(moment, cpm.Truth(result.labels, result.contours))
-    >>> facts.method, facts.contours, round(facts.dice, 2), facts.f
-    ('cpm', 1, 1.0, 1.0)
+    >>> facts.method, facts.contours, facts.closed, round(facts.dice, 2), facts.f
+    ('cpm', 1, 1, 1.0, 1.0)
     """
 
     method: str
@@ -137,6 +137,7 @@ class Facts:
     converged: bool
     stop_reason: str
     contours: int
+    closed: int = 0
     dice: float | None = None
     f: float | None = None
     hausdorff: float | None = None
@@ -161,9 +162,8 @@ def facts_of(moment: Moment, truth: Truth | None = None) -> Facts:
     if not isinstance(moment, Moment):
         raise ValueError(f"the moment is {shown(moment)} but must be one of a run: take those of `moments`.")
     state = moment.state
-    plain = Facts(
-        moment.method.name, state.step, moment.seconds, state.converged, state.stop_reason, len(state.contours)
-    )
+    contours, closed = len(state.contours), sum(contour.closed for contour in state.contours)
+    plain = Facts(moment.method.name, state.step, moment.seconds, state.converged, state.stop_reason, contours, closed)
     return plain if truth is None else _beside(plain, compare(state.contours, truth))
 
 

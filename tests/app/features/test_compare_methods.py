@@ -15,6 +15,7 @@ from PySide6.QtWidgets import QFileDialog
 from app.model.document import edits
 from app.model.document.objects import objects_result
 from app.session.features.side_by_side import method_run
+from app.views.canvas.coordinates import image_rectangle
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.view.methods import MethodsFeature
 from app.views.main_window import MainWindow
@@ -25,6 +26,7 @@ from cpm_core.image.image import Image
 from cpm_core.segmentation.methods import CONTOUR_METHODS, Compared, Start, run_method
 from cpm_core.segmentation.methods.compared import FIRST
 from cpm_core.segmentation.methods.level_sets.geodesic import GeodesicSettings
+from cpm_core.shapes import Barrier, Stroke
 from cpm_core.shapes.outlines import outlines_of
 from tests.app.conftest import Hand, disc
 
@@ -63,7 +65,7 @@ def test_each_place_shows_what_its_method_gives(ready, dialog, hand) -> None:
     start = Start(outlines_of(ready.session.document.shapes))
     for pane, frame in zip(dialog.panes, frames(ready), strict=True):
         assert frame.over and not frame.trouble
-        assert pane.words.text().startswith(f"{frame.facts.steps} steps, ")
+        assert pane.progress.text() == f"{frame.facts.steps} steps, {frame.facts.seconds:.2f} s"
         settings = ready.session.document.parameters if pane.method == "cpm" else None
         alone = run_method(CONTOUR_METHODS[pane.method], Image(disc()), start, settings).state
         assert frame.facts.steps == alone.step
@@ -84,6 +86,57 @@ def test_figures_are_shown_where_a_truth_is_loaded(ready, dialog, hand, tmp_path
     assert np.array_equal(ready.session.scene.truth.labels, truth_of_mask(disc() > 100).labels)
 
 
+def test_the_truth_is_drawn_in_each_place_and_named_in_the_legend(ready, dialog, hand, tmp_path) -> None:
+    assert not dialog.legend.truth.isVisible()
+    mask = tmp_path / "mask.png"
+    PIL.Image.fromarray((disc() > 100).astype(np.uint8) * 255).save(mask)
+    ready.workspace.truth.load(mask)
+    hand.wait(lambda: ready.session.scene.truth is not None)
+    assert [pane.truth.count for pane in dialog.panes] == [1] * 4
+    assert dialog.legend.truth.isVisible()
+    ready.workspace.truth.forget()
+    assert all(pane.truth.empty for pane in dialog.panes)
+    assert not dialog.legend.truth.isVisible()
+
+
+def test_pictures_stay_as_large_whatever_is_said_of_runs(ready, dialog, hand) -> None:
+    before = [pane.picture.size() for pane in dialog.panes]
+    run(ready, hand, dialog)
+    assert [pane.picture.size() for pane in dialog.panes] == before
+    assert len({size.height() for size in before}) == 1
+    for pane in dialog.panes:
+        assert "contours: 1, closed: 1" in pane.words.text()
+        assert pane.words.toolTip() == pane.words.text()
+
+
+def test_the_method_with_the_focus_is_explained_with_its_source(dialog) -> None:
+    for place, name in enumerate(FIRST):
+        dialog.look_at(place)
+        method = CONTOUR_METHODS[name]
+        assert dialog.side.heading.text() == method.title
+        assert dialog.side.about.text() == f"{method.about}\n{method.reference}"
+
+
+def test_a_method_that_is_prepared_says_so_until_it_is_stopped(ready, dialog, hand, monkeypatch) -> None:
+    gate = threading.Event()
+    monkeypatch.setattr(method_run, "moments", lambda *rest: iter(gate.wait, True))
+    hand.qtbot.mouseClick(dialog.transport.run_button, LEFT)
+    assert [pane.progress.text() for pane in dialog.panes] == ["Preparing…"] * 4
+    hand.qtbot.mouseClick(dialog.transport.stop_button, LEFT)
+    assert [pane.progress.text() for pane in dialog.panes] == [""] * 4
+    gate.set()
+
+
+def test_what_is_drawn_and_takes_no_part_is_said(ready, dialog, hand) -> None:
+    for shape in (Stroke(((5.0, 5.0), (9.0, 9.0))), Barrier(((1.0, 1.0), (1.0, 9.0)))):
+        ready.session.edit("draw", partial(edits.add_shape, shape=shape))
+    run(ready, hand, dialog)
+    assert dialog.words.text() == (
+        "Starts without an inside are left out, as most of the methods need one. "
+        "Regions, barriers and charges are left out: the other methods have none."
+    )
+
+
 def test_all_places_zoom_and_move_together(dialog, hand) -> None:
     first, *others = [pane.view for pane in dialog.panes]
     first.scaleBy((0.5, 0.5))
@@ -91,6 +144,10 @@ def test_all_places_zoom_and_move_together(dialog, hand) -> None:
     hand.qtbot.wait(10)
     for other in others:
         np.testing.assert_allclose(other.viewRect().getRect(), first.viewRect().getRect(), atol=1e-6)
+    hand.qtbot.mouseDClick(dialog.panes[2].picture.viewport(), LEFT, pos=QPoint(20, 20))
+    hand.qtbot.wait(10)
+    for pane in dialog.panes:
+        assert pane.view.viewRect().contains(image_rectangle(disc().shape))
 
 
 def test_parameters_are_those_of_the_place_with_the_focus_and_act_at_once(ready, dialog, hand) -> None:
@@ -162,7 +219,7 @@ def test_runs_are_held_led_on_by_steps_and_let_go(ready, dialog, hand) -> None:
         hand.qtbot.mouseClick(transport.step_button, LEFT)
         hand.wait(lambda count=count: steps() == [count] * 4)
     assert comparison.running and comparison.held and transport.pause_button.text() == "Resume"
-    assert dialog.panes[1].words.text().startswith("3 steps, ")
+    assert dialog.panes[1].progress.text().startswith("3 steps, ")
     hand.qtbot.mouseClick(transport.pause_button, LEFT)
     assert transport.pause_button.text() == "Pause"
     hand.wait(lambda: not comparison.running)
@@ -186,12 +243,12 @@ def test_all_methods_are_looked_back_on_together(ready, dialog, hand) -> None:
     slider = dialog.transport.slider
     slider.setFocus()
     hand.qtbot.keyClick(slider, KEY.Key_Home)
-    assert all(pane.words.text().startswith("0 steps, ") for pane in dialog.panes)
+    assert all(pane.progress.text().startswith("0 steps, ") for pane in dialog.panes)
     for _ in range(10):
         hand.qtbot.keyClick(slider, KEY.Key_PageUp)
     assert dialog.transport.words.text() == "50 % of the steps"
     for pane, frame in zip(dialog.panes, frames(ready), strict=True):
-        assert 0 <= int(pane.words.text().split()[0]) <= 0.5 * frame.step
+        assert 0 <= int(pane.progress.text().split()[0]) <= 0.5 * frame.step
     hand.qtbot.keyClick(slider, KEY.Key_End)
     assert [pane.words.text() for pane in dialog.panes] == last
 

@@ -119,8 +119,8 @@ def test_what_volumes_lack_is_gray_with_a_sentence_and_returns_with_an_image(vol
 
 
 def test_a_tool_that_volumes_lack_gives_way_to_the_sphere(window, hand, volume_file) -> None:
-    hand.key(KEY.Key_G)
-    assert window.canvas_area.canvas.tool.name == "grid_area"
+    window.actions_by_name["outline"].trigger()
+    assert window.canvas_area.canvas.tool.name == "outline"
     open_file(window, hand, volume_file)
     assert window.canvas_area.canvas.tool.name == "circle"
     assert window.actions_by_name["circle"].isChecked()

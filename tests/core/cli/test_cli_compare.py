@@ -42,7 +42,7 @@ def test_methods_are_told_as_json_in_the_order_in_which_they_are_named(image, ma
     assert (status, err) == (0, "")
     assert [row["method"] for row in facts["methods"]] == list(QUICK)
     for row in facts["methods"]:
-        assert row["converged"] and row["contours"] == 1 and row["steps"] > 1 and row["seconds"] > 0.0
+        assert row["converged"] and row["contours"] == row["closed"] == 1 and row["steps"] > 1 and row["seconds"] > 0.0
         assert row["dice"] > 0.95 and row["f"] > 0.99 and row["hausdorff"] < 2.0 and row["mean_distance"] < 1.0
 
 
@@ -50,14 +50,14 @@ def test_a_person_sees_a_line_for_each_method(image, mask, command):
     status, out, _ = command("compare", image, *CIRCLE, "--methods", "cpm", "chan_vese", "--truth", mask)
     head, *lines = out.splitlines()
     assert status == 0
-    assert head.split() == ["steps", "time", "Dice", "F", "Hausdorff", "mean", "contours", "end"]
-    assert [line[:26].strip() for line in lines] == ["Charged particles", "Chan-Vese"]
+    assert head.split() == ["steps", "time", "Dice", "F", "Hausdorff", "mean", "dist.", "contours", "closed", "end"]
+    assert [line[:24].strip() for line in lines] == ["Charged particles", "Chan-Vese"]
 
 
 def test_without_a_truth_nothing_is_said_of_agreement(image, command):
     status, out, _ = command("compare", image, *CIRCLE, "--methods", "gvf")
     assert status == 0
-    assert out.splitlines()[0].split() == ["steps", "time", "contours", "end"]
+    assert out.splitlines()[0].split() == ["steps", "time", "contours", "closed", "end"]
 
 
 def test_a_method_that_finds_nothing_is_told_as_well(image, mask, command):
@@ -135,6 +135,48 @@ def test_a_start_around_the_object_is_one_when_it_is_said_so(image, mask, comman
         for more in ((), ("--around",))
     )
     assert max(outwards) < 0.1 and min(inwards) > 0.9
+
+
+def test_methods_start_from_the_contours_of_a_file_as_from_the_same_lines(image, command, tmp_path):
+    corners = "17,20,17,40,37,40,37,20"
+    (tmp_path / "box.svg").write_text(
+        '<svg viewBox="0 0 60 56"><polygon points="20.5,17.5 40.5,17.5 40.5,37.5 20.5,37.5"/>'
+        '<polyline points="1,1 9,5 3,9"/></svg>'
+    )
+    told = []
+    for start in (("--polygon", corners), ("--start", tmp_path / "box.svg")):
+        status, out, err = command("compare", image, *start, "--methods", *QUICK, "--json")
+        rows = json.loads(out)["methods"]
+        told.append([{key: value for key, value in row.items() if key != "seconds"} for row in rows])
+        assert status == 0
+    assert told[0] == told[1]
+    assert err.startswith("cpm: box.svg: 1 start without an inside left out") and err.count("\n") == 1
+
+
+def test_methods_start_from_a_mask_with_a_hole(image, command, tmp_path):
+    ring = DISK & (np.hypot(ROW - 27, COL - 30) > 6)
+    PIL.Image.fromarray((255 * ring).astype(np.uint8)).save(tmp_path / "ring.png")
+    options = ("--methods", "gac", "morph_chan_vese", "--max-steps", 1, "--json")
+    rows = json.loads(command("compare", image, "--start", tmp_path / "ring.png", *options)[1])["methods"]
+    assert [row["contours"] for row in rows] == [2, 2]
+
+
+def test_a_file_without_closed_contours_is_refused_in_one_sentence(image, command, tmp_path):
+    (tmp_path / "line.svg").write_text('<svg viewBox="0 0 60 56"><polyline points="1,1 9,5 3,9"/></svg>')
+    status, out, err = command("compare", image, "--start", tmp_path / "line.svg")
+    assert (status, out) == (2, "")
+    assert err == (
+        "cpm: line.svg has no closed contour, but methods are compared from closed lines: close its contours, or add "
+        "--circle ROW,COL,RADIUS.\n"
+    )
+
+
+def test_starts_of_a_session_that_enclose_nothing_are_said_to_be_left_out(image, command, tmp_path):
+    shapes = Ellipse((27.0, 30.0), (9.0, 8.0)), Stroke(((5.0, 5.0), (9.0, 9.0)))
+    save_session(SessionFile(shapes=shapes), tmp_path / "a.cpm")
+    told = command("compare", image, "--session", tmp_path / "a.cpm", "--methods", "gvf")
+    assert told[0] == 0
+    assert told[2] == "cpm: the session: 1 start without an inside left out, as most of the methods need one.\n"
 
 
 def test_a_session_gives_image_and_start(image, command, tmp_path):

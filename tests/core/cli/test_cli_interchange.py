@@ -8,7 +8,7 @@ import pytest
 
 from app.model.document.document import ImageReference
 from app.session.timeline.stored.plain_runs import from_plain
-from cpm_core import load_contours, load_image
+from cpm_core import load_centerlines, load_contours, load_image, load_surface, load_volume
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.shapes import Circle, Polygon
 
@@ -50,7 +50,7 @@ def test_a_saved_session_holds_the_run_at_its_end_as_the_window_reads_it(found, 
 
 
 def test_export_writes_what_a_session_shows_without_running_again(found, command, tmp_path, monkeypatch):
-    monkeypatch.setattr("cpm_core.cli.export.segment", lambda *_, **__: pytest.fail("it was run again"))
+    monkeypatch.setattr("cpm_core.cli.export.sessions.segment", lambda *_, **__: pytest.fail("it was run again"))
     session, contours = found
     status, out, err = command("export", session, "--to", tmp_path / "b.json", tmp_path / "b.zip", "--json")
     assert (status, err, json.loads(out)["contours"]) == (0, "", 1)
@@ -147,3 +147,101 @@ def test_bad_files_are_refused_before_anything_is_written(more, sentence, disk, 
     assert status == 2
     assert sentence in err
     assert err.count("\n") == 1
+
+
+def test_figures_are_written_of_a_run_a_session_and_a_file_and_in_a_batch(found, disk, command, tmp_path):
+    session, contours = found
+    for number, words in enumerate(
+        [
+            ("export", session, "--to"),
+            ("export", contours, "--image", disk, "--to"),
+            ("run", disk, "--session", session, "--export"),
+        ]
+    ):
+        status, _, err = command(*words, tmp_path / f"{number}.figure.png")
+        assert (status, err) == (0, "")
+        with PIL.Image.open(tmp_path / f"{number}.figure.png") as figure:
+            gray = np.asarray(figure.convert("L"))
+        tall, wide = gray.shape
+        assert wide / tall == pytest.approx(100 / 80, rel=0.01)
+        assert gray[tall // 2, wide // 2] > gray[tall // 8, wide // 8] + 50
+    status, _, _ = command("batch", disk, "--session", session, "--output", tmp_path / "out", "--export", "figure.pdf",
+                           "--workers", "1")  # fmt: skip
+    assert status == 0
+    assert (tmp_path / "out" / "disk_contours.figure.pdf").read_bytes().startswith(b"%PDF")
+
+
+@pytest.fixture(scope="module")
+def ball(tmp_path_factory):
+    """Path of a volume with a ball of radius 6 that lies somewhere in space, and of its labels."""
+    nibabel = pytest.importorskip("nibabel")
+    folder = tmp_path_factory.mktemp("ball")
+    distance = np.sqrt(((np.indices((20, 22, 24)) - [[[[9.5]]], [[[10.5]]], [[[11.5]]]]) ** 2).sum(axis=0))
+    affine = np.array([(-0.5, 0, 0, 40), (0, -0.5, 0, 60), (0, 0, 0.5, -900), (0, 0, 0, 1.0)])
+    rod = np.zeros(distance.shape)
+    rod[8:13, 9:14, 3:21] = 1.0
+    for name, values in (
+        ("ball", 200.0 * np.clip(6.5 - distance, 0.0, 1.0)),
+        ("labels", distance < 6.0),
+        ("rod", rod),
+    ):
+        nibabel.save(nibabel.Nifti1Image(values.astype(np.float32).transpose(), affine), folder / f"{name}.nii")
+    return folder / "ball.nii"
+
+
+def test_a_surface_that_was_written_is_a_start_and_is_written_in_other_formats(ball, command, tmp_path):
+    written = (tmp_path / "a.ply", tmp_path / "a.points.csv")
+    status, out, _ = command("run", ball, "--sphere", "9.5,10.5,11.5,3", "--json", "--export", *written)
+    first = json.loads(out)
+    assert status == 0
+    before = load_surface(written[0], load_volume(ball))
+    for start in (written[0], ball.with_name("labels.nii")):
+        status, out, _ = command("run", ball, "--volume", "--start", start, "--json", "--export", tmp_path / "b.ply")
+        again = json.loads(out)
+        assert (status, again["converged"]) == (0, True)
+        assert again["volume"] == pytest.approx(first["volume"], rel=0.02)
+    status, _, _ = command("run", ball, "--start", written[0], "--json")
+    assert status == 0
+    status, _, _ = command("run", ball, "--volume", "--points", written[1], "--json")
+    assert status == 0
+    files = (tmp_path / "c.obj", tmp_path / "c.nii.gz", tmp_path / "c.vtk")
+    status, out, err = command("export", written[0], "--image", ball, "--to", *files, "--space", "RAS", "--json")
+    assert (status, err, json.loads(out)["faces"]) == (0, "", first["faces"])
+    assert b"SPACE=RAS" in files[0].read_bytes()
+    for file in (files[0], files[2]):
+        after = load_surface(file, load_volume(ball))
+        assert np.abs(after.vertices - before.vertices).max() < 0.01
+    assert np.count_nonzero(load_volume(files[1]).values) * 0.5**3 == pytest.approx(first["volume"], rel=0.05)
+
+
+def test_labels_become_a_surface_and_center_lines_change_their_space(ball, command, tmp_path):
+    status, out, err = command("export", ball.with_name("labels.nii"), "--to", tmp_path / "a.stl")
+    assert (status, err) == (0, "")
+    assert out.startswith("labels.nii: a surface of ")
+    status, _, err = command("skeleton", ball.with_name("rod.nii"), "--volume", "--export", tmp_path / "a.swc")
+    assert status == 0
+    status, out, err = command("export", tmp_path / "a.swc", "--to", tmp_path / "b.swc", "--space", "RAS", "--json")
+    assert (status, err) == (0, "")
+    one, other = (load_centerlines(tmp_path / name, load_volume(ball)) for name in ("a.swc", "b.swc"))
+    assert len(one.branches) == len(other.branches) == json.loads(out)["contours"]
+
+
+@pytest.mark.parametrize(
+    ("words", "answer"),
+    [
+        (("export", "a.ply", "--to", "b.tif"), "has the voxels of a volume: name the volume with --image"),
+        (("export", "a.ply", "--to", "b.stl", "--page", "2"), "--page is for contours in a stack"),
+        (("export", "a.ply", "--image", "ball.nii", "--to", "b.svg"), "is a volume, but a file with the suffix"),
+        (("run", "ball.nii", "--volume", "--start", "a.svg"), "a.svg has contours, which lie in a plane"),
+        (("run", "ball.nii", "--volume", "--start", "bad.ply"), "bad.ply holds no surface that can be read"),
+    ],
+)
+def test_what_makes_no_sense_of_a_surface_is_refused(ball, command, words, answer, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "ball.nii").write_bytes(ball.read_bytes())
+    (tmp_path / "bad.ply").write_text("ply")
+    (tmp_path / "a.svg").write_text("<svg/>")
+    command("export", ball.with_name("labels.nii"), "--to", "a.ply")
+    status, _, err = command(*words)
+    assert status == 2
+    assert answer in err

@@ -70,6 +70,22 @@ def test_an_object_that_a_place_lies_in_is_written_alone(folder, command, tmp_pa
     assert (status, err) == (2, "cpm: There is no object at 1,1,1: name a place that the surface encloses.\n")
 
 
+def test_a_surface_is_compared_with_a_label_volume(folder, command):
+    values = np.load(folder / "ball.npy")
+    np.save(folder / "labels.npy", (values > 100.0).astype(np.uint8))
+    _, out, _ = command("run", folder / "ball.npy", *SPHERE, "--truth", folder / "labels.npy", "--json")
+    facts = json.loads(out)["truth"]
+    assert facts["source"] == "labels.npy"
+    assert facts["dice"] > 0.97
+    assert facts["mean_distance"] < 0.4
+    assert facts["hausdorff95"] <= facts["hausdorff"] < 1.5
+    _, out, _ = command("run", folder / "ball.npy", *SPHERE, "--truth", folder / "labels.npy")
+    assert "Beside labels.npy: Dice " in out
+    assert "voxels apart on average, 95 % within" in out
+    status, _, err = command("run", folder / "ball.npy", *SPHERE, "--truth", folder / "plane.npy")
+    assert (status, err.startswith("cpm: plane.npy ")) == (2, True)
+
+
 @pytest.mark.parametrize(
     ("words", "answer"),
     [
@@ -90,7 +106,6 @@ def test_an_object_that_a_place_lies_in_is_written_alone(folder, command, tmp_pa
         (("none.npy", *SPHERE), "does not exist"),
         (("flat.png", *SPHERE), "flat.png has the shape (20, 20)"),
         (("ball.npy", "--volume"), "No start is given: add --sphere"),
-        (("ball.npy", "--volume", "--auto", "centers"), "--auto is centers, which is for images"),
         (("ball.npy", "--volume", "--stroke", "1,2"), '--stroke is "1,2" but must be planes, rows and columns in turn'),
         (("ball.npy", *SPHERE, "--region", "1,2,3"), '--region is "1,2,3" but must be six numbers'),
         (("ball.npy", *SPHERE, "--region", "40,40,40,50,50,50"), "region of interest 1 holds no voxel of the volume"),

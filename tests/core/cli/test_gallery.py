@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import jsonschema
 import numpy as np
 import PIL.Image
 import pytest
@@ -36,6 +37,7 @@ from cpm_core.cli.figures.pages import Map, Page, Picture, Stairs
 from cpm_core.cli.figures.plotting import draw
 from cpm_core.cli.figures.runs import run
 from cpm_core.cli.figures.scenes import closed
+from cpm_core.cli.outcome import SCHEMA_FILE
 from cpm_core.numerics.polyline import sampled
 
 from ..scenes import antialiased, circle_points
@@ -303,7 +305,7 @@ def tiny(monkeypatch):
 def test_figures_are_written_with_an_index_and_all_measured_values(tiny, tmp_path):
     reported = []
     written = write_figures(
-        tmp_path / "new", progress=lambda figure, measured: reported.append((figure.name, measured))
+        tmp_path / "new", progress=lambda figure, entry: reported.append((figure.name, entry["measured"]))
     )
     assert sorted(path.name for path in written) == ["README.md", "fig05.png", "fig06.png", "figures.json"]
     assert sorted(path.name for path in (tmp_path / "new").iterdir()) == sorted(path.name for path in written)
@@ -332,6 +334,17 @@ def test_a_figure_of_the_gallery_is_made_by_the_command_line(tmp_path, capsys):
     assert output.out.endswith(f"Wrote 3 files to {tmp_path}\n")
     assert output.err == ""
     assert opened((tmp_path / "fig08.png").read_bytes()).width == 2 * 18 + 5 * 290 + 4 * 14
+
+
+def test_figures_are_told_as_json_of_the_documented_form(tiny, tmp_path, capsys):
+    assert cli.main(["figures", "--output", str(tmp_path), "--only", "fig06", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    jsonschema.Draft202012Validator(json.loads(SCHEMA_FILE.read_text("utf-8"))).validate(told)
+    assert (told["command"], told["output"]) == ("figures", str(tmp_path))
+    assert told["files"] == ["fig06.png", "figures.json", "README.md"]
+    (figure,) = told["figures"]
+    entry = json.loads((tmp_path / "figures.json").read_text(encoding="utf-8"))["fig06"]
+    assert figure == {"name": "fig06", **entry, "seconds": figure["seconds"]}
 
 
 @pytest.mark.parametrize(

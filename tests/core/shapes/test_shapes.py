@@ -229,7 +229,8 @@ def test_strong_edges_are_those_of_the_smoothing_in_use(values, smoothing) -> No
 def test_every_shape_is_a_small_frozen_value_of_plain_numbers_under_a_name_of_its_own() -> None:
     assert list(SHAPES) == [
         "circle", "ellipse", "polygon", "stroke", "points", "grid", "threshold", "everywhere", "sphere", "box",
-        "region", "barrier", "boxregion", "prismregion", "wall", "charge",
+        "boxgrid", "boxthreshold", "region", "barrier", "boxregion", "prismregion", "wall", "enclosedregion",
+        "enclosingwall", "charge",
     ]  # fmt: skip
     for kind in SHAPES.values():
         assert fields(kind)

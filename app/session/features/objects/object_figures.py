@@ -62,6 +62,7 @@ def _measured(item: SegmentedObject, image: Image) -> Figures:
     gray = float(image.values[inside].mean()) if inside.any() else float("nan")
     if item.body is None:
         return Figures(gray)
-    prepare(item.body)  # slices are cut on the window's thread
+    prepare(item.body)  # slices are cut on the window's thread, and limits made of it
+    assert all(len(packed.shell.mask) for packed in item.surface)
     surface: Surface = replace(item.body, spacing=image.spacing, unit=image.unit)
     return Figures(gray, surface.volume, surface.area, surface.components, surface.euler)

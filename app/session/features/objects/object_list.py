@@ -35,7 +35,10 @@ class ObjectList(QObject):
         self._figures: AllFigures | None = None
         self._latest = Latest(session, "cpm-object-measures", tr("measuring objects"))
         self._latest.done.connect(self._use_figures)
+        self._merging = Latest(session, "cpm-merging", tr("merging objects"))
+        self._merging.done.connect(self._use_merged)
         session.document_changed.connect(self._follow)
+        session.image_changed.connect(self._merging.forget)
 
     # State
 
@@ -134,11 +137,16 @@ class ObjectList(QObject):
         self._edit_chosen(tr("delete {what}"), objects.delete)
 
     def merge(self) -> None:
-        """Make one object of several."""
-        if len(self.chosen) > 1:
-            first = self.items[0].number
-            self._edit_chosen(tr("merge {what}"), objects.merge)
-            self.choose((first,))
+        """Make one object of several; in a volume that is done on another thread."""
+        image, items = self._session.document.image, self.items
+        if len(items) < 2 or image is None:
+            return
+        if len(image.shape) == 3:
+            shape = image.shape
+            self._merging.ask(lambda: (items, objects.union_of(items, shape)))
+            return
+        self._edit_chosen(tr("merge {what}"), objects.merge)
+        self.choose((items[0].number,))
 
     def as_starts(self) -> None:
         """Start the next run on their outlines too."""
@@ -153,8 +161,9 @@ class ObjectList(QObject):
         self._edit_chosen(tr("barrier around {what}"), objects.as_barriers)
 
     def close(self) -> None:
-        """End the thread."""
+        """End the threads."""
         self._latest.close()
+        self._merging.close()
 
     # Internal
 
@@ -184,6 +193,15 @@ class ObjectList(QObject):
         known = self._figures if self._figures is not None and self._figures.image is image else AllFigures(image, {})
         if any(known.of(item) is None for item in items):
             self._latest.ask(lambda: known.with_all(items))
+
+    def _use_merged(self, merged: tuple[tuple[SegmentedObject, ...], SegmentedObject]) -> None:
+        """Put one object in the place of several, unless they have changed meanwhile."""
+        items, whole = merged
+        if not all(any(known is item for known in self.objects.items) for item in items):
+            self._session.say(tr("The objects have changed while they were merged: merge them again."), True)
+            return
+        self._edit(tr("merge {what}"), items, lambda document: objects.merge_into(document, items, whole))
+        self.choose((whole.number,))
 
     def _use_figures(self, figures: AllFigures) -> None:
         if figures.image is self._session.image:

@@ -12,9 +12,12 @@ from app.session.exchange.messages import Report
 from app.session.features.side_by_side.method_run import Frame, History, MethodRun, Order
 from app.session.session import Session
 from app.session.tasks.tasks import Task
+from cpm_core.contours.ground_truth import Truth
 from cpm_core.formats.animations.comparison import Tile, write_comparison
 from cpm_core.image.image import Image
 from cpm_core.segmentation.methods import PLACES, Start
+from cpm_core.shapes import Barrier, Charge, Region
+from cpm_core.shapes.document_shapes import starts_of
 from cpm_core.shapes.outlines import outlines_of
 
 _FRAME = 33
@@ -55,10 +58,31 @@ class MethodComparison(QObject):
         """Whether a method is running, or held."""
         return any(run is not None for run in self._runs)
 
+    @property
+    def truth(self) -> Truth | None:
+        """The ground truth of the image, where one is known."""
+        truth = self._session.scene.truth
+        return truth if isinstance(truth, Truth) else None
+
     def start_of(self) -> Start:
         """The start that is drawn; ValueError when there is none with an inside."""
         document = self._session.document
         return Start(outlines_of(document.shapes), document.comparison.around)
+
+    @property
+    def left_out(self) -> str:
+        """What is drawn and takes no part in the comparison, in words."""
+        shapes = self._session.document.shapes
+        starts, limits = starts_of(shapes), any(isinstance(shape, Region | Barrier | Charge) for shape in shapes)
+        loose = len(starts) > len(outlines_of(starts))
+        return " ".join(
+            said
+            for said, so in (
+                (tr("Starts without an inside are left out, as most of the methods need one."), loose),
+                (tr("Regions, barriers and charges are left out: the other methods have none."), limits),
+            )
+            if so
+        )
 
     def run_all(self, held: bool = False) -> None:
         """Run all methods from the beginning, or hold them there; ValueError when there is no start."""
@@ -78,10 +102,13 @@ class MethodComparison(QObject):
         plain = ours or image.colors is None or channel == "luminance"
         taken = image if plain else Image(image.gray(channel), source=image.source)
         settings = document.parameters if ours else document.comparison.settings_of(method)
-        order = Order(method, taken, self.start_of(), settings, self._session.scene.truth)
+        truth = self._session.scene.truth
+        truth = truth if isinstance(truth, Truth) else None
+        order = Order(method, taken, self.start_of(), settings, truth)
         run = self._runs[place] = MethodRun(order, self.held)
-        self.histories[place] = run.history
+        self.frames[place], self.histories[place] = Frame(order), run.history
         self._timer.start()
+        self.advanced.emit(place)
         self.changed.emit()
 
     def hold(self) -> None:
@@ -129,12 +156,14 @@ class MethodComparison(QObject):
         image = self._session.image
         if image is None or not found:
             return
-        start, tiles = found[0][0].start, [tile for _, tile in found]
+        first, tiles = found[0][0], [tile for _, tile in found]
 
         def work(task: Task) -> Report:
             task.go_on()
             notes: list[str] = []
-            return ComparisonWritten(write_comparison(image, start, tiles, paths, notes.append), tuple(notes))
+            return ComparisonWritten(
+                write_comparison(image, first.start, tiles, paths, notes.append, first.truth), tuple(notes)
+            )
 
         self._session.tasks.start(tr("Writing the comparison…"), work, tr("writing the comparison"), cancellable=False)
 
@@ -154,6 +183,10 @@ class MethodComparison(QObject):
             run.stop()
             self._ending.append(run)
             self._runs[place] = None
+            frame = self.frames[place]
+            if frame is not None and not (frame.facts or frame.trouble):
+                self.frames[place] = None
+                self.advanced.emit(place)
 
     def _look(self) -> None:
         self._ending = [run for run in self._ending if run.thread.is_alive()]

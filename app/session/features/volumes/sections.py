@@ -11,6 +11,7 @@ import numpy as np
 
 from app.model.display.display_image import DisplayImage, DisplayVolume, IntensityWindow, apply_window
 from app.model.display.iso_lines import iso_lines
+from app.model.display.truth.surfaces import differences_in, truth_in
 from app.model.document.document import Document
 from app.model.volume.object_sections import objects_in, selection_in
 from app.model.volume.sampled_volumes import SampledForce, SampledValues
@@ -30,7 +31,7 @@ from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array, Index
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects
 from cpm_core.shapes import Shape
-from cpm_core.shapes.image_starts import ImageSeeds
+from cpm_core.shapes.image_starts import ImageSeeds, ImageStart
 
 AT_ONCE = 1 << 21
 """Largest number of pixels of a slice that is made at once: three of them take a third of a frame of 50 ms."""
@@ -89,6 +90,8 @@ class Sections:
             overlays=self._overlays(scene, here, image),
             probed=self._parts.of("probed", (scene.probed, here), lambda: _probed(scene.probed, here, volume, reach)),
             compared=self._compared(scene.compared, here, volume, reach),
+            truth=self._parts.of("truth", (scene.truth, here), lambda: truth_in(scene.truth, here)),
+            differences=self._parts.of("apart", (scene.apart, here), lambda: differences_in(scene.apart, here)),
             objects=shown,
             slices=slices,
             volume=volume,
@@ -129,8 +132,13 @@ class Sections:
         """The particles of starts all over the volume that are near the slice."""
 
         def near() -> ImageSeeds:
-            seeds = scene.image_seeds.items()
-            return {start: here.flattened(at[_index(at, here, volume, reach)[0]]) for start, at in seeds}
+            sides = tuple(side / min(volume.spacing) for side in volume.spacing)
+            return {
+                cut: here.flattened(at[_index(at, here, volume, reach)[0]])
+                for start, at in scene.image_seeds.items()
+                for cut in sections(start, here.axis, here.index, sides)
+                if isinstance(cut, ImageStart)
+            }
 
         return self._parts.of("seeds", (Same(scene.image_seeds), here, reach), near)
 

@@ -12,20 +12,14 @@ import numpy as np
 from app.session.timeline.run_actions import Erased, Joined, RunAction, Stepped
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats.sessions.plain_arrays import array_from_plain, array_to_plain
+from cpm_core.formats.sessions.plain_regions import NAMES, items, regions_from_plain, regions_to_plain
 from cpm_core.formats.sessions.plain_values import from_plain, mapping, parameters_from_plain, to_plain
-from cpm_core.image.regions import Regions
-from cpm_core.image.volume_regions import AnyRegions, Extrusion, Pair, VolumeRegions
-from cpm_core.image.volume_regions import Place as Corner
 from cpm_core.numerics.types import Place
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
 
 MOST_STEPS = 200_000
 """Most steps of a branch that are read."""
-
-_VOLUME = "volume_regions"
-_LIMITS = ("regions", _VOLUME)
-"""Where the particles may be, in volumes and in either."""
 
 Steps = tuple[tuple[RunAction, ...], ...]
 
@@ -36,13 +30,6 @@ class _Rub:
 
     erase: tuple[Place, ...]
     radius: float
-
-
-@dataclass(frozen=True, slots=True)
-class _Pair:
-    """Two corners of a box, or a point of a plane and a direction across it."""
-
-    places: tuple[Corner, Corner]
 
 
 class ActionTable:
@@ -71,9 +58,7 @@ class ActionTable:
             plain["join"] = array_to_plain(action.places)
         elif isinstance(action, Erased):
             plain |= {"erase": to_plain(action.path), "radius": action.radius}
-        if action.regions is not None:
-            plain[_VOLUME if isinstance(action.regions, VolumeRegions) else "regions"] = to_plain(action.regions)
-        return plain
+        return plain | regions_to_plain(action.regions)
 
 
 def actions_from_plain(plain: object, usual: Parameters) -> list[RunAction]:
@@ -102,16 +87,9 @@ def steps_from_plain(plain: object, actions: Sequence[RunAction]) -> Steps:
     return tuple(steps)
 
 
-def items(plain: object) -> list[Any]:
-    """A list, else ValueError."""
-    if not isinstance(plain, list):
-        raise ValueError(f"{shown(plain)} must be a list.")
-    return plain
-
-
 def _action(plain: Mapping[str, Any], usual: Parameters, number: int) -> RunAction:
     where = f"action {number}"
-    regions = _regions(plain, f"regions of {where}")
+    regions = regions_from_plain(plain, f"regions of {where}")
     if "step" in plain:
         values = {field.name: getattr(usual, field.name) for field in fields(Parameters)}
         parameters, _ = parameters_from_plain({**values, **mapping(plain["step"], where)})
@@ -123,30 +101,10 @@ def _action(plain: Mapping[str, Any], usual: Parameters, number: int) -> RunActi
         if not np.isfinite(seeds).all():
             raise ValueError(f"particles of {where} hold a value that is not a number.")
         return Joined.at(seeds, regions)
-    rub = from_plain(_Rub, {name: value for name, value in plain.items() if name not in _LIMITS}, where)
+    rub = from_plain(_Rub, {name: value for name, value in plain.items() if name not in NAMES}, where)
     return Erased(rub.erase, rub.radius, regions)
 
 
 def _has_three_axes(plain: object) -> bool:
     shape = plain.get("shape") if isinstance(plain, Mapping) else None
     return isinstance(shape, list) and len(shape) == 2 and shape[1] == 3
-
-
-def _regions(plain: Mapping[str, Any], where: str) -> AnyRegions | None:
-    """Where the particles may be, in an image or in a volume; None for no limits."""
-    if "regions" in plain:
-        return from_plain(Regions, plain["regions"], where)
-    if _VOLUME not in plain:
-        return None
-    kinds = mapping(plain[_VOLUME], where)
-    interest, barriers = (
-        tuple(_limit(one, where) for one in items(kinds.get(kind, []))) for kind in ("interest", "barriers")
-    )
-    return VolumeRegions(interest, barriers)
-
-
-def _limit(plain: object, where: str) -> Pair | Extrusion:
-    """A box or a plane as two places, or a line through slices."""
-    if isinstance(plain, Mapping):
-        return from_plain(Extrusion, plain, where)
-    return from_plain(_Pair, {"places": plain}, where).places

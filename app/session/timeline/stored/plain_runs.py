@@ -19,12 +19,13 @@ from app.model.text.reasons import reason
 from app.session.timeline.recording import MOST_RUNS
 from app.session.timeline.run_actions import Stepped
 from app.session.timeline.state_cache import Place
-from app.session.timeline.stored.plain_actions import ActionTable, actions_from_plain, items, steps_from_plain
+from app.session.timeline.stored.plain_actions import ActionTable, actions_from_plain, steps_from_plain
 from app.session.timeline.stored.stored_runs import StoredBranch, StoredRun, StoredRuns
 from cpm_core.field.placed_charges import in_order
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.sessions.particle_state import state_from_plain, state_to_plain
 from cpm_core.formats.sessions.plain_arrays import array_from_plain, array_to_plain
+from cpm_core.formats.sessions.plain_regions import items
 from cpm_core.formats.sessions.plain_values import mapping, number, shape_from_plain, shape_to_plain
 from cpm_core.formats.sessions.session_file import decode, encode
 from cpm_core.numerics.types import Position

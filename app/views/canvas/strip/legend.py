@@ -119,7 +119,7 @@ class _Chip(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self._sample, self._label = _Sample(), QLabel()
+        self._sample, self._label = Sample(), QLabel()
         self._short = False
         self._entry: LegendEntry | None = None
         row = QHBoxLayout(self)
@@ -156,7 +156,7 @@ class _Chip(QWidget):
         self.setToolTip(f"{self._text(short=False)}: {self._entry.tip}" if self._entry is not None else "")
 
 
-class _Sample(QWidget):
+class Sample(QWidget):
     """A short piece of a line or a dot, as on the canvas."""
 
     def __init__(self) -> None:

@@ -18,7 +18,20 @@ from app.views.canvas.tools.tool import Tool, ToolContext
 from app.views.theme import theme
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Place, Position
-from cpm_core.shapes import Barrier, BoxRegion, Grid, Polygon, PrismRegion, Region, Shape, Stroke, Threshold, Wall
+from cpm_core.shapes import (
+    Barrier,
+    BoxGrid,
+    BoxRegion,
+    BoxThreshold,
+    Grid,
+    Polygon,
+    PrismRegion,
+    Region,
+    Shape,
+    Stroke,
+    Threshold,
+    Wall,
+)
 
 _FINEST = 1.0
 """Least distance between two corners of a freehand path [px]."""
@@ -47,6 +60,8 @@ class PathKind:
         In a volume: corners in a slice, its axis, and the first and last slice, to shape; None for a path in space.
     boxed : callable or None
         In a volume: two corners of a box to shape, for a drag; None where a drag draws freehand there too.
+    filling : callable or None
+        In a volume: two corners of a box and the sides of a voxel to shape, for the box around whatever is drawn.
     """
 
     name: str
@@ -57,6 +72,7 @@ class PathKind:
     closed: bool = True
     extruded: Callable[[tuple[Position, ...], int, float, float], Shape] | None = None
     boxed: Callable[[Place, Place], Shape] | None = None
+    filling: Callable[[Place, Place, tuple[float, ...]], Shape] | None = None
 
     @property
     def least(self) -> int:
@@ -81,12 +97,14 @@ GRID = PathKind(
     Grid,
     tr("grid"),
     tr("Drag, or click corner by corner, around an area to cover with an even grid; < and > change its spacing."),
+    filling=BoxGrid.between,
 )
 THRESHOLD = PathKind(
     "threshold",
     Threshold,
     tr("threshold"),
     tr("Drag, or click corner by corner, around where to start on strong edges; < and > change how strong."),
+    filling=lambda one, other, _: BoxThreshold(one, other),
 )
 REGION = PathKind(
     "region",
@@ -181,7 +199,12 @@ class PathTool(Tool):
         if self._pressed is None:
             return
         self._freehand = self._freehand or math.dist(self._pressed, at) > self._reach
-        if self._freehand and self._first and self._begun is not None and self.kind.boxed is not None:
+        if (
+            self._freehand
+            and self._first
+            and self._begun is not None
+            and (self.kind.boxed or self.kind.filling) is not None
+        ):
             self._corners, self._boxed = self._rectangle(self._pressed, at), True
             self._changed()
         elif self._freehand and math.dist(self._corners[-1], at) >= max(_FINEST, 0.25 * self._reach):
@@ -231,6 +254,10 @@ class PathTool(Tool):
     def _in_volume(self, path: tuple[Place, ...], begun: Slice, boxed: bool) -> Shape:
         """A path in space, a box around a rectangle, or what is drawn in a slice through all slices."""
         kind, volume = self.kind, self.volume
+        if kind.filling is not None and volume is not None:
+            places = list(map(begun.within, path))
+            low, high = (tuple(map(end, zip(*places, strict=True))) for end in (min, max))
+            return kind.filling(*box_between(low, high, begun, volume), volume.spacing)
         if boxed and kind.boxed is not None and volume is not None:
             return kind.boxed(*box_between(begun.within(path[0]), begun.within(path[2]), begun, volume))
         if kind.extruded is None or volume is None:

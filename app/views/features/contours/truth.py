@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from app.model.display.differences import Difference
+from app.model.display.truth.differences import Difference
 from app.model.state.situation import Situation, has_image
 from app.model.text.language import tr
 from app.views.panels.contour_table.truth_panel import TruthPanel
 from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature, FeatureContext, Panel
 from app.views.window.file_dialogs import Files, all_files
-from cpm_core.formats import READABLE
+from cpm_core.formats import READABLE, SURFACES_READABLE
 from cpm_core.formats.contours.reading.contour_file import CONTOURS_READABLE
 
 _SPAN = 48.0
@@ -65,17 +65,26 @@ class TruthFeature(Feature):
     def _load(self) -> None:
         self.context.reveal("truth")
         kinds = (
-            Files(tr("Masks and contours"), tuple(dict.fromkeys((*READABLE, *CONTOURS_READABLE)))),
-            Files(tr("Masks"), tuple(READABLE)),
-            Files(tr("Contours"), tuple(CONTOURS_READABLE)),
-            all_files(),
+            (Files(tr("Label volumes and surfaces"), (*READABLE, *SURFACES_READABLE)), all_files())
+            if self.truth.in_volume
+            else (
+                Files(tr("Masks and contours"), tuple(dict.fromkeys((*READABLE, *CONTOURS_READABLE)))),
+                Files(tr("Masks"), tuple(READABLE)),
+                Files(tr("Contours"), tuple(CONTOURS_READABLE)),
+                all_files(),
+            )
         )
         chosen = self.context.files.ask_for_file("truth", tr("Compare with ground truth"), kinds)
         if chosen is not None:
             self.truth.load(str(chosen))
 
     def _jump(self, difference: Difference) -> None:
-        low, high = difference.points.min(axis=0), difference.points.max(axis=0)
+        slices = self.context.workspace.slices
+        slices.through(difference.place)
+        points = difference.points if slices.now is None else slices.now.current.flattened(difference.points)
+        low, high = points.min(axis=0), points.max(axis=0)
         span = max(_SPAN, 1.4 * float((high - low).max()))
         row, col = (0.5 * (low + high)).tolist()
+        if slices.now is not None:
+            row, col = slices.now.current.within(difference.place)
         self.context.canvas_area.canvas.look_at((row, col), span)

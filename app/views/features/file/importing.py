@@ -1,4 +1,4 @@
-"""Contours of other programs: opened, dropped or pasted, and used as a start, as objects or as ground truth."""
+"""Contours and surfaces of files: opened, dropped or pasted, and used as a start, as objects or as ground truth."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QApplication
 from app.model.document import edits, imported
 from app.model.document.imported import Imported
 from app.model.state.situation import has_image
-from app.model.text.language import tr
+from app.model.text.language import from_core, tr
 from app.session.features.import_contours import (
     ContoursRead,
     PictureKept,
@@ -26,14 +26,22 @@ from app.views.widgets.action_spec import ActionSpec
 from app.views.window.dialogs import Button, Question
 from app.views.window.feature import Feature, FeatureContext
 from app.views.window.file_dialogs import Files, all_files
-from cpm_core.formats import CONTOURS_READABLE
+from cpm_core.formats import CONTOURS_READABLE, FOR_CENTERLINES, READABLE, SURFACES_READABLE
 
 _KINDS = ("image/svg+xml", "application/geo+json", "text/csv")
 """Kinds of contours that programs put on the clipboard, the richest first."""
 
+IN_VOLUMES = frozenset((*SURFACES_READABLE, *FOR_CENTERLINES))
+"""Suffixes of files that lie in a volume."""
+
+_FILES_IN_VOLUMES = Files(
+    tr("Surfaces, labels and center lines"), (*SURFACES_READABLE, *FOR_CENTERLINES, *READABLE, ".points.csv")
+)
+_TITLES = {"contours": tr("Use contours"), "surface": tr("Use surface"), "center lines": tr("Use center lines")}
+
 
 class ImportFeature(Feature):
-    """Contours and pictures of other programs."""
+    """Contours, surfaces and pictures of other programs."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
@@ -61,8 +69,8 @@ class ImportFeature(Feature):
         if session.document.image is None:
             message = tr("Open an image first. Then {name} can be drawn.")
             session.say(message.format(name=path.name), True, OPENING)
-        elif session.scene.slices is not None:
-            message = tr("{name} has contours for an image, but a volume is open.")
+        elif session.scene.slices is None and path.suffix.lower() in IN_VOLUMES:
+            message = tr("{name} lies in a volume, but an image is open.")
             session.say(message.format(name=path.name), True, OPENING)
         else:
             session.attempt(OPENING)
@@ -79,14 +87,19 @@ class ImportFeature(Feature):
             read_pasted(session, content)
         elif isinstance(picture := data.imageData() if data.hasImage() else None, QImage) and not picture.isNull():
             keep_picture(session, picture)
+        elif content and session.scene.slices is not None:
+            message = tr("{name} has contours for an image, but a volume is open.")
+            session.say(message.format(name=tr("the clipboard")), True, OPENING)
         elif content:
             session.say(tr("Open an image first. Then the contours on the clipboard can be used."), True, OPENING)
         else:
             session.say(tr("There is no picture and there are no contours on the clipboard."), True, OPENING)
 
     def _choose(self) -> None:
-        kinds = (Files(tr("Contours"), tuple(CONTOURS_READABLE)), all_files())
-        chosen = self.context.files.ask_for_file("truth", tr("Import contours"), kinds)
+        in_volume = self.context.session.scene.slices is not None
+        kinds = (_FILES_IN_VOLUMES if in_volume else Files(tr("Contours"), tuple(CONTOURS_READABLE)), all_files())
+        title = tr("Import surface") if in_volume else tr("Import contours")
+        chosen = self.context.files.ask_for_file("truth", title, kinds)
         if chosen is not None:
             self.take(chosen)
 
@@ -97,7 +110,7 @@ class ImportFeature(Feature):
             return
         found = read.imported
         of_file = read.path is not None
-        words = tr("Use contours"), _question(found), _explained(found, of_file)
+        words = _TITLES[found.kind], _question(found), _explained(found, of_file)
         answer = Question(self.context.window, *words, _buttons(found, of_file)).ask()
         if answer == "start":
             name = tr("start from {name}").format(name=found.name)
@@ -124,6 +137,10 @@ def _contours_on(data: QMimeData) -> bytes:
 
 
 def _question(found: Imported) -> str:
+    if found.kind == "surface":
+        return tr("What is the surface of {name} for?").format(name=found.name)
+    if found.kind == "center lines":
+        return tr("Use the center lines of {name} as a start?").format(name=found.name)
     if not found.count:
         return tr("Use the points of {name} as a start?").format(name=found.name)
     if found.count == 1:
@@ -133,17 +150,22 @@ def _question(found: Imported) -> str:
 
 def _explained(found: Imported, of_file: bool) -> str:
     sentences = [tr("Particles of a start flow to the edges; objects stay as they are.")]
-    if found.count and of_file:
+    if found.kind == "surface" and found.objects:
+        sentences.append(tr("A ground truth is what the surface of the run is compared with."))
+    elif found.kind == "surface":
+        sentences.append(tr("The surface is not closed, so that it encloses no object."))
+    elif found.kind == "contours" and found.count and of_file:
         sentences.append(tr("A ground truth is what the contours of the run are compared with."))
     if found.open and found.objects:
         sentences.append(tr("Open contours are no objects."))
-    return " ".join([*sentences, *found.notes])
+    return " ".join([*sentences, *map(from_core, found.notes)])
 
 
 def _buttons(found: Imported, of_file: bool) -> Sequence[Button]:
     buttons = [Button("start", tr("&Start"), "accept")]
     if found.objects:
         buttons.append(Button("objects", tr("&Objects"), "accept"))
-    if found.count and of_file:
+    enclosing = found.kind != "surface" or bool(found.objects)
+    if found.count and of_file and found.kind != "center lines" and enclosing:
         buttons.append(Button("truth", tr("Ground &truth"), "accept"))
     return [*buttons, Button("cancel", tr("Cancel"), "cancel")]

@@ -22,10 +22,10 @@ from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.window import dialogs
 from app.views.window.feature import Feature, FeatureContext
 from app.views.window.file_dialogs import images_and_sessions, sessions
-from cpm_core.formats import CONTOURS_READABLE, READABLE
+from cpm_core.formats import CONTOURS_READABLE, FOR_CENTERLINES, READABLE, SURFACES_READABLE
 from cpm_core.formats.images.reading import Reading
 
-CONTOURS = frozenset(CONTOURS_READABLE) - frozenset(READABLE)
+CONTOURS = frozenset((*CONTOURS_READABLE, *SURFACES_READABLE, *FOR_CENTERLINES)) - frozenset(READABLE)
 """Suffixes of files that are no documents, but contours or points for the one that is open."""
 
 

@@ -14,7 +14,6 @@ from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
     QPushButton,
-    QScrollArea,
     QVBoxLayout,
     QWidget,
 )
@@ -27,16 +26,15 @@ from app.session.features.side_by_side.method_comparison import MethodComparison
 from app.session.features.side_by_side.method_run import Frame
 from app.session.session import Session
 from app.views.mosaic.methods.pane import Pane
-from app.views.mosaic.methods.settings_form import SettingsForm
+from app.views.mosaic.methods.side import Legend, Side
 from app.views.mosaic.methods.transport import Transport
 from app.views.mosaic.run_dialog import RunDialog
+from cpm_core.contours.ground_truth import Truth
 from cpm_core.segmentation.methods import CONTOUR_METHODS, PLACES, Compared, Settings
 from cpm_core.shapes.outlines import outlines_of
 
 _PATIENCE = 300
 """Time after the last change of a parameter until its method runs again [ms]."""
-
-_SIDE = 260
 
 
 class CompareDialog(RunDialog):
@@ -54,11 +52,13 @@ class CompareDialog(RunDialog):
         ask: Callable[[QWidget], Path | None],
     ) -> None:
         super().__init__(parent, tr("Compare methods"))
+        self.setWindowFlag(Qt.WindowType.WindowMaximizeButtonHint)  # to be shown to many on a wall
         self._session, self._comparison, self._ask = session, comparison, ask
         self._focus = 0
+        self._truth: Truth | None = None
         self.panes = [Pane(number + 1) for number in range(PLACES)]
-        self.form = SettingsForm()
-        self.heading = QLabel()
+        self.side, self.legend = Side(), Legend()
+        self.form = self.side.form
         self.transport = Transport()
         self.around = QCheckBox(tr("The start lies around the object"))
         self.around.setToolTip(tr("Balloons and pressures then drive contours inwards."))
@@ -79,6 +79,7 @@ class CompareDialog(RunDialog):
         for pane in self.panes[1:]:
             pane.link(self.panes[0])
         self._follow()
+        self._show_truth()
         self._connect()
         self.look_at(0)
         self._refresh()
@@ -87,18 +88,13 @@ class CompareDialog(RunDialog):
     def run(self) -> None:
         """Run all chosen methods from the beginning."""
         self._attempt(self._comparison.run_all)
-        self.transport.follow()
 
     def look_at(self, place: int) -> None:
         """Show the parameters of the method in a place."""
         self._focus = place
         for number, pane in enumerate(self.panes):
             pane.mark(number == place)
-        name = self.panes[place].method
-        self.heading.setText(from_core(CONTOUR_METHODS[name].title) if name else "")
-        ours = tr("These are the parameters of the window: change them there and run again.")
-        own = self._compared.settings_of(name) if name not in ("", "cpm") else None
-        self.form.show_settings(own, ours if name else "")
+        self.side.show_method(self.panes[place].method, self._compared)
         self._refresh()
 
     def end_runs(self) -> None:
@@ -116,20 +112,13 @@ class CompareDialog(RunDialog):
         grid = QGridLayout()
         for place, pane in enumerate(self.panes):
             grid.addWidget(pane, place // 2, place % 2)
-        area = QScrollArea()
-        area.setWidgetResizable(True)
-        area.setWidget(self.form)
-        area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        area.setFixedWidth(_SIDE)
-        self.heading.setStyleSheet("font-weight: bold")
-        side = QVBoxLayout()
-        side.addWidget(self.heading)
-        side.addWidget(area, 1)
+            grid.setColumnStretch(place % 2, 1)
         upper = QHBoxLayout()
         upper.addLayout(grid, 1)
-        upper.addLayout(side)
+        upper.addWidget(self.side)
         foot = QHBoxLayout()
         foot.addWidget(self.around)
+        foot.addWidget(self.legend)
         self.words.setWordWrap(True)
         foot.addWidget(self.words, 1)
         for button in (self.keep_button, self.export_button):
@@ -149,7 +138,7 @@ class CompareDialog(RunDialog):
         transport, comparison = self.transport, self._comparison
         transport.run_button.clicked.connect(self.run)
         transport.pause_button.clicked.connect(lambda: comparison.go_on() if comparison.held else comparison.hold())
-        transport.step_button.clicked.connect(self._step)
+        transport.step_button.clicked.connect(lambda: self._attempt(comparison.step))
         transport.stop_button.clicked.connect(comparison.cancel)
         transport.looked.connect(self._draw_all)
         self.keep_button.clicked.connect(self._keep)
@@ -159,6 +148,7 @@ class CompareDialog(RunDialog):
         comparison.changed.connect(self._refresh)
         self._session.document_changed.connect(self._follow)
         self._session.image_changed.connect(self.close)
+        self._session.scene_changed.connect(self._show_truth)
 
     def _change(self, change: Callable[[Compared], Compared], gesture: str = "") -> None:
         self._session.edit(
@@ -191,9 +181,13 @@ class CompareDialog(RunDialog):
             pane.show_start(outlines_of(document.shapes))
         self.look_at(self._focus)
 
-    def _step(self) -> None:
-        self._attempt(self._comparison.step)
-        self.transport.follow()
+    def _show_truth(self) -> None:
+        truth = self._comparison.truth
+        if truth is not self._truth:
+            self._truth = truth
+            self.legend.show_truth(truth is not None)
+            for pane in self.panes:
+                pane.show_truth(truth)
 
     def _run_focused(self) -> None:
         """Run the method again whose parameters have changed."""
@@ -202,13 +196,14 @@ class CompareDialog(RunDialog):
             self._attempt(partial(self._comparison.run, self._focus))
 
     def _attempt(self, work: Callable[[], object]) -> None:
-        """Do something, and say why it cannot be done."""
+        """Do something and look at its newest states, or say why it cannot be done."""
         try:
             work()
         except ValueError as error:
             self.words.setText(reason(error))
         else:
-            self.words.setText("")
+            self.words.setText(self._comparison.left_out)
+            self.transport.follow()
 
     def _draw(self, place: int) -> None:
         share, frame = self.transport.share, self._comparison.frames[place]

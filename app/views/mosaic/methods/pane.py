@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 import pyqtgraph as pg
-from PySide6.QtCore import QEvent, QObject, Qt, Signal
+from PySide6.QtCore import QEvent, QObject, QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QPalette
-from PySide6.QtWidgets import QComboBox, QFrame, QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QComboBox, QFrame, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from app.model.display.display_image import DisplayImage
 from app.model.text.language import from_core, tr
@@ -17,12 +17,16 @@ from app.views.canvas.coordinates import image_rectangle, to_xy
 from app.views.canvas.items.curves import Curves
 from app.views.canvas.items.item import Markers
 from app.views.theme import theme
+from app.views.widgets.elided_label import ElidedLabel
+from cpm_core.contours.ground_truth import Truth
 from cpm_core.numerics.types import Array
 from cpm_core.segmentation.methods import CONTOUR_METHODS, Facts
 
 _ABOVE = 10.0
 _DOT = 3.5
 _LEAST = 160
+_LINES = 3
+"""Lines of words below a picture."""
 
 
 class Pane(QFrame):
@@ -37,6 +41,7 @@ class Pane(QFrame):
         super().__init__()
         self.setFrameShape(QFrame.Shape.StyledPanel)
         self.choice = QComboBox()
+        self.choice.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
         self.choice.setAccessibleName(tr("Method {number}").format(number=number))
         for name, method in CONTOUR_METHODS.items():
             self.choice.addItem(from_core(method.title), name)
@@ -46,28 +51,36 @@ class Pane(QFrame):
         self.choice.addItem(tr("None"), "")
         self.picture = pg.GraphicsView(background=theme.CANVAS)
         self.picture.setMinimumSize(_LEAST, _LEAST)
+        self.picture.setToolTip(
+            tr("The wheel zooms all places, dragging moves them, a double click shows the whole image.")
+        )
         self.view = pg.ViewBox(enableMenu=False, invertY=True, lockAspect=True, defaultPadding=0.0)
         self.view.disableAutoRange()
         self.picture.setCentralItem(self.view)
+        self._whole = QRectF()
         self._image = pg.ImageItem(axisOrder="row-major")
         self.start = Curves(theme.MOVING, _ABOVE, width=1.4, halo=0.0, dashed=True)
+        self.truth = Curves(theme.TRUTH, _ABOVE + 0.5, width=1.6, halo=0.0)
         self._closed = Curves(theme.CLOSED, _ABOVE + 1.0)
         self._open = Curves(theme.OPEN, _ABOVE + 1.0)
         self._dots = Markers(size=_DOT, pen=None, brush=QColor(theme.MOVING))
         self._dots.setZValue(_ABOVE + 2.0)
-        for item in (self._image, self.start, self._closed, self._open, self._dots):
+        for item in (self._image, self.start, self.truth, self._closed, self._open, self._dots):
             self.view.addItem(item)
-        self.words = QLabel()
+        self.progress, self.words = ElidedLabel(), QLabel()
         self.words.setWordWrap(True)
-        self.words.setToolTip(
+        self.progress.setToolTip(
             tr("The methods share the processor here; cpm compare runs one after the other, for times that compare.")
         )
-        self.words.setMinimumHeight(2 * self.words.fontMetrics().height() + 4)
+        self.words.setFixedHeight(_LINES * self.words.fontMetrics().lineSpacing() + 4)  # so all pictures are as large
         self.words.setAlignment(Qt.AlignmentFlag.AlignTop)
-        layout = QVBoxLayout(self)
+        head, layout = QHBoxLayout(), QVBoxLayout(self)
+        head.addWidget(self.choice, 1)
+        head.addWidget(self.progress)
         layout.setContentsMargins(4, 4, 4, 4)
-        for widget, stretch in ((self.choice, 0), (self.picture, 1), (self.words, 0)):
-            layout.addWidget(widget, stretch)
+        layout.addLayout(head)
+        layout.addWidget(self.picture, 1)
+        layout.addWidget(self.words)
         self.choice.currentIndexChanged.connect(self.chosen)
         self._watch(self.choice, self.picture, self.picture.viewport())
 
@@ -86,13 +99,22 @@ class Pane(QFrame):
         """Show an image."""
         self._image.setImage(display.shades, autoLevels=False, levels=(0, 255))
         self._image.setRect(image_rectangle(display.shape))
-        for item in (self.start, self._closed, self._open):
+        for item in (self.start, self.truth, self._closed, self._open):
             item.use_shape(display.shape)
-        self.view.setRange(image_rectangle(display.shape), padding=0.02)
+        self._whole = image_rectangle(display.shape)
+        self.show_whole()
+
+    def show_whole(self) -> None:
+        """Show the whole image, in this place and in those that are linked with it."""
+        self.view.setRange(self._whole, padding=0.02)
 
     def show_start(self, outlines: Sequence[Array]) -> None:
         """Show the outlines that all methods start from."""
         self.start.show([np.concatenate([outline, outline[:1]]) for outline in outlines])
+
+    def show_truth(self, truth: Truth | None) -> None:
+        """Show the boundaries of the ground truth, where one is known."""
+        self.truth.show([] if truth is None else [contour.path for contour in truth.contours])
 
     def show_frame(self, frame: Frame | None) -> None:
         """Show a state of the run, or nothing."""
@@ -101,7 +123,9 @@ class Pane(QFrame):
         self._open.show([contour.path for contour in contours if not contour.closed])
         moving = np.empty((0, 2)) if frame is None or frame.over else frame.points
         self._dots.setData(*to_xy(moving))
+        self.progress.setText("" if frame is None or frame.trouble else _progress(frame))
         self.words.setText("" if frame is None else frame.trouble or _words(frame))
+        self.words.setToolTip(self.words.text())
 
     def mark(self, chosen: bool) -> None:
         """Frame the pane whose parameters are shown."""
@@ -118,6 +142,8 @@ class Pane(QFrame):
         """Notice the keyboard and the mouse."""
         if event.type() in (QEvent.Type.FocusIn, QEvent.Type.MouseButtonPress):
             self.focused.emit()
+        elif event.type() == QEvent.Type.MouseButtonDblClick and watched is self.picture.viewport():
+            self.show_whole()
         return False
 
     def _watch(self, *widgets: QWidget) -> None:
@@ -125,16 +151,22 @@ class Pane(QFrame):
             widget.installEventFilter(self)
 
 
-def _words(frame: Frame) -> str:
-    """Steps, time and agreement of a run, and why it ended."""
+def _progress(frame: Frame) -> str:
+    """Steps and time of a run."""
     facts = frame.facts
     if facts is None:
-        return ""
+        return tr("Preparing…")
     counted = tr("1 step, {seconds} s") if facts.steps == 1 else tr("{steps} steps, {seconds} s")
-    first = counted.format(steps=facts.steps, seconds=f"{facts.seconds:.2f}")
-    if not frame.over:
-        return first
-    return "\n".join([f"{first}, {from_core(facts.stop_reason)}", *_agreement(facts)])
+    return counted.format(steps=facts.steps, seconds=f"{facts.seconds:.2f}")
+
+
+def _words(frame: Frame) -> str:
+    """Agreement and contours of a run that has ended, and why."""
+    facts = frame.facts
+    if facts is None or not frame.over:
+        return ""
+    found = tr("contours: {count}, closed: {closed}").format(count=facts.contours, closed=facts.closed)
+    return "\n".join([*_agreement(facts), f"{found}; {from_core(facts.stop_reason)}"])
 
 
 def _agreement(facts: Facts) -> list[str]:

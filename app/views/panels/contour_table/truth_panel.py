@@ -16,13 +16,14 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.model.display.differences import Difference
+from app.model.display.truth.differences import Difference
 from app.model.text.language import tr
 from app.session.features.truth_comparison import GroundTruth
 from app.views.theme import theme
 from app.views.theme.icons import swatch
 from app.views.widgets.marked_slider import MarkedSlider
 from cpm_core.contours.agreement import TOLERANCE, Comparison, ObjectCounts
+from cpm_core.contours.surface.agreement import SurfaceComparison
 
 _MEASURES: tuple[tuple[str, str, str], ...] = (
     ("dice", tr("Dice"), tr("Overlap of the areas: 1 if they are equal, 0 if they are disjoint.")),
@@ -34,7 +35,7 @@ _MEASURES: tuple[tuple[str, str, str], ...] = (
     ("precision", tr("Precision"), tr("Fraction of the contours that has a true boundary within the tolerance.")),
     ("f", tr("F"), tr("Harmonic mean of recall and precision.")),
 )
-_IN_PX = ("hausdorff", "hausdorff95", "mean_boundary_distance")
+_DISTANCES = ("hausdorff", "hausdorff95", "mean_boundary_distance")
 
 
 class TruthPanel(QWidget):
@@ -147,20 +148,29 @@ class TruthPanel(QWidget):
 
     def _set_tolerance(self, tolerance: float) -> None:
         self._truth.set_tolerance(tolerance)
-        self._tolerance_label.setText(tr("{tolerance:g} px").format(tolerance=tolerance))
+        self._show_tolerance()
+
+    def _show_tolerance(self) -> None:
+        text = tr("{tolerance:g} voxels") if self._truth.in_volume else tr("{tolerance:g} px")
+        self._tolerance_label.setText(text.format(tolerance=self._truth.tolerance))
 
     def _show(self) -> None:
         truth, verified = self._truth.truth, self._truth.verified
         if truth is None:
-            self.source.setText(tr("Load a mask or contours for the comparison."))
+            volume, plane = (
+                tr("Load a label volume for the comparison."),
+                tr("Load a mask or contours for the comparison."),
+            )
+            self.source.setText(volume if self._truth.in_volume else plane)
         else:
             self.source.setText(tr("Compared with {name}").format(name=truth.source))
         for name, label in self.values.items():
             label.setText(_value(verified.comparison, name) if verified else "–")
+        self.holes.setVisible(not self._truth.in_volume)
         self.objects.setText(_objects(verified.comparison.objects) if verified else "")
         self.pieces.setText(self._summary())
         self.tolerance.show_value(self._truth.tolerance)
-        self._tolerance_label.setText(tr("{tolerance:g} px").format(tolerance=self._truth.tolerance))
+        self._show_tolerance()
         self.holes.blockSignals(True)
         self.holes.setChecked(self._truth.holes)
         self.holes.blockSignals(False)
@@ -171,14 +181,19 @@ class TruthPanel(QWidget):
     def _summary(self) -> str:
         if self._truth.truth is None:
             return ""
+        if self._truth.verified is None and not self._truth.lacks_result:
+            return tr("Comparing…")
         if self._truth.verified is None:
-            return tr("No contours yet. Start the run.")
+            return (
+                tr("No surface yet. Start the run.") if self._truth.in_volume else tr("No contours yet. Start the run.")
+            )
         differences = self._differences
+        verified = self._truth.verified
         if not differences:
             return tr("All boundaries agree within the tolerance.")
         missing = sum(difference.kind == "missing" for difference in differences)
         summary = tr("{missing} missing and {wrong} wrong segments; the largest distance is {farthest}.")
-        farthest = tr("{distance:.1f} px").format(distance=differences[0].farthest)
+        farthest = _distance(differences[0].farthest, verified.comparison, 1)
         if math.isinf(differences[0].farthest):
             farthest = tr("infinite")
         return summary.format(missing=missing, wrong=len(differences) - missing, farthest=farthest)
@@ -192,11 +207,18 @@ def _objects(counts: ObjectCounts) -> str:
     )  # fmt: skip
 
 
-def _value(comparison: Comparison, name: str) -> str:
+def _value(comparison: Comparison | SurfaceComparison, name: str) -> str:
     value = getattr(comparison, name)
     if not math.isfinite(value):
         return "–"
-    return tr("{distance:.2f} px").format(distance=value) if name in _IN_PX else f"{value:.4f}"
+    return _distance(value, comparison, 2) if name in _DISTANCES else f"{value:.4f}"
+
+
+def _distance(value: float, comparison: Comparison | SurfaceComparison, decimals: int) -> str:
+    """A distance with its unit."""
+    if isinstance(comparison, SurfaceComparison):
+        return f"{value:.{decimals}f} {comparison.unit or tr('voxels')}"
+    return tr("{distance} px").format(distance=f"{value:.{decimals}f}")
 
 
 def _row(*widgets: QWidget) -> QHBoxLayout:

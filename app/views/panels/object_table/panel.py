@@ -8,7 +8,6 @@ from functools import partial
 from PySide6.QtCore import QSize
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QMenu, QToolButton, QVBoxLayout, QWidget
 
-from app.model.state.volume_limits import NOT_IN_VOLUMES
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.session.features.objects.object_list import ObjectList
@@ -91,18 +90,8 @@ class ObjectPanel(QWidget):
         self.summary.setText(self._summary())
         for name, button in self.buttons.items():
             button.setEnabled(len(chosen) > 1 if name == "merge" else bool(chosen) or (name == "class" and bool(items)))
-        self._limit()
         self.buttons["freeze"].setText(tr("Release") if chosen and all(i.frozen for i in chosen) else tr("Freeze"))
         self.buttons["hide"].setText(tr("Show") if chosen and all(item.hidden for item in chosen) else tr("Hide"))
-
-    def _limit(self) -> None:
-        """Gray what objects in a volume lack; the tips say why."""
-        image = self._session.document.image
-        volume = image is not None and len(image.shape) == 3
-        for name, action in (("freeze", "freeze_object"), ("merge", "merge_objects")):
-            self.buttons[name].setToolTip(NOT_IN_VOLUMES[action] if volume else "")
-            if volume:
-                self.buttons[name].setEnabled(False)
 
     def _summary(self) -> str:
         objects = self._list.objects

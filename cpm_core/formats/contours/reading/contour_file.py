@@ -13,10 +13,11 @@ from pathlib import Path
 import numpy as np
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.ground_truth import truth_of_mask
+from cpm_core.contours.ground_truth import labels_of
 from cpm_core.formats.contours.reading import coco, geojson, imagej, labelme, mask, own_json, svg, table
 from cpm_core.formats.contours.reading.contents import Contents, Plane
 from cpm_core.formats.contours.reading.dxf import reader as dxf
+from cpm_core.formats.images.content import content_of
 from cpm_core.formats.images.decoded import UnreadableError
 from cpm_core.formats.readers import READABLE, load_image
 from cpm_core.image.image import Image
@@ -35,9 +36,6 @@ CONTOURS_READABLE: dict[str, str] = {
     ".dxf": "drawing of CAD, in ASCII",
 }
 """Suffixes of files that contours can be read from -> what they are; images are read as label masks."""
-
-_LARGEST = 2**29
-"""Most bytes of a file."""
 
 UNKNOWN = Plane()
 """What is known of an image where there is none."""
@@ -132,14 +130,7 @@ def read_contours(path: str | os.PathLike[str], plane: Plane = UNKNOWN, *, page:
     file = Path(path)
     if file.suffix.lower() not in CONTOURS_READABLE:
         return _of_mask(file)
-    try:
-        size = file.stat().st_size
-        content = file.read_bytes() if size <= _LARGEST else b""
-    except OSError as error:
-        raise ValueError(f"{file} cannot be read: {error.strerror or error}.") from error
-    if size > _LARGEST:
-        raise ValueError(f"{file.name} has {size >> 20} MB, more than the {_LARGEST >> 20} MB that are read.")
-    return decode_contours(content, file.name, plane, page=page)
+    return decode_contours(content_of(file), file.name, plane, page=page)
 
 
 def decode_contours(content: bytes, name: str, plane: Plane = UNKNOWN, *, page: int | None = None) -> ContourFile:
@@ -213,7 +204,7 @@ def _of_mask(file: Path) -> ContourFile:
         raise ValueError(f"{shown(str(file))} does not exist: check its name and folder.")
     labels = mask.numbered_colors(file)
     if labels is None:
-        labels = truth_of_mask(load_image(file).values, file.name).labels
+        labels = labels_of(load_image(file).values, file.name)
     found = Contents()
     for _, curves in mask.objects(labels):
         found.add_object(curves)

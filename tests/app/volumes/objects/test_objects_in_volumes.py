@@ -8,6 +8,7 @@ import tifffile
 from PySide6.QtCore import QPoint, Qt
 
 from app.model.state.volume_limits import NOT_IN_VOLUMES
+from app.model.volume.shape_sections import RegionSection
 from app.session.features.objects.object_list import ObjectList
 from app.session.storage.session_file import DocumentFile
 from app.views.features.file.export import ExportFeature
@@ -15,7 +16,9 @@ from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.view.slices import SlicesFeature
 from app.views.features.view.space import SpaceFeature
 from cpm_core.contours.surface import Surface
+from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
+from cpm_core.shapes import EnclosedRegion, EnclosingWall
 from tests.app.conftest import Hand
 from tests.app.volumes.conftest import SHAPE, Button, press, release
 
@@ -240,12 +243,75 @@ def test_before_a_run_the_tool_says_what_it_needs(volume, hand) -> None:
     assert "Let a run find the surface first" in volume.canvas_area.hint.text()
 
 
-def test_what_objects_in_volumes_lack_is_gray_in_menu_and_panel_and_says_why(found, hand) -> None:
+def test_what_objects_in_volumes_lack_is_gray_in_the_menu_and_says_why(found, hand) -> None:
     hand.key(KEY.Key_Return)
-    found.workspace.object_list.choose({1, 2})
+    found.workspace.object_list.choose({1})
+    action = found.actions_by_name["objects_alike"]
+    assert not action.isEnabled()
+    assert action.toolTip().endswith(NOT_IN_VOLUMES["objects_alike"])
     buttons = found.panels["objects"].buttons
-    for name, action in (("freeze", "freeze_object"), ("merge", "merge_objects")):
-        assert not buttons[name].isEnabled()
-        assert buttons[name].toolTip() == NOT_IN_VOLUMES[action]
-        assert not found.actions_by_name[action].isEnabled()
-    assert buttons["hide"].isEnabled()
+    assert buttons["freeze"].isEnabled()
+    assert not buttons["merge"].isEnabled()  # a single one
+
+
+def chosen_by_menu(window, hand, name: str, numbers: set[int]) -> None:
+    """Do something to some objects by the menu."""
+    window.workspace.object_list.choose(numbers)
+    window.actions_by_name[name].trigger()
+
+
+def test_objects_are_merged_into_one_with_both_surfaces_and_undo_parts_them(found, hand) -> None:
+    hand.key(KEY.Key_Return)
+    before = items(found)
+    chosen_by_menu(found, hand, "merge_objects", {1, 2})
+    hand.wait(lambda: len(items(found)) == 1)
+    (whole,) = items(found)
+    assert (whole.number, whole.body.components, whole.body.closed) == (1, 2, True)
+    assert whole.body.volume == pytest.approx(sum(item.body.volume for item in before), rel=1e-3)
+    assert whole.clicks == (*before[0].clicks, *before[1].clicks)
+    assert found.workspace.object_list.chosen == {1}
+    hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert items(found) == before
+
+
+def test_a_frozen_object_holds_particles_back_until_it_is_released(found, hand) -> None:
+    hand.key(KEY.Key_Return)
+    chosen_by_menu(found, hand, "freeze_object", {1})
+    wall = found.session.document.regions.barriers[0]
+    assert found.session.document.objects[1].frozen
+    hand.wait(lambda: found.session.idle)
+    particles = found.session.scene.snapshot.position
+    assert not wall.hold(np.rint(particles)).any()
+    assert len(particles) > 0
+    chosen_by_menu(found, hand, "freeze_object", {1})
+    assert found.session.document.regions is None
+
+
+def test_an_object_is_a_region_of_interest_in_all_slices_and_in_sessions(found, hand, tmp_path) -> None:
+    hand.key(KEY.Key_Return)
+    chosen_by_menu(found, hand, "object_region", {1})
+    region = found.session.document.shapes[-1]
+    assert isinstance(region, EnclosedRegion)
+    inside = found.session.document.regions.voxels(found.session.image.shape)
+    assert inside.sum() == pytest.approx(BALL, rel=0.1)
+    found.workspace.slices.through(ONE)
+    shown = [shape for shape in found.canvas_area.canvas.drawn.document.shapes if isinstance(shape, RegionSection)]
+    assert len(shown) == 1
+    path, file = tmp_path / "region.cpm", found.feature(OpenSaveFeature).document_file
+    assert file.save_at_once(path)
+    assert load_session(path).shapes[-1] == region
+    hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert found.session.document.regions is None
+
+
+def test_an_object_is_a_barrier_or_a_start_of_the_next_run(found, hand) -> None:
+    hand.key(KEY.Key_Return)
+    chosen_by_menu(found, hand, "object_barrier", {1})
+    assert isinstance(found.session.document.shapes[-1], EnclosingWall)
+    assert found.session.document.regions.barriers[0].mask.sum() < 0.8 * BALL
+    chosen_by_menu(found, hand, "object_start", {2})
+    start = found.session.document.shapes[-1]
+    away = np.linalg.norm(start.seeds() - OTHER, axis=1)
+    radius = (BALL / (4 / 3 * np.pi)) ** (1 / 3)
+    assert len(away) > 50
+    assert np.abs(away - radius).max() < 1.0

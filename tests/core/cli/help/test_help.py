@@ -124,6 +124,7 @@ def outcomes(command, folder, tmp_path):
     yield "skeleton", ("skeleton", image, "--of", "light")
     yield "skeleton", ("skeleton", volume, "--volume", "--of", "light")
     yield "compare", ("compare", image, "--circle", "30,32,8", "--methods", "cpm", "snake", "--max-steps", 5)
+    yield "compare", ("compare", image, "--start", image, "--methods", "gvf", "--max-steps", 5, "--truth", image)
     yield "info", ("info", image)
     yield "export", ("export", session, "--to", tmp_path / "a.svg")
     yield "batch", ("batch", image, "--session", session, "--output", tmp_path / "out", "--workers", 1)

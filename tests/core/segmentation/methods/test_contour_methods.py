@@ -11,8 +11,6 @@ from cpm_core.contours.ground_truth import truth_of_mask
 from cpm_core.image.image import Image
 from cpm_core.segmentation.methods import (
     CONTOUR_METHODS,
-    ContourMethod,
-    Settings,
     Start,
     facts_of,
     method_named,
@@ -105,6 +103,16 @@ def test_a_start_needs_an_outline():
         Start((np.zeros((2, 2)),))
 
 
+def test_an_outline_within_others_bounds_a_hole_of_the_start():
+    outer, inner, core, apart = ring((31, 33), 20.0), ring((31, 33), 12.0), ring((31, 33), 5.0), ring((8, 8), 4.0)
+    disks = [Start((line,)).mask((64, 64)) for line in (outer, inner, core, apart)]
+    expected = (disks[0] & ~disks[1]) | disks[2] | disks[3]
+    for lines in ((outer, inner, core, apart), (apart, core, apart, inner, outer, core)):
+        assert np.array_equal(Start(lines).mask((64, 64)), expected)
+    across = ring((31, 50), 10.0)
+    assert np.array_equal(Start((outer, across)).mask((64, 64)), disks[0] | Start((across,)).mask((64, 64)))
+
+
 def test_an_unknown_method_is_refused_with_the_names_that_there_are():
     with pytest.raises(ValueError, match='"gfv" is no method: choose among cpm, snake, gvf'):
         method_named("gfv")
@@ -124,18 +132,6 @@ def test_several_outlines_start_together():
         found = facts_of(run_method(CONTOUR_METHODS[name], image, start), truth_of_mask(objects[0] | objects[1]))
         assert found.contours == 2, name
         assert found.f > 0.98, name
-
-
-def test_a_new_method_is_a_description_and_nothing_else():
-    @dataclasses.dataclass(frozen=True)
-    class Nothing(Settings):
-        pass
-
-    def stay(image, start, settings):
-        yield from CONTOUR_METHODS["random_walker"].evolve(image, start, CONTOUR_METHODS["random_walker"].settings())
-
-    method = ContourMethod("stay", "Stay", "It stays.", "nobody", Nothing, stay, 1)
-    assert facts_of(run_method(method, IMAGE, START)).method == "stay"
 
 
 def test_a_region_at_the_border_has_a_closed_contour():

@@ -15,6 +15,7 @@ from app.views.canvas.items.curves import Curves
 from app.views.canvas.layers.layer import Layer, Requests
 from app.views.canvas.layers.legend_entry import LegendEntry
 from app.views.theme import theme
+from cpm_core.contours.ground_truth import Truth
 
 
 class TruthLayer(Layer):
@@ -23,6 +24,7 @@ class TruthLayer(Layer):
     name = "truth"
     title = tr("Ground truth")
     tip = tr("True boundaries; missing contours dashed, wrong contours wide.")
+    in_slices = True
     colors = (theme.TRUTH, theme.MISSING, theme.WRONG)
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
@@ -50,7 +52,7 @@ class TruthLayer(Layer):
         """Show another truth, or other differences."""
         truth = self.scene.truth
         if truth is not before.truth:
-            self._boundary.show([contour.path for contour in truth.contours] if truth else [])
+            self._boundary.show([contour.path for contour in truth.contours] if isinstance(truth, Truth) else [])
         if self.scene.differences is not before.differences:
             self._missing.show(self._pieces("missing"))
             self._wrong.show(self._pieces("wrong"))

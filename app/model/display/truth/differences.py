@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cpm_core.contours.agreement import Comparison, distance_to
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import Truth
-from cpm_core.numerics.types import Array, Position
+from cpm_core.numerics.types import Array, Place
 
 _APART = 0.6
 """Distance of neighboring points above which a new part begins; along a boundary it is a quarter of a pixel [px]."""
@@ -27,17 +27,17 @@ class Difference:
     kind : {"missing", "wrong"}
         A part of the true boundary without a contour, or a part of a contour without a true boundary.
     points : ndarray, shape (K, 2)
-        The part [px].
+        The part [px]; in a volume the corners of its triangles, shape (K, 3) [voxels].
     farthest : float
-        Its largest distance [px].
+        Its largest distance [px]; in a volume in the unit of the spacing.
     place : tuple of float
-        Position of that distance (row, col) [px].
+        Position of that distance (row, col) [px], or (plane, row, col) [voxels].
     """
 
     kind: Literal["missing", "wrong"]
     points: Array
     farthest: float
-    place: Position
+    place: Place
 
 
 def differences(contours: Sequence[Contour], truth: Truth, comparison: Comparison) -> tuple[Difference, ...]:

@@ -1,0 +1,1 @@
+"""``cpm export``: the command, and what it takes from files and sessions."""

@@ -1,0 +1,100 @@
+"""``cpm export``: writes what a session shows, or contours and surfaces of a file, in other formats."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from cpm_core.cli.arguments import add_json, add_space, check_exports
+from cpm_core.cli.export.files import of_file
+from cpm_core.cli.export.sessions import of_session
+from cpm_core.cli.outcome import tell
+from cpm_core.cli.terminal import counted, say, written
+from cpm_core.contours.result import Result
+from cpm_core.formats import (
+    CONTOURS_READABLE,
+    FOR_CENTERLINES,
+    FOR_VOLUMES,
+    SURFACES_READABLE,
+    WRITABLE,
+    export,
+    left_out,
+    suffix_of,
+)
+from cpm_core.formats.provenance import ENTRY, facts_of, facts_on
+from cpm_core.formats.sessions.session_file import SUFFIX
+from cpm_core.medial_axis.space.centerlines import Centerlines
+
+
+def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add this command to those of the command line."""
+    parser = commands.add_parser("export", help="write a session or contours in other formats", allow_abbrev=False)
+    parser.set_defaults(command=_export)
+    parser.description = (
+        "Write the contours or the surface that a session shows, or those of a file, in other formats. A session "
+        "without a recorded run is run first."
+    )
+    known = ", ".join((*CONTOURS_READABLE, *SURFACES_READABLE, *FOR_CENTERLINES))
+    parser.add_argument(
+        "source", metavar="FILE", help=f"session ({SUFFIX}), contours, a surface or center lines ({known}), or labels"
+    )
+    parser.add_argument("--image", metavar="IMAGE", help="the image or volume that it belongs to")
+    parser.add_argument("--page", metavar="N", type=int, help="page of contours in a stack, from 1")
+    parser.add_argument(
+        "--to",
+        metavar="PATH",
+        nargs="+",
+        action="extend",
+        required=True,
+        help=f"files to write ({', '.join(dict.fromkeys((*WRITABLE, *FOR_VOLUMES, *FOR_CENTERLINES)))})",
+    )
+    parser.add_argument("--outlines", action="store_true", help="lines in label masks, open ones too, instead of areas")
+    add_space(parser)
+    add_json(parser)
+
+
+def _export(arguments: argparse.Namespace) -> int:
+    """Write the files, after all checks that need none of them."""
+    source = Path(arguments.source)
+    check_exports(arguments.to, str(source))
+    if arguments.image is not None:
+        check_exports(arguments.to, arguments.image)
+    result: Result | Centerlines
+    if source.suffix.lower() == SUFFIX:
+        result, image = of_session(source, arguments.image)
+    else:
+        result, image = of_file(source, arguments), arguments.image
+    refused: dict[Path, str] = {}
+    export(
+        result,
+        *arguments.to,
+        image=image,
+        outlines=arguments.outlines,
+        space=arguments.space or "LPS",
+        refused=refused.__setitem__,
+        tell=lambda sentence: say(f"cpm: {sentence}"),
+    )
+    files = [path for path in arguments.to if Path(path) not in refused]
+    missing = {path: left_out(result, suffix_of(path), outlines=arguments.outlines) for path in files}
+    facts, line = _told(result, source)
+    with written("the files were written before"):
+        tell("export", {"source": str(source), "left_out": missing, **facts}, [line], files, as_json=arguments.json)
+    if refused:
+        raise ValueError(" ".join(refused.values()))
+    return 0
+
+
+def _told(result: Result | Centerlines, source: Path) -> tuple[dict[str, Any], str]:
+    """What is told of a result, as plain JSON and as a line."""
+    closed = sum(contour.closed for contour in result.contours)
+    facts: dict[str, Any] = {"contours": len(result.contours), "closed": closed}
+    if isinstance(result, Centerlines):
+        facts[ENTRY] = facts_on(result.source, result.provenance)
+        return facts, f"{source.name}: {counted(len(result.contours), 'center line')} ({closed} closed)"
+    facts[ENTRY] = facts_of(result)
+    if result.surface is None:
+        return facts, f"{source.name}: {counted(len(result.contours), 'contour')} ({closed} closed)"
+    vertices, faces = len(result.surface.vertices), len(result.surface.faces)
+    facts |= {"vertices": vertices, "faces": faces}
+    return facts, f"{source.name}: a surface of {counted(faces, 'triangle')}, with {vertices} corners"

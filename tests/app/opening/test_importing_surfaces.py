@@ -1,0 +1,137 @@
+"""Surfaces, labels, center lines and points of files in a volume: dropped or chosen, as start, objects or truth."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QApplication, QFileDialog
+
+from app.views.main_window import MainWindow
+from cpm_core import Result, centerlines, export
+from cpm_core.contours.surface.inside import inside_of
+from cpm_core.formats.meshes.reading.mesh_file import surface_of_labels
+from cpm_core.shapes import Points, Stroke
+from tests.app.conftest import Hand
+from tests.app.session.test_saving import answering, drop
+from tests.app.volumes.conftest import SHAPE, ball, open_file
+
+pytestmark = pytest.mark.shared_window
+
+CTRL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
+INSIDE = ball() > 110.0
+SMALL = np.zeros(SHAPE, bool)
+SMALL[2:6, 2:6, 2:6] = True
+SURFACE = surface_of_labels((INSIDE | SMALL).astype(np.int32), (1.0, 1.0, 1.0), None)
+RESULT = Result(np.empty((0, 3)), (), SURFACE, 1, True, "", SHAPE, (1.0, 1.0, 1.0), None, "ball")
+
+
+@pytest.fixture
+def volume(window: MainWindow, hand: Hand, tmp_path: Path) -> MainWindow:
+    """A window on the ball."""
+    np.save(tmp_path / "ball.npy", ball().astype(np.uint8))
+    open_file(window, hand, tmp_path / "ball.npy")
+    return window
+
+
+@pytest.mark.parametrize("suffix", [".ply", ".stl"])
+def test_a_dropped_surface_is_a_start_that_leads_to_it(volume, hand, tmp_path, suffix) -> None:
+    export(RESULT, tmp_path / f"a{suffix}")
+    with answering("Start"):
+        drop(volume, tmp_path / f"a{suffix}")
+        hand.wait(lambda: bool(volume.session.document.shapes))
+    (points,) = volume.session.document.shapes
+    assert isinstance(points, Points)
+    off = np.linalg.norm(points.seeds()[:, None] - SURFACE.vertices, axis=2).min(axis=1)
+    assert off.max() < 0.01
+    assert len(points.positions) > 100
+    volume.activateWindow()  # the question was the active one
+    hand.wait(volume.isActiveWindow)
+    hand.key(Qt.Key.Key_Z, CTRL)
+    assert volume.session.document.shapes == ()
+    hand.key(Qt.Key.Key_Z, CTRL | SHIFT)
+    assert volume.session.document.shapes == (points,)
+    hand.key(Qt.Key.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: volume.session.idle)
+    surface = volume.session.scene.reconstruction.result.surface
+    assert surface.volume == pytest.approx(INSIDE.sum(), rel=0.05)
+
+
+def test_a_dropped_surface_gives_an_object_for_each_body(volume, hand, tmp_path) -> None:
+    export(RESULT, tmp_path / "a.obj")
+    with answering("Objects"):
+        drop(volume, tmp_path / "a.obj")
+        hand.wait(lambda: bool(volume.session.document.objects.items))
+    items = volume.session.document.objects.items
+    assert sorted(int(inside_of(item.body, SHAPE).sum()) for item in items) == [int(SMALL.sum()), int(INSIDE.sum())]
+    for item in items:
+        plane, row, col = map(int, item.inside[0])
+        assert inside_of(item.body, SHAPE)[plane, row, col]
+    volume.activateWindow()  # the question was the active one
+    hand.wait(volume.isActiveWindow)
+    hand.key(Qt.Key.Key_Z, CTRL)
+    assert not volume.session.document.objects.items
+
+
+def test_an_object_of_a_file_stands_beside_a_run_and_is_not_proposed_again(volume, hand, tmp_path) -> None:
+    hand.drag((14, 16), (14, 20))
+    hand.key(Qt.Key.Key_Space)
+    hand.wait_for_phase("finished")
+    export(RESULT, tmp_path / "a.ply")
+    with answering("Objects"):
+        drop(volume, tmp_path / "a.ply")
+        hand.wait(lambda: len(volume.session.document.objects.items) == 2)
+    volume.actions_by_name["objects"].trigger()
+    hand.wait(lambda: volume.session.idle and volume.workspace.object_selection.idle)
+    assert volume.session.scene.objects.proposals == ()
+    assert "shapes" not in volume.canvas_area.messages.text
+
+
+def test_a_dropped_surface_is_the_truth(volume, hand, tmp_path) -> None:
+    export(RESULT, tmp_path / "a.vtk")
+    with answering("Ground truth"):
+        drop(volume, tmp_path / "a.vtk")
+        hand.wait(lambda: volume.workspace.truth.truth is not None)
+    np.testing.assert_array_equal(volume.workspace.truth.truth.labels > 0, INSIDE | SMALL)
+
+
+def test_labels_that_are_chosen_give_an_object_for_each_number(volume, hand, tmp_path, monkeypatch) -> None:
+    np.save(tmp_path / "labels.npy", (2 * INSIDE + 5 * SMALL).astype(np.uint8))
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(tmp_path / "labels.npy"), ""))
+    with answering("Objects"):
+        volume.actions_by_name["import_contours"].trigger()
+        hand.wait(lambda: len(volume.session.document.objects.items) == 2)
+    assert volume.actions_by_name["import_contours"].text() == "&Import surface…"
+
+
+def test_center_lines_and_points_are_a_start(volume, hand, tmp_path) -> None:
+    rod = np.zeros(SHAPE, bool)
+    rod[9:14, 12:17, 3:29] = True
+    export(centerlines(rod), tmp_path / "a.swc")
+    with answering("Start"):
+        drop(volume, tmp_path / "a.swc")
+        hand.wait(lambda: bool(volume.session.document.shapes))
+    assert all(isinstance(shape, Stroke) for shape in volume.session.document.shapes)
+    assert np.abs(volume.session.document.shapes[0].seeds()[:, :2] - (11.0, 14.0)).max() < 1.5
+    export(replace(RESULT, particles=np.array([(3.0, 4.0, 5.0)])), tmp_path / "a.points.csv")
+    drop(volume, tmp_path / "a.points.csv")
+    hand.wait(lambda: volume.session.document.shapes[-1] == Points(((3.0, 4.0, 5.0),)))
+
+
+def test_what_lies_in_the_other_kind_of_image_is_refused(volume, hand, tmp_path) -> None:
+    (tmp_path / "a.geojson").write_text('{"type": "FeatureCollection", "features": []}')
+    drop(volume, tmp_path / "a.geojson")
+    hand.wait(lambda: "but a volume is open" in volume.canvas_area.messages.text)
+    QApplication.clipboard().setText("<svg/>")
+    hand.key(Qt.Key.Key_V, CTRL)
+    hand.wait(lambda: "clipboard has contours for an image" in volume.canvas_area.messages.text)
+
+
+def test_an_image_takes_no_surface(window, hand, tmp_path) -> None:
+    export(RESULT, tmp_path / "a.ply")
+    drop(window, tmp_path / "a.ply")
+    hand.wait(lambda: "a.ply lies in a volume, but an image is open" in window.canvas_area.messages.text)

@@ -1,0 +1,100 @@
+"""Grids, thresholds and starts at centers in a volume, by mouse and keys."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+
+from cpm_core.shapes import BoxGrid, BoxThreshold, Everywhere
+from tests.app.volumes.conftest import SHAPE
+
+pytestmark = pytest.mark.shared_window
+
+KEY, CONTROL, SHIFT = Qt.Key, Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
+
+
+def drawing(hand):
+    return hand.canvas.layers["drawing"]
+
+
+def test_a_drag_fills_a_box_with_a_grid_that_every_slice_shows(volume, hand) -> None:
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_G)
+    hand.drag((4, 4), (10, 12), (20, 26))
+    (grid,) = volume.session.document.shapes
+    assert isinstance(grid, BoxGrid)
+    assert np.allclose(grid.first[1:], (4, 4), atol=0.5)
+    assert np.allclose(grid.last[1:], (20, 26), atol=0.5)
+    assert volume.session.selected == 0
+    near = grid.seeds()[np.abs(grid.seeds()[:, 0] - 12) <= 4.0]
+    (section,) = hand.canvas.drawn.document.shapes
+    assert len(section.seeds()) == len(near) > 0
+    hand.key(KEY.Key_Greater)
+    (wider,) = volume.session.document.shapes
+    assert wider.spacing > grid.spacing
+    assert (wider.first, wider.last) == (grid.first, grid.last)
+    assert "spacing" in volume.canvas_area.hint.text()
+    hand.key(KEY.Key_Z, CONTROL)
+    assert volume.session.document.shapes == (grid,)
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: volume.session.idle)
+    assert volume.session.scene.reconstruction.result.labels[12, 14, 16] == 1
+
+
+def test_the_faces_of_the_box_are_moved_in_any_slice(volume, hand) -> None:
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_G)
+    hand.drag((4, 4), (10, 12), (20, 26))
+    (grid,) = volume.session.document.shapes
+    hand.key(KEY.Key_S)
+    volume.workspace.slices.turn(2)
+    volume.workspace.slices.at(15)
+    low, high = grid.first[0], grid.last[0]
+    hand.drag((low, 12), (low - 1, 12), (low - 2, 12))
+    (deeper,) = volume.session.document.shapes
+    assert deeper.first[0] == pytest.approx(low - 2, abs=0.5)
+    assert deeper.last[0] == pytest.approx(high)
+    assert deeper.spacing == grid.spacing
+
+
+def test_a_threshold_shows_the_strong_edges_in_its_box_and_starts_there(volume, hand) -> None:
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_H)
+    hand.drag((2, 2), (10, 12), (25, 29))
+    (start,) = volume.session.document.shapes
+    assert isinstance(start, BoxThreshold)
+    hand.wait(lambda: start in volume.session.scene.image_seeds)
+    seeds = volume.session.scene.image_seeds[start]
+    away = np.linalg.norm(seeds - (np.array(SHAPE) - 1) / 2, axis=1)
+    assert len(seeds) > 50
+    assert np.abs(away - 7.0).max() < 3.0
+    assert 0 < drawing(hand).everywhere < len(seeds)
+    before = drawing(hand).everywhere
+    for _ in range(10):
+        hand.key(KEY.Key_Greater)
+    hand.wait(lambda: volume.session.idle and drawing(hand).everywhere < before)
+    volume.workspace.slices.at(0)
+    assert drawing(hand).everywhere == 0
+    volume.workspace.slices.at(12)
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    assert volume.session.scene.snapshot.state.step > 0
+
+
+def test_starts_at_centers_are_offered_shown_and_run(volume, hand) -> None:
+    hand.canvas.setFocus()
+    action = volume.actions_by_name["start_centers"]
+    assert action.isEnabled()
+    hand.key(KEY.Key_C, CONTROL | SHIFT)
+    start = Everywhere("centers")
+    assert volume.session.document.shapes == (start,)
+    hand.wait(lambda: start in volume.session.scene.image_seeds)
+    seeds = volume.session.scene.image_seeds[start]
+    assert np.linalg.norm(seeds - (np.array(SHAPE) - 1) / 2, axis=1).min() < 2.0
+    assert drawing(hand).everywhere > 0
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: volume.session.idle)
+    assert volume.session.scene.reconstruction.result.surface.components == 1
