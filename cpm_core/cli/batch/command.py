@@ -18,6 +18,7 @@ from cpm_core.formats import READABLE, WRITABLE
 from cpm_core.formats.fingerprint import fingerprint
 from cpm_core.formats.printable import printable
 from cpm_core.formats.sessions.session_file import load_session
+from cpm_core.formats.writers import check_needs
 from cpm_core.parameters.quotation import shown
 from cpm_core.shapes.document_shapes import starts_of
 
@@ -41,7 +42,9 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     )
     add_session(parser, required=True)
     where = parser.add_mutually_exclusive_group()
-    where.add_argument("--workers", metavar="N", type=as_number, help="processes to work in (default: one a core)")
+    where.add_argument(
+        "--workers", metavar="N", type=as_number, help="processes to work in, each on one core (default: one a core)"
+    )
     where.add_argument(
         "--scheduler",
         metavar="ADDRESS",
@@ -118,6 +121,7 @@ def _suffixes(given: Sequence[str]) -> tuple[str, ...]:
     for suffix in wanted:
         if suffix not in WRITABLE:
             raise ValueError(f"--export is {shown(suffix)} but must be one of {', '.join(WRITABLE)}.")
+        check_needs(suffix)
     return wanted
 
 
