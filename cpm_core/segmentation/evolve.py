@@ -49,8 +49,8 @@ class Evolved(Pictured):
     ...     pass
     >>> moment.converged, moment.stop_reason.split(":")[0]
     (True, 'at rest')
-    >>> len(moment.contours), moment.result.contours[0].closed
-    (1, True)
+    >>> len(moment.contours), moment.result.contours[0].closed, moment.surface
+    (1, True, None)
     >>> axes = moment.plot()
     """
 

@@ -59,6 +59,10 @@ class Tile:
     settings: Any
     surface: Surface | None = None
 
+    def result(self, image: Image, start: Start) -> Result:
+        """The same as a result."""
+        return result_of(self.facts, self.contours, image, start, self.settings, self.surface)
+
 
 def table(rows: Sequence[Facts]) -> bytes:
     """A table with a row for each method, as CSV: times in seconds, distances in px, empty where nothing is known."""
@@ -136,8 +140,7 @@ def write_comparison(
     ValueError
         When a suffix is not known, or a file cannot be written there.
     """
-    contents = []
-    names = [tile.facts.method for tile in tiles]
+    contents, names = [], [tile.facts.method for tile in tiles]
     for path in map(Path, paths):
         check_comparison(path, names, image.ndim)
         suffix = suffix_of(path)
@@ -146,9 +149,7 @@ def write_comparison(
         elif suffix == PICTURE:
             contents.append((path, _picture_file(image, start, tiles, truth)))
         else:
-            results = [
-                result_of(tile.facts, tile.contours, image, start, tile.settings, tile.surface) for tile in tiles
-            ]
+            results = [tile.result(image, start) for tile in tiles]
             contents += _contour_files(zip(files_of(path, names), results, strict=True), suffix, tell)
     write_together(contents)
     return tuple(file for file, _ in contents)

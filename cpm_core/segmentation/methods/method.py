@@ -60,6 +60,8 @@ class Start:
     >>> start = cpm.Start((cpm.circle((32, 32), 8),))
     >>> start
     <Start 1 outline, inside the objects>
+    >>> start.ndim, cpm.Start((), spheres=((15, 15, 15, 4),)).ndim
+    (2, 3)
     >>> start.onward, start.points.shape, len(start.curves(4.0)), int(start.mask((64, 64)).sum())
     (1.0, (26, 2), 1, 194)
     """
@@ -148,8 +150,8 @@ class ContourState(Protocol):
     >>> method = cpm.CONTOUR_METHODS["chan_vese"]
     >>> start = cpm.Start((cpm.circle((32, 32), 8),))
     >>> state = next(method.evolve(cpm.example("disk"), start, method.settings()))
-    >>> state.step, state.stop_reason, state.converged, len(state.contours), len(state.points)
-    (0, '', False, 1, 0)
+    >>> state.step, state.stop_reason, state.converged, len(state.contours), state.surface, len(state.points)
+    (0, '', False, 1, None, 0)
     """
 
     @property
