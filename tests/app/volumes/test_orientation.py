@@ -18,16 +18,14 @@ from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 from tests.app.volumes.conftest import ball, open_file
 
-<<<<<<< HEAD
 pytestmark = pytest.mark.shared_window
-=======
+
 NOTHING = Image(np.zeros((8, 9, 10)))
 
 VECTORS = {"L": [1, 0, 0], "R": [-1, 0, 0], "P": [0, 1, 0], "A": [0, -1, 0], "S": [0, 0, 1], "I": [0, 0, -1]}
 """Along left, posterior, superior."""
 
 OPPOSITE = ({"L", "R"}, {"A", "P"}, {"S", "I"})
->>>>>>> integration
 
 
 def shown(view):
