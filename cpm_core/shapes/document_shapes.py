@@ -19,13 +19,21 @@ from cpm_core.shapes import (
     Charge,
     EnclosedRegion,
     EnclosingWall,
+    Everywhere,
+    Points,
+    Polygon,
     PrismRegion,
     Region,
     Shape,
+    Sphere,
     Start,
+    Stroke,
     Wall,
 )
 from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds, ImageStart, SeedCache
+from cpm_core.shapes.space.box import Cuboid
+from cpm_core.shapes.space.enclosed import Enclosed
+from cpm_core.shapes.space.extruded import Extruded
 
 
 def starts_of(shapes: Iterable[Shape]) -> tuple[Start, ...]:
@@ -79,12 +87,38 @@ def seeds_of(shapes: Iterable[Shape], image_seeds: ImageSeeds = NO_SEEDS) -> Arr
     return np.concatenate(found) if found else np.empty((0, 2))
 
 
-def seeds_on(image: Image, shapes: Iterable[Shape], smoothing: float | str, channel: str = "luminance") -> Array:
-    """Positions of the particles of shapes on an image, shape (N, 2).
+def dimension_of(shape: Shape) -> int | None:
+    """The number of axes of what a shape is drawn on; None for starts all over it."""
+    if isinstance(shape, Everywhere):
+        return None
+    if isinstance(shape, Sphere | Cuboid | Extruded | Enclosed):
+        return 3
+    if isinstance(shape, Points):
+        return len(shape.positions[0])
+    if isinstance(shape, Charge):
+        return len(shape.position)
+    return len(shape.points[0]) if isinstance(shape, Polygon | Stroke) else 2
 
+
+def check_dimension(shapes: Iterable[Shape], image: Image) -> None:
+    """Raise ValueError when a shape was drawn in a volume and this is an image, or the other way round."""
+    for shape in shapes:
+        if dimension_of(shape) not in (None, image.ndim):
+            here, there = ("an image", "a volume") if image.ndim == 2 else ("a volume", "an image")
+            raise ValueError(
+                f"The {shape.title} was drawn in {there}, but {image.source} is {here}: "
+                f"choose the file that it was drawn in, or another {there.split()[1]}."
+            )
+
+
+def seeds_on(image: Image, shapes: Iterable[Shape], smoothing: float | str, channel: str = "luminance") -> Array:
+    """Positions of the particles of shapes on an image, shape (N, 2), or in a volume, shape (N, 3).
+
+    ValueError when a shape belongs to an image of another dimension.
     `smoothing` is the sigma of the Gaussian before the gradient [px], or "auto", for starts that depend on it.
     `channel` says what gives the gray levels of a color image.
     """
     drawn = tuple(shapes)
+    check_dimension(drawn, image)
     dependent = [shape for shape in drawn if isinstance(shape, ImageStart)]
     return seeds_of(drawn, SeedCache(image).seeds_for(dependent, smoothing, regions_of(drawn), channel))
