@@ -97,8 +97,8 @@ from cpm_core.formats import (
     load_volume,
 )
 from cpm_core.formats.animations.animation import write_animation
-from cpm_core.formats.animations.figure import write_figure
 from cpm_core.formats.animations.snapshot_strip import strip
+from cpm_core.formats.contours.figure import write_figure
 from cpm_core.formats.ground_truth_file import load_truth, load_volume_truth
 from cpm_core.formats.images.examples import example
 from cpm_core.formats.meshes.swc import write_swc

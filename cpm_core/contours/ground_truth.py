@@ -26,6 +26,9 @@ _MOST_CHANGES = 0.5
 _CLEAR = 0.125
 """Greatest distance from black or white, as a fraction of the range, in a mask from a lossy format."""
 
+_FEW_LEVELS = 2**16
+"""Range of whole gray levels up to which those of a mask are counted one by one."""
+
 
 @dataclass(frozen=True, eq=False)
 class Truth(Pictured):
@@ -127,10 +130,9 @@ def truth_of_mask(values: NDArray[np.generic], source: str = "ground truth") -> 
 
 def labels_of(values: NDArray[np.generic], source: str) -> Labels:
     """Numbers of the gray levels of a mask, from 0; ValueError when it is none, as for `truth_of_mask`."""
-    levels, index = np.unique(values, return_inverse=True)
-    labels: Labels = index.reshape(values.shape).astype(np.int32)
+    levels, labels = _numbered(values)
     if len(levels) > 2 and values.dtype.kind != "b":
-        span = (np.asarray(values, dtype=np.float64) - float(levels[0])) / float(levels[-1] - levels[0])
+        span = (np.asarray(values, dtype=np.float64) - float(levels[0])) / (float(levels[-1]) - float(levels[0]))
         smeared = np.minimum(span, 1.0 - span)
         if len(levels) > 8 and smeared.max() < _CLEAR:  # black and white from a lossy format
             labels = (span > 0.5).astype(np.int32)
@@ -147,6 +149,20 @@ def labels_of(values: NDArray[np.generic], source: str) -> Labels:
     return labels
 
 
+def _numbered(values: NDArray[np.generic]) -> tuple[NDArray[np.generic], Labels]:
+    """The gray levels in rising order, and the number of that of each pixel; without sorting all of a large mask."""
+    signed = values.astype(np.int64) if values.dtype.kind == "i" else values  # whose differences may not fit into it
+    given = signed.view(np.uint8) if values.dtype.kind == "b" else signed
+    low, high = given.min(), given.max()
+    if not 0.0 <= float(high) - float(low) < _FEW_LEVELS or (given != np.rint(given)).any():
+        levels, index = np.unique(values, return_inverse=True)
+        return levels, index.reshape(values.shape).astype(np.int32)
+    above = (given - low).astype(np.int32)
+    present = np.zeros(int(high - low) + 1, bool)
+    present[above.ravel()] = True
+    return np.flatnonzero(present) + low, (np.cumsum(present) - 1).astype(np.int32)[above]
+
+
 def _between(labels: Labels) -> tuple[Contour, ...]:
     """Boundaries between pixels of different labels.
 
@@ -155,12 +171,13 @@ def _between(labels: Labels) -> tuple[Contour, ...]:
     """
     rows, cols = labels.shape
     vertical, horizontal = labels[:, :-1] != labels[:, 1:], labels[:-1] != labels[1:]
+    around = (vertical[:-1], vertical[1:], horizontal[:, :-1], horizontal[:, 1:])
+    row, col = np.nonzero(sum(side.astype(np.uint8) for side in around) > 1)
+    separating = np.stack([side[row, col] for side in around], axis=-1)
     # numbers of the centers of vertical sides, of horizontal sides, and of corners
-    first = np.arange(rows * (cols - 1)).reshape(rows, cols - 1)
-    second = first.size + np.arange((rows - 1) * cols).reshape(rows - 1, cols)
-    corner = first.size + second.size + np.arange((rows - 1) * (cols - 1))
-    sides = np.stack([first[:-1], first[1:], second[:, :-1], second[:, 1:]], axis=-1).reshape(-1, 4)
-    separating = np.stack([vertical[:-1], vertical[1:], horizontal[:, :-1], horizontal[:, 1:]], axis=-1).reshape(-1, 4)
+    first, second = rows * (cols - 1), rows * (cols - 1) + (rows - 1) * cols
+    upper, left = row * (cols - 1) + col, first + row * cols + col
+    sides, corner = np.stack([upper, upper + cols - 1, left, left + 1], axis=-1), second + upper
     count = separating.sum(axis=1)
     pairs = sides[count == 2][separating[count == 2]].reshape(-1, 2)
     many = count > 2

@@ -15,11 +15,12 @@ from types import MappingProxyType
 
 from cpm_core.contours.result import Result
 from cpm_core.formats.atomic import check_place, write_together
-from cpm_core.formats.contours import coco, contour_csv, contour_json, geojson, imagej, labelme, svg
+from cpm_core.formats.contours import coco, contour_csv, contour_json, figure, geojson, imagej, labelme, svg
 from cpm_core.formats.contours.dxf import drawing as dxf
 from cpm_core.formats.masks import label_tiff, labels, nifti
 from cpm_core.formats.meshes import obj, ply, points_csv, stl, swc, vtk
 from cpm_core.formats.printable import printable
+from cpm_core.image.drawing.axes import require_matplotlib
 from cpm_core.image.geometry import Convention
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.space.centerlines import Centerlines
@@ -32,6 +33,7 @@ Encode = Callable[[Result | Skeleton], bytes]
 """Makes the bytes of a file; ValueError when the result holds nothing that such a file could show."""
 
 _LABELME = ".labelme.json"
+_FIGURE = "a figure of the image with contours and a scale bar"
 _LABELS = "insides of closed contours as a label mask"
 _SIZED_LABELS = f"{_LABELS} of 16 or 32 bits, with the size of a pixel"
 _WRITERS: Mapping[str, tuple[str, Encode]] = MappingProxyType(
@@ -51,9 +53,18 @@ _WRITERS: Mapping[str, tuple[str, Encode]] = MappingProxyType(
         ".nii.gz": ("the same, compressed", nifti.encode_packed),
         ".dxf": ("contours as polylines for CAD", dxf.encode),
         ".png": (_LABELS, labels.encode_png),
+        ".figure.svg": (
+            f"{_FIGURE}, whose lines and texts a drawing program can change",
+            partial(figure.encoded, ".svg"),
+        ),
+        ".figure.png": (f"{_FIGURE}, as a picture", partial(figure.encoded, ".png")),
+        ".figure.pdf": (f"{_FIGURE}, for print", partial(figure.encoded, ".pdf")),
     }
 )
 """Suffix -> what is written, and the function that encodes it."""
+
+DRAWN = frozenset((".figure.svg", ".figure.png", ".figure.pdf"))
+"""Suffixes of figures, which show the image and need matplotlib."""
 
 _MESHES: Mapping[str, tuple[str, Encode]] = MappingProxyType(
     {
@@ -110,6 +121,9 @@ FOR_SKELETONS: dict[str, str] = {
     ".dxf": "branches as polylines for CAD",
     ".png": "branches as lines of a label mask",
     ".tif": "branches as lines of a label mask of 16 or 32 bits, with the size of a pixel",
+    ".figure.svg": "a figure of the image with branches and a scale bar",
+    ".figure.png": "the same as a picture",
+    ".figure.pdf": "the same for print",
 }
 """Suffixes that make sense for a skeleton -> what is written."""
 
@@ -288,13 +302,21 @@ def check_export(path: str | os.PathLike[str]) -> None:
     Raises
     ------
     ValueError
-        When the suffix is not known, the folder does not exist or is not writable, or the path is a folder.
+        When the suffix is not known, the folder does not exist or is not writable, or the path is a folder; for figures
+        without matplotlib.
     """
     file = Path(path)
     if not suffix_of(file) and not file.is_dir():
         named = f"ends in {shown(file.suffix)}" if file.suffix and file.suffix not in WRITABLE else "has no suffix"
         raise ValueError(f"{file.name} {named}, which names no format that can be written: choose one of {_known()}.")
+    check_needs(suffix_of(file))
     check_place(file)
+
+
+def check_needs(suffix: str) -> None:
+    """Raise a `ValueError` unless all is installed that writes files with this suffix."""
+    if suffix in DRAWN:
+        require_matplotlib()
 
 
 def _known() -> str:

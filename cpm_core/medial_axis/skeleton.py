@@ -20,6 +20,7 @@ from cpm_core.contours.graph.graph import Graph
 from cpm_core.image.drawing import axes, raster
 from cpm_core.image.drawing.notebook import Pictured
 from cpm_core.image.geometry import Geometry
+from cpm_core.image.image import Image
 from cpm_core.medial_axis.blur_correction import half_width
 from cpm_core.medial_axis.boundary import Boundary
 from cpm_core.medial_axis.disks import along, covered
@@ -62,6 +63,8 @@ class Skeleton(Pictured):
         How it was found.
     geometry : Geometry or None
         Where the image lies in space.
+    image : Image or None
+        The image in which it was found; None for one that was not found in an image.
 
     Examples
     --------
@@ -84,6 +87,7 @@ class Skeleton(Pictured):
     channel: str = "luminance"
     provenance: Provenance = field(default_factory=Provenance, repr=False)
     geometry: Geometry | None = None
+    image: Image | None = field(default=None, repr=False)
 
     @property
     def thickness(self) -> float:
@@ -111,28 +115,21 @@ class Skeleton(Pictured):
             disks.append(along(contour.path, np.append(radii, radii[0]) if contour.closed else radii))
         return covered(np.concatenate(disks), self.shape)
 
-    def plot(self, ax: axes.Axes | None = None, *, scale_bar: bool = True) -> axes.Axes:
-        """Draw the branches by matplotlib, on whatever `ax` shows.
+    def plot(self, ax: axes.Axes | None = None, *, image: bool = False, scale_bar: bool = True) -> axes.Axes:
+        """Draw the branches by matplotlib, on the image or on whatever `ax` shows.
 
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
             Where, such as the axes of `Image.plot`; by default in a new figure.
-        scale_bar : bool
-            Whether there is a scale bar, in px where the size of a pixel is not known.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-            The axes, in px of the image.
-
-        Raises
-        ------
-        ValueError
-            When matplotlib is not installed.
+        image, scale_bar : bool
+            What is drawn beside them, as in `Result.plot`, which also says what is returned and raised.
         """
         ax = axes.axes_for(ax)
-        axes.frame(ax, self.shape, self.spacing)
+        if image and self.image is not None:
+            self.image.plot(ax, scale_bar=False)
+        else:
+            axes.frame(ax, self.shape, self.spacing)
         axes.show_curves(ax, self.contours)
         if scale_bar:
             axes.show_scale_bar(ax, self.shape, self.spacing, self.unit)

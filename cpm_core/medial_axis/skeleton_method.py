@@ -213,7 +213,7 @@ class SkeletonMethod(ImageFields):
             self.name, taken(parameters, self.parameters), sha256=image.sha256, of_file=bool(image.file_sha256)
         )
         channel = image.channel(parameters.channel)
-        return Skeleton(state.contours, state.radii, *place, polarity, width, channel, made, image.geometry)
+        return Skeleton(state.contours, state.radii, *place, polarity, width, channel, made, image.geometry, image)
 
     def measures(self, state: SkeletonState, parameters: Parameters, thorough: bool = False) -> Mapping[str, float]:
         """Metrics of a state by name; see `Method.measures`."""

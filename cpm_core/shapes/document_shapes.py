@@ -17,23 +17,64 @@ from cpm_core.shapes import (
     Barrier,
     BoxRegion,
     Charge,
+    Circle,
+    Ellipse,
     EnclosedRegion,
     EnclosingWall,
     Everywhere,
     Points,
-    Polygon,
     PrismRegion,
     Region,
     Shape,
     Sphere,
     Start,
-    Stroke,
     Wall,
 )
 from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds, ImageStart, SeedCache
 from cpm_core.shapes.space.box import Cuboid
 from cpm_core.shapes.space.enclosed import Enclosed
 from cpm_core.shapes.space.extruded import Extruded
+
+_KINDS = {2: "images", 3: "volumes"}
+_ONE = {2: "an image", 3: "a volume"}
+_PARTS = {2: "pixels", 3: "voxels"}
+
+
+def axes_of(shape: Shape) -> int | None:
+    """How many axes an image has for which a shape is: 2, or 3 for a volume; None where any image will do."""
+    match shape:
+        case Everywhere():
+            return None
+        case Sphere() | Cuboid() | Extruded() | Enclosed():
+            return 3
+        case Circle() | Ellipse():
+            return 2
+        case Points():
+            return len(shape.positions[0])
+        case Charge():
+            return len(shape.position)
+        case _:
+            return len(shape.points[0])
+
+
+def check_axes(shapes: Iterable[Shape], size: tuple[int, ...] = (), image: str = "the image") -> None:
+    """Raise ValueError when shapes are not all for one kind of image, or not for an image of this size.
+
+    An empty `size` says that the image is not known; `image` is its name.
+    """
+    axes, first = len(size), ""
+    for number, shape in enumerate(shapes, 1):
+        own, this = axes_of(shape), f"shape {number} ({shape.title})"
+        if own is None:
+            continue
+        if size and own != axes:
+            raise ValueError(
+                f"{this} is for {_KINDS[own]}, but {image} is taken as {_ONE[axes]} of {' x '.join(map(str, size))} "
+                f"{_PARTS[axes]}: choose an image of the kind that the shapes were drawn in."
+            )
+        if axes and own != axes:
+            raise ValueError(f"{this} is for {_KINDS[own]}, but {first} is for {_KINDS[axes]}: keep those of one kind.")
+        axes, first = own, first or this
 
 
 def starts_of(shapes: Iterable[Shape]) -> tuple[Start, ...]:
@@ -87,38 +128,13 @@ def seeds_of(shapes: Iterable[Shape], image_seeds: ImageSeeds = NO_SEEDS) -> Arr
     return np.concatenate(found) if found else np.empty((0, 2))
 
 
-def dimension_of(shape: Shape) -> int | None:
-    """The number of axes of what a shape is drawn on; None for starts all over it."""
-    if isinstance(shape, Everywhere):
-        return None
-    if isinstance(shape, Sphere | Cuboid | Extruded | Enclosed):
-        return 3
-    if isinstance(shape, Points):
-        return len(shape.positions[0])
-    if isinstance(shape, Charge):
-        return len(shape.position)
-    return len(shape.points[0]) if isinstance(shape, Polygon | Stroke) else 2
-
-
-def check_dimension(shapes: Iterable[Shape], image: Image) -> None:
-    """Raise ValueError when a shape was drawn in a volume and this is an image, or the other way round."""
-    for shape in shapes:
-        if dimension_of(shape) not in (None, image.ndim):
-            here, there = ("an image", "a volume") if image.ndim == 2 else ("a volume", "an image")
-            raise ValueError(
-                f"The {shape.title} was drawn in {there}, but {image.source} is {here}: "
-                f"choose the file that it was drawn in, or another {there.split()[1]}."
-            )
-
-
 def seeds_on(image: Image, shapes: Iterable[Shape], smoothing: float | str, channel: str = "luminance") -> Array:
-    """Positions of the particles of shapes on an image, shape (N, 2), or in a volume, shape (N, 3).
+    """Positions of the particles of shapes on an image, shape (N, 2).
 
-    ValueError when a shape belongs to an image of another dimension.
     `smoothing` is the sigma of the Gaussian before the gradient [px], or "auto", for starts that depend on it.
     `channel` says what gives the gray levels of a color image.
     """
     drawn = tuple(shapes)
-    check_dimension(drawn, image)
+    check_axes(drawn, image.shape, image.source)
     dependent = [shape for shape in drawn if isinstance(shape, ImageStart)]
     return seeds_of(drawn, SeedCache(image).seeds_for(dependent, smoothing, regions_of(drawn), channel))

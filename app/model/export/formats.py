@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 
 from app.model.text.language import from_core, tr
 from cpm_core.formats import FOR_VOLUMES, WRITABLE
+from cpm_core.formats.writers import DRAWN
+from cpm_core.image.drawing.axes import has_matplotlib
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,9 +20,10 @@ class Format:
     group: str
 
 
-_IMAGES, _DRAWINGS, _ANNOTATIONS, _TABLES, _OTHERS = (
+_IMAGES, _DRAWINGS, _FIGURES, _ANNOTATIONS, _TABLES, _OTHERS = (
     tr("Images"),
     tr("Drawings"),
+    tr("Figures"),
     tr("Annotations"),
     tr("Tables and data"),
     tr("Others"),
@@ -32,6 +36,9 @@ _KNOWN = (
     Format(".nii", tr("NIfTI mask"), _IMAGES),
     Format(".svg", tr("SVG drawing"), _DRAWINGS),
     Format(".dxf", tr("DXF for CAD"), _DRAWINGS),
+    Format(".figure.svg", tr("Figure as SVG, with image and scale bar"), _FIGURES),
+    Format(".figure.pdf", tr("Figure as PDF"), _FIGURES),
+    Format(".figure.png", tr("Figure as PNG"), _FIGURES),
     Format(".geojson", tr("GeoJSON for QuPath"), _ANNOTATIONS),
     Format(".labelme.json", tr("labelme"), _ANNOTATIONS),
     Format(".coco.json", tr("COCO"), _ANNOTATIONS),
@@ -58,10 +65,14 @@ _SAME = {".tiff": ".tif"}
 
 
 def formats() -> tuple[Format, ...]:
-    """All formats that can be written, those of one group next to each other; new ones are last."""
+    """All formats that can be written, those of one group next to each other; new ones are last.
+
+    A frozen application without matplotlib, which nobody can add to it, offers no figures.
+    """
     known = {one.suffix for one in _KNOWN} | _SAME.keys()
     others = (Format(suffix, from_core(text), _OTHERS) for suffix, text in WRITABLE.items() if suffix not in known)
-    return (*(one for one in _KNOWN if one.suffix in WRITABLE), *others)
+    left_out = DRAWN if getattr(sys, "frozen", False) and not has_matplotlib() else ()
+    return (*(one for one in _KNOWN if one.suffix in WRITABLE and one.suffix not in left_out), *others)
 
 
 def formats_of_volumes() -> tuple[Format, ...]:

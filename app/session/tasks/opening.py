@@ -23,7 +23,7 @@ from cpm_core.image.kind import guessed_kind
 from cpm_core.image.pyramid import most_scales
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.large_images import large_image_settings
-from cpm_core.shapes.document_shapes import check_dimension
+from cpm_core.shapes.document_shapes import check_axes
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +93,7 @@ def prepare(core: Core, wanted: Wanted, go_on: Callable[[], None]) -> Opened:
 
 def _check(saved: Saved, image: Image) -> None:
     """ValueError when what a session holds was drawn or found in a volume and its file is an image, or otherwise."""
-    check_dimension(saved.file.shapes, image)
+    check_axes(saved.file.shapes, image.shape, image.source)
     if any(bool(item.surface) is not (image.ndim == 3) for item in saved.file.objects.items):
         known = tr("{name} holds objects of a volume, but {image} is an image: put the volume in its place again.")
         if image.ndim == 3:

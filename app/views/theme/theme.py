@@ -177,9 +177,13 @@ def _bars(theme: Theme) -> str:
 
 
 def _panels(theme: Theme) -> str:
-    """Docks with their headings and tabs."""
+    """Docks with their headings and tabs.
+
+    The line between docks is one pixel wide, the separator that is dragged three: for one of a single pixel Qt makes a
+    hidden widget whenever docks are shown, and keeps it until the window is closed.
+    """
     return f"""
-    QMainWindow::separator {{ width: 1px; height: 1px; background: {theme.line}; }}
+    QMainWindow::separator {{ width: 1px; height: 1px; margin: 1px; background: {theme.line}; }}
     QMainWindow::separator:hover {{ background: {theme.accent}; }}
     QWidget#title {{ background: {theme.window}; border-bottom: 1px solid {theme.line}; }}
     QWidget#upright {{ background: {theme.window}; border-right: 1px solid {theme.line}; }}

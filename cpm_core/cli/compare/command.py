@@ -32,6 +32,7 @@ from cpm_core.segmentation.methods import (
     run_method,
     runnable,
 )
+from cpm_core.shapes.document_shapes import check_axes
 
 _WIDTH = 24
 """Width of the column of the methods [characters]."""
@@ -88,6 +89,7 @@ def _compare(arguments: argparse.Namespace) -> None:
     for path in arguments.export:
         check_comparison(path, names)
     image = _image(arguments, session)
+    check_axes(session.shapes, image.shape, image.source)
     start = start_on(image, outlines, arguments, session)
     truth = None if arguments.truth is None else load_truth(arguments.truth, image.shape)
     for missing in [] if named else [method.missing for method in CONTOUR_METHODS.values() if method.missing]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+from cpm_core.cli.arguments import notes_on, with_room
 from cpm_core.cli.terminal import announce_compilation, progress_line, say
 from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result
@@ -36,8 +37,11 @@ def of_session(source: Path, named: str | None) -> tuple[Result, str]:
         say(f"cpm: {told}")
     in_volume = session.image is not None and len(session.image.shape) == 3
     image = load_volume(path, **part) if in_volume else load_image(path, **part)
-    result = _found(session, image, source)
-    edited = with_hand_edits(with_shapes(result, session.shapes), image, session.parameters, session.hand_edits)
+    parameters, small = with_room(session.parameters, image)
+    for note in (*notes_on(image, parameters), *small):
+        say(f"cpm: {image.source}: {note}")
+    result = _found(replace(session, parameters=parameters), image, source)
+    edited = with_hand_edits(with_shapes(result, session.shapes), image, parameters, session.hand_edits)
     whole = with_kept(edited, session.marks)
     return apply(whole, session.marks, learning=session.learning, found=edited.contours), str(path)
 

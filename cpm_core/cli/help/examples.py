@@ -14,6 +14,7 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
     ),
     "export": (
         ("what a session shows, for ImageJ and QuPath", "cpm export cell.cpm --to cell.zip cell.geojson"),
+        ("a figure for a publication", "cpm export cell.cpm --to cell.figure.pdf"),
         ("from one format to another", "cpm export cell.svg --image cell.png --to cell.coco.json"),
         ("a surface of a volume as labels", "cpm export tree.ply --image angio.nii --to tree.nii.gz"),
     ),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import binascii
+import math
 import zlib
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -20,6 +21,9 @@ from cpm_core.numerics.types import Place
 
 _LARGEST = 256 * 2**20
 """Most bytes of an array that is read."""
+
+_MOST_VOXELS = 2**28
+"""Most voxels of the box around a surface, whose inside takes a byte for each and more while it is found."""
 
 _FAST = 1
 """Level of compression: bits of positions hardly become fewer, however long one tries."""
@@ -59,7 +63,7 @@ class PackedSurface:
     Raises
     ------
     ValueError
-        When the text holds no surface, or one that is not closed.
+        When the text holds no surface, or one that is not closed or far too large.
     """
 
     vertices: str
@@ -68,6 +72,12 @@ class PackedSurface:
     def __post_init__(self) -> None:
         if not len(self.surface.faces) or not self.surface.closed:
             raise ValueError("The surface around an object is not closed, so that nothing is inside.")
+        sides = np.ceil(np.ptp(self.surface.vertices, axis=0)).tolist()
+        if math.prod(sides) > _MOST_VOXELS:
+            raise ValueError(
+                f"The surface around an object spans {' x '.join(f'{side:g}' for side in sides)} voxels, but at most "
+                f"{_MOST_VOXELS:,} in all can be filled: make it smaller."
+            )
 
     @classmethod
     def of(cls, surface: Surface) -> PackedSurface:

@@ -1,4 +1,4 @@
-"""OBJ: the surface with its normals as text, for programs of drawing and animation."""
+"""OBJ: the surface with its normals as text, for drawing and animation programs."""
 
 from __future__ import annotations
 

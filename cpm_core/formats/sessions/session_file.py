@@ -38,6 +38,7 @@ from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
 from cpm_core.segmentation.methods import Compared
 from cpm_core.shapes import Shape
+from cpm_core.shapes.document_shapes import check_axes
 
 SUFFIX = ".cpm"
 """Ending of the name of a session file."""
@@ -161,15 +162,15 @@ def save_session(session: SessionFile, path: Path) -> None:
 
 
 def encode(session: SessionFile, folder: Path) -> bytes:
-    """The bytes of a session file that lies in a folder."""
+    """The bytes of a session file that lies in a folder; ValueError for shapes that could not be read again."""
+    check_axes(session.shapes, session.image.shape if session.image else ())
     plain: dict[str, Any] = {MARK: VERSION, "program": PROGRAM}
     if session.image is not None:
         plain["image"] = _image_to_plain(session.image, folder)
     plain["shapes"] = [shape_to_plain(shape) for shape in session.shapes]
     plain["parameters"] = to_plain(session.parameters)
     plain["marks"] = [_mark_to_plain(mark) for mark in session.marks]
-    if session.learning:
-        plain["learning"] = True
+    plain |= {"learning": True} if session.learning else {}
     if session.hand_edits:
         plain["hand_edits"] = [to_plain(edit) for edit in session.hand_edits]
     if session.comparison != Compared():
@@ -225,9 +226,12 @@ def decode(content: bytes, name: str) -> SessionFile:
         parameters, unknown = parameters_from_plain(plain.get("parameters", {}))
         runs, pages, truth, comparison, faults = beside_document(plain)
         left_out = f"Parameters that are not known here were left out: {shown(', '.join(unknown))}."
+        image = _image(plain["image"]) if plain.get("image") is not None else None
+        shapes = tuple(shape_from_plain(shape, f"shape {index}") for index, shape in _listed(plain, "shapes"))
+        check_axes(shapes, image.shape if image else ())
         return SessionFile(
-            image=_image(plain["image"]) if plain.get("image") is not None else None,
-            shapes=tuple(shape_from_plain(shape, f"shape {index}") for index, shape in _listed(plain, "shapes")),
+            image=image,
+            shapes=shapes,
             parameters=parameters,
             marks=tuple(_mark(mark, f"mark {index}") for index, mark in _listed(plain, "marks")),
             learning=true_or_false(plain.get("learning", False), "learning"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Mapping, Sequence
+from importlib.util import find_spec
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -40,13 +41,14 @@ FIGURES: Mapping[str, str] = {".svg": "svg", ".png": "png", ".pdf": "pdf"}
 
 
 def require_matplotlib() -> None:
-    """Raise ValueError, with what to install, unless matplotlib can be imported."""
-    try:
-        import matplotlib  # noqa: F401
-    except ImportError:
-        raise ValueError(
-            "the figures are drawn by matplotlib, which is not installed: get it with pip install matplotlib."
-        ) from None
+    """Raise ValueError, with what to install, unless matplotlib is installed; it is not imported yet."""
+    if not has_matplotlib():
+        raise ValueError("Figures are drawn by matplotlib, which is not installed: get it with pip install matplotlib.")
+
+
+def has_matplotlib() -> bool:
+    """Whether matplotlib is installed."""
+    return find_spec("matplotlib") is not None
 
 
 def axes_for(ax: Axes | None, *, space: bool = False) -> Axes:

@@ -163,7 +163,7 @@ class VolumeSkeletonMethod(SkeletonMethod):
         return VolumeSkeleton(
             state.contours, state.radii, image.shape, image.spacing, image.unit, image.source, polarity, 0.0,
             "luminance", made, image.geometry,
-            replace(lines, source=image.source, geometry=image.geometry, provenance=made),
+            image=image, lines=replace(lines, source=image.source, geometry=image.geometry, provenance=made),
         )  # fmt: skip
 
     def measures(self, state: SkeletonState, parameters: Parameters, thorough: bool = False) -> Mapping[str, float]:

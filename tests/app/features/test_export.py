@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import hashlib
 import json
+import sys
 from dataclasses import replace
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import PIL.Image
@@ -21,6 +23,7 @@ from app.views.export.dialog import ExportDialog
 from app.views.features.file.export import ExportFeature
 from app.views.main_window import MainWindow
 from cpm_core.formats import WRITABLE
+from cpm_core.formats.writers import DRAWN
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Circle
@@ -30,6 +33,7 @@ pytestmark = pytest.mark.shared_window
 
 KEY, CTRL = Qt.Key, Qt.KeyboardModifier.ControlModifier
 LEFT = Qt.MouseButton.LeftButton
+SVG = "{http://www.w3.org/2000/svg}"
 DISCS = ((12, 36, 18), (48, 96, 16), (60, 30, 12))
 """Row, column and radius; the border cuts the first one."""
 
@@ -196,6 +200,27 @@ def test_a_typed_size_of_a_pixel_goes_into_the_file(found, hand, dialog) -> None
     assert (image["spacing"], image["unit"]) == ([0.25, 0.25], "µm")
 
 
+def test_a_figure_shows_image_contours_and_a_scale_bar_of_the_typed_size(found, hand, dialog) -> None:
+    choose(hand, dialog.format, ".figure.svg")
+    assert dialog.file.name.text().endswith("_contours.figure.svg")
+    type_into(hand, dialog.pixel_size.number, "0.25")
+    hand.qtbot.keyClick(dialog.pixel_size.number, KEY.Key_Tab)
+    assert dialog.counts.text().startswith("Writes 3 contours.")
+    root = ElementTree.fromstring(write(hand, found, dialog).read_text(encoding="utf-8"))
+    assert root.find(f".//{SVG}image") is not None
+    assert len(root.findall(f".//{SVG}path")) >= 6
+    assert any("µm" in "".join(text.itertext()) for text in root.iter(f"{SVG}text"))
+
+
+def test_a_figure_without_matplotlib_says_what_to_install(found, hand, dialog, monkeypatch) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    choose(hand, dialog.format, ".figure.pdf")
+    assert "pip install matplotlib" in dialog.note.text()
+    assert not dialog.export_button.isEnabled()
+    monkeypatch.setattr(sys, "frozen", True, raising=False)
+    assert not DRAWN & {one.suffix for one in formats()}
+
+
 @pytest.mark.parametrize(
     ("name", "words"),
     [
@@ -265,3 +290,8 @@ def test_objects_are_offered_and_written_without_a_run(window, hand, tmp_path) -
     assert content["provenance"]["image"]["sha256"] == session.document.image.sha256
     (contour,) = content["contours"]
     assert (contour["name"], contour["closed"]) == ("cell", True)
+    dialog = asked(hand, window)
+    type_into(hand, dialog.file.name, "objects.figure.png")
+    with PIL.Image.open(write(hand, window, dialog)) as figure:
+        gray = np.asarray(figure.convert("L")).astype(float)
+    assert gray[: len(gray) // 2].std() > 10.0  # the image is there, too

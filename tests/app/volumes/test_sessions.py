@@ -63,8 +63,8 @@ def test_a_drawing_of_another_dimension_is_refused_and_nothing_is_lost(
     hand.drag((14, 16), (14, 18), (14, 20))
     before = volume.session.document
     volume.open_image(str(tmp_path / "other.cpm"))
-    words = "The sphere was drawn in a volume" if volumes else "The circle was drawn in an image"
-    hand.wait(lambda: words in volume.canvas_area.messages.text)
+    words = "shape 1 (sphere) is for volumes" if volumes else "shape 1 (circle) is for images"
+    hand.wait(lambda: words in volume.canvas_area.messages.text.lower())
     assert volume.session.document is before
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from PySide6.QtCore import QCoreApplication, QEvent, QObject, Qt
-from PySide6.QtWidgets import QLabel, QMainWindow, QTabBar, QToolButton
+from PySide6.QtWidgets import QLabel, QMainWindow, QTabBar, QToolButton, QWidget
 
 from app.session.storage.preferences import Preferences
 from app.views.main_window import MainWindow
@@ -130,3 +130,17 @@ def test_an_idle_window_makes_no_layout_requests(window, hand) -> None:
 
     assert not at_rest()
     hand.wait(at_rest)
+
+
+def test_hiding_and_showing_panels_leaves_nothing_behind(window, hand) -> None:
+    def splitters() -> int:
+        QCoreApplication.processEvents()
+        return len(window.findChildren(QWidget, "qt_qmainwindow_extended_splitter"))
+
+    before = splitters()
+    for _ in range(5):
+        window.docks["run"].hide()
+        window.docks["parameters"].hide()
+        assert splitters() == before
+        window.docks.restore()
+        assert splitters() == before

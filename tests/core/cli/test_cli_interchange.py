@@ -149,6 +149,28 @@ def test_bad_files_are_refused_before_anything_is_written(more, sentence, disk, 
     assert err.count("\n") == 1
 
 
+def test_figures_are_written_of_a_run_a_session_and_a_file_and_in_a_batch(found, disk, command, tmp_path):
+    session, contours = found
+    for number, words in enumerate(
+        [
+            ("export", session, "--to"),
+            ("export", contours, "--image", disk, "--to"),
+            ("run", disk, "--session", session, "--export"),
+        ]
+    ):
+        status, _, err = command(*words, tmp_path / f"{number}.figure.png")
+        assert (status, err) == (0, "")
+        with PIL.Image.open(tmp_path / f"{number}.figure.png") as figure:
+            gray = np.asarray(figure.convert("L"))
+        tall, wide = gray.shape
+        assert wide / tall == pytest.approx(100 / 80, rel=0.01)
+        assert gray[tall // 2, wide // 2] > gray[tall // 8, wide // 8] + 50
+    status, _, _ = command("batch", disk, "--session", session, "--output", tmp_path / "out", "--export", "figure.pdf",
+                           "--workers", "1")  # fmt: skip
+    assert status == 0
+    assert (tmp_path / "out" / "disk_contours.figure.pdf").read_bytes().startswith(b"%PDF")
+
+
 @pytest.fixture(scope="module")
 def ball(tmp_path_factory):
     """Path of a volume with a ball of radius 6 that lies somewhere in space, and of its labels."""

@@ -503,7 +503,7 @@ def test_a_drawing_of_a_volume_is_refused_for_an_image(command, tmp_path):
     save_session(SessionFile(shapes=(Sphere((8.0, 9.0, 9.0), 4.0),)), tmp_path / "volume.cpm")
     status, out, err = command("run", SAMPLES / "rings.png", "--session", tmp_path / "volume.cpm")
     assert (status, out) == (2, "")
-    assert err.startswith("cpm: The sphere was drawn in a volume, but rings.png is an image: choose the file")
+    assert err.startswith("cpm: shape 1 (sphere) is for volumes, but rings.png is taken as an image of ")
     assert err.count("\n") == 1
     job = Job(0, str(SAMPLES / "rings.png"), load_session(tmp_path / "volume.cpm"), Parameters(), 5, ())
-    assert do(job).error.startswith("The sphere was drawn in a volume")
+    assert do(job).error.startswith("shape 1 (sphere) is for volumes")

@@ -1,5 +1,7 @@
 """Ground truth: masks and contours in files become objects and boundaries."""
 
+import tracemalloc
+
 import numpy as np
 import PIL.Image
 import pytest
@@ -130,3 +132,24 @@ def test_contours_can_be_the_truth():
     assert np.array_equal(truth.labels > 0, inside([ROUND], SHAPE))
     assert len(truth.boundary) == pytest.approx(4 * (ROUND.length + LINE.length), rel=0.02)
     assert truth.source == "ground truth"
+
+
+@pytest.mark.parametrize("kind", [np.int8, np.int16, np.int32, np.float64])
+def test_gray_levels_from_one_end_of_their_type_to_the_other_are_objects(kind):
+    low, high = (np.iinfo(kind).min, np.iinfo(kind).max) if np.issubdtype(kind, np.integer) else (-1e30, 1e30)
+    mask = np.full((20, 20), low, kind)
+    mask[4:9, 4:9], mask[12:17, 4:9] = high, 0
+    assert np.unique(truth_of_mask(mask).labels).tolist() == [0, 1, 2]
+    assert truth_of_mask(mask).labels[5, 5] == 2
+
+
+def test_the_boundary_of_a_large_mask_takes_memory_for_its_pixels_alone():
+    mask = np.zeros((1500, 1500), np.uint8)
+    mask[700:720, 30:900] = 1
+    truth_of_mask(mask)
+    tracemalloc.start()
+    truth = truth_of_mask(mask)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert truth.contours[0].closed
+    assert most < 32 * mask.size

@@ -15,12 +15,13 @@ from cpm_core import (
     load_volume,
 )
 from cpm_core.formats import FOR_CENTERLINES, FOR_SKELETONS, FOR_VOLUMES, SURFACES_READABLE, WRITABLE
+from cpm_core.formats.writers import DRAWN
 
 from .drawn import RESULT
 from .meshes.test_meshes import RESULT as VOLUME
 
-TABLES = {".measures.csv"}
-"""Files that tell of contours and hold none."""
+TABLES = {".measures.csv"} | DRAWN
+"""Files that tell of contours or show them, and hold none."""
 
 
 @pytest.mark.parametrize("suffix", [*WRITABLE, *FOR_VOLUMES, *FOR_CENTERLINES])
@@ -41,7 +42,7 @@ def test_there_is_a_reader_for_every_file_of_lines_surfaces_or_points(suffix, tm
             assert load_points(file, 3).tolist() == particles.tolist()
         else:
             assert load_surface(file).closed and load_volume(file).shape == VOLUME.shape
-    if suffix in WRITABLE and suffix not in TABLES:
+    if suffix in WRITABLE.keys() - TABLES:
         one = replace(RESULT, contours=RESULT.contours[:1]) if suffix == ".roi" else RESULT
         export(one, file, tell=lambda _: None)
         assert load_contours(file)

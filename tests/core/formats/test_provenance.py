@@ -25,6 +25,7 @@ import cpm_core
 from cpm_core import Image, Parameters, PlacedCharge, Regions, circle, encoded, load_image, objects_result, partition
 from cpm_core.formats import FOR_SKELETONS, WRITABLE, export, load_contours, load_points
 from cpm_core.formats.provenance import VERSION, entries_of, facts_of, with_shapes
+from cpm_core.formats.writers import DRAWN
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.shapes import Barrier, Circle, Points
 
@@ -112,6 +113,16 @@ def in_nifti(content):
     return json.loads(comment.text)
 
 
+def in_figure(content):
+    if content.startswith(b"\x89PNG"):
+        with PIL.Image.open(io.BytesIO(content)) as picture:
+            return json.loads(picture.info["Description"])
+    if content.startswith(b"%PDF"):
+        subject = re.search(rb"/Subject \((.*?)(?<!\\)\)", content, re.DOTALL).group(1)
+        return json.loads(re.sub(rb"\\([()\\])", rb"\1", subject))
+    return json.loads(ElementTree.fromstring(content).find(".//{http://purl.org/dc/elements/1.1/}description").text)
+
+
 READERS = {
     ".svg": in_drawing,
     ".csv": in_rows,
@@ -128,6 +139,7 @@ READERS = {
     ".nii": in_nifti,
     ".nii.gz": lambda content: in_nifti(gzip.decompress(content)),
     ".dxf": in_dxf,
+    **dict.fromkeys(DRAWN, in_figure),
 }
 """What a reader of each format finds: all facts, or their entries as texts."""
 

@@ -29,6 +29,7 @@ from cpm_core import (
     Start,
     Surface,
     Truth,
+    VolumeTruth,
 )
 from cpm_core.formats.writers import FOR_VOLUMES
 from cpm_core.image.colors import Colors
@@ -217,6 +218,8 @@ def sound() -> Mapping[str, tuple[Any, ...]]:
         "charges": ((), (PlacedCharge((5.0, 5.0), 2.0),), (PlacedCharge((1e6, -1e6), -4.0),)),
         "contours": contours,
         "truth": (truth,),
+        "compare_surface.truth": (VolumeTruth(BALL > 99), VolumeTruth(BALL > 99, (2.0, 1.0, 0.5), "mm")),
+        "surface": (None, VolumeTruth(BALL > 99).surface, VolumeTruth(BALL[:8] > 99).surface),
         "result": results,
         "partition": (partition,),
         "selection": (selection,),
@@ -311,13 +314,17 @@ _SKIPPED = {
     "Bridge",
     "Centerlines",
     "export",
+    "load_centerlines",
     "load_contours",
     "load_image",
     "load_pages",
+    "load_points",
+    "load_surface",
     "ContourState",
     "VolumePartition",
     "load_truth",
     "load_volume",
+    "load_volume_truth",
     "write_animation",
     "write_figure",
     "write_swc",
@@ -334,6 +341,7 @@ _SKIPPED_ARGUMENTS = ("progress", "cancelled", "sides", "colors", "unit", "sourc
 _OF_THE_LIBRARY = {
     "contours",
     "truth",
+    "surface",
     "result",
     "partition",
     "selection",
@@ -368,8 +376,15 @@ def calls(draw: st.DrawFn) -> tuple[str, dict[str, Any]]:
         if key in _SKIPPED_ARGUMENTS or (optional and draw(st.booleans())):
             continue
         wrong = key not in _OF_THE_LIBRARY and draw(st.integers(0, 7)) == 0
-        arguments[key] = draw(st.sampled_from(_WRONG if wrong else sound().get(key, _NUMBERS)))
+        arguments[key] = draw(st.sampled_from(_WRONG if wrong else _sound_for(name, key)))
     return name, arguments
+
+
+def _sound_for(name: str, key: str) -> tuple[Any, ...]:
+    """Values of the right kind for an argument of a function."""
+    values = sound()
+    found: tuple[Any, ...] = values.get(f"{name}.{key}", values.get(key, _NUMBERS))
+    return found
 
 
 def attempt(call: tuple[str, dict[str, Any]]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import contextlib
 import io
 import json
@@ -11,132 +12,81 @@ from random import Random
 import numpy as np
 import tifffile
 
-from cpm_core.cli import main
+from cpm_core import encoded
+from cpm_core.cli import main, parser
 from cpm_core.formats import WRITABLE
 from cpm_core.formats.writers import FOR_VOLUMES
 from cpm_core.objects.warm_up import warm_up
-from cpm_core.parameters import PARAMETERS, PRESETS
+from tests.core.formats.drawn import RESULT
 
-from .inputs.session_samples import IMAGE, sample, write_images
+from .inputs.session_samples import IMAGE, sample, sample_in_space, sample_of_pages, write_images
+from .inputs.session_samples import VOLUME as _VOLUME
 from .limits import LONGEST_SENTENCE, in_time
 
 prepare = warm_up
 
 _AT_ONCE = 4
-_SESSION, _POINTS, _TEXT, _VOLUME, _STACK = "sound.cpm", "points.csv", "notes.txt", "ball.npy", "stack.tif"
+_SESSION, _POINTS, _CONTOURS, _TEXT, _STACK = "sound.cpm", "points.csv", "contours.geojson", "notes.txt", "small.tif"
+_SOUND = {IMAGE, _SESSION, _POINTS, _CONTOURS, _TEXT, _VOLUME, _STACK}
 _FILES = (
-    IMAGE,
-    _VOLUME,
-    _STACK,
-    "truth.npy",
-    _SESSION,
-    _POINTS,
-    _TEXT,
-    "none.png",
-    ".",
-    "",
-    "/dev/null",
-    "a\nb.png",
-    "é.png",
-    "-",
+    *(IMAGE, _VOLUME, _STACK, "truth.npy", _SESSION, "space.cpm", "pages.cpm", _POINTS, _CONTOURS, _TEXT, "none.png"),
+    *(".", "", "/dev/null", "a\nb.png", "é.png", "-"),
 )
 _NUMBERS = (
-    "0",
-    "1",
-    "-1",
-    "2",
-    "0.5",
-    "3",
-    "1e9",
-    "nan",
-    "inf",
-    "-inf",
-    "auto",
-    "x",
-    "",
-    "1e400",
-    "0x1",
-    "1_0",
-    "٣",
+    *("0", "1", "-1", "2", "0.5", "3", "1e9", "nan", "inf", "-inf", "auto", "x", "", "1e400", "0x1", "1_0", "٣"),
     "9" * 400,
 )
 _PLACES = (
-    "20,20,6",
-    "20,20",
-    "4,4,4,30",
-    "4,4,30,30,4,30",
-    "1e9,1e9,1",
-    "nan,1,2",
-    ",",
-    "20,20,-1",
-    "20,20,1e9",
-    "a,b",
+    *("20,20,6", "20,20", "4,4,4,30", "4,4,30,30,4,30", "1e9,1e9,1", "nan,1,2", ",", "20,20,-1", "20,20,1e9", "a,b"),
 )
 _SPHERES = (
-    "9,9,9,3",
-    "9.5,9.5,9.5,1e9",
-    "0,0,0,2",
-    "9,9,9",
-    "nan,9,9,3",
-    "9,9,9,0",
-    "1e300,9,9,3",
-    "9,9,9,-1",
-    ",,,",
-    "",
+    *("9,9,9,3", "9.5,9.5,9.5,1e9", "0,0,0,2", "9,9,9", "nan,9,9,3", "9,9,9,0", "1e300,9,9,3", "9,9,9,-1", ",,,", ""),
 )
-_FLAGS: dict[str, tuple[str, ...]] = {
-    "--circle": _PLACES,
+_TARGETS = (
+    *(f"out{suffix}" for suffix in {**WRITABLE, **FOR_VOLUMES}),
+    *("out.x", IMAGE, "no/out.csv", "", "svg", "csv"),
+)
+_VALUES: dict[str, tuple[str, ...]] = {
     "--sphere": _SPHERES,
-    "--stroke": _PLACES,
-    "--region": _PLACES,
-    "--barrier": _PLACES,
+    **dict.fromkeys(("--circle", "--stroke", "--region", "--barrier", "--polygon"), _PLACES),
     "--object": (*_PLACES, "9,9,9", "0,0,0", "nan,9,9"),
     "--not": (*_PLACES, "9,9,2"),
-    "--polygon": _PLACES,
-    "--around": (),
     "--methods": ("chan_vese", "gvf", "snake", "all", "x", ""),
     "--set": ("chan_vese.mu=0.3", "snake.alpha=nan", "gvf.iterations=9", "x.y=1", "snake", "=", "snake.alpha=1e999"),
-    "--truth": _FILES,
-    "--page": _NUMBERS,
-    "--time": _NUMBERS,
-    "--series": _NUMBERS,
+    **dict.fromkeys(("--truth", "--start", "--points", "--session", "--within", "--image"), _FILES),
     "--pages": ("all", "1-2", "2,1", "3-1", "0", "9", "-1", "1-", "1,,2", "x", "", "1-99999999999"),
-    "--follow": (),
-    "--resume": (),
     "--pixel-size": ("0.25um", "1,2um", "0", "nan", "-1mm", "x", "1e-300", "2,2,2mm"),
-    "--volume": (),
-    "--faces": _NUMBERS,
-    "--space": ("RAS", "LPS", "x", ""),
-    "--points": _FILES,
-    "--session": _FILES,
-    "--within": _FILES,
-    "--auto": ("grid", "centers", "x"),
-    "--preset": (*PRESETS, "x"),
-    "--max-steps": _NUMBERS,
     "--workers": ("1", "0", "x", "99999"),
-    "--of": ("dark", "x"),
-    "--export": (
-        *(f"out{suffix}" for suffix in {**WRITABLE, **FOR_VOLUMES}),
-        "out.x",
-        IMAGE,
-        "no/out.csv",
-        "",
-        "svg",
-        "csv",
-    ),
+    **dict.fromkeys(("--export", "--to"), _TARGETS),
+    "--save-session": ("new.cpm", "new.x", _SESSION, IMAGE, "no/new.cpm", ""),
     "--output": ("there", "", IMAGE, "/dev/null/x"),
-    "--close": ("edges", "straight", "x"),
-    "--json": (),
-    "--again": (),
-    "--outside": (),
-    "--help": (),
-    "--version": (),
     "--scheduler": ("nowhere:1",),
-    **{f"--{name.replace('_', '-')}": _NUMBERS for name in PARAMETERS},
-    "--edges": ("vessels", "x"),
-    "--channel": ("red",),
+    "--edges": ("vessels", "gray", "x"),
+    "--channel": ("red", "1", "x"),
 }
-_COMMANDS = ("run", "run", "run", "run", "compare", "skeleton", "info", "batch", "x", "")
+"""Values of options; those that are not named have their choices, or else numbers."""
+
+_LONG = {"bench", "figures"}
+"""Commands that take long whatever they are told."""
+
+
+def _options() -> dict[str, tuple[str, ...]]:
+    """All options of all commands with values to try; those without one have none."""
+    options = dict.fromkeys(("--help", "--version"), ())
+    (commands,) = (action for action in parser()._actions if isinstance(action, argparse._SubParsersAction))
+    for name, command in commands.choices.items():
+        for action in command._actions if name not in _LONG else ():
+            values = (*map(str, action.choices), "x") if action.choices else _NUMBERS
+            options |= {
+                flag: () if action.nargs == 0 else _VALUES.get(flag, values)
+                for flag in action.option_strings
+                if flag.startswith("--")
+            }
+    return options
+
+
+_FLAGS = _options()
+_COMMANDS = (*["run"] * 4, "compare", "skeleton", "info", "batch", "export", "export", "completion", "x", "")
 _STEPS = {"run": ["--max-steps", "3"], "compare": ["--max-steps", "3"], "batch": ["--workers", "1", "--max-steps", "3"]}
 
 
@@ -149,6 +99,11 @@ def arguments_of(random: Random) -> list[str]:
         given += [_VOLUME, "--sphere", random.choice(_SPHERES[:2])]
     elif pages:
         given += [_STACK, "--pages", random.choice(("all", "1-2", "2,1"))]
+    elif command == "completion":
+        given.append(random.choice(("bash", "zsh", "fish", "powershell", "x")))
+    elif command == "export":
+        given += [random.choice((_SESSION, "space.cpm", "pages.cpm", _CONTOURS, "truth.npy", *_FILES))]
+        given += ["--to", random.choice(_TARGETS)]
     elif random.random() < 0.8:
         given += [IMAGE] if random.random() < 0.8 else [random.choice(_FILES)]
     if command == "batch" and random.random() < 0.8:
@@ -184,7 +139,7 @@ def attempt(arguments: list[str]) -> None:
     changed = {name for name in after if before.get(name) != after[name]}
     assert before.keys() <= after.keys(), f"lost {before.keys() - after.keys()}"
     assert status != 2 or not changed, f"refused with {lines[-1:]}, but wrote {changed}"
-    assert not changed & {IMAGE, _SESSION, _POINTS, _TEXT, _VOLUME, _STACK}, f"overwrote {changed}"
+    assert not changed & _SOUND, f"overwrote {changed}"
     assert all(after[name] for name in changed), f"an empty file among {changed}"
     if "--json" in arguments and status == 0 and "--help" not in arguments and "--version" not in arguments:
         json.loads(printed.getvalue(), parse_constant=_refuse)
@@ -203,11 +158,11 @@ def _contents() -> dict[str, bytes]:
 def trial(random: Random, folder: Path) -> int:
     """Carry out some commands in a folder with sound files."""
     write_images(folder)
-    (folder / _SESSION).write_text(json.dumps(sample(folder)))
+    for name, made in ((_SESSION, sample), ("space.cpm", sample_in_space), ("pages.cpm", sample_of_pages)):
+        (folder / name).write_text(json.dumps(made(folder)))
+    (folder / _CONTOURS).write_bytes(encoded(RESULT, ".geojson"))
     (folder / _POINTS).write_text("row,col\n20,14\n20,26\n")
     (folder / _TEXT).write_text("nothing\n")
-    away = np.linalg.norm(np.indices((19, 19, 19)) - 9.0, axis=0)
-    np.save(folder / _VOLUME, np.where(away < 6.0, 200.0, 20.0))
     row, col = np.indices((32, 34))
     disks = [np.where(np.hypot(row - 15.0 - page, col - 16.0) < 8.0, 200, 20) for page in range(3)]
     tifffile.imwrite(folder / _STACK, np.array(disks, np.uint8), photometric="minisblack")

@@ -10,13 +10,28 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core import Truth, load_contours, load_image, load_truth, load_volume
-from cpm_core.formats import load_points
+from cpm_core import (
+    Centerlines,
+    Contour,
+    Image,
+    Surface,
+    Truth,
+    load_centerlines,
+    load_contours,
+    load_image,
+    load_points,
+    load_surface,
+    load_truth,
+    load_volume,
+    load_volume_truth,
+)
+from cpm_core.contours.surface.ground_truth import VolumeTruth
 from cpm_core.formats.images.decoded import MAXIMUM_PIXELS
 
 from ..report import Budget, Report
 from .inputs.mutations import mutated
-from .inputs.samples import SHAPE, samples
+from .inputs.samples import GRAY, SHAPE, samples
+from .inputs.volume_samples import VOLUME
 from .limits import check_sentence, in_time
 from .trials import at_length
 
@@ -31,14 +46,37 @@ def _truth(path: Path) -> Truth:
     return load_truth(path, SHAPE)
 
 
+def _placed(path: Path) -> tuple[Contour, ...]:
+    return load_contours(path, _IMAGE)
+
+
+def _points_in_space(path: Path) -> np.ndarray:
+    return load_points(path, 3)
+
+
+def _surface_placed(path: Path) -> Surface:
+    return load_surface(path, _VOLUME)
+
+
+def _lines_placed(path: Path) -> Centerlines:
+    return load_centerlines(path, _VOLUME, space="RAS")
+
+
+def _truth_in_space(path: Path) -> VolumeTruth:
+    return load_volume_truth(path, _VOLUME)
+
+
 READERS: dict[str, tuple[Callable[[Path], Any], ...]] = {
-    ".csv": (load_contours, load_points, _truth),
-    ".json": (load_contours, _truth),
-    **dict.fromkeys((".geojson", ".zip", ".roi", ".svg", ".dxf"), (load_contours, _truth)),
+    ".csv": (load_contours, _placed, load_points, _points_in_space, _truth),
+    **dict.fromkeys((".ply", ".stl", ".obj", ".vtk"), (load_surface, _surface_placed)),
+    ".swc": (load_centerlines, _lines_placed),
+    **dict.fromkeys((".json", ".geojson", ".zip", ".roi", ".svg", ".dxf"), (load_contours, _placed, _truth)),
 }
 """What reads files with such a name; all others are images."""
 
-_OF_IMAGES = (load_image, load_volume, _truth)
+_OF_IMAGES = (load_image, load_volume, _truth, load_contours, load_surface, _truth_in_space)
+_VOLUME = Image(VOLUME, spacing=(2.0, 0.5, 0.5), unit="mm", source="volume")
+_IMAGE = Image(GRAY, spacing=(0.5, 0.5), unit="mm", source="gray")
 
 
 def read(path: Path) -> None:
@@ -58,9 +96,18 @@ def check(found: Any) -> None:
     """Fail unless what was read is of finite numbers and of bounded size."""
     if isinstance(found, np.ndarray):
         assert found.ndim == 2, f"points of shape {found.shape}"
+        assert found.shape[1] in (2, 3), f"points of shape {found.shape}"
         assert np.isfinite(found).all(), "points that are not finite"
     elif isinstance(found, Truth):
         assert found.labels.shape == SHAPE, f"labels of shape {found.labels.shape}"
+    elif isinstance(found, VolumeTruth):
+        assert found.labels.shape == VOLUME.shape, f"labels of shape {found.labels.shape}"
+    elif isinstance(found, Surface):
+        assert np.isfinite(found.vertices).all(), "vertices that are not finite"
+        assert not len(found.faces) or found.faces.max() < len(found.vertices), "a triangle of no vertices"
+    elif isinstance(found, Centerlines):
+        assert all(np.isfinite(branch.points).all() for branch in found.branches), "center lines that are not finite"
+        assert all(np.isfinite(branch.radii).all() for branch in found.branches), "radii that are not finite"
     elif isinstance(found, tuple):
         assert all(np.isfinite(contour.points).all() for contour in found), "vertices that are not finite"
         assert all(np.isfinite(contour.strength) for contour in found), "a strength that is not finite"

@@ -22,7 +22,8 @@ from .limits import failure_of, limit_memory
 
 _SUFFIXES = (
     *(".png", ".tif", ".npy", ".csv", ".json", ".geojson", ".npz"),
-    *(".nii", ".nii.gz", ".nrrd", ".mha", ".dcm", ".dat"),
+    *(".nii", ".nii.gz", ".nrrd", ".mha", ".dcm", ".dat", ".roi", ".zip", ".svg", ".dxf"),
+    *(".ply", ".stl", ".obj", ".vtk", ".swc"),
 )
 """The first byte of an input chooses the name of the file; the others are its content."""
 

@@ -8,14 +8,17 @@ import json
 from pathlib import Path
 from random import Random
 
-from app.model.document.document import ImageReference
+from app.model.document.document import Document, ImageReference
+from app.session.features.pages.stack_source import StackSource
+from app.session.features.pages.stored_pages import StoredPages
 from app.session.timeline.stored import plain_runs
 from cpm_core.cli import main
 from cpm_core.formats.sessions.session_file import SessionFile, decode, encode, load_session
 from cpm_core.objects.warm_up import warm_up
+from cpm_core.shapes.document_shapes import axes_of
 
 from .inputs.mutations import mutated, mutated_json
-from .inputs.session_samples import IMAGE, SESSION, SIDE, sample, write_images
+from .inputs.session_samples import IMAGE, PAGES, SAMPLES, SESSION, SHAPES, STACK, write_images
 from .limits import check_sentence, in_time
 
 _AT_ONCE = 20
@@ -35,8 +38,11 @@ def damaged(sound: bytes, random: Random) -> bytes:
     return json.dumps(changed, ensure_ascii=random.random() < 0.5).encode(errors="surrogatepass")
 
 
-def read(path: Path) -> SessionFile | None:
-    """Read a session; None when it is refused. Fails when that is not in one sentence, or writing it changes it."""
+def read(path: Path, of: str) -> SessionFile | None:
+    """Read a session of one of the images; None when it is refused.
+
+    Fails when that is not in one sentence, when writing it changes it, or when it mixes shapes of images and volumes.
+    """
     with in_time():
         try:
             session = load_session(path)
@@ -50,10 +56,16 @@ def read(path: Path) -> SessionFile | None:
         assert again.shapes == session.shapes, "shapes change when the session is written"
         assert again.parameters == session.parameters, "parameters change when the session is written"
         assert again == twice, "a session that is written twice is another one"
-        image = ImageReference(IMAGE, str(path.parent / IMAGE), (SIDE, SIDE), 180.0)
+        kinds = {axes_of(shape) for shape in session.shapes} - {None}
+        sides = len(session.image.shape) if session.image is not None else 0
+        assert kinds <= ({sides} if sides else {2}) or (not sides and kinds <= {3}), (
+            f"{kinds} axes on an image of {sides}"
+        )
+        image = ImageReference(of, str(path.parent / of), SHAPES[of], 180.0)
         _, fault = plain_runs.from_plain(session.runs, image)
-        if fault:
-            check_sentence(ValueError(fault))
+        pages = StoredPages.of(session.pages, Document(image), StackSource(image.path, of, PAGES if of == STACK else 0))
+        for sentence in filter(None, (fault, pages.trouble)):
+            check_sentence(ValueError(sentence))
     return session
 
 
@@ -76,11 +88,12 @@ def run(path: Path) -> None:
 def trial(random: Random, folder: Path) -> int:
     """Damage the session several times and read it; run some of what can be read."""
     write_images(folder)
-    path, sound = folder / SESSION, json.dumps(sample(folder)).encode()
+    of = random.choice((IMAGE, *SAMPLES))
+    path, sound = folder / SESSION, json.dumps(SAMPLES[of](folder)).encode()
     for number in range(_AT_ONCE):
         path.write_bytes(damaged(sound, random))
         try:
-            session = read(path)
+            session = read(path, of)
             if session is not None and random.random() < _RUN:
                 run(path)
         except BaseException as error:

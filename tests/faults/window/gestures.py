@@ -6,7 +6,7 @@ import random
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
-from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
+from PySide6.QtCore import QMimeData, QPoint, QPointF, QRect, Qt, QUrl
 from PySide6.QtGui import QCursor, QDragEnterEvent, QDropEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
@@ -82,11 +82,8 @@ class Hand:
         """Send a press, move, release or double click at a point of a widget, by way of its window."""
         self.events += 1
         top = widget.window()
-        window = top.windowHandle()
-        if window is None or not window.isVisible():
-            return
-        place = widget.mapTo(top, at)
-        if not top.rect().contains(place):  # the window has become smaller since
+        window, place = top.windowHandle(), widget.mapTo(top, at)
+        if not _within(top, place):
             return
         QCursor.setPos(top.mapToGlobal(place))
         match what:
@@ -103,9 +100,9 @@ class Hand:
         """Turn the wheel over a point of a widget."""
         self.events += 1
         top = widget.window()
-        window = top.windowHandle()
-        if window is not None and window.isVisible():
-            QTest.wheelEvent(window, QPointF(widget.mapTo(top, at)), QPoint(0, by))
+        window, place = top.windowHandle(), widget.mapTo(top, at)
+        if _within(top, place):
+            QTest.wheelEvent(window, QPointF(place), QPoint(0, by))
 
     # Aims
 
@@ -334,6 +331,13 @@ class Hand:
             self.click: 12, self.drag: 8, self.open_context_menu: 6, self.turn_wheel: 5, self.type_keys: 4,
             self.drop_files: 2, self.resize: 1, self.watch: 5,
         }  # fmt: skip
+
+
+def _within(top: QWidget, place: QPoint) -> bool:
+    """Whether a place is in a window that is shown; it may have become smaller since the place was chosen."""
+    window = top.windowHandle()
+    shown = window is not None and window.isVisible()
+    return shown and top.rect().contains(place) and QRect(QPoint(), window.size()).contains(place)
 
 
 def _hit(widget: QWidget) -> QWidget:

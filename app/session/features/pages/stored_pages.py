@@ -19,6 +19,7 @@ from cpm_core.formats.contours.pages.stack_json import page_from_plain, page_to_
 from cpm_core.formats.sessions.session_file import decode, encode
 from cpm_core.segmentation.pages.page import StackResult
 from cpm_core.shapes import Start
+from cpm_core.shapes.document_shapes import check_axes
 
 _MOST = 24 * 2**20
 """Largest size of the recorded runs of other pages in a session file [characters]; contours and drawings all stay."""
@@ -85,6 +86,7 @@ class StoredPages:
             image = here.image and replace(here.image, reading=source.reading_of(number))
             if image is None:
                 raise ValueError("there is no image")
+            check_axes(file.shapes, image.shape)
             document = restored(file, image, file.parameters)
             given = document.starts if entry.get("given") is True else ()
             return number, KeptPage(file, document, known=document, given=given)

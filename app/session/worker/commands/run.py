@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import gc
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar, Concatenate, ParamSpec
 
@@ -34,7 +34,7 @@ from app.session.worker.run import Run
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import Mark
 from cpm_core.formats import encoded, suffix_of
-from cpm_core.formats.writers import IN_SPACE
+from cpm_core.formats.writers import DRAWN, IN_SPACE
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.shapes.image_starts import NO_SEEDS
 
@@ -262,6 +262,8 @@ class Export(Deliver):
         whole = result
         if method is not None:
             whole = closed(result, self.order, method.image, context.run.parameters)
+            if suffix_of(self.path) in DRAWN and whole.image is None:
+                whole = replace(whole, image=method.image)
         settings: dict[str, Any] = {"outlines": True} if self.order.outlines else {}
         if suffix_of(self.path) in IN_SPACE:
             settings["space"] = self.order.space

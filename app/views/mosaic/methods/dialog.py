@@ -88,7 +88,6 @@ class CompareDialog(RunDialog):
     def run(self) -> None:
         """Run all chosen methods from the beginning."""
         self._attempt(self._comparison.run_all)
-        self.transport.follow()
 
     def look_at(self, place: int) -> None:
         """Show the parameters of the method in a place."""
@@ -113,6 +112,7 @@ class CompareDialog(RunDialog):
         grid = QGridLayout()
         for place, pane in enumerate(self.panes):
             grid.addWidget(pane, place // 2, place % 2)
+            grid.setColumnStretch(place % 2, 1)
         upper = QHBoxLayout()
         upper.addLayout(grid, 1)
         upper.addWidget(self.side)
@@ -138,7 +138,7 @@ class CompareDialog(RunDialog):
         transport, comparison = self.transport, self._comparison
         transport.run_button.clicked.connect(self.run)
         transport.pause_button.clicked.connect(lambda: comparison.go_on() if comparison.held else comparison.hold())
-        transport.step_button.clicked.connect(self._step)
+        transport.step_button.clicked.connect(lambda: self._attempt(comparison.step))
         transport.stop_button.clicked.connect(comparison.cancel)
         transport.looked.connect(self._draw_all)
         self.keep_button.clicked.connect(self._keep)
@@ -189,10 +189,6 @@ class CompareDialog(RunDialog):
             for pane in self.panes:
                 pane.show_truth(truth)
 
-    def _step(self) -> None:
-        self._attempt(self._comparison.step)
-        self.transport.follow()
-
     def _run_focused(self) -> None:
         """Run the method again whose parameters have changed."""
         self._session.seal()
@@ -200,13 +196,14 @@ class CompareDialog(RunDialog):
             self._attempt(partial(self._comparison.run, self._focus))
 
     def _attempt(self, work: Callable[[], object]) -> None:
-        """Do something, and say why it cannot be done."""
+        """Do something and look at its newest states, or say why it cannot be done."""
         try:
             work()
         except ValueError as error:
             self.words.setText(reason(error))
         else:
             self.words.setText(self._comparison.left_out)
+            self.transport.follow()
 
     def _draw(self, place: int) -> None:
         share, frame = self.transport.share, self._comparison.frames[place]

@@ -8,7 +8,7 @@ import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import QEvent, QObject, QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QPalette
-from PySide6.QtWidgets import QComboBox, QFrame, QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QComboBox, QFrame, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from app.model.display.display_image import DisplayImage
 from app.model.text.language import from_core, tr
@@ -17,6 +17,7 @@ from app.views.canvas.coordinates import image_rectangle, to_xy
 from app.views.canvas.items.curves import Curves
 from app.views.canvas.items.item import Markers
 from app.views.theme import theme
+from app.views.widgets.elided_label import ElidedLabel
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.numerics.types import Array
 from cpm_core.segmentation.methods import CONTOUR_METHODS, Facts
@@ -24,7 +25,7 @@ from cpm_core.segmentation.methods import CONTOUR_METHODS, Facts
 _ABOVE = 10.0
 _DOT = 3.5
 _LEAST = 160
-_LINES = 4
+_LINES = 3
 """Lines of words below a picture."""
 
 
@@ -40,6 +41,7 @@ class Pane(QFrame):
         super().__init__()
         self.setFrameShape(QFrame.Shape.StyledPanel)
         self.choice = QComboBox()
+        self.choice.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
         self.choice.setAccessibleName(tr("Method {number}").format(number=number))
         for name, method in CONTOUR_METHODS.items():
             self.choice.addItem(from_core(method.title), name)
@@ -65,14 +67,20 @@ class Pane(QFrame):
         self._dots.setZValue(_ABOVE + 2.0)
         for item in (self._image, self.start, self.truth, self._closed, self._open, self._dots):
             self.view.addItem(item)
-        self.words = QLabel()
+        self.progress, self.words = ElidedLabel(), QLabel()
         self.words.setWordWrap(True)
+        self.progress.setToolTip(
+            tr("The methods share the processor here; cpm compare runs one after the other, for times that compare.")
+        )
         self.words.setFixedHeight(_LINES * self.words.fontMetrics().lineSpacing() + 4)  # so all pictures are as large
         self.words.setAlignment(Qt.AlignmentFlag.AlignTop)
-        layout = QVBoxLayout(self)
+        head, layout = QHBoxLayout(), QVBoxLayout(self)
+        head.addWidget(self.choice, 1)
+        head.addWidget(self.progress)
         layout.setContentsMargins(4, 4, 4, 4)
-        for widget, stretch in ((self.choice, 0), (self.picture, 1), (self.words, 0)):
-            layout.addWidget(widget, stretch)
+        layout.addLayout(head)
+        layout.addWidget(self.picture, 1)
+        layout.addWidget(self.words)
         self.choice.currentIndexChanged.connect(self.chosen)
         self._watch(self.choice, self.picture, self.picture.viewport())
 
@@ -115,12 +123,9 @@ class Pane(QFrame):
         self._open.show([contour.path for contour in contours if not contour.closed])
         moving = np.empty((0, 2)) if frame is None or frame.over else frame.points
         self._dots.setData(*to_xy(moving))
-        words = "" if frame is None else frame.trouble or _words(frame)
-        shared = tr(
-            "The methods share the processor here; cpm compare runs one after the other, for times that compare."
-        )
-        self.words.setText(words)
-        self.words.setToolTip("\n".join(filter(None, (words, shared))))
+        self.progress.setText("" if frame is None or frame.trouble else _progress(frame))
+        self.words.setText("" if frame is None else frame.trouble or _words(frame))
+        self.words.setToolTip(self.words.text())
 
     def mark(self, chosen: bool) -> None:
         """Frame the pane whose parameters are shown."""
@@ -146,17 +151,22 @@ class Pane(QFrame):
             widget.installEventFilter(self)
 
 
-def _words(frame: Frame) -> str:
-    """Steps, time and agreement of a run, and why it ended."""
+def _progress(frame: Frame) -> str:
+    """Steps and time of a run."""
     facts = frame.facts
     if facts is None:
         return tr("Preparing…")
     counted = tr("1 step, {seconds} s") if facts.steps == 1 else tr("{steps} steps, {seconds} s")
-    first = counted.format(steps=facts.steps, seconds=f"{facts.seconds:.2f}")
-    if not frame.over:
-        return first
+    return counted.format(steps=facts.steps, seconds=f"{facts.seconds:.2f}")
+
+
+def _words(frame: Frame) -> str:
+    """Agreement and contours of a run that has ended, and why."""
+    facts = frame.facts
+    if facts is None or not frame.over:
+        return ""
     found = tr("contours: {count}, closed: {closed}").format(count=facts.contours, closed=facts.closed)
-    return "\n".join([f"{first}, {found}", *_agreement(facts), from_core(facts.stop_reason)])
+    return "\n".join([*_agreement(facts), f"{found}; {from_core(facts.stop_reason)}"])
 
 
 def _agreement(facts: Facts) -> list[str]:

@@ -60,6 +60,9 @@ class Contents:
         vertices = np.array(points, dtype=np.float64)
         if vertices.ndim != 2 or vertices.shape[1] != 2:
             raise ValueError("vertices are not pairs")
+        if not len(vertices):
+            self.left_out["empty line"] += 1
+            return
         if len(vertices) == 1:
             self.add_place(vertices[0], page)
             return

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.ground_truth import truth_of_mask
+from cpm_core.contours.ground_truth import labels_of
 from cpm_core.formats.contours.reading import coco, geojson, imagej, labelme, mask, own_json, svg, table
 from cpm_core.formats.contours.reading.contents import Contents, Plane
 from cpm_core.formats.contours.reading.dxf import reader as dxf
@@ -204,7 +204,7 @@ def _of_mask(file: Path) -> ContourFile:
         raise ValueError(f"{shown(str(file))} does not exist: check its name and folder.")
     labels = mask.numbered_colors(file)
     if labels is None:
-        labels = truth_of_mask(load_image(file).values, file.name).labels
+        labels = labels_of(load_image(file).values, file.name)
     found = Contents()
     for _, curves in mask.objects(labels):
         found.add_object(curves)

@@ -9,12 +9,11 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from PIL import Image
 
 from cpm_core.formats.contours.json_text import PIXEL
 from cpm_core.formats.contours.reading.contents import Contents
 from cpm_core.formats.contours.reading.curves import ellipse, nested, rectangle
-from cpm_core.formats.contours.reading.mask import MOST_PIXELS, outlines
+from cpm_core.formats.contours.reading.mask import opened, outlines
 from cpm_core.numerics.types import Array
 
 CONTOUR = "contour"
@@ -67,9 +66,7 @@ def _round(corners: Array) -> Array:
 
 def _mask(shape: dict[str, Any], corners: Array) -> list[tuple[Array, bool]]:
     """The outlines of a mask, which is a picture in text, from its box on."""
-    with Image.open(io.BytesIO(base64.b64decode(shape["mask"], validate=True)), formats=("PNG",)) as picture:
-        if picture.width * picture.height > MOST_PIXELS:
-            raise ValueError("a mask is too large")
+    with opened(io.BytesIO(base64.b64decode(shape["mask"], validate=True))) as picture:
         mask = np.asarray(picture.convert("L")) > 0
     row, col = np.rint(corners[0] + PIXEL).astype(int).tolist()
     return outlines(mask, row, col)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 import scipy
@@ -11,11 +14,24 @@ import skimage
 from numpy.typing import NDArray
 from PIL import Image
 
+from cpm_core.formats.images.decoded import MAXIMUM_PIXELS
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array
 
-MOST_PIXELS = 2**28
-"""Most pixels of a mask in a file of contours."""
+
+@contextmanager
+def opened(source: Path | BinaryIO) -> Iterator[Image.Image]:
+    """A mask that is a PNG; ValueError for one of more pixels than an image may have, before they are unpacked."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # which asks for what is checked here
+        try:
+            picture = Image.open(source, formats=("PNG",))
+        except Image.DecompressionBombError:
+            raise ValueError("a mask is too large") from None
+    with picture:
+        if picture.width * picture.height > MAXIMUM_PIXELS:
+            raise ValueError("a mask is too large")
+        yield picture
 
 
 def outlines(mask: NDArray[np.generic], row: int = 0, col: int = 0) -> list[tuple[Array, bool]]:
@@ -39,10 +55,10 @@ def outlines(mask: NDArray[np.generic], row: int = 0, col: int = 0) -> list[tupl
 def numbered_colors(file: Path) -> NDArray[np.integer] | None:
     """The numbers of the colors of a PNG that has a table of them; None for other files."""
     try:
-        with Image.open(file, formats=("PNG",)) as picture:
-            if picture.mode == "P" and picture.width * picture.height <= MOST_PIXELS:
+        with opened(file) as picture:
+            if picture.mode == "P":
                 return np.array(picture, dtype=np.int32)
-    except (OSError, SyntaxError, ValueError):  # no PNG, or a damaged one, of which the reader of images tells
+    except (OSError, SyntaxError, ValueError):  # no PNG, a damaged or large one, of which the reader of images tells
         return None
     return None
 

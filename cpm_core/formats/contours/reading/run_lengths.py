@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core.formats.contours.reading.mask import MOST_PIXELS
+from cpm_core.formats.images.decoded import MAXIMUM_PIXELS
 from cpm_core.numerics.types import Mask
 
 _FIRST = 48
@@ -18,7 +18,12 @@ def mask_of(plain: Any) -> Mask:
     height, width = (int(side) for side in plain["size"])
     counts = plain["counts"]
     lengths = _unpacked(counts) if isinstance(counts, str) else np.array(counts, dtype=np.int64).reshape(-1)
-    if min(height, width) < 1 or height * width > MOST_PIXELS or lengths.sum() != height * width or lengths.min() < 0:
+    if (
+        min(height, width) < 1
+        or height * width > MAXIMUM_PIXELS
+        or lengths.sum() != height * width
+        or lengths.min() < 0
+    ):
         raise ValueError("run lengths do not fill the image")
     values = np.arange(len(lengths)) % 2 == 1
     return np.repeat(values, lengths).reshape(width, height).T

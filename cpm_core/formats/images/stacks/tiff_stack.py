@@ -49,13 +49,13 @@ def stack(path: Path, choice: Choice = FIRST) -> Stack:
         series = all_series[number]
         if series.dtype is None or min(series.shape) < 1:
             raise ValueError("it has no pixels")
+        check_content(path, math.prod(series.shape) * series.dtype.itemsize)
         pages = _pages_of(series, name)
         keyframe = series.keyframe
         assert isinstance(keyframe, tifffile.TiffPage)
         (row, col), unit = tiff.spacing_of(file, keyframe, number)
         depth = tiff.depth_of(file, unit, number)
         size = dict(zip(series.axes, series.shape, strict=True))
-        check_content(path, math.prod(series.shape) * series.dtype.itemsize)
     notes = () if choice.series or len(names) == 1 else (f"Only the first of its {len(names)} series was taken.",)
     untold = () if depth or unit is None else ("The distance of its planes is not told; that of its rows was taken.",)
 

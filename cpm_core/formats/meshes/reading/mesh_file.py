@@ -30,7 +30,7 @@ _READERS: Mapping[str, tuple[str, Callable[[bytes], Triangles]]] = MappingProxyT
     {
         ".ply": ("triangles of MeshLab, Blender and others", ply.read),
         ".stl": ("triangles for printing", stl.read),
-        ".obj": ("triangles of programs of drawing", obj.read),
+        ".obj": ("triangles of drawing programs", obj.read),
         ".vtk": ("poly data of ParaView and 3D Slicer", vtk.read),
     }
 )

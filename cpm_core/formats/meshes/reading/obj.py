@@ -1,4 +1,4 @@
-"""OBJ: triangles and polygons of programs of drawing and animation, as text; lines and points are passed over."""
+"""OBJ: triangles and polygons of drawing and animation programs, as text; lines and points are passed over."""
 
 from __future__ import annotations
 

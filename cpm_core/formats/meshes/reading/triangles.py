@@ -39,7 +39,7 @@ def split(counts: ArrayLike, corners: ArrayLike) -> tuple[Index, Index]:
     """
     sizes, ends = np.asarray(counts, np.int64), np.asarray(corners, np.int64)
     if len(sizes) and sizes.min() < 0:
-        raise UnreadableError("a polygon has less than no corners")
+        raise UnreadableError("a polygon has a negative number of corners")
     if int(sizes.sum()) != len(ends):
         raise UnreadableError("polygons do not have as many corners as they say")
     parts = np.maximum(sizes - 2, 0)

@@ -51,8 +51,6 @@ def join(height: Single, begin: Index, surroundings: Surroundings) -> int:
             continue
         tried.append(saddle)
         depth = -float(height[p, r, c])
-        if not surroundings.may_be_neck(saddle + begin, depth):
-            continue
         way = way_between(height, parts, saddle, one, other, _WINDOW)
         if way is None or not surroundings.is_neck(way + begin, saddle + begin, depth):
             continue

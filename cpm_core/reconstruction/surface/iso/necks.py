@@ -65,12 +65,17 @@ class Surroundings:
     def _places(self) -> scipy.spatial.KDTree:
         return scipy.spatial.KDTree(self.points * self.size)
 
-    def on_a_ridge(self, saddle: Index) -> bool:
-        """Whether gray levels fall to all sides of some line through a voxel, nearly as much as they rise on it."""
+    def on_a_ridge(self, way: Index, saddle: Index) -> bool:
+        """Whether gray levels fall to all sides of a way, shape (K, 3), nearly as much as they rise along it.
+
+        The curvature is the mean over its voxels without both ends, which lie inside. At the saddle alone noise
+        decides, and where a thin vessel ends in a thick one the saddle lies on the flank of the thick one.
+        """
         near = self._places.query_ball_point(saddle * self.size, _AROUND)
         if not near:
             return False
-        _, middle, most = np.linalg.eigvalsh(self.sign * self._second_derivatives(saddle))
+        curvature = np.mean([self._second_derivatives(voxel) for voxel in way[1:-1]], axis=0)
+        _, middle, most = np.linalg.eigvalsh(self.sign * curvature)
         return bool(-middle >= max(_RIDGE * most, _STEEP * self.slopes[near].mean()))
 
     def faces_across(self, way: Index, saddle: Index) -> bool:
@@ -84,11 +89,7 @@ class Surroundings:
 
     def is_neck(self, way: Index, saddle: Index, depth: float) -> bool:
         """Whether two parts hang together along a way over a saddle so far below the threshold."""
-        return self.on_a_ridge(saddle) or (depth < _SHALLOW and not self.faces_across(way, saddle))
-
-    def may_be_neck(self, saddle: Index, depth: float) -> bool:
-        """Whether it is worth looking for a way."""
-        return depth < _SHALLOW or self.on_a_ridge(saddle)
+        return self.on_a_ridge(way, saddle) or (depth < _SHALLOW and not self.faces_across(way, saddle))
 
     def _second_derivatives(self, at: Index) -> Array:
         steps = np.eye(3)

@@ -7,6 +7,7 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.model.document import edits
+from app.views.canvas.layers.contours.skeleton import disks
 from app.views.features.file.export import ExportFeature
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.volume.seen_in_space import SeenInSpace
@@ -59,6 +60,11 @@ def test_slices_show_the_pieces_near_them_and_space_all(found, hand) -> None:
     seen = SeenInSpace().of(found.session.scene, hand.canvas.layers)
     assert seen.wires is not None
     assert np.ptp(seen.wires.ends[:, :, 2]) > 15.0
+
+
+def test_disks_in_slices_are_round_in_space() -> None:
+    (ring,) = disks(np.array([(5.0, 5.0)]), np.array([3.0]), (2.0, 1.0))
+    assert np.ptp(ring, axis=0) == pytest.approx((3.0, 6.0), abs=0.05)
 
 
 def test_pruning_finds_it_again_and_undo_leads_back_to_the_mode_before(found, hand) -> None:

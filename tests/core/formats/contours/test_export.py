@@ -2,6 +2,7 @@
 
 import os
 import re
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -58,6 +59,9 @@ def test_the_suffix_chooses_the_format_in_small_and_capital_letters(tmp_path, su
         ".nii": b"\x5c\x01\0\0",
         ".nii.gz": b"\x1f\x8b",
         ".dxf": b"999\nprogram: CPM",
+        ".figure.svg": b"<?xml",
+        ".figure.png": b"\x89PNG",
+        ".figure.pdf": b"%PDF",
     }
     assert path.read_bytes().startswith(beginnings[suffix])
 
@@ -169,3 +173,10 @@ def test_what_a_file_leaves_out_is_told_before_it_is_written(tmp_path, caplog):
     assert png in caplog.text
     export(result, *files[:1], outlines=True, tell=told.append)
     assert len(told) == 2
+
+
+def test_figures_say_what_to_install_before_anything_is_written(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    with pytest.raises(ValueError, match="Figures are drawn by matplotlib, which is not installed: get it with pip"):
+        export(CLOSED, tmp_path / "a.svg", tmp_path / "a.figure.pdf")
+    assert not list(tmp_path.iterdir())

@@ -5,6 +5,7 @@ import gzip
 import io
 import os
 import struct
+import tracemalloc
 import zipfile
 
 import numpy as np
@@ -117,6 +118,24 @@ def test_a_tiff_of_countless_samples_in_each_pixel_is_damaged(tmp_path):
     path.write_bytes(damaged)
     with pytest.raises(ValueError, match="is damaged"):
         load_image(path)
+
+
+def test_a_tiff_of_countless_planes_is_damaged_and_takes_no_memory(tmp_path):
+    path = tmp_path / "planes.tif"
+    tifffile.imwrite(
+        path, np.zeros((9, 10, 11), np.uint8), photometric="minisblack", volumetric=True, tile=(16, 16, 16)
+    )
+    damaged = bytearray(path.read_bytes())
+    with tifffile.TiffFile(path) as file:
+        at = file.pages.first.tags["ImageDepth"].offset
+    struct.pack_into("<HII", damaged, at + 2, 4, 1, 2**31 - 17)
+    path.write_bytes(damaged)
+    tracemalloc.start()
+    with pytest.raises(ValueError, match="is damaged"):
+        load_volume(path)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert most < 50e6
 
 
 def test_pages_in_a_circle_end(tmp_path):

@@ -10,6 +10,7 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -17,6 +18,7 @@ from hypothesis import strategies as st
 import cpm_core
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark, Verdict
+from cpm_core.contours.surface.packing import PackedSurface
 from cpm_core.formats.fingerprint import fingerprint
 from cpm_core.formats.sessions.plain_values import LARGEST
 from cpm_core.formats.sessions.session_file import (
@@ -31,6 +33,7 @@ from cpm_core.formats.sessions.session_file import (
 from cpm_core.parameters import AUTOMATIC, PARAMETERS, PRESETS, Parameters
 from cpm_core.parameters.choices import CHOICES
 from cpm_core.shapes import SHAPES, Circle, Everywhere, Region
+from cpm_core.shapes.document_shapes import axes_of
 
 numbers = st.floats(-LARGEST, LARGEST, allow_nan=False)
 ranges = {"radius": st.floats(0.5, 1e5), "spacing": st.floats(0.5, 1e5), "fraction": st.floats(0.0, 1.0)}
@@ -55,8 +58,16 @@ def values(hint: Any, name: str) -> st.SearchStrategy[Any]:
         return st.tuples(*(values(item, "") for item in items))
     if get_origin(hint) is Literal:
         return st.sampled_from(get_args(hint))
+    if hint is PackedSurface:
+        return st.sampled_from(SURFACES)
     assert hint is float, hint
     return numbers
+
+
+CORNERS = np.array([(x, y, z) for z in (0, 3) for y in (0, 3) for x in (0, 3)], np.float32)
+SIDES = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
+TRIANGLES = np.array([(a, *pair) for a, b, c, d in SIDES for pair in ((b, c), (c, d))])
+SURFACES = [PackedSurface.of(cpm_core.Surface(corners, TRIANGLES)) for corners in (CORNERS, CORNERS / 3.0 - 7.0)]
 
 
 def any_of(kind: type) -> st.SearchStrategy[Any]:
@@ -74,6 +85,10 @@ def made(kind: type, given: dict[str, Any]) -> Any:
 
 
 shapes = st.one_of(*(any_of(kind) for kind in SHAPES.values()))
+drawings = st.sampled_from((2, 3)).flatmap(
+    lambda axes: st.lists(shapes.filter(lambda one: axes_of(one) in (axes, None)), max_size=5)
+)
+"""Shapes of images, or of volumes."""
 
 
 @st.composite
@@ -111,10 +126,18 @@ hand_edits = st.one_of(
     st.builds(HandEdit, removed=lines | st.just(()), added=lines, before=ends, after=ends),
     st.builds(HandEdit, added=st.lists(places, min_size=3, max_size=4).map(tuple), closed=st.just(True)),
 )
+
+
+def suiting(session: SessionFile) -> SessionFile:
+    """A session whose image, if it tells its size, suits the shapes."""
+    deep = any(axes_of(shape) == 3 for shape in session.shapes)
+    return replace(session, image=None) if deep and session.image and session.image.shape else session
+
+
 sessions = st.builds(
     SessionFile,
     image=st.sampled_from([None, ImageFile("a.png", 64 * "a", (4, 5), ("/b/a.png",)), ImageFile("/b/ü.png")]),
-    shapes=st.lists(shapes, max_size=5).map(tuple),
+    shapes=drawings.map(tuple),
     parameters=parameters(),
     marks=st.lists(marks, max_size=3).map(tuple),
     learning=st.booleans(),
@@ -122,7 +145,7 @@ sessions = st.builds(
     mode=st.text(),
     view=mappings,
     extra=st.dictionaries(st.text().map(lambda text: f"x-{text}"), plain, max_size=3),
-)
+).map(suiting)
 
 
 @given(sessions)

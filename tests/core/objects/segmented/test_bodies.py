@@ -48,6 +48,12 @@ def test_the_voxels_of_a_surface_are_those_inside_wherever_they_are():
     assert not outside.voxels.hold(np.array([(13.0, 14.0, -90.0)])).any()
 
 
+def test_a_surface_around_more_voxels_than_can_be_filled_is_refused():
+    surface = packed(ONE).surface
+    with pytest.raises(ValueError, match=r"spans 650 x 650 x 650 voxels, but at most 268,435,456"):
+        PackedSurface.of(type(surface)(surface.vertices * (650.0 / np.ptp(surface.vertices, axis=0)), surface.faces))
+
+
 def test_the_shell_parts_inside_from_outside():
     one = packed(ONE)
     shell = filled(one.shell)

@@ -152,3 +152,23 @@ def test_gray_levels_fall_around_a_way_however_it_bends():
     falls = falls_around(way, Surroundings(volume, 1.0, none, none, np.empty(0), np.ones(3)), 1.0)
     assert falls.shape[0] == len(way)
     assert (falls.mean(1) > 1.0).all()
+
+
+def ridge_test(volume):
+    """Whether a way along the middle row of a volume, over its middle, follows a ridge between edges of slope 20."""
+    middle = np.array([12, 12, 12])
+    beside = np.array([[12.0, 12.0, 14.0]])
+    surroundings = Surroundings(volume.astype(np.float32), 1.0, beside, np.array([ALONG]), np.array([20.0]), np.ones(3))
+    return surroundings.on_a_ridge(middle + np.arange(-2, 4)[:, None] * np.array([0, 1, 0]), middle)
+
+
+def test_one_dark_voxel_does_not_part_a_thin_vessel_and_blur_does_not_join_two_objects():
+    plane, row, col = np.indices((25, 25, 25)) - 12.0
+    vessel = 40.0 * np.exp(-(plane**2 + col**2) / (2 * 1.2**2))
+    assert ridge_test(vessel)
+    vessel[12, 12, 12] -= 20.0
+    assert ridge_test(vessel)
+    plates = 40.0 * (np.exp(-((row - 3) ** 2) / 4.0) + np.exp(-((row + 3) ** 2) / 4.0))
+    assert not ridge_test(plates)
+    balls = sum(40.0 * np.exp(-(plane**2 + (row - 4 * s) ** 2 + col**2) / 8.0) for s in (1, -1))
+    assert not ridge_test(balls)

@@ -11,8 +11,6 @@ from cpm_core.contours.ground_truth import truth_of_mask
 from cpm_core.image.image import Image
 from cpm_core.segmentation.methods import (
     CONTOUR_METHODS,
-    ContourMethod,
-    Settings,
     Start,
     facts_of,
     method_named,
@@ -134,18 +132,6 @@ def test_several_outlines_start_together():
         found = facts_of(run_method(CONTOUR_METHODS[name], image, start), truth_of_mask(objects[0] | objects[1]))
         assert found.contours == 2, name
         assert found.f > 0.98, name
-
-
-def test_a_new_method_is_a_description_and_nothing_else():
-    @dataclasses.dataclass(frozen=True)
-    class Nothing(Settings):
-        pass
-
-    def stay(image, start, settings):
-        yield from CONTOUR_METHODS["random_walker"].evolve(image, start, CONTOUR_METHODS["random_walker"].settings())
-
-    method = ContourMethod("stay", "Stay", "It stays.", "nobody", Nothing, stay, 1)
-    assert facts_of(run_method(method, IMAGE, START)).method == "stay"
 
 
 def test_a_region_at_the_border_has_a_closed_contour():

@@ -4,11 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.ndimage import map_coordinates
 
 from cpm_core.contours.contour import sampled
 from cpm_core.segmentation.methods import CONTOUR_METHODS, facts_of, run_method
+from cpm_core.segmentation.methods.gray import unit_edges
 from cpm_core.segmentation.methods.level_sets.geodesic import GeodesicSettings
 from cpm_core.segmentation.methods.level_sets.geometric_gvf import GeometricGvfSettings
+from cpm_core.segmentation.methods.parametric.gvf_field import gradient_vector_flow
 from cpm_core.segmentation.methods.parametric.gvf_snake import GvfSnakeSettings
 
 from .published import (
@@ -57,6 +60,20 @@ def test_the_geometric_gvf_contour_does_not_part_between_two_objects():
     end = end_of("geometric_gvf", image, AROUND, replace(UNIT_FIELD, pressure=0.0))
     assert end.state.converged
     assert len(end.state.contours) == 1
+
+
+def test_where_the_geometric_gvf_contour_stops_between_objects_the_field_has_sources_and_saddles():
+    image, _ = two_objects()
+    (contour,) = end_of("geometric_gvf", image, AROUND, replace(UNIT_FIELD, pressure=0.0)).state.contours
+    field = gradient_vector_flow(unit_edges(image, UNIT_FIELD.smoothing), UNIT_FIELD.mu)
+    between = np.array([at for at in sampled([contour]) if 44.0 < at[1] < 51.5])
+    assert len(between) > 10  # it spans the space between the objects
+    row, col = (map_coordinates(part, between.T, order=1) for part in field)
+    apart = np.gradient(field[1], axis=1)
+    assert (map_coordinates(apart, between.T, order=1) > 0.0).all()  # to both sides it flows away, to the objects
+    longest = np.hypot(*field).max()
+    assert np.abs(row).max() < 0.01 * longest  # nothing drives it on between them
+    assert np.hypot(row, col).min() < 0.01 * longest  # and in the middle there is no force at all
 
 
 def test_with_pressure_the_geometric_gvf_contour_parts_between_two_objects():

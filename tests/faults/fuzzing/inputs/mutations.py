@@ -135,7 +135,8 @@ def _changed_within(content: bytes, random: Random) -> bytes:
     with zipfile.ZipFile(io.BytesIO(content)) as before, zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as after:
         chosen = random.choice(before.namelist())
         for name in before.namelist():
-            after.writestr(name, mutated(before.read(name), random) if name == chosen else before.read(name))
+            content = before.read(name)
+            after.writestr(zipfile.ZipInfo(name), mutated(content, random) if name == chosen else content)
     return stream.getvalue()
 
 

@@ -10,7 +10,9 @@ import PIL.Image
 from cpm_core import encoded
 from tests.core.formats.drawn import RESULT
 
+from .contour_samples import contours_of_others
 from .encoders import Sample, numpy_array, picture, tiff
+from .surface_samples import surfaces
 from .volume_samples import volumes
 
 SHAPE = (11, 14)
@@ -88,7 +90,8 @@ def _arrays() -> list[Sample]:
 def _contours() -> list[Sample]:
     suffixes = (".csv", ".json", ".geojson", ".labelme.json", ".coco.json", ".zip", ".svg", ".dxf")
     own = [Sample(f".{suffix.rsplit('.', 1)[1]}", encoded(RESULT, suffix)) for suffix in suffixes]
-    return [*own, Sample(".csv", b"col,row\n3.5,4\n5,6.25\n"), Sample(".csv", b"1,2\n3,4\n")]
+    tables = (b"col,row\n3.5,4\n5,6.25\n", b"1,2\n3,4\n")
+    return [*own, *(Sample(".csv", table) for table in tables), *contours_of_others()]
 
 
 KINDS: dict[str, Callable[[], list[Sample]]] = {
@@ -97,6 +100,7 @@ KINDS: dict[str, Callable[[], list[Sample]]] = {
     "arrays": _arrays,
     "contours": _contours,
     "volumes": volumes,
+    "surfaces": surfaces,
 }
 """What is read -> its samples."""
 

@@ -55,7 +55,8 @@ class SkeletonLayer(Layer):
             for band, piece in banded(found, len(self._branches)):
                 pieces[band].append(piece)
             for contour, radii in zip(found.contours, found.radii, strict=True):
-                circles += disks(contour.path, np.append(radii, radii[0]) if contour.closed else radii)
+                along = np.append(radii, radii[0]) if contour.closed else radii
+                circles += disks(contour.path, along, _sides(self.scene))
         for item, paths in zip(self._branches, pieces, strict=True):
             item.show(paths)
         self._disks.show(circles)
@@ -86,10 +87,17 @@ def by_thickness(path: Array, share: Array, bands: int) -> list[tuple[int, Array
     return [(int(band[a]), path[a : min(b + 1, len(path))]) for a, b in pairwise(cuts)]
 
 
-def disks(path: Array, radii: Array) -> list[Array]:
-    """Outlines of inscribed disks along a branch, at least a radius apart."""
+def _sides(scene: Scene) -> tuple[float, ...]:
+    """Sides of a pixel in the unit of the radii: in a slice of a volume that is the smallest side of a voxel."""
+    if scene.volume is None or scene.image is None:
+        return 1.0, 1.0
+    return tuple(side / min(scene.volume.spacing) for side in scene.image.spacing)
+
+
+def disks(path: Array, radii: Array, sides: tuple[float, ...] = (1.0, 1.0)) -> list[Array]:
+    """Outlines of inscribed disks along a branch, at least a radius apart; `sides` are those of a pixel."""
     angle = np.linspace(0.0, 2.0 * np.pi, _CORNERS)
-    around = np.stack([np.sin(angle), np.cos(angle)], axis=1)
+    around = np.stack([np.sin(angle), np.cos(angle)], axis=1) / np.array(sides)
     found, room = [], 0.0
     for index, (place, radius) in enumerate(zip(path, radii, strict=True)):
         room -= float(np.hypot(*(place - path[index - 1]))) if index else 0.0

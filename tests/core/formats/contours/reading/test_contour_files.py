@@ -1,10 +1,16 @@
 """Contours are read from what CPM, QuPath and labelme write; anything else is refused in one sentence."""
 
+import base64
 import json
+import struct
+import warnings
+import zlib
 
 import numpy as np
 import pytest
+from roifile import ROI_TYPE, ImagejRoi
 
+from cpm_core import load_truth
 from cpm_core.formats import export
 from cpm_core.formats.contours.reading.contour_file import load_contours, read_contours
 
@@ -132,3 +138,31 @@ def test_files_that_cannot_be_read_are_refused(tmp_path):
     (tmp_path / "a.json").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(ValueError, match="is not a text file"):
         load_contours(tmp_path / "a.json")
+
+
+def chunk(kind, body):
+    return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+
+
+@pytest.mark.parametrize("side", [10_000, 20_000, 2**31 - 1])
+def test_a_mask_of_far_too_many_pixels_is_refused_without_a_warning(tmp_path, side):
+    header = chunk(b"IHDR", struct.pack(">IIBBBBB", side, side, 8, 3, 0, 0, 0)) + chunk(b"PLTE", bytes(6))
+    content = b"\x89PNG\r\n\x1a\n" + header + chunk(b"IDAT", zlib.compress(bytes(99))) + chunk(b"IEND", b"")
+    (tmp_path / "a.png").write_bytes(content)
+    mask = {"shape_type": "mask", "points": [[0, 0], [5, 5]], "mask": base64.b64encode(content).decode()}
+    (tmp_path / "a.json").write_text(json.dumps({"shapes": [mask]}))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(ValueError, match=r"crop it|damaged|too many"):
+            load_contours(tmp_path / "a.png")
+        with pytest.raises(ValueError, match=r"a.json"):
+            load_contours(tmp_path / "a.json")
+
+
+def test_a_selection_without_vertices_is_told_and_compared_with_nothing(tmp_path):
+    content = bytearray(ImagejRoi(version=228, roitype=ROI_TYPE.POLYLINE, left=2, top=3, right=9, bottom=8).tobytes())
+    (tmp_path / "a.roi").write_bytes(content)
+    with pytest.raises(ValueError, match=r"^a.roi holds no contours"):
+        load_contours(tmp_path / "a.roi")
+    with pytest.raises(ValueError, match=r"^a.roi holds no contours"):
+        load_truth(tmp_path / "a.roi", (20, 20))

@@ -50,7 +50,7 @@ def write_figure(
     for file in files:
         check_figure(file)
     contents = [
-        (file, encoded(result, file.suffix.lower(), image, contours, particles, labels, scale_bar)) for file in files
+        (file, encoded(file.suffix.lower(), result, image, contours, particles, labels, scale_bar)) for file in files
     ]
     write_together(contents)
 
@@ -64,8 +64,8 @@ def check_figure(path: str | os.PathLike[str]) -> None:
 
 
 def encoded(
-    result: Result | Skeleton,
     suffix: str,
+    result: Result | Skeleton,
     image: bool = True,
     contours: bool = True,
     particles: bool = False,
@@ -76,7 +76,7 @@ def encoded(
     surface = result.surface if isinstance(result, Result) else None
     figure, ax = new_figure(result.shape if surface is None else None, result.spacing)
     if isinstance(result, Skeleton):
-        result.plot(ax, scale_bar=scale_bar)
+        result.plot(ax, image=image, scale_bar=scale_bar)
     else:
         result.plot(ax, image=image, contours=contours, particles=particles, labels=labels, scale_bar=scale_bar)
     return encoded_figure(figure, suffix, text_of(facts_of(result)))
