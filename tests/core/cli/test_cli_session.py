@@ -32,9 +32,9 @@ from cpm_core.contours.features import contour_features
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark, anchor, described
 from cpm_core.formats.fingerprint import fingerprint
-from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_session
+from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
 from cpm_core.numerics import parallel
-from cpm_core.shapes import Circle, Everywhere, Region
+from cpm_core.shapes import Circle, Everywhere, Region, Sphere
 
 ROOT = Path(__file__).parents[3]
 SAMPLES = ROOT / "assets" / "samples"
@@ -521,3 +521,13 @@ def test_edits_by_hand_of_a_session_are_carried_out(command, disks, tmp_path):
     out = tmp_path / "out"
     assert command("batch", disks, "--session", session, "--output", out, "--export", ".measures.csv")[0] == 0
     assert (out / "disks_contours.measures.csv").read_text() == (tmp_path / "a.measures.csv").read_text()
+
+
+def test_a_drawing_of_a_volume_is_refused_for_an_image(command, tmp_path):
+    save_session(SessionFile(shapes=(Sphere((8.0, 9.0, 9.0), 4.0),)), tmp_path / "volume.cpm")
+    status, out, err = command("run", SAMPLES / "rings.png", "--session", tmp_path / "volume.cpm")
+    assert (status, out) == (2, "")
+    assert err.startswith("cpm: shape 1 (sphere) is for volumes, but rings.png is taken as an image of ")
+    assert err.count("\n") == 1
+    job = Job(0, str(SAMPLES / "rings.png"), load_session(tmp_path / "volume.cpm"), Parameters(), 5, ())
+    assert do(job).error.startswith("shape 1 (sphere) is for volumes")
