@@ -11,6 +11,7 @@ from dataclasses import replace
 import pytest
 
 from tests.faults.clock import Clock, waits
+from tests.faults.fuzzing.inputs.session_samples import IMAGE
 from tests.faults.report import Budget
 from tests.faults.window.closing import run_mosaic, save, try_closing, write_film
 from tests.faults.window.memory import Taken, quarters, still_rising
@@ -24,7 +25,7 @@ LONG = 1e9
 
 
 def test_random_gestures_raise_nothing_and_leave_nothing(tmp_path) -> None:
-    report, measured = play(Budget(LONG, 3, tmp_path), gestures=40, between=40)
+    report, measured = play(Budget(LONG, 3, tmp_path), gestures=40, between=40, checks=1)
     assert report.failures == ()
     assert report.inputs > 40
     assert len(measured) == 1
@@ -46,7 +47,7 @@ def test_closing_ends_everything_that_goes_on(tmp_path) -> None:
 
 
 def test_damaged_sessions_are_shown_or_refused_in_one_sentence(tmp_path) -> None:
-    report = try_opening(Budget(LONG, 4, tmp_path), most=8)
+    report = try_opening(Budget(LONG, 4, tmp_path), most=8, of=(IMAGE,))
     assert report.failures == ()
     assert report.inputs == 8
 

@@ -128,18 +128,20 @@ def _python_of_session(session: Path, document: Document) -> str:
 def _of_skeleton(document: Document) -> Script:
     image = document.image
     assert image is not None
-    name = f"{Path(image.name).stem}_skeleton.svg"
-    given = _changed(document.parameters, PRESETS["noisy"])
+    volume = len(image.shape) == 3
+    name = f"{Path(image.name).stem}_skeleton.{'swc' if volume else 'svg'}"
+    given = _changed(document.parameters, PRESETS["volume" if volume else "noisy"])
     python = (
         *_head(image.name),
         "",
-        f"image = cpm.load_image({_arguments(image.path, _reading(document))})",
+        f"image = cpm.load_{'volume' if volume else 'image'}({_arguments(image.path, _reading(document))})",
         *_written_out("parameters", "cpm.Parameters", _changed(document.parameters, Parameters())),
         f"cpm.export(cpm.skeleton(image, parameters), {name!r})",
         "",
     )
-    parts = ("cpm", "skeleton", image.path, *_parameters(given), *_part(document), "--export", name)
-    chosen = document.outlines or document.regions is not None
+    kind = ("--volume",) if volume else ()
+    parts = ("cpm", "skeleton", image.path, *kind, *_parameters(given), *_part(document), "--export", name)
+    chosen = document.outlines or document.outlined_surfaces or document.regions is not None
     note = tr("The skeleton of the whole image is found, not that of what was chosen or of a region.") if chosen else ""
     return Script("\n".join(python), shlex.join(parts), False, note)
 

@@ -18,6 +18,8 @@ from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 from tests.app.volumes.conftest import ball, open_file
 
+pytestmark = pytest.mark.shared_window
+
 NOTHING = Image(np.zeros((8, 9, 10)))
 
 VECTORS = {"L": [1, 0, 0], "R": [-1, 0, 0], "P": [0, 1, 0], "A": [0, -1, 0], "S": [0, 0, 1], "I": [0, 0, -1]}
@@ -97,11 +99,13 @@ def test_the_letters_can_be_hidden(patient) -> None:
     assert shown(patient.feature(SlicesFeature).sides[0]) == ("", "", "", "")
 
 
+@pytest.mark.own_window
 def test_a_volume_that_tells_nothing_has_the_names_of_its_axes(volume) -> None:
     assert shown(volume.canvas_area.canvas) == ("", "row", "", "column")
     assert volume.feature(SpaceFeature).panel.view.marks.names[0] == ("", "plane")
 
 
+@pytest.mark.own_window
 def test_a_plain_image_has_no_letters_and_a_plane_of_a_patient_has(patient, hand, image_file) -> None:
     patient.actions_by_name["open_stack"].trigger()
     hand.wait(lambda: patient.session.image.ndim == 2 and patient.session.idle)

@@ -17,6 +17,8 @@ from app.views.volume import turntable
 from cpm_core.shapes import Sphere
 from tests.app.volumes.conftest import open_file
 
+pytestmark = pytest.mark.shared_window
+
 PATIENCE = 120_000
 
 
