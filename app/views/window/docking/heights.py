@@ -53,7 +53,9 @@ class DockHeights(QObject):
         if panel.area == "bottom":
             self._below[panel.name] = dock, panel
             dock.visibilityChanged.connect(lambda _: self._raising.start())
-        elif panel.fitted:
+            return
+        dock.visibilityChanged.connect(lambda _: self._fitting.start())
+        if panel.fitted:
             self._fitted.append((dock, panel))
             dock.installEventFilter(self)
 

@@ -136,8 +136,11 @@ def test_a_drag_of_the_right_button_moves_the_volume_and_opens_no_menu(volume, h
     assert view.camera is not before
 
 
-def test_the_view_opens_with_as_much_room_as_the_panel_above_it(window, hand, volume_file) -> None:
+def test_the_view_opens_with_as_much_room_as_the_panel_above_it(window, hand, volume_file, image_file) -> None:
     window.resize(1400, 1000)
-    open_file(window, hand, volume_file)
     docks = window.docks
+    before = docks["run"].height()
+    open_file(window, hand, volume_file)
     hand.wait(lambda: docks["space"].height() >= docks["parameters"].height() - 2)
+    open_file(window, hand, image_file)
+    hand.wait(lambda: docks["run"].height() <= before + 2)
