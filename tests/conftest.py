@@ -3,6 +3,7 @@
 import gc
 import os
 import signal
+import sys
 from collections.abc import Iterator
 
 import pytest
@@ -20,6 +21,10 @@ os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 # Tests read the sentences of the source, on the computer of a person of any language.
 os.environ["LANGUAGE"] = "en"
 
+# Processes that tests start need not compile the sources again, which takes each of them half a second.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
+
 # No test depends on how fast the computer is.
 settings.register_profile("untimed", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("untimed")
@@ -36,11 +41,6 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     """Compile the model's loops once, before the processes that share them begin."""
     if getattr(session.config.option, "numprocesses", None):
         compile_ahead((*FIRST, *LATER, *VOLUMES))
-
-
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with what takes longest, the check of types, so that no process is idle while another one ends with it."""
-    items.sort(key=lambda item: item.path.name != "test_static.py")
 
 
 def pytest_collection_finish() -> None:

@@ -4,8 +4,10 @@ import ast
 import re
 import subprocess
 import sys
+from collections import defaultdict
 from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
@@ -55,7 +57,6 @@ FLOORS = (
 
 SOURCES = sorted(path for package in ("cpm_core", "app") for path in (ROOT / package).rglob("*.py"))
 CORE = [path for path in SOURCES if path.is_relative_to(ROOT / "cpm_core")]
-FOLDERS = sorted({path.parent for package in ("cpm_core", "app", "tests") for path in (ROOT / package).rglob("*.py")})
 
 
 def module_name(path):
@@ -64,10 +65,24 @@ def module_name(path):
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
-def imports(source, name, is_package):
-    """Dotted names of all that a source imports, wherever in it, relative imports resolved."""
+def statements(tree, at_once=False):
+    """All statements of a module; `at_once`, those that are executed when it is imported, without those for types."""
+    waiting = [tree]
+    for node in waiting:
+        yield node
+        inside = ("body", "orelse", "handlers", "finalbody", "cases")
+        if at_once and isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            continue
+        if at_once and isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
+            inside = ("orelse",)
+        for field in inside:
+            waiting += getattr(node, field, ())
+
+
+def imports(tree, name, is_package, at_once=False):
+    """Dotted names of all that a module imports, wherever in it or `at_once`, relative imports resolved."""
     found = []
-    for node in ast.walk(ast.parse(source)):
+    for node in statements(tree, at_once):
         if isinstance(node, ast.Import):
             found += [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
@@ -88,9 +103,20 @@ def belongs(name, package):
     return name == package or name.startswith(package + ".")
 
 
+class Module(NamedTuple):
+    """What the rules are about in a module: read once, as a tree of each of them would fill the memory."""
+
+    imported: list  # dotted names, wherever in it
+    imported_at_once: list
+    sizes: list  # (dotted name, lines without examples, how many they may be) of itself, its classes and functions
+
+
 @cache
-def imported_by(path):
-    return imports(path.read_text(encoding="utf-8"), module_name(path), path.name == "__init__.py")
+def module(path):
+    source, name = path.read_text(encoding="utf-8"), module_name(path)
+    tree, shorter = ast.parse(source), EXAMPLES.sub("", source)
+    imported = [imports(tree, name, path.name == "__init__.py", at_once) for at_once in (False, True)]
+    return Module(*imported, sizes(tree if shorter == source else ast.parse(shorter), name, shorter.count("\n")))
 
 
 def rules_broken(name, imported):
@@ -106,9 +132,9 @@ def rules_broken(name, imported):
     return broken
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=module_name)
-def test_imports_point_one_way(path):
-    assert rules_broken(module_name(path), imported_by(path)) == []
+def test_imports_point_one_way():
+    broken = [rule for path in SOURCES for rule in rules_broken(module_name(path), module(path).imported)]
+    assert broken == []
 
 
 @pytest.mark.parametrize(
@@ -125,7 +151,7 @@ def test_imports_point_one_way(path):
     ],
 )
 def test_the_rules_see_an_import_that_breaks_them(name, source):
-    assert len(rules_broken(name, imports(source, name, is_package=False))) == 1
+    assert len(rules_broken(name, imports(ast.parse(source), name, is_package=False))) == 1
 
 
 @pytest.mark.parametrize(
@@ -143,19 +169,7 @@ def test_the_rules_see_an_import_that_breaks_them(name, source):
     ],
 )
 def test_the_rules_let_proper_imports_pass(name, source):
-    assert rules_broken(name, imports(source, name, is_package=False)) == []
-
-
-def at_once(source):
-    """The statements of a source that are executed when it is imported: all but those for types."""
-    tree = ast.parse(source)
-    tree.body = [
-        node for node in tree.body if not (isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test))
-    ]
-    for node in ast.walk(tree):
-        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
-            node.body = [ast.Pass()]
-    return ast.unparse(tree)
+    assert rules_broken(name, imports(ast.parse(source), name, is_package=False)) == []
 
 
 def libraries(names):
@@ -163,11 +177,10 @@ def libraries(names):
     return {name.split(".")[0] for name in names} - set(sys.stdlib_module_names) - {"cpm_core"}
 
 
-@pytest.mark.parametrize("path", CORE, ids=module_name)
-def test_the_core_stands_on_few_libraries(path):
-    name, source = module_name(path), path.read_text(encoding="utf-8")
-    assert libraries(imported_by(path)) <= CORE_LIBRARIES | LATE_LIBRARIES.get(name, set())
-    assert libraries(imports(at_once(source), name, path.name == "__init__.py")) <= CORE_LIBRARIES
+def test_the_core_stands_on_few_libraries():
+    late = {module_name(path): libraries(module(path).imported) - CORE_LIBRARIES for path in CORE}
+    assert {name: others for name, others in late.items() if not others <= LATE_LIBRARIES.get(name, set())} == {}
+    assert set().union(*(libraries(module(path).imported_at_once) for path in CORE)) <= CORE_LIBRARIES
 
 
 def test_what_is_imported_late_is_told_from_what_is_imported_at_once():
@@ -175,7 +188,7 @@ def test_what_is_imported_late_is_told_from_what_is_imported_at_once():
         "import numpy\nif TYPE_CHECKING:\n    import scipy\ndef f():\n    import numba\nclass A:\n    import PIL\n"
         "    def g(self):\n        import matplotlib\n"
     )
-    assert libraries(imports(at_once(source), "cpm_core.a", is_package=False)) == {"numpy", "PIL"}
+    assert libraries(imports(ast.parse(source), "cpm_core.a", is_package=False, at_once=True)) == {"numpy", "PIL"}
 
 
 def test_parts_of_large_libraries_are_loaded_when_they_are_asked_for():
@@ -196,30 +209,31 @@ def test_parts_of_large_libraries_are_loaded_when_they_are_asked_for():
     assert slow.isdisjoint(loaded)
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=module_name)
-def test_no_module_is_a_box_for_odds_and_ends(path):
-    assert path.stem not in {"utils", "util", "utilities", "helpers", "helper", "common", "misc", "tools_"}
+def test_no_module_is_a_box_for_odds_and_ends():
+    boxes = {"utils", "util", "utilities", "helpers", "helper", "common", "misc", "tools_"}
+    assert [path for path in SOURCES if path.stem in boxes] == []
 
 
 EXAMPLES = re.compile(r"\n *Examples\n *-{8}\n(?:(?! *\"{3}).*\n)*")
 """The section with examples at the end of a docstring."""
 
 
-@cache
-def sizes(path):
-    """Dotted names of a module, its classes and functions, their lines without examples and how many they may be."""
-    source, module = EXAMPLES.sub("", path.read_text(encoding="utf-8")), module_name(path)
-    found = [(module, len(source.splitlines()), LONGEST_MODULE)]
-    for node in ast.walk(ast.parse(source)):
+def sizes(tree, name, lines):
+    """Dotted names of a module, its classes and functions, their lines and how many these may be."""
+    found = [(name, lines, LONGEST_MODULE)]
+    for node in statements(tree):
         if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
             most = LONGEST_CLASS if isinstance(node, ast.ClassDef) else LONGEST_FUNCTION
-            found.append((f"{module}.{node.name}", node.end_lineno - node.lineno + 1, most))
+            found.append((f"{name}.{node.name}", node.end_lineno - node.lineno + 1, most))
     return found
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=module_name)
-def test_modules_classes_and_functions_stay_small(path):
-    assert [(name, lines) for name, lines, most in sizes(path) if lines > most and name not in LONGER] == []
+def too_long():
+    return {name: lines for path in SOURCES for name, lines, most in module(path).sizes if lines > most}
+
+
+def test_modules_classes_and_functions_stay_small():
+    assert {name: lines for name, lines in too_long().items() if name not in LONGER} == {}
 
 
 def test_examples_do_not_count_as_lines_of_code():
@@ -228,15 +242,19 @@ def test_examples_do_not_count_as_lines_of_code():
 
 
 def test_what_may_be_longer_is_longer_and_rare():
-    longer = {name for path in SOURCES for name, lines, most in sizes(path) if lines > most}
-    assert set(LONGER) == longer
+    assert set(LONGER) == set(too_long())
     assert len(LONGER) <= 10
 
 
-@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.relative_to(ROOT).as_posix())
-def test_a_folder_can_be_taken_in_at_one_look(folder):
-    entries = {path.relative_to(folder).parts[0] for path in folder.rglob("*.py")} - {"__init__.py", "conftest.py"}
-    assert len(entries) <= MOST_ENTRIES, sorted(entries)
+def test_a_folder_can_be_taken_in_at_one_look():
+    entries = defaultdict(set)
+    for package in ("cpm_core", "app", "tests"):
+        for path in (ROOT / package).rglob("*.py"):
+            parts = path.relative_to(ROOT).parts
+            for depth in range(1, len(parts)):
+                entries["/".join(parts[:depth])].add(parts[depth])
+    found = {folder: names - {"__init__.py", "conftest.py"} for folder, names in entries.items()}
+    assert {folder: sorted(names) for folder, names in found.items() if len(names) > MOST_ENTRIES} == {}
 
 
 def circles(arrows):
@@ -261,7 +279,7 @@ def arrows_between(names, depth=None):
     for path in SOURCES:
         name = module_name(path)
         at = ".".join(name.split(".")[:depth])
-        for other in imported_by(path):
+        for other in module(path).imported:
             known = next((part for part in prefixes(other) if part in names), None)
             if known is not None and known != name:
                 to = ".".join(known.split(".")[:depth])
@@ -292,15 +310,16 @@ def test_circles_are_seen():
     assert circles({"a": {"b"}, "b": {"c"}}) == []
 
 
-@pytest.mark.parametrize("path", CORE, ids=module_name)
-def test_the_rooms_of_the_core_stand_on_those_before_them(path):
+def test_the_rooms_of_the_core_stand_on_those_before_them():
     def floor(name):
         return next((number for number, room in enumerate(FLOORS) if belongs(name, room)), None)
 
-    own = floor(module_name(path))
-    if own is not None:
-        above = [other for other in imported_by(path) if (floor(other) or 0) > own]
-        assert above == []
+    above = {}
+    for path in CORE:
+        own = floor(module_name(path))
+        if own is not None:
+            above[module_name(path)] = [other for other in module(path).imported if (floor(other) or 0) > own]
+    assert {name: others for name, others in above.items() if others} == {}
 
 
 def test_the_top_level_holds_what_it_should_and_nothing_else():
@@ -332,6 +351,6 @@ NAMED = re.findall(r"`((?:[a-z_]+/)*[a-z_]+(?:/|\.py))`", (ROOT / "ARCHITECTURE.
 """Files and folders that the page on the architecture names."""
 
 
-@pytest.mark.parametrize("name", sorted(set(NAMED) - {"plane.py", "space.py"}))
-def test_the_page_names_what_is_there(name):
-    assert any((ROOT / folder / name).exists() for folder in (".", "cpm_core", "app"))
+def test_the_page_names_what_is_there():
+    names = sorted(set(NAMED) - {"plane.py", "space.py"})
+    assert [name for name in names if not any((ROOT / at / name).exists() for at in (".", "cpm_core", "app"))] == []

@@ -57,7 +57,7 @@ def test_presets_and_formats_are_named():
 
 
 @pytest.mark.parametrize("line", RUNS)
-def test_commands_of_the_tour_work_as_they_stand(place, capsys, line):
+def test_commands_of_the_tour_work_as_they_stand(compiled_loops, place, capsys, line):
     assert cli.main(shlex.split(line)[1:]) == 0
     output = capsys.readouterr()
     assert output.out
@@ -86,11 +86,12 @@ def test_pictures_and_files_that_it_points_to_are_there():
             assert (ROOT / page).parent.joinpath(target).is_file(), (page, target)
 
 
-def test_each_command_stands_on_one_line_and_the_continuous_check_runs_the_second():
+def test_each_command_stands_on_one_line_and_the_continuous_check_runs_those_that_check():
     assert "python3 -m venv .venv && .venv/bin/pip install '.[gui]' && .venv/bin/cpm" in COMMANDS
     script = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
-    pattern = re.search(r"grep -m 1 '(.*)' README.md", script).group(1)
-    assert [line for line in TEXT.splitlines() if re.search(pattern, line)] == [
-        "python3 -m venv .venv && .venv/bin/pip install -e '.[test]' && .venv/bin/python -m pytest"
+    patterns = re.findall(r"grep -m 1 '(.*)' README.md", script)
+    assert [[line for line in TEXT.splitlines() if re.search(pattern, line)] for pattern in patterns] == [
+        ["python3 -m venv .venv && .venv/bin/pip install -e '.[test]' && .venv/bin/python -m pytest"],
+        [".venv/bin/python -m mypy"],
     ]
     assert len(re.findall(r"^sudo apt-get install -y ", TEXT, flags=re.MULTILINE)) == 1

@@ -199,8 +199,9 @@ class RunControl(Editing):
 
     def _frame(self) -> None:
         self._frames.stepped()
-        self.tasks.look()
-        self._progress.look()
+        with self.gathering():
+            self.tasks.look()
+            self._progress.look()
         if self.scene.snapshot is not None:
             self.live.use(self.scene.snapshot.timeline.began)
         if self.idle:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any, TypeVar
 
 from PySide6.QtCore import QObject, Signal
@@ -46,6 +47,7 @@ class SessionSignals(QObject):
         self._generation = 0
         self._image_generation = 0
         self._troubles: dict[str, str] = {}
+        self._gathering = self._gathered = False
         self._listeners: dict[type[Report], list[Callable[[Any], None]]] = {}
 
     @property
@@ -75,7 +77,21 @@ class SessionSignals(QObject):
 
     def show_status(self) -> None:
         """Announce that `resolved` may have changed."""
-        self.status_changed.emit()
+        if self._gathering:
+            self._gathered = True
+        else:
+            self.status_changed.emit()
+
+    @contextmanager
+    def gathering(self) -> Iterator[None]:
+        """Announce a changed status once at the end, since all actions of the window follow it."""
+        self._gathering, self._gathered = True, False
+        try:
+            yield
+        finally:
+            self._gathering = False
+            if self._gathered:
+                self.status_changed.emit()
 
     def listen(self, kind: type[R], take: Callable[[R], None]) -> None:
         """Call `take` with all reports of one kind from now on."""

@@ -35,6 +35,7 @@ from app.views.features.view.pages import PagesFeature
 from app.views.theme import theme
 from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.widgets.actions import Actions
+from app.views.widgets.turns import Turns
 from app.views.window.docking.docks import Docks
 from app.views.window.feature import Feature, FeatureContext
 from app.views.window.garbage import GarbageCollector
@@ -74,6 +75,7 @@ class MainWindow(QMainWindow):
         self.preferences.follow(UNIT, lambda: prefer_unit(self.preferences.value(UNIT)))
         self._garbage = GarbageCollector(self)
         self._garbage.start()  # before any part of the window is made: the worker is at work already
+        self.turns = Turns(self)
         self.setAcceptDrops(True)
         self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
         self.resize(_SIZE.boundedTo(self.screen().availableSize() - _FRAME))
@@ -112,8 +114,7 @@ class MainWindow(QMainWindow):
 
     def refresh(self) -> None:
         """Update actions and hint."""
-        self._show()
-        self.canvas_area.refresh()
+        self.session.show_status()
 
     def open_image(self, path: str) -> None:
         """Open an image or a session."""
@@ -139,6 +140,7 @@ class MainWindow(QMainWindow):
         self.preferences.put(_GEOMETRY, self.saveGeometry())
         self.preferences.put(_LAYOUT, self.saveState(self.docks.version))
         self.preferences.put(_HEIGHTS, self.docks.heights.chosen)
+        self.turns.stop()
         self.docks.leave()
         self.hide()
         self.workspace.close()
@@ -214,6 +216,7 @@ class MainWindow(QMainWindow):
             open_part=lambda path, whole, reading: self.feature(OpenSaveFeature).take_part(path, whole, reading),
             do=lambda name: self.actions_by_name[name].trigger(),
             open_menu=self._open_menu,
+            turns=self.turns,
         )
 
     def _make_shortcuts(self) -> Shortcuts:

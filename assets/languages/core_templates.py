@@ -54,7 +54,22 @@ WORDS = (
 _PASSING_ON = frozenset({"join", "repr", "str", "sorted", "min", "max", "shortened", "shown", "map"})
 """Functions whose first argument says more than their name."""
 
+_ERRORS = ("Error", "Interrupt")
+"""Ends of the names of errors."""
+
 Choices = Mapping[str, bool]
+
+
+def parts(tree: ast.AST) -> list[ast.AST]:
+    """All nodes of a tree, as `ast.walk` gives them, in a quarter of its time."""
+    found = [tree]
+    for node in found:
+        for value in vars(node).values():
+            if isinstance(value, ast.AST):
+                found.append(value)
+            elif type(value) is list:
+                found += [each for each in value if isinstance(each, ast.AST)]
+    return found
 
 
 def templates(source: str, errors_only: bool = False) -> Iterator[tuple[str, int]]:
@@ -67,12 +82,14 @@ def templates(source: str, errors_only: bool = False) -> Iterator[tuple[str, int
     errors_only : bool
         Only what errors are made with; otherwise every string of several words.
     """
-    tree = ast.parse(source)
-    passed = _not_read(tree)
-    for node in ast.walk(tree):
+    if errors_only and not any(f"{kind}(" in source for kind in _ERRORS):
+        return
+    nodes = parts(ast.parse(source))
+    passed = _not_read(nodes)
+    for node in nodes:
         if id(node) in passed:
             continue
-        if isinstance(node, ast.Call) and _called(node).endswith(("Error", "Interrupt")):
+        if isinstance(node, ast.Call) and _called(node).endswith(_ERRORS):
             for said in node.args:
                 yield from _said(said, passed, _WORD, node.lineno)
         elif not errors_only and isinstance(node, ast.Constant | ast.JoinedStr | ast.BinOp):
@@ -83,7 +100,7 @@ def _said(node: ast.expr, passed: set[int], readable: re.Pattern[str], line: int
     """Templates of an expression, which is then passed over, and of the words that are put into it."""
     if not isinstance(node, ast.Constant | ast.JoinedStr | ast.BinOp | ast.IfExp) or not _is_text(node):
         return
-    passed.update(id(part) for part in ast.walk(node))
+    passed.update(id(part) for part in parts(node))
     for written in _written_out(node):
         if readable.search(re.sub(r"\{\w+\}", " ", written)) and not _CODE.search(written):
             yield written, line
@@ -101,22 +118,22 @@ def _is_text(node: ast.expr) -> bool:
     return isinstance(node, ast.JoinedStr) or (isinstance(node, ast.Constant) and isinstance(node.value, str))
 
 
-def _not_read(tree: ast.Module) -> set[int]:
+def _not_read(nodes: list[ast.AST]) -> set[int]:
     """Nodes that nobody reads: descriptions of code, types, and what is translated by itself."""
     found: set[int] = set()
-    for node in ast.walk(tree):
+    for node in nodes:
         if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
             found.add(id(node.value))
         elif isinstance(node, ast.Call) and (_called(node) in {"tr", "from_core"} or _logs(node)):
-            found.update(id(part) for argument in node.args for part in ast.walk(argument))
+            found.update(id(part) for argument in node.args for part in parts(argument))
         elif isinstance(node, ast.Assert):
-            found.update(id(part) for part in ast.walk(node))
+            found.update(id(part) for part in parts(node))
         elif isinstance(node, ast.Dict):
             found.update(id(said) for key, said in zip(node.keys, node.values, strict=True) if _is_suffix(key))
         for field in ("annotation", "returns"):
             noted = getattr(node, field, None)
             if isinstance(noted, ast.expr):
-                found.update(id(part) for part in ast.walk(noted))
+                found.update(id(part) for part in parts(noted))
     return found
 
 
@@ -199,7 +216,7 @@ def _name(node: ast.expr) -> str:
 
 def _words_put_in(node: ast.expr) -> Iterator[str]:
     """Words that are chosen when a sentence is made, and are values of it."""
-    for part in ast.walk(node):
+    for part in parts(node):
         options: list[ast.expr] = []
         if isinstance(part, ast.FormattedValue):
             inner = part.value

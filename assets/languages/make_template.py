@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
-from core_templates import OF_THE_SYSTEM, WORDS, templates
+from core_templates import OF_THE_SYSTEM, WORDS, parts, templates
 
 from cpm_core.formats import WRITABLE
 from cpm_core.formats.writers import FOR_VOLUMES
@@ -35,7 +35,8 @@ NAME = "English"
 def in_source() -> Iterator[tuple[str, str]]:
     """Sentences that the window's source gives to ``tr``, each with where it stands."""
     for path in sorted((ROOT / "app").rglob("*.py")):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        source = path.read_text(encoding="utf-8")
+        for node in parts(ast.parse(source)) if "tr(" in source else ():
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "tr" and node.args:
                 said = node.args[0]
                 if isinstance(said, ast.Constant) and isinstance(said.value, str):

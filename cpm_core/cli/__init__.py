@@ -79,7 +79,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     -------
     int
         Exit status: 0 on success, 1 when some of several images failed, 2 on bad input (one line on standard
-        error, nothing written), 130 when interrupted, 141 when nobody reads the output any more.
+        error; nothing is written, or only files that the line does not name), 130 when interrupted, 141 when nobody
+        reads the output any more.
     """
     take_any_character()
     try:

@@ -17,6 +17,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
+from cpm_core.numerics.parallel import cores
 from cpm_core.numerics.real_numbers import checked_number
 from cpm_core.numerics.types import Array
 
@@ -54,12 +55,12 @@ def convolved_field(
     power = checked_number("exponent", given, lambda number: number > 0.0, "above 0")
     # the kernel's mirror image begins at half of an even size, which must exceed all differences of two pixels
     padded = tuple(2 * scipy.fft.next_fast_len(max(n, 2), real=axis == f.ndim - 1) for axis, n in enumerate(f.shape))
-    spectrum = scipy.fft.rfft(f, padded[-1], axis=-1, workers=-1)
+    spectrum = scipy.fft.rfft(f, padded[-1], axis=-1, workers=cores())
     kernels = _spectra.of(f.shape, padded, power, f.dtype, pitch)
     out = np.empty((f.ndim, *f.shape), f.dtype)
     if math.prod(padded[:-1]) * spectrum.shape[-1] <= _WHOLE:
         for component, part in enumerate(_convolved(spectrum, kernels, f.shape, padded)):
-            out[component] = scipy.fft.irfft(part, padded[-1], axis=-1, workers=-1)[..., : f.shape[-1]]
+            out[component] = scipy.fft.irfft(part, padded[-1], axis=-1, workers=cores())[..., : f.shape[-1]]
         return out
     parts = [*(np.empty_like(spectrum) for _ in kernels[1:]), spectrum]
     step = max(_BLOCK // math.prod(padded[:-1]), 1)
@@ -72,7 +73,7 @@ def convolved_field(
     for component, part in enumerate(parts):
         for first in range(0, len(spectrum), lines):
             rows = slice(first, first + lines)
-            out[component, rows] = scipy.fft.irfft(part[rows], padded[-1], axis=-1, workers=-1)[..., : f.shape[-1]]
+            out[component, rows] = scipy.fft.irfft(part[rows], padded[-1], axis=-1, workers=cores())[..., : f.shape[-1]]
     return out
 
 
@@ -84,14 +85,14 @@ def _convolved(
     `whole` is overwritten; a result holds until the next one is asked for.
     """
     for axis in reversed(range(whole.ndim - 1)):
-        whole = scipy.fft.fft(whole, padded[axis], axis=axis, overwrite_x=True, workers=-1)
+        whole = scipy.fft.fft(whole, padded[axis], axis=axis, overwrite_x=True, workers=cores())
     whole *= whole.dtype.type(1j)  # the kernels' spectra are imaginary
     multiplied = np.empty_like(whole)
     for component, kernel in enumerate(kernels):
         _multiply(whole, kernel, component, multiplied)
         back = multiplied
         for axis, n in enumerate(shape[:-1]):
-            back = scipy.fft.ifft(back, axis=axis, overwrite_x=True, workers=-1)
+            back = scipy.fft.ifft(back, axis=axis, overwrite_x=True, workers=cores())
             back = back[(slice(None),) * axis + (slice(n),)]
         yield back
 
@@ -114,14 +115,14 @@ def convolved_potential(
     offsets = np.meshgrid(*steps, indexing="ij", sparse=True)
     away = reduce(np.hypot, offsets).astype(np.float32)
     away[(0,) * dimension] = np.inf
-    spectrum = scipy.fft.rfftn(edge_map.astype(np.float32), padded, workers=-1)
+    spectrum = scipy.fft.rfftn(edge_map.astype(np.float32), padded, workers=cores())
     power = (dimension if exponent is None else exponent) - 1.0
     if power == 0.0:
         away[(0,) * dimension] = away.max(where=np.isfinite(away), initial=1.0)
     depth = np.log(away.max() / away) if power == 0.0 else away**-power / power
-    spectrum *= scipy.fft.rfftn(depth, workers=-1).real  # it is even
+    spectrum *= scipy.fft.rfftn(depth, workers=cores()).real  # it is even
     inner = tuple(slice(n) for n in edge_map.shape)
-    potential: Array = scipy.fft.irfftn(spectrum, padded, workers=-1)[inner].astype(float)
+    potential: Array = scipy.fft.irfftn(spectrum, padded, workers=cores())[inner].astype(float)
     return -potential
 
 
@@ -208,8 +209,8 @@ def _kernel_spectra(
         for axis in range(len(shape)):
             if axis == component:
                 inner = (slice(None),) * axis + (slice(1, -1),)
-                kernel[inner] = scipy.fft.dst(kernel[inner], type=1, axis=axis, workers=-1)
+                kernel[inner] = scipy.fft.dst(kernel[inner], type=1, axis=axis, workers=cores())
                 kernel[(slice(None),) * axis + ([0, -1],)] = 0.0
             else:
-                kernel = scipy.fft.dct(kernel, type=1, axis=axis, overwrite_x=True, workers=-1)
+                kernel = scipy.fft.dct(kernel, type=1, axis=axis, overwrite_x=True, workers=cores())
         yield kernel.astype(precision, copy=False)

@@ -24,6 +24,7 @@ from cpm_core.image.drawing.axes import require_matplotlib
 from cpm_core.image.geometry import Convention
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.space.centerlines import Centerlines
+from cpm_core.medial_axis.space.steps import VolumeSkeleton
 from cpm_core.parameters.quotation import shown
 
 _LOG = logging.getLogger(__name__)
@@ -256,6 +257,8 @@ def encoded(
     """
     if not isinstance(suffix, str) or suffix not in {**_WRITERS, **_MESHES, **FOR_CENTERLINES}:
         raise ValueError(f"{shown(suffix)} names no format that can be written: choose one of {_known()}.")
+    if isinstance(result, VolumeSkeleton):
+        result = result.lines
     if isinstance(result, Centerlines):
         if suffix not in FOR_CENTERLINES:
             raise ValueError(f'A file with the suffix "{suffix}" holds no center lines in a volume: choose .swc.')

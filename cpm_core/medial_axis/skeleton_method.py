@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from cpm_core.contours.contour import Contour
 from cpm_core.field.image_fields import ImageFields
 from cpm_core.field.placed_charges import PlacedCharge
-from cpm_core.image.image import Image, as_plane
+from cpm_core.image.image import Image, as_image, as_plane
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.medial_axis.boundary import outlined_boundary
@@ -131,6 +131,18 @@ class SkeletonMethod(ImageFields):
         name for name in invalidating("field", "contours") if name not in (*OF_STARTS, *OF_CHARGES)
     )
     seeded: ClassVar[bool] = False
+    _in_volumes: ClassVar[type[SkeletonMethod] | None] = None
+    """The kind of method for volumes, once its module has been imported."""
+
+    def __init_subclass__(cls) -> None:
+        SkeletonMethod._in_volumes = cls
+
+    def __new__(cls, values: ArrayLike | Image | None = None, *_: Any, **__: Any) -> Self:
+        """A method for the image; for a volume one of another kind, with the same name and table entry."""
+        kind = SkeletonMethod._in_volumes
+        if cls is SkeletonMethod and kind is not None and values is not None and as_image(values).ndim == 3:
+            return super().__new__(kind)  # type: ignore[return-value]
+        return super().__new__(cls)
 
     def __init__(
         self,

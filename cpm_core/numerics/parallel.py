@@ -14,7 +14,8 @@ from __future__ import annotations
 
 import atexit
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import lru_cache
 from queue import SimpleQueue
 from threading import Thread
@@ -26,11 +27,28 @@ _MOST = 8
 """Threads beyond which the parts get too small to pay."""
 
 
-@lru_cache(maxsize=1)
+_limits = [_MOST]
+"""What those who run this process allow it, the last of them counts."""
+
+
 def cores() -> int:
-    """Cores that this process may use, up to a sensible number."""
-    allowed = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return min(allowed, _MOST)
+    """Cores that this process may use, up to a sensible number, or to what `at_most` allows."""
+    return min(_cores(), _limits[-1])
+
+
+@contextmanager
+def at_most(count: int) -> Iterator[None]:
+    """Within this context, use so many cores at most, as one of several processes that share them."""
+    _limits.append(count)
+    try:
+        yield
+    finally:
+        _limits.pop()
+
+
+@lru_cache(maxsize=1)
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def share(work: Callable[[int, int], object], count: int, least: int) -> None:

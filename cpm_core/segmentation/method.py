@@ -19,6 +19,7 @@ from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeleton_method import SkeletonMethod
+from cpm_core.medial_axis.space import steps  # noqa: F401 - the kind of it for volumes
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 from cpm_core.particles.state import Particles

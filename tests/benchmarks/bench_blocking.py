@@ -16,7 +16,14 @@ from tests.app.session import test_never_blocks as scenarios
 qapp_cls, workspace, session, hand = app.qapp_cls, app.workspace, app.session, app.hand
 window_of_module = app.window_of_module
 own_preferences, nobody_is_asked = app.own_preferences, app.nobody_is_asked
-image_file, window, large = scenarios.image_file, scenarios.window, scenarios.large
+window, large = scenarios.window, scenarios.large
+
+
+@pytest.fixture
+def image_file(request, tmp_path):
+    """A large image, unless no times are taken."""
+    small = request.config.getoption("benchmark_disable")
+    return scenarios.write_discs(tmp_path / "large.npy", scenarios.SIDE // 4 if small else scenarios.LARGE)
 
 
 @pytest.fixture(autouse=True)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from app.model.text.language import tr
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark
+from cpm_core.contours.surface.packing import PackedSurface
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats.images.reading import DEFAULT, Reading
 from cpm_core.image.image import Image
@@ -140,6 +141,12 @@ class Document:
         chosen = self.outlined.objects
         lines = [line for item in self.objects.items if item.number in chosen for line in item.boundary]
         return (*lines, *self.outlined.contours)
+
+    @property
+    def outlined_surfaces(self) -> tuple[PackedSurface, ...]:
+        """Surfaces of objects in a volume, as they are now, whose insides have a skeleton."""
+        chosen = self.outlined.objects
+        return tuple(packed for item in self.objects.items if item.number in chosen for packed in item.surface)
 
     def seeds(self, image_seeds: ImageSeeds = NO_SEEDS) -> NDArray[np.float64]:
         """Seeds of the starts, shape (N, D) [px of the image], given those of each of `image_starts`.

@@ -73,6 +73,10 @@ MODES: Mapping[Mode, ModeInfo] = MappingProxyType(
 )
 
 
+_WIDTH = "max_width"
+"""The parameter of skeletons that center lines in volumes do not have."""
+
+
 def fresh_parameters(mode: Mode, image: ImageReference | None = None) -> Parameters:
     """The parameters with which work in a mode begins, on a volume those for volumes."""
     return PRESETS["volume" if image is not None and len(image.shape) == 3 else MODES[mode].preset]
@@ -93,7 +97,7 @@ def needs_start(mode: Mode) -> bool:
 
 def acting_in(mode: Mode, dimension: int = 2) -> frozenset[str]:
     """Names of the controls that have an effect in a mode, on an image with so many axes."""
-    lacking = OF_PLANES if dimension == 3 else OF_VOLUMES
+    lacking = (*OF_PLANES, _WIDTH) if dimension == 3 else OF_VOLUMES
     acting = (name for name in METHODS[MODES[mode].method].parameters if name not in lacking)
     return frozenset(RATIO if name == "w1" else name for name in acting)
 

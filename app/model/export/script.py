@@ -125,29 +125,38 @@ def _python_of_session(session: Path, document: Document) -> str:
 
 
 def _of_skeleton(document: Document) -> Script:
-    """The skeleton of the image, or of chosen objects and closed contours, which are written out."""
+    """The skeleton of the image or volume, or of chosen objects and closed contours, which are written out."""
     image, lines = document.image, document.outlines
     assert image is not None
-    name = f"{Path(image.name).stem}_skeleton.svg"
-    given = changed(document.parameters, PRESETS["noisy"])
+    volume = len(image.shape) == 3
+    name = f"{Path(image.name).stem}_skeleton.{'swc' if volume else 'svg'}"
+    given = changed(document.parameters, PRESETS["volume" if volume else "noisy"])
     of = ("outlines = (", *(f"    {line!r}," for line in lines), ")",
           "within = [cpm.Contour(np.array(line), closed=True) for line in outlines]") if lines else ()  # fmt: skip
     python = (
         *head(image.name, *(("import numpy as np", "") if lines else ())),
         "",
-        f"image = cpm.load_image({arguments(image.path, _reading(document))})",
+        f"image = cpm.load_{'volume' if volume else 'image'}({arguments(image.path, _reading(document))})",
         *written_out("parameters", "cpm.Parameters", changed(document.parameters, Parameters())),
         *of,
         f"cpm.export(cpm.skeleton(image, parameters{', within=within' if lines else ''}), {name!r})",
         "",
     )
-    parts = ("cpm", "skeleton", image.path, *in_words(given), *_part(document), "--export", name)
+    kind = ("--volume",) if volume else ()
+    parts = ("cpm", "skeleton", image.path, *kind, *in_words(given), *_part(document), "--export", name)
+    return Script("\n".join(python), "" if lines else shlex.join(parts), False, _left_out_of_skeleton(document))
+
+
+def _left_out_of_skeleton(document: Document) -> str:
+    """What the script of a skeleton leaves out, in a sentence or two."""
     notes = []
-    if lines:
+    if document.outlines:
         notes.append(tr("The command line has no words for chosen objects; the program in Python has."))
+    if document.outlined_surfaces:
+        notes.append(tr("The skeleton of the whole volume is found, not that of what was chosen."))
     if document.regions is not None:
         notes.append(tr("The skeleton is not kept to the region."))
-    return Script("\n".join(python), "" if lines else shlex.join(parts), False, " ".join(notes))
+    return " ".join(notes)
 
 
 def imported(shapes: Iterable[Shape]) -> tuple[str, str]:

@@ -284,7 +284,10 @@ def skeleton_of(polarity: int, width: float) -> str:
 
 
 def _length(pixels: float, image: ImageReference | None, decimals: int = 1) -> str:
-    return measured(pixels, image.spacing if image else (1.0,), image.unit if image else None, decimals)
+    if image is None:
+        return measured(pixels, (1.0,), None, decimals)
+    sides = (min(image.spacing),) if len(image.shape) == 3 else image.spacing  # lengths are in smallest sides there
+    return measured(pixels, sides, image.unit, decimals)
 
 
 def _bridged(status: RunStatus, image: ImageReference | None) -> str:

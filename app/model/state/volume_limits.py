@@ -8,24 +8,19 @@ from types import MappingProxyType
 from app.model.state.situation import Situation
 from app.model.text.language import tr
 
-_MODE = tr("Skeletons are found in images; in a volume, use cpm skeleton.")
 _CONTOUR = tr("Contours are found in images; a run in a volume finds a surface.")
 _ALIKE = tr("Objects that are alike are found in images by their gray values and size, not in volumes.")
-_LAYER = tr("This layer shows what only a run in an image finds.")
-_METHODS = tr("The classical methods are for images; in a volume there is nothing to compare with.")
+_METHODS = tr("In a volume methods are compared by cpm compare VOLUME --sphere PLANE,ROW,COL,RADIUS.")
 _MOSAIC = tr("A mosaic shows runs with different parameters side by side; in a volume each of them takes too long.")
 _BATCH = tr("Many images are run at once; volumes are run one by one.")
 
 NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
     {
-        "mode_skeleton": _MODE,
         **dict.fromkeys(
-            ("contours", "edit_contours", "outline", "close_contours", "join_contours", "cut_contour", "image_skeleton",
+            ("contours", "edit_contours", "outline", "close_contours", "join_contours", "cut_contour",
              "contour_skeleton", "next_contour", "all_contours", "other_contours", "learn", "doubtful_contour",
              "show_rejected"), _CONTOUR),
-        "object_skeleton": _MODE,
         "objects_alike": _ALIKE,
-        "layer_skeleton": _LAYER,
         "mosaic": _MOSAIC,
         "compare_methods": _METHODS,
         "apply_to_folder": _BATCH,

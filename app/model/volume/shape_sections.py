@@ -231,7 +231,7 @@ def _of_sphere(sphere: Sphere, axis: int, index: float) -> Iterator[SphereSectio
     yield SphereSection(
         center,
         (max(radius / right, SMALLEST), max(radius / down, SMALLEST)),
-        particles=np.delete(seeds[near], axis, axis=1),
+        particles=_spread(np.delete(seeds[near], axis, axis=1)),
     )
 
 
@@ -243,7 +243,7 @@ def _of_box(box: Cuboid, axis: int, index: float) -> Iterator[Shape]:
     if isinstance(box, Box):
         seeds = box.seeds()
         near = np.abs(seeds[:, axis] - index) <= max(NEAR, 0.6 * box.apart)
-        yield BoxSection(corners, particles=np.delete(seeds[near], axis, axis=1))
+        yield BoxSection(corners, particles=_spread(np.delete(seeds[near], axis, axis=1)))
     elif isinstance(box, BoxGrid):
         seeds = box.seeds()
         near = np.abs(seeds[:, axis] - index) * box.sides[axis] <= max(NEAR, 0.5 * box.spacing)
@@ -252,6 +252,12 @@ def _of_box(box: Cuboid, axis: int, index: float) -> Iterator[Shape]:
         yield ThresholdSection(corners, box.fraction)
     else:
         yield RegionSection(corners, held=_on_sides(corners))
+
+
+def _spread(places: Array) -> Array:
+    """One of the places in each pixel of the slice: more of them would hide each other by their rims."""
+    _, first = np.unique(np.round(places), axis=0, return_index=True)
+    return places[np.sort(first)]
 
 
 def _on_sides(corners: Sequence[Position]) -> tuple[Position, ...]:

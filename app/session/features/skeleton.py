@@ -33,7 +33,7 @@ class Skeletons(QObject):
             self._changed = document.mode == "skeleton"
             self._parameters = document.parameters
         regions = document.regions
-        of = (document.outlines, regions.interest if regions is not None else ())
+        of = (document.outlines, document.outlined_surfaces, regions.interest if regions is not None else ())
         before, self._of = self._of, of
         status = self._session.status
         if before != of and document.mode == "skeleton" and status.method == "skeleton" and status.started:
@@ -53,17 +53,19 @@ class Skeletons(QObject):
         found = self._session.scene.skeleton
         image = self._session.image
         if found is not None and found is not self._described and image is not None:
-            self._session.say(_description(found, image))
+            self._session.say(description_of(found, image))
         self._described = found
 
 
-def _description(found: Skeleton, image: Image) -> str:
+def description_of(found: Skeleton, image: Image) -> str:
+    """What has been found, in a sentence."""
     message = tr(
         "Skeleton of {what}: {branches} branches, {length} long together; 95 % of it is at most {thick} thick."
     )
+    sides = (min(image.spacing),) * image.ndim if image.ndim == 3 else image.spacing
     return message.format(
         what=skeleton_of(found.polarity, found.width),
         branches=len(found.contours),
-        length=measured(found.length, image.spacing, image.unit, 0),
-        thick=measured(found.thickness, image.spacing, image.unit),
+        length=measured(found.length, sides, image.unit, 0),
+        thick=measured(found.thickness, sides, image.unit),
     )

@@ -23,6 +23,7 @@ from cpm_core.image.kind import guessed_kind
 from cpm_core.image.pyramid import most_scales
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.large_images import large_image_settings
+from cpm_core.shapes.document_shapes import check_axes
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +75,8 @@ def prepare(core: Core, wanted: Wanted, go_on: Callable[[], None]) -> Opened:
     image, refused = _read(core, replace(wanted, path=path, reading=reading, saved=saved), parts, go_on)
     notes = (*refused, *notes)
     go_on()
+    if saved is not None:
+        _check(saved, image)
     if saved is None:
         parameters = suited(parameters, image)
     most, scales = most_scales(image.shape), parameters.scales
@@ -86,6 +89,17 @@ def prepare(core: Core, wanted: Wanted, go_on: Callable[[], None]) -> Opened:
     opened = Opened(image, method, None, path, parameters, all_notes, sha256, saved, scales)
     opened = replace(opened, folder=images_beside(path), beside=beside, parts=parts, reading=reading)
     return opened if image.ndim == 3 else _of_plane(opened, go_on)
+
+
+def _check(saved: Saved, image: Image) -> None:
+    """ValueError when what a session holds was drawn or found in a volume and its file is an image, or otherwise."""
+    check_axes(saved.file.shapes, image.shape, image.source)
+    if any(bool(item.surface) is not (image.ndim == 3) for item in saved.file.objects.items):
+        known = tr("{name} holds objects of a volume, but {image} is an image: put the volume in its place again.")
+        if image.ndim == 3:
+            known = tr("{name} holds objects of an image, but {image} is a volume: put the image in its place again.")
+        name = saved.path.name if saved.path is not None else tr("The session")
+        raise ValueError(known.format(name=name, image=image.source))
 
 
 def _read(core: Core, wanted: Wanted, parts: Parts | None, go_on: Callable[[], None]) -> tuple[Image, tuple[str, ...]]:

@@ -104,7 +104,7 @@ def _beginning(document: Document) -> tuple[object, ...]:
         document.shapes,
         document.parameters,
         document.objects.barriers,
-        document.outlines if document.mode == "skeleton" else (),
+        (document.outlines, document.outlined_surfaces) if document.mode == "skeleton" else (),
     )
 
 

@@ -219,12 +219,12 @@ class CanvasArea(QWidget):
         if key in _ARROWS:
             row, col = _ARROWS[key]
             if keyed:
-                self.crosshair.move(factor * row, factor * col)
+                self.crosshair.move(*self.canvas.toward(factor * row, factor * col))
             elif index is None:
                 self.canvas.pan(_PAN * col, _PAN * row)
             else:
                 name = tr("move {shape}").format(shape=describe(self._session.document.shapes[index]))
-                by = _displaced(self._session.scene, (factor * row, factor * col))
+                by = _displaced(self._session.scene, self.canvas.toward(factor * row, factor * col))
                 self._session.edit(name, lambda document: edits.move_shape(document, index, by), f"nudge {index}")
             return True
         if key in _SIZES and index is not None:

@@ -7,9 +7,10 @@ from collections.abc import Mapping
 from typing import Any
 
 import pyqtgraph as pg
-from PySide6.QtCore import QPointF, QRectF
+from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QResizeEvent
 
+from app.model.volume.axis_names import flips_of
 from app.model.volume.slices import Slice
 from app.session.features.volumes.sections import Sections
 from app.session.scene import Scene
@@ -41,6 +42,8 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
         super().__init__(background=theme.CANVAS)
         self.view = pg.ViewBox(enableMenu=False, invertY=True, lockAspect=True, enableMouse=False, defaultPadding=0.0)
         self.view.disableAutoRange()
+        # It fills itself: else the window and all panels around it would be drawn below it in every frame.
+        self.viewport().setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
         self.setCentralItem(self.view)
         self.layers = Layers(self.view, requests)
         self.sections = Sections()
@@ -57,6 +60,7 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
         self._given = scene
         before, self._scene = self._scene, self.sections.of(scene)
         if self._scene.ground != before.ground:
+            self._lie()
             if _aspect(self._scene) != _aspect(before):
                 self.view.setAspectLocked(True, _aspect(self._scene))
             self.use_image()
@@ -111,8 +115,14 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
     def pan(self, right: float, down: float) -> None:
         """Move the visible part by pixels of the screen."""
         width, height = self.view.viewPixelSize()
-        self.view.translateBy(x=right * width, y=down * height)
+        row, col = self.toward(down * height, right * width)
+        self.view.translateBy(x=col, y=row)
         self._fitted = False
+
+    def toward(self, down: float, right: float) -> Position:
+        """Displacement (row, col) in the image that leads down and to the right on the screen."""
+        upside_down, leftward = flips_of(self._scene.whole, None if self.here is None else self.here.axis)
+        return -down if upside_down else down, -right if leftward else right
 
     def look_at(self, place: Position, span: float) -> None:
         """Show a square of `span` px of the image around a place (row, col)."""
@@ -158,6 +168,12 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
     def reach(self) -> float:
         """Distance at which the pointer takes hold of something [px of the image]."""
         return REACH * float(self.view.viewPixelSize()[0])
+
+    def _lie(self) -> None:
+        """Show the slices of a patient the way up in which they are read."""
+        upside_down, leftward = flips_of(self._scene.whole, None if self.here is None else self.here.axis)
+        self.view.invertY(not upside_down)
+        self.view.invertX(leftward)
 
     def _place(self) -> dict[str, object]:
         """The visible part, empty while the whole image is visible."""

@@ -13,7 +13,7 @@ from app.model.export.order import ExportOrder
 from app.model.state.surface_figures import SurfaceFigures, in_words
 from app.model.text.language import tr
 from app.views.export.fields import FileFields, FormatField
-from cpm_core.formats import FOR_VOLUMES
+from cpm_core.formats import FOR_CENTERLINES, FOR_VOLUMES
 from cpm_core.formats.writers import IN_SPACE
 from cpm_core.image.geometry import CONVENTIONS
 from cpm_core.image.image import Image
@@ -26,25 +26,31 @@ _SPACES = {
 
 
 class SurfaceDialog(QDialog):
-    """Asks for format and place of a file, and tells what there is to write."""
+    """Asks for format and place of a file, and tells what there is to write.
+
+    Where `lines` says something of center lines, these are written, and no surface.
+    """
 
     ordered = Signal(object, object)
     """Path of the file and the order for it."""
 
     def __init__(
         self, parent: QWidget, figures: SurfaceFigures | None, objects: int, volume: Image, path: Path, place: Path,
-        suffix: str,
+        suffix: str, lines: str = "",
     ) -> None:  # fmt: skip
         super().__init__(parent)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self.setWindowTitle(tr("Export surface"))
-        self.format = FormatField(FOR_VOLUMES, formats_of_volumes())
+        self.setWindowTitle(tr("Export center lines") if lines else tr("Export surface"))
+        self._formats = FOR_CENTERLINES if lines else FOR_VOLUMES
+        self.format = FormatField(FOR_CENTERLINES) if lines else FormatField(FOR_VOLUMES, formats_of_volumes())
         self.file = FileFields(place.parent, place.name, path)
         self.source = QComboBox()
         self.source.setAccessibleName(tr("What"))
         if figures is not None:
             self.source.addItem(tr("The surface of the run"), ("all", _summary(figures)))
-        if objects:
+        if lines:
+            self.source.addItem(tr("The center lines"), ("all", lines))
+        elif objects:
             self.source.addItem(tr("The objects"), ("objects", _counted(objects)))
         self.space = QComboBox()
         self.space.setAccessibleName(tr("Coordinates"))
@@ -91,7 +97,7 @@ class SurfaceDialog(QDialog):
         self._follow()
 
     def _follow_name(self) -> None:
-        if self.file.suffix in FOR_VOLUMES:
+        if self.file.suffix in self._formats:
             self.format.choose(self.file.suffix)
         self._follow()
 
@@ -100,7 +106,7 @@ class SurfaceDialog(QDialog):
         self.figures.setText(self.source.currentData()[1])
         self._form.setRowVisible(self.space, self._placed and self.file.suffix in IN_SPACE)
         trouble = self.file.trouble
-        if not trouble and self.file.suffix not in FOR_VOLUMES:
+        if not trouble and self.file.suffix not in self._formats:
             trouble = tr("This format is for contours: choose one from the list above.")
         self.export_button.setEnabled(not trouble)
         if not trouble and self.file.path.exists():

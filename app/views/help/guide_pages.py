@@ -135,6 +135,8 @@ _VESSELS = Page(
                 "inside.")),
         Step(tr("To take single vessels or measure them, choose the tool {objects} and click in one, in a slice or in "
                 "space; Enter takes it, and the table of objects tells its volume.")),
+        Step(tr("{mode_skeleton} and {run} find the center lines of the vessels and how thick they are, in the whole "
+                "volume or, with {object_skeleton}, in objects.")),
         Step(tr("{export}: the surface (PLY, STL) in the unit of the file, for a printer or another program. "
                 "{export_turntable} makes a film of a full turn.")),
     ),

@@ -20,12 +20,14 @@ from app.session.exchange.messages import Reconstruction, Snapshot
 from app.session.features.volumes.made_once import MadeOnce
 from app.session.scene import Proposal, Scene
 from app.views.canvas.layers import Layers
+from app.views.canvas.layers.contours.skeleton import banded
 from app.views.canvas.layers.particles.color_legend import BEGIN, UNKNOWN
 from app.views.canvas.layers.particles.particles import ParticleLayer
 from app.views.theme import color_maps, theme
 from app.views.theme.look import Ink, look
 from cpm_core.contours.surface import Surface
 from cpm_core.image.image import Image
+from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.objects.faces.space import VolumeSelection
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects
 from cpm_core.shapes import Charge, Interest, Limit, Shape
@@ -50,7 +52,8 @@ class SeenInSpace:
         particles = self._parts.of("particles", given, lambda: _particles(snapshot, layer))
         mesh = self._parts.of("mesh", (found,), lambda: _mesh(found))
         drawn = (scene.document.shapes if layers.drawing.shown else (), scene.selected, image)
-        lines = self._parts.of("wires", drawn, lambda: _wires(*drawn))
+        skeleton = scene.skeleton if layers["skeleton"].shown else None
+        lines = self._parts.of("wires", (*drawn, skeleton), lambda: _wires(*drawn, skeleton))
         of, offered = scene.document.objects, scene.objects.proposals
         selected = (of, offered, image.spacing) if layers["objects"].shown else None
         objects = self._parts.of("objects", (selected,), lambda: () if selected is None else tuple(_objects(*selected)))
@@ -101,13 +104,19 @@ def _colored(surface: Surface, spacing: tuple[float, ...], ink: Ink | str) -> Co
     return ColoredMesh(_mesh_of(surface, spacing), (red, green, blue))
 
 
-def _wires(shapes: tuple[Shape, ...], selected: int | None, image: Image) -> Wires | None:
+def _wires(
+    shapes: tuple[Shape, ...], selected: int | None, image: Image, skeleton: Skeleton | None = None
+) -> Wires | None:
     sides = tuple(side / min(image.spacing) for side in image.spacing)
     ends = [wires(shape, sides) for shape in shapes]
-    if not any(map(len, ends)):
-        return None
     inks = [_rgb(theme.CHOSEN if index == selected else _ink(shape)) for index, shape in enumerate(shapes)]
-    return Wires(np.concatenate(ends), np.repeat(np.array(inks), list(map(len, ends)), axis=0))
+    colors = [np.tile(ink, (len(each), 1)) for ink, each in zip(inks, ends, strict=True)]
+    if skeleton is not None:
+        bands = [_rgb(color) for color in theme.THICKNESSES]
+        for band, piece in banded(skeleton, len(bands)):
+            ends.append(np.stack([piece[:-1], piece[1:]], axis=1))
+            colors.append(np.tile(bands[band], (len(piece) - 1, 1)))
+    return Wires(np.concatenate(ends), np.concatenate(colors).astype(np.uint8)) if any(map(len, ends)) else None
 
 
 def _ink(shape: Shape) -> Ink | str:

@@ -52,7 +52,7 @@ class SpaceBar(QWidget):
         label = QLabel(tr("Opacity"))
         label.setBuddy(self.opacity)
         looks.addWidget(label)
-        self.opacity.setAccessibleName(tr("Opacity of the surface"))
+        self.opacity.setAccessibleName(tr("Opacity of surface and objects"))
         self.opacity.setToolTip(tr("A surface that is not opaque lets particles and slices behind it be seen."))
         self.opacity.show_value(shown.opacity)
         looks.addWidget(self.opacity, 1)
@@ -92,5 +92,5 @@ class SpaceBar(QWidget):
 
     def _enable(self) -> None:
         """Controls without an effect are gray."""
-        self.opacity.setEnabled(self._shown.surface)
+        self.opacity.setEnabled(self._shown.surface or self._shown.objects)
         self.cut_at.setEnabled(self._shown.cut_axis is not None)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import pi, radians
 
 from PySide6.QtCore import Qt
 
 from app.model.display.space.camera import Camera
+from cpm_core.numerics.types import Array
 
 Gesture = Callable[[Camera, float, float, int], Camera]
 """Follows the pointer, which moves to the right and down [px], in a picture whose shorter side is given [px]."""
@@ -48,8 +49,11 @@ def gesture(button: Qt.MouseButton, keys: Qt.KeyboardModifier) -> Gesture:
     return roll if keys & Qt.KeyboardModifier.ControlModifier else turn
 
 
-def by_key(camera: Camera, key: int) -> Camera | None:
-    """The camera after a press of a key: turned, enlarged, or along an axis; None for any other key."""
+def by_key(camera: Camera, key: int, directions: Sequence[Array]) -> Camera | None:
+    """The camera after a press of a key: turned, enlarged, or along an axis; None for any other key.
+
+    `directions` are the axes of cameras that look along those of the volume.
+    """
     if key in _TURNS:
         return camera.turned(*_TURNS[Qt.Key(key)])
     if key in (Qt.Key.Key_Plus, Qt.Key.Key_Equal):
@@ -57,5 +61,5 @@ def by_key(camera: Camera, key: int) -> Camera | None:
     if key == Qt.Key.Key_Minus:
         return camera.zoomed(1.0 / _ZOOM)
     if key in (Qt.Key.Key_1, Qt.Key.Key_2, Qt.Key.Key_3):
-        return camera.along(key - Qt.Key.Key_1)
+        return camera.along(directions[key - Qt.Key.Key_1])
     return None

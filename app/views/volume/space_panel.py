@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from PySide6.QtCore import QPoint
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from app.model.display.space.shown_parts import Contents, ShownParts
@@ -30,6 +31,10 @@ class SpacePanel(QWidget):
     def contents(self) -> Contents | None:
         """What could be shown."""
         return self._contents
+
+    def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
+        """The menu of the view; see `MenuOwner`."""
+        return "" if self._contents is None else "space", point or self.view.geometry().center()
 
     def show_contents(self, contents: Contents | None) -> None:
         """Show another volume, or what a run has found in it since."""

@@ -8,8 +8,17 @@ from functools import partial
 
 import numpy as np
 from PySide6.QtCore import QPointF, QSize, Qt, QTimer, Signal
-from PySide6.QtGui import QImage, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QResizeEvent, QWheelEvent
-from PySide6.QtWidgets import QSizePolicy, QWidget
+from PySide6.QtGui import (
+    QContextMenuEvent,
+    QImage,
+    QKeyEvent,
+    QMouseEvent,
+    QPainter,
+    QPaintEvent,
+    QResizeEvent,
+    QWheelEvent,
+)
+from PySide6.QtWidgets import QApplication, QSizePolicy, QWidget
 
 from app.model.display.space.camera import Camera
 from app.model.display.space.picture import FAR, Picture
@@ -46,12 +55,23 @@ class _Frame:
     number: int
     seconds: float
 
+    def position(self, spacing: tuple[float, ...], right: float, down: float) -> tuple[float, float, float] | None:
+        """Position [voxels] of what is seen at fractions of width and height, None where nothing is."""
+        rows, cols = self.picture.size
+        row, col = min(max(int(down * rows), 0), rows - 1), min(max(int(right * cols), 0), cols - 1)
+        depth = float(self.picture.depths[row, col])
+        if depth >= float(FAR):
+            return None
+        place = self.camera.corner((rows, cols)) + np.array([col, row, depth]) @ self.camera.axes / self.camera.scale
+        plane, along_rows, along_cols = (place / np.array(spacing)).tolist()
+        return plane, along_rows, along_cols
+
 
 class SpaceView(QWidget):
     """Draws a view on a thread of its own, the newest first; coarser while something moves, in full once it is still.
 
     Drag to turn, with Shift or the middle button to move, with Ctrl to roll; the wheel enlarges; a double click shows
-    everything again. A click on something picks the place.
+    everything again. A click on something picks the place, one with the right button opens the menu.
     """
 
     picked = Signal(object)
@@ -64,6 +84,7 @@ class SpaceView(QWidget):
         super().__init__()
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+        self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
         self.setAccessibleName(tr("View in space"))
         self.marks = SpaceMarks()
         self.camera: Camera | None = None
@@ -71,8 +92,7 @@ class SpaceView(QWidget):
         self._frame: _Frame | None = None
         self._image = QImage()
         self.look = Look(background=_rgb(theme.CANVAS))
-        self._seconds = 0.0
-        self._asked = 0
+        self._seconds, self._asked = 0.0, 0
         self._pressed: QPointF | None = None
         self._last = QPointF()
         self._gesture: Gesture = turn
@@ -112,7 +132,12 @@ class SpaceView(QWidget):
     def show_all(self) -> None:
         """See the whole volume from where it is seen first."""
         if self._view is not None:
-            self.use(Camera.on(self._view.lengths, self.room))
+            self.use(Camera.on(self._view.lengths, self.room, self._view.directions[self._view.front]))
+
+    def look_along(self, axis: int) -> None:
+        """See the volume as its slices across an axis lie."""
+        if self._view is not None and self.camera is not None:
+            self.use(self.camera.along(self._view.directions[axis]))
 
     def use(self, camera: Camera) -> None:
         """See the volume from elsewhere."""
@@ -163,14 +188,21 @@ class SpaceView(QWidget):
             self.use(self._gesture(self.camera, way.x() * ratio, way.y() * ratio, min(self.room)))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Pick what was clicked."""
+        """Pick what was clicked; a click of the right button opens the menu."""
         begin, self._pressed = self._pressed, None
-        if begin is None or event.button() != Qt.MouseButton.LeftButton:
+        if begin is None or (event.position() - begin).manhattanLength() > _CLICK:
             return
-        if (event.position() - begin).manhattanLength() <= _CLICK:
+        if event.button() == Qt.MouseButton.RightButton:
+            reason, point = QContextMenuEvent.Reason.Other, event.position().toPoint()
+            QApplication.postEvent(self, QContextMenuEvent(reason, point, event.globalPosition().toPoint()))
+        elif event.button() == Qt.MouseButton.LeftButton:
             position = self._at(event.position())
             if position is not None:
                 self.picked.emit(position)
+
+    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
+        """Leave the menu to the window; the right button opens it when it is released without a drag."""
+        event.setAccepted(event.reason() == QContextMenuEvent.Reason.Mouse)
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """See everything."""
@@ -186,15 +218,14 @@ class SpaceView(QWidget):
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Turn, enlarge, or look along an axis."""
-        camera = None if self.camera is None else by_key(self.camera, event.key())
+        view, now = self._view, self.camera
+        camera = None if view is None or now is None else by_key(now, event.key(), view.directions)
         if camera is not None:
             self.use(camera)
         elif event.key() in WHOLE:
             self.show_all()
         else:
             super().keyPressEvent(event)
-
-    # Internal
 
     def _changed(self) -> None:
         self._ask(min(_COARSEST, max(1, round((self._seconds / _SMOOTH) ** 0.5))))
@@ -232,19 +263,9 @@ class SpaceView(QWidget):
 
     def _at(self, point: QPointF) -> tuple[float, float, float] | None:
         """Position [voxels] of what is seen at a point, None where nothing is."""
-        frame, view = self._frame, self._view
-        if frame is None or view is None:
+        if self._frame is None or self._view is None:
             return None
-        rows, cols = frame.picture.size
-        row = min(max(int(point.y() * rows / self.height()), 0), rows - 1)
-        col = min(max(int(point.x() * cols / self.width()), 0), cols - 1)
-        depth = float(frame.picture.depths[row, col])
-        if depth >= float(FAR):
-            return None
-        camera = frame.camera
-        place = camera.corner((rows, cols)) + np.array([col, row, depth]) @ camera.axes / camera.scale
-        plane, down, right = (place / np.array(view.spacing)).tolist()
-        return plane, down, right
+        return self._frame.position(self._view.spacing, point.x() / self.width(), point.y() / self.height())
 
 
 def _draw(view: ViewInSpace, camera: Camera, size: tuple[int, int], coarseness: int, look: Look, number: int) -> _Frame:

@@ -19,6 +19,7 @@ from app.views.canvas.canvas_area import CanvasArea
 from app.views.theme.theme import Theme
 from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.widgets.preference_row import PreferenceRow
+from app.views.widgets.turns import Turns
 from app.views.window.file_dialogs import FileDialogs
 from app.views.window.keys.areas import Areas
 from app.views.window.keys.shortcuts import Shortcuts
@@ -65,6 +66,8 @@ class FeatureContext:
         Triggers an action by its name, once the window is built.
     open_menu : callable
         Opens the menu of what is chosen where the keyboard is.
+    turns : Turns
+        Does what takes long in pieces.
     """
 
     window: QMainWindow
@@ -83,6 +86,7 @@ class FeatureContext:
     open_part: Callable[[Path, bool, Reading], None]
     do: Callable[[str], None]
     open_menu: Callable[[], None]
+    turns: Turns
 
     @property
     def session(self) -> Session:

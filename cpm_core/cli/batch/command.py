@@ -42,7 +42,9 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     )
     add_session(parser, required=True)
     where = parser.add_mutually_exclusive_group()
-    where.add_argument("--workers", metavar="N", type=as_number, help="processes to work in (default: one a core)")
+    where.add_argument(
+        "--workers", metavar="N", type=as_number, help="processes to work in, each on one core (default: one a core)"
+    )
     where.add_argument(
         "--scheduler",
         metavar="ADDRESS",

@@ -15,7 +15,7 @@ from typing import Any
 
 from cpm_core.cli.batch.jobs import Done, Job, do
 from cpm_core.formats.interrupts import interrupts_handled
-from cpm_core.numerics.parallel import cores
+from cpm_core.numerics.parallel import at_most, cores
 from cpm_core.objects.warm_up import is_compiled, warm_up
 
 _LOG = logging.getLogger(__name__)
@@ -34,18 +34,19 @@ def here(
 ) -> Generator[Done, None, None]:
     """Do jobs on this computer and yield results as they finish.
 
-    There is one process for each core unless `workers` gives a number; with one, jobs are done in this process, unless
+    There is one process for each core unless `workers` gives a number. With one, jobs are done in this process, unless
     there is `go_on`. That is called several times a second, and what it raises ends all processes. A job whose process
     dies is tried once more, as the last one.
     """
-    count = min(workers or cores(), len(jobs))
+    count, each = _shared(workers, len(jobs))
     if count <= 1 and (go_on is None or not jobs):
-        yield from map(do, jobs)
+        with at_most(each):
+            yield from map(do, jobs)
         return
     _compile_once(go_on)
     waiting = list(reversed(jobs))
     tried: set[int] = set()
-    crew = [_Worker() for _ in range(count)]
+    crew = [_Worker(each) for _ in range(count)]
     try:
         for worker in crew:
             worker.give(waiting.pop())
@@ -63,7 +64,7 @@ def here(
                     tried.add(job.number)
                     waiting.insert(0, job)
                 if worker.dead and waiting:
-                    crew[crew.index(worker)] = worker = _Worker()
+                    crew[crew.index(worker)] = worker = _Worker(each)
                 if waiting:
                     worker.give(waiting.pop())
                 if not again:
@@ -71,6 +72,15 @@ def here(
     finally:
         for worker in crew:
             worker.end()
+
+
+def _shared(workers: int | None, jobs: int) -> tuple[int, int]:
+    """How many processes do so many jobs, and how many cores each uses: one, where there are not fewer jobs than cores.
+
+    Threads within a process gain less than a process more, and whoever gives a number means so many cores.
+    """
+    count = min(workers or cores(), jobs)
+    return count, 1 if workers else max(1, cores() // max(1, count))
 
 
 def elsewhere(jobs: Sequence[Job], address: str) -> Generator[Done, None, None]:
@@ -138,14 +148,14 @@ def _compile_once(go_on: Callable[[], object] | None) -> None:
 
 
 class _Worker:
-    """A process that does one job after the other."""
+    """A process that does one job after the other, and uses so many cores."""
 
-    def __init__(self) -> None:
+    def __init__(self, use: int) -> None:
         context = multiprocessing.get_context("spawn")
         self.line, theirs = context.Pipe()
         self.job: Job | None = None
         self.dead = False
-        self._process: BaseProcess = context.Process(target=_work, args=(theirs,), daemon=True)
+        self._process: BaseProcess = context.Process(target=_work, args=(theirs, use), daemon=True)
         with interrupts_handled(signal.SIG_IGN):  # this process ends those that it starts
             self._process.start()
         theirs.close()
@@ -176,8 +186,8 @@ class _Worker:
         self.line.close()
 
 
-def _work(line: Connection) -> None:
-    """Do the jobs that arrive on a connection, until it is closed."""
-    with suppress(EOFError, OSError):
+def _work(line: Connection, use: int) -> None:
+    """Do the jobs that arrive on a connection, until it is closed, on so many cores."""
+    with suppress(EOFError, OSError), at_most(use):
         while True:
             line.send(do(line.recv()))

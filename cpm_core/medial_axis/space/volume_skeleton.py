@@ -23,7 +23,7 @@ from cpm_core.parameters.provenance import Provenance, taken
 from cpm_core.parameters.quotation import shown
 from cpm_core.reconstruction.surface.iso.pipeline import find_surface
 
-_TAKEN = ("smoothing", "gamma", "edge_floor", "polarity", "pruning")
+OF_CENTERLINES = ("smoothing", "gamma", "edge_floor", "polarity", "pruning")
 """Parameters that the center lines of gray levels depend on."""
 
 
@@ -42,11 +42,11 @@ def volume_skeleton(
     for name, value in (("outside", outside), ("max_width", parameters.max_width)):
         if value:
             raise ValueError(f"{name} is {shown(value)} but has no meaning in a volume: leave it out.")
-    inside = _inside(image, parameters, parameters.polarity < 0.0) if within is None else _mask(within, image)
+    inside = inside_edges(image, parameters, parameters.polarity < 0.0) if within is None else _mask(within, image)
     found = centerlines(inside, image.spacing, image.unit, parameters.pruning)
     made = Provenance(
         "skeleton",
-        taken(parameters, ("pruning",) if within is not None else _TAKEN),
+        taken(parameters, ("pruning",) if within is not None else OF_CENTERLINES),
         sha256=image.sha256,
         of_file=bool(image.file_sha256),
     )
@@ -65,7 +65,7 @@ def _mask(given: Sequence[Contour] | ArrayLike, image: Image) -> Mask:
     return np.asarray(mask)
 
 
-def _inside(image: Image, parameters: Parameters, dark: bool) -> Mask:
+def inside_edges(image: Image, parameters: Parameters, dark: bool) -> Mask:
     """The voxels of a volume that are lighter than its edges, or darker."""
     low, high = image.gray_range
     if low < high and _is_mask(image.values, low, high):

@@ -30,6 +30,8 @@ from cpm_core.shapes import Barrier, Stroke
 from cpm_core.shapes.outlines import outlines_of
 from tests.app.conftest import Hand, disc
 
+pytestmark = pytest.mark.shared_window
+
 KEY = Qt.Key
 LEFT = Qt.MouseButton.LeftButton
 

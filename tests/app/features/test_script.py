@@ -246,7 +246,7 @@ def test_the_window_shows_the_script_of_its_own_contours(ready: MainWindow, hand
     monkeypatch.chdir(tmp_path)
     hand.key(Qt.Key.Key_Space)
     hand.wait(lambda: ready.session.status.phase == "finished")
-    hand.wait(lambda: ready.session.scene.contours.result is not None)
+    hand.wait(lambda: ready.session.idle and ready.session.scene.contours.result is not None)
     ready.feature(ScriptFeature).open()
     dialog = ready.feature(ScriptFeature).dialog
     assert dialog is not None

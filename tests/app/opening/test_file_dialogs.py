@@ -21,6 +21,8 @@ from app.views.features.view.animation import AnimationFeature
 from app.views.main_window import MainWindow
 from app.views.window import dialogs
 
+pytestmark = pytest.mark.shared_window
+
 CTRL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
 ROOT = Path(__file__).parents[3]
 

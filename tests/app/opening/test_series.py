@@ -12,6 +12,8 @@ from cpm_core import load_volume
 from tests.app.volumes.conftest import open_file
 from tests.core.formats.images.volumes.made import OBLIQUE, VALUES, write_series, write_slice
 
+pytestmark = pytest.mark.shared_window
+
 pytest.importorskip("pydicom")
 
 MANY = np.concatenate([VALUES, VALUES + 1, VALUES + 2])

@@ -20,6 +20,8 @@ from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.shapes import Circle, Everywhere, Polygon, Region
 from tests.app.conftest import disc
 
+pytestmark = pytest.mark.shared_window
+
 LEFT = Qt.MouseButton.LeftButton
 CIRCLE = Circle((30.0, 20.0), 5.0)
 REGION = Region(((1.0, 1.0), (60.0, 1.0), (60.0, 60.0), (1.0, 60.0)))

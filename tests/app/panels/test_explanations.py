@@ -14,6 +14,8 @@ from app.views.panels.parameters.illustration import Illustration
 from app.views.panels.parameters.illustrations import ILLUSTRATIONS
 from cpm_core.parameters import PARAMETERS
 
+pytestmark = pytest.mark.shared_window
+
 CONTROLS = {control.name: control for control in controls()}
 
 

@@ -46,7 +46,12 @@ COMPUTING = tuple(
 VALUES = tuple(str(Path("segmentation", "methods", name)) for name in ("compared.py", "registry.py"))
 """Modules in them that hold values only: which methods are compared is a part of the document."""
 
-SIDE, SPACING = 2048, 14.0
+SIDE, LARGE = 1024, 2048
+"""Sides of the images on which is computed, and on which nothing is [px]."""
+
+LINES = 146
+"""Lines and columns of the particles."""
+
 PATIENCE = 120_000
 
 
@@ -107,14 +112,17 @@ def nothing_is_written_through_by_the_window(monkeypatch: pytest.MonkeyPatch) ->
     assert not any(threads)
 
 
-@pytest.fixture
-def image_file(tmp_path: Path) -> Path:
-    """A large image with discs."""
-    row, col = np.indices((SIDE, SIDE), dtype=np.float32) % 128
-    values = np.where(np.hypot(row - 64, col - 64) < 40, 200.0, 30.0) + np.arange(SIDE) / 64
-    path = tmp_path / "large.npy"
-    np.save(path, values)
+def write_discs(path: Path, side: int) -> Path:
+    """Write an image of this side with discs, of which a row or column has one in each 64 pixels."""
+    row, col = np.indices((side, side), dtype=np.float32) % 64
+    np.save(path, np.where(np.hypot(row - 32, col - 32) < 20, 200.0, 30.0) + np.arange(side) / 64)
     return path
+
+
+@pytest.fixture
+def image_file(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
+    """An image with discs, of the side that the test asks for."""
+    return write_discs(tmp_path / "large.npy", getattr(request, "param", SIDE))
 
 
 @pytest.fixture
@@ -147,7 +155,8 @@ def large(window: MainWindow, qtbot, image_file: Path) -> MainWindow:
         qtbot.wait(100)
 
     free("opening a large image", open_it)
-    points = Points(tuple((row, col) for row, col in uniform_grid((SIDE, SIDE), SPACING).tolist()))
+    shape = np.load(image_file, mmap_mode="r").shape
+    points = Points(tuple((row, col) for row, col in uniform_grid(shape, shape[0] / LINES).tolist()))
     assert len(points.positions) > 20_000
 
     def draw() -> None:
@@ -215,6 +224,7 @@ def test_nothing_blocks_the_window_while_it_runs(large: MainWindow, hand, qtbot)
     free("pausing", pause)
 
 
+@pytest.mark.parametrize("image_file", [LARGE], indirect=True)
 def test_nothing_blocks_the_window_while_it_is_worked_with(large: MainWindow, hand, qtbot, tmp_path: Path) -> None:
     session = large.session
     document_file = large.feature(OpenSaveFeature).document_file

@@ -65,9 +65,9 @@ def drag(view: ImageView, *places: tuple[float, float]) -> None:
 
 
 def open_file(window: MainWindow, hand: Hand, path: Path) -> None:
-    """Open a file, and wait for it."""
+    """Open a file, and wait for it and for the views of it."""
     window.open_image(str(path))
-    hand.wait(lambda: window.session.document.image.name == path.name and window.session.idle)
+    hand.wait(lambda: window.session.document.image.name == path.name and window.session.idle and window.turns.idle)
 
 
 @pytest.fixture

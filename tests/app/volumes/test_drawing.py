@@ -11,6 +11,8 @@ from app.views.features.view.slices import SlicesFeature
 from cpm_core.shapes import Box, BoxRegion, Charge, Points, Polygon, PrismRegion, Sphere, Stroke, Wall
 from tests.app.volumes.conftest import SHAPE, drag, move, press, release
 
+pytestmark = pytest.mark.shared_window
+
 KEY, CONTROL = Qt.Key, Qt.KeyboardModifier.ControlModifier
 PIXEL = 0.6
 

@@ -15,6 +15,8 @@ from app.views.features.view.slices import SlicesFeature
 from app.views.features.view.space import SpaceFeature
 from tests.app.volumes.conftest import open_file
 
+pytestmark = pytest.mark.shared_window
+
 KEY, CONTROL = Qt.Key, Qt.KeyboardModifier.ControlModifier
 ENDS = (20.0, 200.0)
 
@@ -79,6 +81,7 @@ def test_keys_choose_all_gray_values_and_the_automatic_range(volume, hand) -> No
     assert not volume.actions_by_name["levels_full"].isChecked()
 
 
+@pytest.mark.own_window
 def test_the_automatic_range_of_a_volume_leaves_out_its_extremes(window, hand, tmp_path) -> None:
     values = np.full((20, 20, 20), 50.0)
     values[:10] = 100.0

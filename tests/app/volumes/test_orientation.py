@@ -2,13 +2,30 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from PySide6.QtCore import Qt
 
+from app.model.volume.axis_names import directions_of, edges_of, first_seen
+from app.model.volume.slices import Slices
 from app.views.features.view.slices import SlicesFeature
 from app.views.features.view.space import SpaceFeature
+from cpm_core.image.geometry import Geometry
+from cpm_core.image.image import Image
 from tests.app.volumes.conftest import ball, open_file
+
+pytestmark = pytest.mark.shared_window
+
+NOTHING = Image(np.zeros((8, 9, 10)))
+
+VECTORS = {"L": [1, 0, 0], "R": [-1, 0, 0], "P": [0, 1, 0], "A": [0, -1, 0], "S": [0, 0, 1], "I": [0, 0, -1]}
+"""Along left, posterior, superior."""
+
+OPPOSITE = ({"L", "R"}, {"A", "P"}, {"S", "I"})
 
 
 def shown(view):
@@ -29,10 +46,47 @@ def test_each_slice_has_the_letters_of_its_edges(patient, hand) -> None:
     slices = patient.feature(SlicesFeature)
     canvas = patient.canvas_area.canvas
     assert shown(canvas) == ("A", "P", "R", "L")
-    assert [shown(view) for view in slices.sides] == [("I", "S", "R", "L"), ("I", "S", "A", "P")]
+    assert [shown(view) for view in slices.sides] == [("S", "I", "R", "L"), ("S", "I", "A", "P")]
+    assert [button.text() for button in slices.bar.axes] == ["Axial", "Coronal", "Sagittal"]
     hand.qtbot.mouseClick(slices.bar.axes[2], Qt.MouseButton.LeftButton)
-    assert shown(canvas) == ("I", "S", "A", "P")
-    assert [shown(view) for view in slices.sides] == [("A", "P", "R", "L"), ("I", "S", "R", "L")]
+    assert shown(canvas) == ("S", "I", "A", "P")
+    assert [shown(view) for view in slices.sides] == [("A", "P", "R", "L"), ("S", "I", "R", "L")]
+
+
+def test_what_is_superior_is_above_and_keys_lead_where_they_point(patient, hand) -> None:
+    patient.feature(SlicesFeature).bar.axes[1].click()
+    canvas = patient.canvas_area.canvas
+    foot, head = canvas.point((4.0, 10.0)), canvas.point((20.0, 10.0))
+    assert head.y() < foot.y()
+    assert head.x() == foot.x()
+    hand.key(Qt.Key.Key_Return)
+    row, col = patient.canvas_area.crosshair.at
+    hand.key(Qt.Key.Key_Up)
+    hand.key(Qt.Key.Key_Right)
+    assert patient.canvas_area.crosshair.at == (row + 1.0, col + 1.0)
+    hand.key(Qt.Key.Key_Escape)
+    before = canvas.point((4.0, 10.0))
+    canvas.pan(0.0, 30.0)
+    assert canvas.point((4.0, 10.0)).y() == pytest.approx(before.y() - 30.0, abs=1.0)
+    canvas.pan(0.0, -30.0)
+    patient.feature(SlicesFeature).bar.axes[0].click()
+
+
+@given(st.permutations(range(3)), st.tuples(*[st.sampled_from((1, -1))] * 3))
+def test_a_patient_is_never_mirrored(order, signs) -> None:
+    along = np.eye(3)[order] * np.array(signs)[:, None]
+    volume = replace(NOTHING, geometry=Geometry((0.0, 0.0, 0.0), tuple(map(tuple, along.tolist()))))
+    seen = [axes @ along for axes in directions_of(volume)]  # along left, posterior, superior
+    assert all(np.linalg.det(axes) == pytest.approx(1.0) for axes in seen)
+    front = seen[first_seen(volume)]
+    assert np.abs(front[2]).tolist() == [0.0, 1.0, 0.0]
+    for axis, axes in enumerate(seen):
+        (top, bottom), (left, right) = edges_of(volume, replace(Slices.of(volume.shape), axis=axis))
+        assert [VECTORS[right], VECTORS[bottom]] == axes[:2].tolist()
+        assert bottom not in "AS"
+        assert right not in "RA"
+        assert {top, bottom} in OPPOSITE
+        assert {left, right} in OPPOSITE
 
 
 def test_the_axes_in_space_have_the_same_letters(patient) -> None:
@@ -45,11 +99,13 @@ def test_the_letters_can_be_hidden(patient) -> None:
     assert shown(patient.feature(SlicesFeature).sides[0]) == ("", "", "", "")
 
 
+@pytest.mark.own_window
 def test_a_volume_that_tells_nothing_has_the_names_of_its_axes(volume) -> None:
     assert shown(volume.canvas_area.canvas) == ("", "row", "", "column")
     assert volume.feature(SpaceFeature).panel.view.marks.names[0] == ("", "plane")
 
 
+@pytest.mark.own_window
 def test_a_plain_image_has_no_letters_and_a_plane_of_a_patient_has(patient, hand, image_file) -> None:
     patient.actions_by_name["open_stack"].trigger()
     hand.wait(lambda: patient.session.image.ndim == 2 and patient.session.idle)

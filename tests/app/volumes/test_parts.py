@@ -15,6 +15,8 @@ from app.views.features.file.stack import StackFeature
 from cpm_core import load_image, load_volume
 from tests.app.volumes.conftest import SHAPE, ball, open_file
 
+pytestmark = pytest.mark.shared_window
+
 
 @pytest.fixture
 def hyperstack(tmp_path):

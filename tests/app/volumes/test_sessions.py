@@ -9,7 +9,9 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.views.features.file.open_save import OpenSaveFeature
-from cpm_core.formats.sessions.session_file import load_session
+from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
+from cpm_core.objects.segmented.segmented_object import SegmentedObject, SegmentedObjects
+from cpm_core.shapes import Circle, Sphere
 from tests.app.volumes.conftest import open_file
 
 pytestmark = pytest.mark.shared_window
@@ -49,6 +51,29 @@ def test_slices_that_make_no_sense_in_a_file_change_nothing(volume, kept) -> Non
     before = volume.session.scene.slices
     volume.workspace.slices.use_view_state(json.loads(json.dumps({"slices": kept})))
     assert volume.session.scene.slices == before
+
+
+@pytest.mark.parametrize("volumes", [True, False])
+def test_a_drawing_of_another_dimension_is_refused_and_nothing_is_lost(
+    volume, hand, tmp_path, volume_file, image_file, volumes
+) -> None:
+    shape = Sphere((12.0, 14.0, 16.0), 5.0) if volumes else Circle((20.0, 20.0), 9.0)
+    file = image_file if volumes else volume_file
+    save_session(SessionFile(ImageFile(str(file)), (shape,)), tmp_path / "other.cpm")
+    hand.drag((14, 16), (14, 18), (14, 20))
+    before = volume.session.document
+    volume.open_image(str(tmp_path / "other.cpm"))
+    words = "shape 1 (sphere) is for volumes" if volumes else "shape 1 (circle) is for images"
+    hand.wait(lambda: words in volume.canvas_area.messages.text.lower())
+    assert volume.session.document is before
+
+
+def test_objects_of_another_dimension_are_refused(volume, hand, tmp_path, volume_file) -> None:
+    line = ((2.0, 2.0), (2.0, 9.0), (9.0, 9.0))
+    objects = SegmentedObjects((SegmentedObject(1, (), (line,)),))
+    save_session(SessionFile(ImageFile(str(volume_file)), objects=objects), tmp_path / "objects.cpm")
+    volume.open_image(str(tmp_path / "objects.cpm"))
+    hand.wait(lambda: "objects.cpm holds objects of an image" in volume.canvas_area.messages.text)
 
 
 def test_slices_beyond_the_volume_are_shown_at_its_end(volume) -> None:

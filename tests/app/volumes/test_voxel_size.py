@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 
 import numpy as np
+import pytest
 from PySide6.QtCore import Qt
 
 from app.views.features.edit.pixel_size import PixelSizeFeature
@@ -14,6 +15,8 @@ from app.views.features.view.slices import SlicesFeature
 from app.views.features.view.space import SpaceFeature
 from cpm_core import load_volume
 from tests.app.volumes.conftest import open_file
+
+pytestmark = pytest.mark.shared_window
 
 CONTROL = Qt.KeyboardModifier.ControlModifier
 

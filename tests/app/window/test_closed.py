@@ -6,16 +6,13 @@ import gc
 from collections import Counter
 
 import pytest
-from PySide6.QtCore import QCoreApplication, QEvent
+from PySide6.QtCore import QCoreApplication, QEvent, QTimer
 from PySide6.QtWidgets import QApplication
 
 pytestmark = pytest.mark.shared_window
 
-OPENED = (
-    "export", "export_animation", "export_strip", "mosaic", "preferences", "keys", "guide", "wipe", "magnifier",
-    "open_menu",
-)  # fmt: skip
-"""Actions that open a dialog, a menu, or another view of the image."""
+OPENED = ("keys", "guide", "wipe", "magnifier", "open_menu")
+"""Actions that open a dialog, a menu, or another view of the image, and whose names do not say so by dots."""
 
 
 def existing() -> Counter[str]:
@@ -36,12 +33,31 @@ def rested(ready, hand):
     return ready
 
 
+def opened_by(window) -> list[str]:
+    """All actions that can open something now."""
+    actions = {spec.name: window.actions_by_name[spec.name] for spec in window.actions_by_name.specs}
+    asking = [name for name, action in actions.items() if action.text().endswith("…") and action.isEnabled()]
+    assert len(asking) > 8
+    return list(dict.fromkeys([*OPENED, *asking]))
+
+
+def close_what_waits() -> None:
+    """Close a dialog that holds the action until it is answered."""
+    waiting = QApplication.activeModalWidget()
+    if waiting is not None:
+        waiting.close()
+
+
 def open_and_close(window, name: str) -> None:
     action = window.actions_by_name[name]
     assert action.isEnabled(), name
     before = set(QApplication.topLevelWidgets())
+    closing = QTimer(interval=0)
+    closing.timeout.connect(close_what_waits)
+    closing.start()
     action.trigger()
     QApplication.processEvents()
+    closing.stop()
     if action.isCheckable():
         action.trigger()
     for opened in set(QApplication.topLevelWidgets()) - before:
@@ -50,11 +66,12 @@ def open_and_close(window, name: str) -> None:
 
 
 def test_a_closed_dialog_menu_or_view_is_not_kept(rested, hand) -> None:
-    for name in OPENED:
+    names = opened_by(rested)
+    for name in names:
         open_and_close(rested, name)
     hand.wait(lambda: rested.session.idle)
     before = existing()
-    for name in OPENED:
+    for name in names:
         open_and_close(rested, name)
         hand.wait(lambda: rested.session.idle)
         assert existing() <= before, name

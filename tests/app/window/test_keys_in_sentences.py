@@ -5,6 +5,7 @@ from __future__ import annotations
 import gettext
 import importlib
 import re
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,8 @@ from app.views.features.run.timeline import TimelineFeature
 from app.views.help.cheat_sheet import CheatSheet
 from app.views.widgets.key_text import native
 from cpm_core.shapes import Circle, Everywhere
+
+pytestmark = pytest.mark.shared_window
 
 LANGUAGES = Path(__file__).parents[3] / "assets" / "languages"
 
@@ -50,13 +53,11 @@ ALIKE_FIXED = (
 )  # fmt: skip
 
 
-def _sentences() -> list[str]:
+@cache
+def sentences() -> list[str]:
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(str(LANGUAGES))
         return list(importlib.import_module("make_template").sentences())
-
-
-SENTENCES = _sentences()
 
 
 def pattern_of(key: str) -> str:
@@ -73,7 +74,7 @@ def without(said: str, fixed: tuple[str, ...]) -> str:
 @pytest.fixture
 def renamed(window) -> dict[str, str]:
     """The keys that all actions named in sentences have been given, by the names of the actions."""
-    actions = sorted({name for said in SENTENCES for name in NAMED.findall(said)})
+    actions = sorted({name for said in sentences() for name in NAMED.findall(said)})
     keys = {name: f"Ctrl+Alt+Shift+F{number}" for number, name in enumerate(actions, start=1)}
     for name, key in keys.items():
         window.shortcuts.choose(name, key)
@@ -100,7 +101,7 @@ def texts_of(window) -> list[str]:
 def test_no_sentence_says_a_key_that_can_be_changed_as_fixed_text(window) -> None:
     keys = {key for action in window.shortcuts.actions for key in action.default}
     patterns = re.compile("|".join(sorted(map(pattern_of, keys), key=len, reverse=True)))
-    assert [said for said in SENTENCES if patterns.search(without(said, FIXED))] == []
+    assert [said for said in sentences() if patterns.search(without(said, FIXED))] == []
 
 
 @pytest.mark.parametrize("catalog", sorted(LANGUAGES.glob("*/LC_MESSAGES/cpm.mo")), ids=lambda path: path.parts[-3])
@@ -108,13 +109,13 @@ def test_no_translation_says_a_key_that_is_not_in_its_sentence(catalog) -> None:
     with catalog.open("rb") as stream:
         known = gettext.GNUTranslations(stream)
     keys = re.compile(ALIKE + (IN_GERMAN if catalog.parts[-3] == "de" else ""))
-    told = {said: known.gettext(said) for said in SENTENCES if not re.search(f"{ALIKE}|{'|'.join(FIXED)}", said)}
+    told = {said: known.gettext(said) for said in sentences() if not re.search(f"{ALIKE}|{'|'.join(FIXED)}", said)}
     assert [other for said, other in told.items() if other != said and keys.search(without(other, ALIKE_FIXED))] == []
 
 
 def test_every_key_in_a_sentence_is_that_of_an_action(window) -> None:
     known = {action.name for action in window.shortcuts.actions}
-    assert {name for said in SENTENCES for name in NAMED.findall(said)} <= known
+    assert {name for said in sentences() for name in NAMED.findall(said)} <= known
 
 
 def test_changed_keys_are_in_every_sentence_of_the_window(window, renamed) -> None:

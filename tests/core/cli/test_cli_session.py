@@ -18,6 +18,7 @@ from asyncio import CancelledError
 from concurrent.futures import Future
 from dataclasses import replace
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import PIL.Image
@@ -31,8 +32,9 @@ from cpm_core.contours.features import contour_features
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark, anchor, described
 from cpm_core.formats.fingerprint import fingerprint
-from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_session
-from cpm_core.shapes import Circle, Everywhere, Region
+from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
+from cpm_core.numerics import parallel
+from cpm_core.shapes import Circle, Everywhere, Region, Sphere
 
 ROOT = Path(__file__).parents[3]
 SAMPLES = ROOT / "assets" / "samples"
@@ -273,6 +275,28 @@ def test_an_interrupt_ends_a_batch_at_once_and_leaves_whole_files_only(tmp_path,
     assert {name for row in table(out) for name in row["files"].split("; ")} == {path.name for path in drawings}
 
 
+@pytest.mark.parametrize(
+    ("given", "jobs", "shared"),
+    [(None, 200, (7, 1)), (None, 3, (3, 2)), (None, 0, (0, 7)), (2, 200, (2, 1)), (2, 1, (1, 1))],
+)
+def test_processes_of_a_batch_share_the_cores_and_as_many_as_were_asked_for_use_one_each(
+    monkeypatch, given, jobs, shared
+):
+    monkeypatch.setattr(parallel, "_cores", lambda: 7)
+    assert workers._shared(given, jobs) == shared
+
+
+def test_a_process_of_a_batch_uses_as_many_cores_as_it_is_told(monkeypatch):
+    monkeypatch.setattr(parallel, "_cores", lambda: 4)
+    monkeypatch.setattr(workers, "do", lambda job: parallel.cores())
+    assert list(workers.here(["job"], 1)) == [1]
+    assert list(workers.here(["job"], None)) == [4]
+    line = Mock(recv=Mock(side_effect=["job", EOFError]))
+    workers._work(line, 2)
+    line.send.assert_called_once_with(2)
+    assert parallel.cores() == 4
+
+
 @pytest.mark.parametrize("deaths", [1, 2])
 def test_an_image_whose_worker_dies_is_tried_once_more_and_the_others_go_on(disks, monkeypatch, deaths):
     lines = []
@@ -497,3 +521,13 @@ def test_edits_by_hand_of_a_session_are_carried_out(command, disks, tmp_path):
     out = tmp_path / "out"
     assert command("batch", disks, "--session", session, "--output", out, "--export", ".measures.csv")[0] == 0
     assert (out / "disks_contours.measures.csv").read_text() == (tmp_path / "a.measures.csv").read_text()
+
+
+def test_a_drawing_of_a_volume_is_refused_for_an_image(command, tmp_path):
+    save_session(SessionFile(shapes=(Sphere((8.0, 9.0, 9.0), 4.0),)), tmp_path / "volume.cpm")
+    status, out, err = command("run", SAMPLES / "rings.png", "--session", tmp_path / "volume.cpm")
+    assert (status, out) == (2, "")
+    assert err.startswith("cpm: shape 1 (sphere) is for volumes, but rings.png is taken as an image of ")
+    assert err.count("\n") == 1
+    job = Job(0, str(SAMPLES / "rings.png"), load_session(tmp_path / "volume.cpm"), Parameters(), 5, ())
+    assert do(job).error.startswith("shape 1 (sphere) is for volumes")

@@ -58,7 +58,7 @@ _VALUES: dict[str, tuple[str, ...]] = {
     "--pixel-size": ("0.25um", "1,2um", "0", "nan", "-1mm", "x", "1e-300", "2,2,2mm"),
     "--workers": ("1", "0", "x", "99999"),
     **dict.fromkeys(("--export", "--to"), _TARGETS),
-    "--save-session": ("new.cpm", "new.x", _SESSION, IMAGE, "no/new.cpm", ""),
+    "--save-session": ("new.cpm", "new.x", IMAGE, "no/new.cpm", ""),
     "--output": ("there", "", IMAGE, "/dev/null/x"),
     "--scheduler": ("nowhere:1",),
     "--edges": ("vessels", "gray", "x"),
@@ -138,7 +138,8 @@ def attempt(arguments: list[str]) -> None:
     after = _contents()
     changed = {name for name in after if before.get(name) != after[name]}
     assert before.keys() <= after.keys(), f"lost {before.keys() - after.keys()}"
-    assert status != 2 or not changed, f"refused with {lines[-1:]}, but wrote {changed}"
+    part = any("was not written" in line for line in lines)  # one of several formats cannot hold what was found
+    assert status != 2 or part or not changed, f"refused with {lines[-1:]}, but wrote {changed}"
     assert not changed & _SOUND, f"overwrote {changed}"
     assert all(after[name] for name in changed), f"an empty file among {changed}"
     if "--json" in arguments and status == 0 and "--help" not in arguments and "--version" not in arguments:

@@ -21,8 +21,8 @@ from app.session.worker.free_memory import give_back
 
 MIB = 2**20
 
-MOST_MORE, MOST_MORE_OBJECTS = 12.0, 0.05
-"""What the last quarter may take more than the second: memory [MiB], and Qt objects as a fraction."""
+MOST_MORE = 0.01
+"""What the last quarter may take more than the third, of memory and of Qt objects, as a fraction."""
 
 
 @dataclass(frozen=True)
@@ -79,17 +79,17 @@ def quarters(measured: Sequence[Taken]) -> list[Taken]:
 
 
 def still_rising(marks: Sequence[Taken]) -> list[str]:
-    """Say what has not leveled off: the last quarter takes no more than a little more than the second.
+    """Say what has not leveled off: the last quarter takes no more than a little more than the third.
 
-    In the first quarter most is done for the first time, and what it needs is made and kept.
+    In the first half much is done for the first time, and what it needs is made and kept.
     """
     if not marks:
         return []
-    before, last = marks[1], marks[3]
+    before, last = marks[2], marks[3]
     rising = []
-    if last.resident > before.resident + MOST_MORE:
+    if last.resident > before.resident * (1.0 + MOST_MORE):
         rising.append(f"the memory still rises, from {before.resident:.0f} to {last.resident:.0f} MiB")
-    if last.qt_objects > before.qt_objects * (1.0 + MOST_MORE_OBJECTS):
+    if last.qt_objects > before.qt_objects * (1.0 + MOST_MORE):
         rising.append(f"Qt objects become more, from {before.qt_objects} to {last.qt_objects}: {last.qt - before.qt}")
     return rising
 

@@ -24,7 +24,7 @@ from app.session.worker.worker_thread import QUIET
 from ..report import Budget, Report
 from .gestures import Gesture, Hand
 from .memory import Taken, quarters, still_rising, taken
-from .program import IMAGES, await_true, destroyed, discarding, opened, ours, surroundings
+from .program import IMAGES, await_true, destroyed, discarding, opened, ours, settled, surroundings
 from .watch import Watch
 
 log = logging.getLogger(__name__)
@@ -110,6 +110,16 @@ class Monkey(QObject):
         preferences.choose(TIMELINE_MEMORY, TIMELINE_MEMORY.low)
         await_true(lambda: self.window.session.idle, "storing fewer steps")
 
+    def tidy(self) -> None:
+        """Close all other windows and open the first image again, so that only what is left behind takes more."""
+        for top in QApplication.topLevelWidgets():
+            if top.isVisible() and top is not self.window:
+                top.close()
+        with discarding():
+            self.window.open_image(str(self._images / IMAGES[0]))
+        QApplication.processEvents()
+        await_true(lambda: settled(self.window), "opening the first image again")
+
     def close(self) -> None:
         """Close the window without saving."""
         self.come_to_rest()
@@ -173,13 +183,16 @@ class Monkey(QObject):
         self.events += hand.events
 
 
-def play(budget: Budget, gestures: int | None = None, between: int = 200) -> tuple[Report, list[Taken]]:
-    """Make gestures until the time is over, or so many, and check and measure after every so many."""
+def play(
+    budget: Budget, gestures: int | None = None, between: int = 200, checks: int = 5
+) -> tuple[Report, list[Taken]]:
+    """Make gestures until the time is over, or so many; check after every so many, and measure after some checks."""
     failures: list[str] = []
     measured: list[Taken] = []
     end = time.monotonic() + budget.seconds
     with surroundings(budget.folder) as images, Watch().kept() as watch:
         monkey = Monkey(images, budget.seed, watch)
+        checked = 0
         while time.monotonic() < end and (gestures is None or monkey.made < gestures):
             monkey.make(between, lambda: time.monotonic() < end)
             try:
@@ -188,7 +201,11 @@ def play(budget: Budget, gestures: int | None = None, between: int = 200) -> tup
                 broken = [str(error)]
             failures += [f"seed {budget.seed}, after {', '.join(monkey.last)}: {sentence}" for sentence in broken]
             watch.troubles.clear()
+            checked += 1
+            if checked % checks:
+                continue
             monkey.store_little()
+            monkey.tidy()
             measured.append(taken())
             log.info("%d gestures, %s", monkey.made, measured[-1])
         monkey.close()

@@ -44,17 +44,19 @@ class Camera:
     scale: float
 
     @staticmethod
-    def on(lengths: Sequence[float], size: tuple[int, int]) -> Camera:
-        """See all of a box with these sides, which begins at 0, in a picture of so many rows and columns."""
+    def on(lengths: Sequence[float], size: tuple[int, int], front: Array | None = None) -> Camera:
+        """See all of a box with these sides, which begins at 0, in a picture of so many rows and columns.
+
+        `front` are the axes of the camera before the box is tilted, by default those of the slices across planes.
+        """
         sides = np.asarray(lengths, float)
-        front = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
+        front = np.eye(3)[::-1] if front is None else front
         scale = _MARGIN * min(size) / max(float(np.linalg.norm(sides)), 1e-300)
         return Camera(0.5 * sides, front, _limited(scale)).turned(*_TILT)
 
-    def along(self, axis: int) -> Camera:
-        """Look straight along an axis of the volume, as at a slice of it."""
-        down, right = (one for one in range(3) if one != axis)
-        return replace(self, axes=np.eye(3)[[right, down, axis]])
+    def along(self, axes: Array) -> Camera:
+        """Look straight along the axes of a volume: to the right, down and away."""
+        return replace(self, axes=axes)
 
     def turned(self, right: float, down: float) -> Camera:
         """Turn the volume, as a ball under a finger that moves to the right and down by these angles [rad]."""

@@ -11,6 +11,7 @@ from app.model.display.space.projection import Shaded
 from app.model.display.space.slices import ShownSlice
 from app.model.display.space.triangles import Cut, Mesh
 from app.model.display.space.view_in_space import ColoredMesh, Particles, ViewInSpace, Wires
+from app.model.volume.axis_names import directions_of, first_seen
 from app.model.volume.slices import Slices
 from cpm_core.image.image import Image
 
@@ -79,6 +80,8 @@ class Contents:
             shown.box,
             self.wires,
             self.objects if shown.objects else (),
+            directions_of(self.image),
+            first_seen(self.image),
         )
 
     def _slice(self, axis: int) -> ShownSlice:

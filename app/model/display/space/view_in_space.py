@@ -21,6 +21,11 @@ Color = tuple[int, int, int]
 AXIS_COLORS: tuple[Color, Color, Color] = ((70, 120, 255), (60, 180, 75), (230, 70, 60))
 """Colors of the axes: plane, row, column."""
 
+_PLANE, _ROW, _COLUMN = np.eye(3)
+
+DIRECTIONS = tuple(map(np.array, ((_COLUMN, _ROW, _PLANE), (_COLUMN, _PLANE, -_ROW), (_ROW, _PLANE, _COLUMN))))
+"""How a camera looks at the slices across each axis of a volume that does not tell how it lies."""
+
 _NEARER = 2.0
 """How much nearer objects are drawn than they are [smallest sides of a voxel]."""
 
@@ -79,7 +84,7 @@ class ViewInSpace:
     table : ndarray of uint8, shape (256, 3)
         Colors of the projection.
     opacity : float
-        Of the surface, from 0 to 1.
+        Of the surface and the objects, from 0 to 1.
     cut : Cut or None
         Plane beyond which nothing of surface and particles is shown.
     box : bool
@@ -88,6 +93,10 @@ class ViewInSpace:
         What is drawn in the volume.
     objects : tuple of ColoredMesh
         Objects that have been selected.
+    directions : tuple of ndarray
+        How a camera looks at the slices across each axis: to the right, down and away.
+    front : int
+        The axis along which the volume is seen first.
     """
 
     shape: tuple[int, ...]
@@ -102,6 +111,8 @@ class ViewInSpace:
     box: bool = True
     wires: Wires | None = None
     objects: tuple[ColoredMesh, ...] = ()
+    directions: tuple[Array, ...] = DIRECTIONS
+    front: int = 0
 
     @property
     def lengths(self) -> tuple[float, ...]:
@@ -122,13 +133,8 @@ class ViewInSpace:
             draw_lines(picture, camera.seen(places, size), self.wires.colors)
         if self.particles is not None:
             self._draw_particles(picture, self.particles, camera, look)
-        for each in self.objects:
-            # a little nearer than the surface of the run, whose triangles they share, and than its particles
-            by = max(_NEARER * min(self.spacing), _OVER * look.radius / camera.scale)
-            nearer = replace(camera, center=camera.center + by * camera.axes[2])
-            draw_mesh(picture, each.mesh, nearer, each.color, each.color, self.cut)
-        if self.mesh is not None and self.opacity > 0.0:
-            self._draw_surface(picture, self.mesh, camera, look)
+        if self.opacity > 0.0:
+            self._draw_surfaces(picture, camera, look)
         return picture
 
     def _draw_particles(self, picture: Picture, particles: Particles, camera: Camera, look: Look) -> None:
@@ -138,13 +144,19 @@ class ViewInSpace:
             places, colors = places[kept], colors[kept]
         draw_balls(picture, camera.seen(places, picture.size), colors, particles.size * look.radius)
 
-    def _draw_surface(self, picture: Picture, mesh: Mesh, camera: Camera, look: Look) -> None:
-        if self.opacity >= 1.0:
-            draw_mesh(picture, mesh, camera, look.outside, look.inside, self.cut)
-            return
-        nearest = Picture.blank(picture.size, look.background)
-        draw_mesh(nearest, mesh, camera, look.outside, look.inside, self.cut)
-        picture.covered_by(nearest, self.opacity)
+    def _draw_surfaces(self, picture: Picture, camera: Camera, look: Look) -> None:
+        """The objects and the surface, all of the same opacity: an object often is the surface."""
+        opaque = self.opacity >= 1.0
+        nearest = picture if opaque else Picture.blank(picture.size, look.background)
+        for each in self.objects:
+            # a little nearer than the surface of the run, whose triangles they share, and than its particles
+            by = max(_NEARER * min(self.spacing), _OVER * look.radius / camera.scale)
+            nearer = replace(camera, center=camera.center + by * camera.axes[2])
+            draw_mesh(nearest, each.mesh, nearer, each.color, each.color, self.cut)
+        if self.mesh is not None:
+            draw_mesh(nearest, self.mesh, camera, look.outside, look.inside, self.cut)
+        if not opaque:
+            picture.covered_by(nearest, self.opacity)
 
     def _draw_box(self, picture: Picture, camera: Camera, look: Look) -> None:
         """Twelve edges; the three at the first voxel are the axes, in their own colors."""

@@ -16,6 +16,7 @@ from app.model.document.document import Document
 from app.model.volume.object_sections import objects_in, selection_in
 from app.model.volume.sampled_volumes import SampledForce, SampledValues
 from app.model.volume.shape_sections import sections
+from app.model.volume.skeleton_sections import skeleton_in
 from app.model.volume.slices import Slice
 from app.model.volume.surface_section import section as lines_of
 from app.model.volume.surface_section import unmeasured
@@ -28,6 +29,7 @@ from app.session.worker.commands.timeline import Compared
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import ReviewedContour
 from cpm_core.image.image import Image
+from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array, Index
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects
 from cpm_core.shapes import Shape
@@ -86,6 +88,9 @@ class Sections:
             places.get(scene.selected),
             self._seeds(scene, here, volume, reach),
             snapshot=snapshot,
+            reconstruction=self._parts.of(
+                "skeleton", (scene.reconstruction, here), lambda: _skeleton(scene.reconstruction, here)
+            ),
             contours=contours,
             overlays=self._overlays(scene, here, image),
             probed=self._parts.of("probed", (scene.probed, here), lambda: _probed(scene.probed, here, volume, reach)),
@@ -231,6 +236,13 @@ def _snapshot(snapshot: Snapshot | None, near: NearParticles | None, here: Slice
         return None
     position = here.flattened(snapshot.position[near.index])
     return replace(snapshot, position=position, resting=snapshot.resting[near.index])
+
+
+def _skeleton(reconstruction: Reconstruction | None, here: Slice) -> Reconstruction | None:
+    """What the slice shows of center lines; None where there are none."""
+    if reconstruction is None or not isinstance(reconstruction.result, Skeleton):
+        return None
+    return replace(reconstruction, result=skeleton_in(reconstruction.result, here))
 
 
 def _contours(reconstruction: Reconstruction | None, here: Slice) -> ReviewedContours:

@@ -90,7 +90,7 @@ class Curves(OverImage):
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
         """Draw the halos, then the curves."""
         painter.setBrush(QColor(0, 0, 0, 0))
-        zoom = painter.worldTransform().m11() * painter.device().devicePixelRatioF()
+        zoom = abs(painter.worldTransform().m11()) * painter.device().devicePixelRatioF()
         self._make_pieces(2.0 ** (math.ceil(_STEPS * math.log2(zoom)) / _STEPS))
         seen = self._visible(painter, zoom)
         pens = self._pens()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,6 +65,7 @@ class Discs(OverImage):
         self._stamps = internals.PrimitiveArray(QPainter.PixmapFragment, 10)
         self._stamp = QPixmap()
         self._stamped: tuple[object, ...] = ()
+        self.set_shown(True)
 
     @property
     def count(self) -> int:
@@ -73,6 +75,7 @@ class Discs(OverImage):
     def use_palette(self, colors: Sequence[str] = ()) -> None:
         """Set the palette, by default the own color; call `show` afterwards."""
         self._colors = tuple(colors) or self._own
+        self.update()
 
     def shrink(self, factor: float) -> None:
         """Draw the discs smaller by a factor, 1 for their own size."""
@@ -83,20 +86,27 @@ class Discs(OverImage):
     def show(self, position: Array, color: Marks | None = None, opacity: Array | None = None) -> None:
         """Show discs at (row, col), shape (N, 2); `color`, shape (N,), holds indices into the palette.
 
-        `opacity`, shape (N,), is by default 1 for each.
+        `opacity`, shape (N,), is by default 1 for each. Where nothing has moved, as in a slice far from those that do,
+        nothing is drawn again.
         """
-        if len(position) or len(self.position):
-            self.position, self._marks, self._opacity = position, color, opacity
-            self.update()
+        shown = zip((position, color, opacity), (self.position, self._marks, self._opacity), strict=True)
+        if all(one is other or _same(one, other) for one, other in shown):
+            return
+        self.position, self._marks, self._opacity = position, color, opacity
+        self.set_shown(self._shown)
+        self.update()
+
+    @property
+    def empty(self) -> bool:
+        """Whether there are no discs."""
+        return not len(self.position)
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
         """Draw all discs."""
-        if not len(self.position):
-            return
         device = painter.device()
         ratio = device.devicePixelRatioF()
         transform = painter.worldTransform()
-        stamp = self._stamp_for(ratio, transform.m11())
+        stamp = self._stamp_for(ratio, abs(transform.m11()))
         origin = transform.map(QPointF(0.0, 0.0))
         x, y = to_xy(self.position)
         x, y = origin.x() + x * transform.m11(), origin.y() + y * transform.m22()
@@ -142,3 +152,7 @@ class Discs(OverImage):
                 painter.drawEllipse(QPointF((index + 0.5) * side, side / 2), diameter / 2, diameter / 2)
             painter.end()
         return self._stamp
+
+
+def _same(one: NDArray[Any] | None, other: NDArray[Any] | None) -> bool:
+    return one is not None and other is not None and np.array_equal(one, other)

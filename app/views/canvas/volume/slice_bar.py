@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QButtonGroup, QFrame, QHBoxLayout, QLabel, QSlider
 from app.model.display.lengths import size_text
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
+from app.model.volume.axis_names import planes_of
 from app.model.volume.slices import AXES, Slices
 from cpm_core.image.image import Image
 
@@ -85,6 +86,8 @@ class SliceBar(QFrame):
             field.setRange(0, slices.count - 1)
             field.setValue(slices.current.index)
             field.blockSignals(False)
+        for button, name in zip(self.axes, planes_of(image), strict=True):
+            button.setText(name[:1].upper() + name[1:])
         self.axes[slices.axis].setChecked(True)
         self.of.setText(tr("of {last}").format(last=slices.count - 1))
         self.voxel.setText(size_text(image.spacing, image.unit) or tr("Size…"))

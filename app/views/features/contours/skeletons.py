@@ -56,4 +56,4 @@ class SkeletonsFeature(Feature):
 
 
 def _is_outlined(situation: Situation) -> bool:
-    return bool(situation.document.outlines)
+    return bool(situation.document.outlines or situation.document.outlined_surfaces)

@@ -15,6 +15,7 @@ from app.model.state.situation import Situation, has_contours, has_image
 from app.model.state.volume_limits import has_volume
 from app.model.text.language import tr
 from app.session.exchange.messages import Exported, Opened
+from app.session.features.skeleton import description_of
 from app.session.signals import EXPORTING
 from app.session.worker.commands.run import Copied
 from app.views.export.dialog import ExportDialog
@@ -78,6 +79,11 @@ class ExportFeature(Feature):
         figures = session.status.surface
         objects = sum(not item.hidden for item in session.document.objects.items)
         volume = session.image
+        if volume is not None and session.scene.skeleton is not None:
+            lines = description_of(session.scene.skeleton, volume)
+            place = self.context.files.begin("export") / f"{image.name.partition('.')[0]}_lines"
+            self._open(SurfaceDialog(self.context.window, None, 0, volume, image, place, ".swc", lines))
+            return
         if volume is None or (figures is None and not objects):
             return
         place = self.context.files.begin("export") / f"{image.name.partition('.')[0]}_surface"
@@ -120,7 +126,7 @@ def _can_export(situation: Situation) -> bool:
 
 
 def _export_text(situation: Situation) -> str:
-    if has_volume(situation):
+    if has_volume(situation) and situation.document.mode != "skeleton":
         return tr("&Export surface…")
     return tr("&Export contours…") if needs_start(situation.document.mode) else tr("&Export skeleton…")
 

@@ -54,6 +54,7 @@ class ScriptFeature(Feature):
         else:
             script = script_of(document, session or Path(document.image.path).absolute().with_suffix(SUFFIX))
         self.dialog = ScriptDialog(self.context.window, script, self._note(script, file, session), self._save)
+        self.dialog.finished.connect(self.dialog.deleteLater)
         self.dialog.finished.connect(self._forget)
         self.dialog.open()
 

@@ -135,9 +135,11 @@ class SlicesFeature(Feature):
         """Draw the other two slices, and where all three meet."""
         shown = scene.slices is not None and self._wanted
         self._cross.show(scene.slices if shown else None)
-        if shown and not self.sides:
-            self.sides = self._make_sides()
-        if self.sides and self.sides[0].isVisibleTo(self.context.canvas_area) != shown:
+        if len(self.sides) < 2:
+            if shown:
+                self.context.turns.ask(self._make_side)
+            return
+        if self.sides[0].isVisibleTo(self.context.canvas_area) != shown:
             self.context.canvas_area.views.setColumnStretch(1, 1 if shown else 0)
             for view in self.sides:
                 view.setVisible(shown)
@@ -146,20 +148,20 @@ class SlicesFeature(Feature):
             for view, axis in zip(self.sides, others, strict=True):
                 view.show_slice(scene, axis)
 
-    def _make_sides(self) -> tuple[SideView, ...]:
-        """The views of two further slices, one below the other."""
-        area = self.context.canvas_area
-        made = tuple(SideView(area.canvas, area) for _ in range(2))
+    def _make_side(self) -> None:
+        """Make the view of a further slice, the next one below the first; both are shown at once."""
+        area, row = self.context.canvas_area, len(self.sides)
+        view = SideView(area.canvas, area)
+        view.hide()
+        area.level_drag.watch(view.viewport())
         area.views.setColumnStretch(0, 2)
-        for row, view in enumerate(made):
-            view.hide()
-            area.level_drag.watch(view.viewport())
-            area.views.addWidget(view, row, 1)
-            self._draw_later(view)
-            view.asked.connect(self._open_menu)
-            view.went.connect(self._slices.through)
-            view.passed.connect(self._slices.pass_on)
-        return made
+        area.views.addWidget(view, row, 1)
+        self._draw_later(view)
+        view.asked.connect(self._open_menu)
+        view.went.connect(self._slices.through)
+        view.passed.connect(self._slices.pass_on)
+        self.sides += (view,)
+        self.context.turns.ask(self._show)
 
     def _show_size(self) -> None:
         """Show the size of a voxel in another unit."""

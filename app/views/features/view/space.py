@@ -13,6 +13,7 @@ from app.model.text.language import tr
 from app.session.exchange.messages import Exported, Report
 from app.session.tasks.tasks import Task
 from app.views.volume.seen_in_space import SeenInSpace
+from app.views.volume.space_actions import specs
 from app.views.volume.space_hand import SpaceHand
 from app.views.volume.space_panel import SpacePanel
 from app.views.volume.turntable import FRAMES, FRAMES_PER_SECOND, animation_size, picture_of, turn
@@ -35,9 +36,10 @@ class SpaceFeature(Feature):
         self._seen = SeenInSpace()
         self._layers = layers = context.canvas_area.canvas.layers
         context.session.scene_changed.connect(self._show)
-        context.session.image_changed.connect(self._reveal)
+        context.session.image_changed.connect(lambda: context.turns.ask(self._reveal))
         self._hand = SpaceHand(context.session, self.panel.view)
         self.panel.view.picked.connect(self._pick)
+        self.panel.bar.changed.connect(context.refresh)
         context.canvas_area.level_drag.watch(self.panel.view)
         for layer in (layers.particles, layers.image, layers.drawing, layers["objects"]):
             layer.changed.connect(self._show)
@@ -47,8 +49,9 @@ class SpaceFeature(Feature):
         return (Panel(name=_NAME, title=tr("In space"), widget=self.panel, shown=False, shortcut="Shift+F9"),)
 
     def action_specs(self) -> Sequence[ActionSpec]:
-        """Both exports."""
+        """What the menu of the view offers, and both exports."""
         return (
+            *specs(self.panel, self.context.session),
             ActionSpec(name="export_space", menu="File", text=tr("Export picture in s&pace…"), do=self.ask_for_picture,
                        tip=tr("Export what the view in space shows as a picture."), when=has_volume),
             ActionSpec(name="export_turntable", menu="File", text=tr("Export &turntable…"), do=self.ask_for_turntable,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.result import Result
 from cpm_core.formats.contours.contour_json import found_in, image_of
 from cpm_core.formats.contours.json_text import text
+from cpm_core.formats.images.decoded import MAXIMUM_PIXELS
 from cpm_core.formats.provenance import ENTRY, facts_of, facts_on
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.segmentation.pages.page import MeasuredContrast, Page, StackResult
@@ -20,6 +22,9 @@ from cpm_core.segmentation.pages.tracks import TrackEvent
 
 FORMAT = "cpm-pages"
 """Value of the entry ``format`` of such a file."""
+
+_MOST_PARTICLES = 10**7
+"""Most particles that a page is believed to have had."""
 
 
 def encode(found: StackResult) -> bytes:
@@ -91,15 +96,18 @@ def page_from_plain(plain: Mapping[str, Any]) -> Page:
 
 def _result_from(plain: Mapping[str, Any]) -> Result:
     image, run = plain["image"], plain["run"]
+    shape, particles = tuple(map(int, image["shape"])), int(run["particles"])
+    if not (0 <= particles <= _MOST_PARTICLES and min(shape) > 0 and math.prod(shape) <= MAXIMUM_PIXELS):
+        raise ValueError("a page is larger than any image")
     bridges = [Bridge(_points(one), float(one["length"]), float(one["strength"])) for one in plain["bridges"]]
     return Result(
-        np.zeros((int(run["particles"]), 2)),  # only their number is in the file
+        np.zeros((particles, 2)),  # only their number is in the file
         tuple(map(_contour_from, plain["contours"])),
         None,
         int(run["steps"]),
         bool(run["converged"]),
         str(run["stop_reason"]),
-        tuple(map(int, image["shape"])),
+        shape,
         tuple(map(float, image["spacing"])),
         image["unit"],
         str(image["name"]),

@@ -66,9 +66,9 @@ def bypassing(source: str) -> list[tuple[int, str]]:
     return found
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=lambda path: str(path.relative_to(ROOT)))
-def test_no_sentence_bypasses_translation(path) -> None:
-    assert bypassing(path.read_text(encoding="utf-8")) == []
+def test_no_sentence_bypasses_translation() -> None:
+    found = {str(path.relative_to(ROOT)): bypassing(path.read_text(encoding="utf-8")) for path in SOURCES}
+    assert {path: said for path, said in found.items() if said} == {}
 
 
 @pytest.mark.parametrize(

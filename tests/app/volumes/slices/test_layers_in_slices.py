@@ -12,6 +12,8 @@ from app.views.export.film.frame_renderer import FrameRenderer, seen_part
 from app.views.features.view.slices import SlicesFeature
 from cpm_core.shapes import Box, Sphere
 
+pytestmark = pytest.mark.shared_window
+
 KEY, CONTROL = Qt.Key, Qt.KeyboardModifier.ControlModifier
 
 

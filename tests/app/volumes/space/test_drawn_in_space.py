@@ -12,6 +12,8 @@ from app.views.theme import theme
 from app.views.theme.look import look
 from cpm_core.shapes import Box, Points, Sphere
 
+pytestmark = pytest.mark.shared_window
+
 MOVING = look().color(theme.MOVING)
 KEY, LEFT, CONTROL = Qt.Key, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.ControlModifier
 

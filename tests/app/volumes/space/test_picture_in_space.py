@@ -166,13 +166,19 @@ def test_balls_hide_what_is_behind_them(camera, seed, radius) -> None:
     assert picture.depths[both] == pytest.approx(nearest[both], abs=1e-2)
 
 
+def straight(center: np.ndarray, axis: int) -> Camera:
+    """A camera that looks along an axis, with the two others down and to the right."""
+    down, right = (one for one in range(3) if one != axis)
+    return Camera(center, np.eye(3)[[right, down, axis]], 1.0)
+
+
 def test_a_slice_seen_straight_shows_its_voxels_one_by_one() -> None:
     rng = np.random.default_rng(0)
     colors = rng.integers(0, 255, (11, 21, 3)).astype(np.uint8)
     for axis in range(3):
         picture = Picture.blank((11, 21), (1, 2, 3))
         center = np.array([5.0 if k == min(one for one in range(3) if one != axis) else 10.0 for k in range(3)])
-        draw_slice(picture, Slice(axis, 4), colors, Camera(center, np.eye(3), 1.0).along(axis), (1.0, 1.0, 1.0))
+        draw_slice(picture, Slice(axis, 4), colors, straight(center, axis), (1.0, 1.0, 1.0))
         assert (picture.colors == colors).all()
         assert (picture.depths == 4.0 - center[axis]).all()
 
@@ -200,7 +206,7 @@ def test_the_projection_seen_straight_is_the_maximum_along_the_axis(axis, spread
     shape = tuple(voxels.shape[k] for k in range(3) if k != axis)
     picture = Picture.blank(shape, (0, 0, 0))
     center = (np.array(voxels.shape) - 1) / 2
-    camera = Camera(center, np.eye(3), 1.0).along(axis)
+    camera = straight(center, axis)
     draw_projection(picture, Shaded(voxels, WHOLE), camera, (1.0, 1.0, 1.0), GRAY)
     assert (picture.colors[..., 0] == voxels.max(axis)).all()
     assert (picture.depths == FAR).all()

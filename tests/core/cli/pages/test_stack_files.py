@@ -114,6 +114,24 @@ def test_a_file_that_holds_no_pages_is_a_sentence(content, tmp_path):
         load_stack_result(tmp_path / "a.json")
 
 
+@pytest.mark.parametrize(
+    ("place", "name", "value"),
+    [
+        ("run", "particles", 2**31),
+        ("run", "particles", -1),
+        ("image", "shape", [10**9] * 2),
+        ("image", "shape", [0, 9]),
+    ],
+)
+def test_pages_larger_than_any_image_are_refused_before_they_take_memory(found, tmp_path, place, name, value):
+    export_stack(found, tmp_path / "a.json")
+    plain = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
+    plain["pages"][0][place][name] = value
+    (tmp_path / "a.json").write_text(json.dumps(plain))
+    with pytest.raises(ValueError, match=r"a\.json holds no pages of a stack"):
+        load_stack_result(tmp_path / "a.json")
+
+
 def test_a_format_of_one_image_is_refused(found, tmp_path):
     with pytest.raises(ValueError, match=r"a\.svg names no format for all pages of a stack: choose one of \.tif"):
         export_stack(found, tmp_path / "a.svg")

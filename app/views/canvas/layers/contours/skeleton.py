@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
@@ -12,6 +13,7 @@ from app.session.scene import Scene
 from app.views.canvas.items.curves import Curves
 from app.views.canvas.layers.layer import Layer, Requests
 from app.views.theme import theme
+from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array
 
 _THICK = 95.0
@@ -27,6 +29,7 @@ class SkeletonLayer(Layer):
     name = "skeleton"
     title = tr("Skeleton")
     tip = tr("Center lines, colored from thin to thick, and inscribed disks.")
+    in_slices = True
     colors = (theme.THICKNESSES[0], theme.THICKNESSES[-1])
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
@@ -49,15 +52,22 @@ class SkeletonLayer(Layer):
         pieces: list[list[Array]] = [[] for _ in self._branches]
         circles: list[Array] = []
         if found is not None and found.contours:
-            thickest = max(float(np.percentile(np.concatenate(found.radii), _THICK)), 1e-9)
+            for band, piece in banded(found, len(self._branches)):
+                pieces[band].append(piece)
             for contour, radii in zip(found.contours, found.radii, strict=True):
-                path, along = contour.path, np.append(radii, radii[0]) if contour.closed else radii
-                for band, piece in by_thickness(path, along / thickest, len(self._branches)):
-                    pieces[band].append(piece)
-                circles += disks(path, along)
+                along = np.append(radii, radii[0]) if contour.closed else radii
+                circles += disks(contour.path, along, _sides(self.scene))
         for item, paths in zip(self._branches, pieces, strict=True):
             item.show(paths)
         self._disks.show(circles)
+
+
+def banded(found: Skeleton, bands: int) -> Iterator[tuple[int, Array]]:
+    """Pieces of all branches of a skeleton, each with the index of its band of thickness."""
+    thickest = max(float(np.percentile(np.concatenate(found.radii), _THICK)), 1e-9)
+    for contour, radii in zip(found.contours, found.radii, strict=True):
+        along = np.append(radii, radii[0]) if contour.closed else radii
+        yield from by_thickness(contour.path, along / thickest, bands)
 
 
 def by_thickness(path: Array, share: Array, bands: int) -> list[tuple[int, Array]]:
@@ -77,10 +87,17 @@ def by_thickness(path: Array, share: Array, bands: int) -> list[tuple[int, Array
     return [(int(band[a]), path[a : min(b + 1, len(path))]) for a, b in pairwise(cuts)]
 
 
-def disks(path: Array, radii: Array) -> list[Array]:
-    """Outlines of inscribed disks along a branch, at least a radius apart."""
+def _sides(scene: Scene) -> tuple[float, ...]:
+    """Sides of a pixel in the unit of the radii: in a slice of a volume that is the smallest side of a voxel."""
+    if scene.volume is None or scene.image is None:
+        return 1.0, 1.0
+    return tuple(side / min(scene.volume.spacing) for side in scene.image.spacing)
+
+
+def disks(path: Array, radii: Array, sides: tuple[float, ...] = (1.0, 1.0)) -> list[Array]:
+    """Outlines of inscribed disks along a branch, at least a radius apart; `sides` are those of a pixel."""
     angle = np.linspace(0.0, 2.0 * np.pi, _CORNERS)
-    around = np.stack([np.sin(angle), np.cos(angle)], axis=1)
+    around = np.stack([np.sin(angle), np.cos(angle)], axis=1) / np.array(sides)
     found, room = [], 0.0
     for index, (place, radius) in enumerate(zip(path, radii, strict=True)):
         room -= float(np.hypot(*(place - path[index - 1]))) if index else 0.0

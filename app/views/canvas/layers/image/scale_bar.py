@@ -17,6 +17,9 @@ from cpm_core.image.drawing.scale_bar import Bar
 LONGEST = 160.0
 """Largest length of the bar [px of the screen]; it is never shorter than 2/5 of it."""
 
+_LEAST, _BESIDE = 40.0, 70.0
+"""The same in a narrow view, and what is left in half its width for the letter in the middle [px of the screen]."""
+
 _PAD, _TICK = 9.0, 4.0
 
 
@@ -59,9 +62,10 @@ class ScaleBarLayer(Layer):
         if shown and image is not None:
             pixel = float(self.view.viewPixelSize()[0])
             size = shown_in(image.spacing, image.unit)
-            scaled = bar(LONGEST * pixel, size.spacing[1], size.unit)
-            self.item.show_bar(scaled, scaled.pixels / pixel)
             room = self.view.boundingRect()
+            longest = min(LONGEST, max(0.5 * room.width() - _BESIDE, _LEAST))
+            scaled = bar(longest * pixel, size.spacing[1], size.unit)
+            self.item.show_bar(scaled, scaled.pixels / pixel)
             self.item.put(room.bottomLeft() + QPointF(MARGIN, -MARGIN - self.item.size.height()))
 
 

@@ -1,0 +1,112 @@
+"""The mode of skeletons in a volume: center lines in slices and in space, of the volume or of objects, in files."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+
+from app.model.document import edits
+from app.views.canvas.layers.contours.skeleton import disks
+from app.views.features.file.export import ExportFeature
+from app.views.features.file.open_save import OpenSaveFeature
+from app.views.volume.seen_in_space import SeenInSpace
+from tests.app.volumes.conftest import Button
+
+pytestmark = pytest.mark.shared_window
+
+KEY, CONTROL = Qt.Key, Qt.KeyboardModifier.ControlModifier
+
+SHAPE, AT = (24, 28, 40), (12.0, 14.0)
+
+
+@pytest.fixture
+def volume_file(tmp_path):
+    """A bright rod along the columns of a dark volume."""
+    planes, rows, cols = np.indices(SHAPE)
+    away = np.maximum(np.hypot(planes - AT[0], rows - AT[1]), np.abs(cols - 19.5) - 11.0)
+    np.save(tmp_path / "rod.npy", np.round(20 + 180 * np.clip(5.0 - away, 0, 1)).astype(np.uint8))
+    return tmp_path / "rod.npy"
+
+
+@pytest.fixture
+def found(volume, hand):
+    """A window in which the skeleton of the rod has been found."""
+    volume.actions_by_name["mode_skeleton"].trigger()
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: volume.session.idle and volume.session.scene.skeleton is not None)
+    return volume
+
+
+def test_the_center_line_of_a_rod_is_found_and_told(found) -> None:
+    (line,) = found.session.scene.skeleton.contours
+    assert np.allclose(line.points[:, :2], AT, atol=1.0)
+    assert found.session.status.open == 1
+    assert "1 branches" in found.canvas_area.messages.text
+    assert found.session.status.length == pytest.approx(26.0, abs=6.0)
+
+
+def test_slices_show_the_pieces_near_them_and_space_all(found, hand) -> None:
+    layer = hand.canvas.layers["skeleton"]
+    found.workspace.slices.at(12)
+    assert layer.counts[0] >= 1
+    found.workspace.slices.at(2)
+    assert layer.counts == (0, 0)
+    found.workspace.slices.turn(2)
+    found.workspace.slices.at(20)
+    found.workspace.slices.turn(0)
+    seen = SeenInSpace().of(found.session.scene, hand.canvas.layers)
+    assert seen.wires is not None
+    assert np.ptp(seen.wires.ends[:, :, 2]) > 15.0
+
+
+def test_disks_in_slices_are_round_in_space() -> None:
+    (ring,) = disks(np.array([(5.0, 5.0)]), np.array([3.0]), (2.0, 1.0))
+    assert np.ptp(ring, axis=0) == pytest.approx((3.0, 6.0), abs=0.05)
+
+
+def test_pruning_finds_it_again_and_undo_leads_back_to_the_mode_before(found, hand) -> None:
+    assert not found.session.document.shapes
+    found.session.edit("pruning", lambda document: edits.set_parameter(document, "pruning", 5.0))
+    hand.wait(lambda: found.session.idle and found.session.status.phase == "finished")
+    assert len(found.session.scene.skeleton.contours) == 1
+    hand.key(KEY.Key_Z, CONTROL)
+    hand.key(KEY.Key_Z, CONTROL)
+    assert found.session.document.mode == "shape"
+
+
+def test_center_lines_are_exported_and_come_back_with_a_session(found, hand, tmp_path) -> None:
+    hand.key(KEY.Key_E, CONTROL)
+    dialog = found.feature(ExportFeature).dialog
+    assert dialog.windowTitle() == "Export center lines"
+    dialog.file.folder.setText(str(tmp_path))
+    dialog.file.name.clear()
+    hand.qtbot.keyClicks(dialog.file.name, "rod.swc")
+    hand.qtbot.mouseClick(dialog.export_button, Button.LeftButton)
+    hand.wait(lambda: (tmp_path / "rod.swc").exists() and found.session.idle)
+    lines = [line for line in (tmp_path / "rod.swc").read_text().splitlines() if not line.startswith("#")]
+    assert len(lines) > 10
+    path = tmp_path / "work.cpm"
+    assert found.feature(OpenSaveFeature).document_file.save_at_once(path)
+    before = found.session.scene.skeleton.contours[0].points
+    found.open_image(str(path))
+    hand.wait(lambda: found.session.idle and found.session.scene.skeleton is not None)
+    assert found.session.document.mode == "skeleton"
+    assert np.array_equal(found.session.scene.skeleton.contours[0].points, before)
+
+
+def test_objects_of_a_volume_have_a_skeleton(volume, hand) -> None:
+    hand.canvas.setFocus()
+    hand.drag((14, 20), (14, 22), (14, 23))
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: volume.session.idle and bool(volume.workspace.object_selection.proposals))
+    volume.actions_by_name["take_object"].trigger()
+    volume.workspace.object_list.choose({1})
+    volume.actions_by_name["object_skeleton"].trigger()
+    hand.wait(lambda: volume.session.idle and volume.session.scene.skeleton is not None)
+    assert volume.session.document.outlined.objects == (1,)
+    assert np.allclose(np.median(volume.session.scene.skeleton.contours[0].points[:, :2], axis=0), AT, atol=1.0)
+    assert volume.actions_by_name["image_skeleton"].isEnabled()
