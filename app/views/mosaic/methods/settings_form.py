@@ -10,7 +10,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QDoubleSpinBox, QLabel, QSlider, QVBoxLayout, QWidget
 
 from app.model.text.language import from_core
-from app.views.widgets.decimal_field import DecimalField
+from app.views.widgets.fields.decimal_field import DecimalField
 from cpm_core.parameters import ParameterInfo
 from cpm_core.segmentation.methods import Settings
 

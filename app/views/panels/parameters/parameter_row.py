@@ -22,8 +22,8 @@ from app.model.text.wording import FIRST_WORDING, Wording
 from app.views.panels.parameters.explanation import tip
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
-from app.views.widgets.decimal_field import DecimalField
-from app.views.widgets.marked_slider import MarkedSlider
+from app.views.widgets.fields.decimal_field import DecimalField
+from app.views.widgets.fields.marked_slider import MarkedSlider
 
 _SAME = 1e-9
 

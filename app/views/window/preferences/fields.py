@@ -21,7 +21,7 @@ from app.model.preferences.preference import Choice, Color, Flag, Folder, Number
 from app.model.text.language import tr
 from app.session.storage.preferences import Preferences
 from app.views.theme.icons import swatch
-from app.views.widgets.decimal_field import DecimalField
+from app.views.widgets.fields.decimal_field import DecimalField
 from app.views.window.file_dialogs import ask_for_folder
 
 V = TypeVar("V")
