@@ -118,6 +118,7 @@ def test_the_menu_of_the_view_turns_it_and_chooses_what_is_shown(volume, hand, s
     menus.menu.close()
     volume.actions_by_name["space_along_1"].trigger()
     np.testing.assert_array_equal(view.camera.axes, [[0, 0, 1], [1, 0, 0], [0, -1, 0]])
+    space.bar.checks["slices"].setChecked(False)
     volume.actions_by_name["space_slices"].trigger()
     assert space.bar.shown.slices
     assert volume.actions_by_name["space_slices"].isChecked()

@@ -230,6 +230,7 @@ def test_it_says_that_the_first_picture_is_being_made(panel, qtbot, monkeypatch)
     said: list[object] = []
     monkeypatch.setattr(panel.view.marks, "wait", lambda *given: said.append(given))
     monkeypatch.setattr(panel.view._painter, "ask", lambda work: None)
+    panel.show_contents(None)
     panel.show_contents(contents())
     panel.view.grab()
     assert said
