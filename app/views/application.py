@@ -37,11 +37,18 @@ def make_application() -> QApplication:
     application.setDesktopFileName("cpm")
     application.setStyle("Fusion")
     application.setWindowIcon(program_icon())
+    QLocale.setDefault(locale_of(language(), QLocale.system()))
     _translate_own_dialogs_of_qt(application)
     pg.setConfigOptions(imageAxisOrder="row-major", antialias=False)
     QPixmapCache.setCacheLimit(PIXMAP_CACHE)
     sys.setswitchinterval(SWITCH_INTERVAL)
     return application
+
+
+def locale_of(name: str, desktop: QLocale) -> QLocale:
+    """How dates and numbers are written in a language: as the desktop writes them where it has the same language."""
+    own = QLocale(name)
+    return desktop if desktop.language() == own.language() else own
 
 
 def _translate_own_dialogs_of_qt(application: QApplication) -> None:

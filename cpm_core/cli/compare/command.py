@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +15,7 @@ from cpm_core.cli.compare.start import add_start, outlines_drawn, spheres_drawn,
 from cpm_core.cli.outcome import print_json
 from cpm_core.cli.run.agreement import truth_for, volume_truth_for
 from cpm_core.cli.run.volume import part_of_volume
-from cpm_core.cli.terminal import announce_compilation, say
+from cpm_core.cli.terminal import announce_compilation, counted, say
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.surface.ground_truth import VolumeTruth
 from cpm_core.formats import load_image, load_volume
@@ -108,6 +108,8 @@ def _compare(arguments: argparse.Namespace) -> None:
     for name in names:
         moment = run_method(CONTOUR_METHODS[name], image, start, settings[name], max_steps)
         facts = facts_of(moment, truth)
+        if not facts.stop_reason:
+            facts = replace(facts, stop_reason=f"stopped after {counted(facts.steps, 'step')}, as asked")
         tiles.append(Tile(moment.state.contours, facts, settings[name], moment.state.surface))
         if not arguments.json:
             _tell(facts, truth, first=len(tiles) == 1)

@@ -97,7 +97,10 @@ class Start:
         for given in self.spheres:
             numbers = real_numbers(given)
             if numbers.shape != (4,) or not (np.abs(numbers) <= _FARTHEST).all() or numbers[3] <= 0.0:
-                raise ValueError(f"A sphere is {shown(given)} but must be plane, row, column and a radius above 0.")
+                raise ValueError(
+                    f"A sphere is {shown(given)} but must be plane, row, column and a radius above 0, none beyond "
+                    f"{_FARTHEST:g} voxels."
+                )
 
     @property
     def ndim(self) -> int:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.surface import Surface
 from cpm_core.numerics.types import Array
+from cpm_core.reconstruction.surface.iso.marching import zero_surface
 
 _NONE = np.empty((0, 2))
 _LEAST_CORNERS = 3
@@ -113,10 +114,7 @@ def level_contours(values: NDArray[np.generic], level: float) -> tuple[Contour, 
 
 def level_surface(values: NDArray[np.generic], level: float) -> Surface:
     """The closed surface around the voxels of a function, shape (P, H, W), that lie above a level."""
-    rim = _rimmed(values, level)
-    vertices, faces = np.empty((0, 3)), np.empty((0, 3), np.int64)
-    if (rim > 0.0).any():
-        vertices, faces = skimage.measure.marching_cubes(rim, 0.0, gradient_direction="ascent")[:2]  # type: ignore[no-untyped-call]
+    vertices, faces = zero_surface(_rimmed(values, level).astype(np.float32))
     return Surface(np.clip(vertices - 1.0, -0.5, np.array(values.shape) - 0.5), faces)
 
 

@@ -72,6 +72,11 @@ def test_all_methods_are_compared_unless_some_are_named(image, command):
     rows = json.loads(command("compare", image, *CIRCLE, "--max-steps", 1, "--json")[1])["methods"]
     assert [row["method"] for row in rows] == list(runnable())
     assert {row["steps"] for row in rows} == {1}
+    reasons = {row["method"]: row["stop_reason"] for row in rows}
+    assert (
+        reasons["cpm"] == "stopped after 1 step, as asked"
+        and reasons["random_walker"] == "all pixels have been decided"
+    )
 
 
 def test_table_and_picture_are_written(image, mask, command, tmp_path):

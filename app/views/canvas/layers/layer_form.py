@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QCheckBox, QComboBox, QFormLayout, QHBoxLayout, QL
 from app.views.canvas.layers.layer import Layer
 from app.views.canvas.layers.options import Amount, Choice, Option
 from app.views.theme import color_maps
-from app.views.widgets.marked_slider import MarkedSlider
+from app.views.widgets.fields.marked_slider import MarkedSlider
 
 
 class LayerForm(QWidget):

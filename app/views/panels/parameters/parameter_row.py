@@ -9,7 +9,6 @@ from PySide6.QtGui import QAction, QEnterEvent, QValidator, QWheelEvent
 from PySide6.QtWidgets import (
     QApplication,
     QCheckBox,
-    QDoubleSpinBox,
     QGridLayout,
     QLabel,
     QToolButton,
@@ -23,7 +22,8 @@ from app.model.text.wording import FIRST_WORDING, Wording
 from app.views.panels.parameters.explanation import tip
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
-from app.views.widgets.marked_slider import MarkedSlider
+from app.views.widgets.fields.decimal_field import DecimalField
+from app.views.widgets.fields.marked_slider import MarkedSlider
 
 _SAME = 1e-9
 
@@ -31,7 +31,7 @@ _WIDTH, _ARROWS, _LONGEST = 106, 44, "0000.0"
 """Width of the field of a number, that of its arrows and margins [px], and a number that has room beside any unit."""
 
 
-class Number(QDoubleSpinBox):
+class Number(DecimalField):
     """A number field that shows words for some values; the wheel changes it only while it has the focus."""
 
     def __init__(self, words: tuple[tuple[float, str], ...]) -> None:

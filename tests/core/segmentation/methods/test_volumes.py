@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 import skimage
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from cpm_core.contours.surface.ground_truth import VolumeTruth
 from cpm_core.image.image import Image
@@ -10,6 +12,7 @@ from cpm_core.parameters import PRESETS
 from cpm_core.segmentation.methods import CONTOUR_METHODS, Start, facts_of, moments, result_of, run_method, runnable
 from cpm_core.segmentation.methods.gray import unit_gray
 from cpm_core.segmentation.methods.regions.morphological import MorphologicalChanVeseSettings, MorphologicalGacSettings
+from cpm_core.segmentation.methods.states import level_surface
 
 from .published import ring
 from .test_scikit_image import first_turn
@@ -28,14 +31,14 @@ SETTINGS = {"cpm": PRESETS["volume"], "morph_gac": MorphologicalGacSettings(sigm
 @pytest.mark.parametrize("name", runnable(3))
 def test_a_ball_is_found_with_one_closed_surface(name):
     method = CONTOUR_METHODS[name]
-    settings = SETTINGS.get(name, method.settings())
-    end = run_method(method, VOLUME, START, settings)
+    chosen = SETTINGS.get(name, method.settings())
+    end = run_method(method, VOLUME, START, chosen)
     facts = facts_of(end, TRUTH)
     assert (facts.contours, facts.closed) == (1, 1)
     assert facts.dice > 0.95
     assert facts.f > 0.99
     assert facts.hausdorff < 1.0  # [mm]: two voxels
-    result = result_of(facts, end.state.contours, VOLUME, START, settings, end.state.surface)
+    result = result_of(facts, end.state.contours, VOLUME, START, chosen, end.state.surface)
     assert result.surface.spacing == VOLUME.spacing
     assert abs(result.surface.volume / (BALL.sum() * 0.125) - 1.0) < 0.15
 
@@ -52,10 +55,19 @@ def test_steps_of_morphological_methods_give_what_scikit_image_gives_to_the_bit(
             skimage.segmentation.morphological_chan_vese(unit_gray(VOLUME), count, mask, 1, 0.7, 1.0)
         )),
     }  # fmt: skip
-    for name, (settings, theirs) in methods.items():
-        own = run_method(CONTOUR_METHODS[name], VOLUME, START, settings, max_steps=7).state
+    for name, (chosen, theirs) in methods.items():
+        own = run_method(CONTOUR_METHODS[name], VOLUME, START, chosen, max_steps=7).state
         first_turn()
         assert np.array_equal(own.values, theirs(7)), name
+
+
+@given(seed=st.integers(0, 2**16), share=st.floats(0.01, 0.99), side=st.integers(2, 9))
+@settings(max_examples=30, deadline=None)
+def test_the_surface_of_any_voxels_is_closed_and_looks_outwards(seed, share, side):
+    inside = np.random.default_rng(seed).random((side, side + 1, side)) < share
+    surface = level_surface(inside, 0.5)
+    assert surface.closed == inside.any()
+    assert (surface.volume > 0.0) == inside.any()
 
 
 def test_the_start_holds_the_voxels_in_its_spheres_whatever_their_sides():
