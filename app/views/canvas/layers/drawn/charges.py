@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import QRectF
-from PySide6.QtGui import QBrush, QPainterPath, QPen
+from PySide6.QtGui import QBrush, QColor, QPainterPath, QPen
 
 from app.model.volume.shape_sections import ChargeSection
 from app.views.canvas.coordinates import to_xy
@@ -78,12 +78,14 @@ class Charges:
 @lru_cache
 def _brush(color: str) -> QBrush:
     """The same object for the same color: pyqtgraph keeps a picture of a symbol for every brush and pen."""
-    return pg.mkBrush(color)
+    return QBrush(QColor(color))
 
 
 @lru_cache
 def _pen(color: str, width: float) -> QPen:
-    return pg.mkPen(color, width=width)
+    pen = QPen(QColor(color), width)
+    pen.setCosmetic(True)
+    return pen
 
 
 def _ring(charge: Charge, radius: float) -> np.ndarray:
