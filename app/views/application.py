@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QApplication
 
 from app.model.document.samples import samples
 from app.model.text.language import language
+from app.model.text.numbers import use_marks
 from app.session.workspace import Workspace
 from app.views.features.file.beginning import BeginningFeature
 from app.views.features.file.recovery import RecoveryFeature
@@ -37,7 +38,9 @@ def make_application() -> QApplication:
     application.setDesktopFileName("cpm")
     application.setStyle("Fusion")
     application.setWindowIcon(program_icon())
-    QLocale.setDefault(locale_of(language(), QLocale.system()))
+    locale = locale_of(language(), QLocale.system())
+    QLocale.setDefault(locale)
+    use_marks(locale.decimalPoint(), locale.groupSeparator())
     _translate_own_dialogs_of_qt(application)
     pg.setConfigOptions(imageAxisOrder="row-major", antialias=False)
     QPixmapCache.setCacheLimit(PIXMAP_CACHE)

@@ -121,9 +121,11 @@ class Facts:
         Whether it came to rest.
     stop_reason : str
         Why it ended.
-    contours, closed : int
-        Number of contours, and of closed ones among them, which alone have an area that overlaps another. In a volume
-        the number of parts of the surface, and the same if it is closed.
+    contours : int
+        Number of contours, in a volume of parts of the surface.
+    closed : int
+        Number of closed ones among them, which alone have an area that overlaps another; in a volume all, if the
+        surface is closed.
     dice, f : float or None
         Overlap of the areas, and agreement of the boundaries up to a tolerance.
     hausdorff, mean_distance : float or None

@@ -18,6 +18,7 @@ from PySide6.QtWidgets import (
 
 from app.model.parameters.controls import Control, slider_range
 from app.model.text.language import tr
+from app.model.text.numbers import written
 from app.model.text.wording import FIRST_WORDING, Wording
 from app.views.panels.parameters.explanation import tip
 from app.views.theme.icons import icon
@@ -169,7 +170,7 @@ class ParameterRow(QWidget):
         self._restore.setObjectName("restore")
         self._restore.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self._restore.setAccessibleName(tr("{parameter}: restore the default").format(parameter=control.title))
-        default = control.default if isinstance(control.default, str) else f"{control.default:.4g}"
+        default = control.default if isinstance(control.default, str) else written(f"{control.default:.4g}")
         restore = tr("Restore the default, {default} (or double-click the slider or its name).")
         self._restore.setToolTip(restore.format(default=default))
         self._label.setBuddy(self.number)
@@ -212,7 +213,7 @@ class ParameterRow(QWidget):
         grid.setColumnStretch(1, 1)
 
     def _word(self, value: float) -> str:
-        return dict(self.control.words).get(value, f"{value:g}")
+        return dict(self.control.words).get(value, written(f"{value:g}"))
 
     def _connect(self) -> None:
         self.slider.moved_to.connect(self._report)
