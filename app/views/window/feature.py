@@ -121,6 +121,8 @@ class Panel:
         Whether its height follows what it shows, as far as there is room.
     height : int
         Initial height of the area below the canvas while it is in front; 0 for the least [px].
+    share : float
+        How much it gets of the height that is left in its area, against the others there.
     shortcut : str
         Key that opens or closes it.
     """
@@ -133,6 +135,7 @@ class Panel:
     shown: bool = True
     fitted: bool = False
     height: int = 0
+    share: float = 1.0
     shortcut: str = ""
 
 

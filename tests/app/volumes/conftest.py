@@ -68,6 +68,7 @@ def open_file(window: MainWindow, hand: Hand, path: Path) -> None:
     """Open a file, and wait for it and for the views of it."""
     window.open_image(str(path))
     hand.wait(lambda: window.session.document.image.name == path.name and window.session.idle and window.turns.idle)
+    hand.qtbot.wait(1)  # the docks are fitted after Qt has laid them out
 
 
 @pytest.fixture

@@ -46,7 +46,9 @@ class SpaceFeature(Feature):
 
     def panels(self) -> Sequence[Panel]:
         """The view."""
-        return (Panel(name=_NAME, title=tr("In space"), widget=self.panel, shown=False, shortcut="Shift+F9"),)
+        return (
+            Panel(name=_NAME, title=tr("In space"), widget=self.panel, shown=False, share=1.5, shortcut="Shift+F9"),
+        )
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """What the menu of the view offers, and both exports."""

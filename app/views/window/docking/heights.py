@@ -16,6 +16,9 @@ _NEXT = 4
 _SHARE = 0.42
 """Largest share of the window's height for a panel that follows its content."""
 
+_AMONG_MANY = 0.15
+"""The same where more than one other panel lies beside it."""
+
 
 class DockHeights(QObject):
     """Gives the area below the canvas the height of the panel in front, and panels beside it that of their content."""
@@ -28,6 +31,7 @@ class DockHeights(QObject):
         self._below: dict[str, tuple[QDockWidget, Panel]] = {}
         self._fitted: list[tuple[QDockWidget, Panel]] = []
         self._chosen: dict[str, int] = {}
+        self._shares: dict[str, float] = {}
         self._front = ""
         self._fits: dict[str, tuple[int, list[str]]] = {}
         """Height that a panel had when its dock was fitted to its content, and the docks beside it, by name."""
@@ -50,6 +54,7 @@ class DockHeights(QObject):
     def add(self, dock: QDockWidget, panel: Panel) -> None:
         """Follow one panel."""
         self._docks.append(dock)
+        self._shares[panel.name] = panel.share
         if panel.area == "bottom":
             self._below[panel.name] = dock, panel
             dock.visibilityChanged.connect(lambda _: self._raising.start())
@@ -106,8 +111,6 @@ class DockHeights(QObject):
             if not dock.isVisible() or dock.isFloating():
                 continue
             heading = dock.height() - panel.widget.height()
-            room = round(_SHARE * self._window.height())
-            height = min(panel.widget.sizeHint().height() + heading, room)
             area = self._window.dockWidgetArea(dock)
             others = [
                 other
@@ -115,11 +118,14 @@ class DockHeights(QObject):
                 if other is not dock and not other.visibleRegion().isEmpty() and not other.isFloating()
                 if self._window.dockWidgetArea(other) == area
             ]
+            room = round((_SHARE if len(others) < 2 else _AMONG_MANY) * self._window.height())
+            height = min(panel.widget.sizeHint().height() + heading, room)
             known = height, [other.objectName() for other in others]
             if self._fits.get(panel.name) == known:
                 continue
             self._fits[panel.name] = known
             # together as high as they are now: Qt scales other heights
             rest = max(1, dock.height() + sum(other.height() for other in others) - height)
-            heights = [height, *(rest // len(others) for _ in others)]
+            shares = [self._shares[other.objectName()] for other in others]
+            heights = [height, *(int(rest * share / sum(shares)) for share in shares)]
             self._window.resizeDocks([dock, *others], heights, Qt.Orientation.Vertical)
