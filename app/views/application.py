@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QApplication
 
 from app.model.document.samples import samples
 from app.model.text.language import language
+from app.model.text.numbers import use_marks
 from app.session.workspace import Workspace
 from app.views.features.file.beginning import BeginningFeature
 from app.views.features.file.recovery import RecoveryFeature
@@ -37,11 +38,20 @@ def make_application() -> QApplication:
     application.setDesktopFileName("cpm")
     application.setStyle("Fusion")
     application.setWindowIcon(program_icon())
+    locale = locale_of(language(), QLocale.system())
+    QLocale.setDefault(locale)
+    use_marks(locale.decimalPoint(), locale.groupSeparator())
     _translate_own_dialogs_of_qt(application)
     pg.setConfigOptions(imageAxisOrder="row-major", antialias=False)
     QPixmapCache.setCacheLimit(PIXMAP_CACHE)
     sys.setswitchinterval(SWITCH_INTERVAL)
     return application
+
+
+def locale_of(name: str, desktop: QLocale) -> QLocale:
+    """How dates and numbers are written in a language: as the desktop writes them where it has the same language."""
+    own = QLocale(name)
+    return desktop if desktop.language() == own.language() else own
 
 
 def _translate_own_dialogs_of_qt(application: QApplication) -> None:

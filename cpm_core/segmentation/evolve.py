@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
+from cpm_core.contours.surface import Surface
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.drawing import axes, raster
 from cpm_core.image.drawing.notebook import Pictured
@@ -48,8 +49,8 @@ class Evolved(Pictured):
     ...     pass
     >>> moment.converged, moment.stop_reason.split(":")[0]
     (True, 'at rest')
-    >>> len(moment.contours), moment.result.contours[0].closed
-    (1, True)
+    >>> len(moment.contours), moment.result.contours[0].closed, moment.surface
+    (1, True, None)
     >>> axes = moment.plot()
     """
 
@@ -101,6 +102,11 @@ class Evolved(Pictured):
     def contours(self) -> tuple[Contour, ...]:
         """The contours that are reconstructed from the particles, at the first access."""
         return self.result.contours
+
+    @property
+    def surface(self) -> Surface | None:
+        """The surface that is reconstructed from particles in a volume, at the first access; None in an image."""
+        return self.result.surface
 
     def plot(self, ax: axes.Axes | None = None, *, contours: bool = False, scale_bar: bool = True) -> axes.Axes:
         """Draw the image with the particles by matplotlib; of a volume the surface. See `Result.plot`."""

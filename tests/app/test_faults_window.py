@@ -11,6 +11,7 @@ from dataclasses import replace
 import pytest
 
 from tests.faults.clock import Clock, waits
+from tests.faults.fuzzing.inputs.session_samples import IMAGE
 from tests.faults.report import Budget
 from tests.faults.window.closing import run_mosaic, save, try_closing, write_film
 from tests.faults.window.memory import Taken, quarters, still_rising
@@ -46,7 +47,7 @@ def test_closing_ends_everything_that_goes_on(tmp_path) -> None:
 
 
 def test_damaged_sessions_are_shown_or_refused_in_one_sentence(tmp_path) -> None:
-    report = try_opening(Budget(LONG, 4, tmp_path), most=8)
+    report = try_opening(Budget(LONG, 4, tmp_path), most=8, of=(IMAGE,))
     assert report.failures == ()
     assert report.inputs == 8
 

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from app.model.text.language import tr
+from app.model.text.numbers import written
 from cpm_core.image.drawing.scale_bar import KNOWN, Bar, longest_bar
 
 _PIXEL = "px"
@@ -68,19 +69,19 @@ def size_text(spacing: Sequence[float], unit: str | None) -> str:
     size = shown_in(spacing, unit)
     if size.unit is None and len(set(size.spacing)) == 1:
         return ""
-    sides = " × ".join(f"{side:.4g}" for side in size.spacing)
+    sides = " × ".join(written(f"{side:.4g}") for side in size.spacing)
     return f"{sides} {size.unit}" if size.unit else sides
 
 
 def length_text(pixels: float, spacing: float, unit: str | None) -> str:
     """A length in its unit, with four digits, or in whole pixels."""
-    return f"{pixels * spacing:.4g} {unit}" if unit else f"{pixels:.0f} {_PIXEL}"
+    return written(f"{pixels * spacing:.4g} {unit}") if unit else written(f"{pixels:.0f} {_PIXEL}")
 
 
 def measured(pixels: float, spacing: Sequence[float], unit: str | None, decimals: int = 1) -> str:
     """A length that was measured, in the preferred unit; in px where pixels are not square or their size is unknown."""
     size = shown_in(spacing, unit)
     if size.unit is None or len(set(size.spacing)) > 1:
-        return f"{pixels:,.{decimals}f} {_PIXEL}"
+        return written(f"{pixels:,.{decimals}f} {_PIXEL}")
     length = pixels * size.spacing[0]
-    return f"{length:,.0f} {size.unit}" if length >= 1000.0 else f"{length:.4g} {size.unit}"
+    return written(f"{length:,.0f} {size.unit}") if length >= 1000.0 else written(f"{length:.4g} {size.unit}")

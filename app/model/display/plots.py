@@ -11,6 +11,7 @@ import numpy as np
 
 from app.model.display.round_numbers import power_text, round_up, scientific_text
 from app.model.text.language import tr
+from app.model.text.numbers import written
 from cpm_core.dynamics.equilibrium import EPSILON
 from cpm_core.numerics.types import Array
 
@@ -177,11 +178,11 @@ def figure(value: float) -> str:
     if not math.isfinite(value):
         return "–"
     if value == round(value) and abs(value) < 1e6:
-        return f"{value:.0f}"
-    return scientific_text(value) if abs(value) < 1e-3 or abs(value) >= 1e6 else f"{value:.4g}"
+        return written(f"{value:.0f}")
+    return scientific_text(value) if abs(value) < 1e-3 or abs(value) >= 1e6 else written(f"{value:.4g}")
 
 
 def _figure(value: float) -> str:
     if abs(value) >= 1e6:
         return scientific_text(value)
-    return f"{value / 1000:g}k" if abs(value) >= 1e4 else f"{value:.4g}"
+    return written(f"{value / 1000:g}k") if abs(value) >= 1e4 else written(f"{value:.4g}")

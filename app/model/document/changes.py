@@ -12,6 +12,7 @@ from app.model.document.naming import describe
 from app.model.parameters.choices import choice_controls
 from app.model.parameters.controls import Control, controls, value_of
 from app.model.text.language import tr
+from app.model.text.numbers import written
 from cpm_core.numerics.types import Place
 from cpm_core.shapes import (
     Barrier,
@@ -98,7 +99,7 @@ def _same(one: float | str, other: float | str) -> bool:
 def _shown(control: Control, value: float | str) -> str:
     if isinstance(value, str):
         return tr("auto")
-    return dict(control.words).get(value) or f"{value:.{control.decimals}f}"
+    return dict(control.words).get(value) or written(f"{value:.{control.decimals}f}")
 
 
 def _shapes(text: str, before: tuple[Shape, ...], after: tuple[Shape, ...]) -> ChangeInWords:
@@ -120,7 +121,7 @@ def _with_place(words: str, otherwise: str, shape: Shape) -> str:
     if place is None:
         return otherwise
     name = describe(shape)
-    return words.format(shape=name[:1].upper() + name[1:], place=", ".join(f"{at:.0f}" for at in place))
+    return words.format(shape=name[:1].upper() + name[1:], place=", ".join(written(f"{at:.0f}") for at in place))
 
 
 def _size(shape: Shape) -> object:

@@ -9,6 +9,7 @@ from typing import Literal
 from app.model.document.document import Document
 from app.model.document.objects import objects_result
 from app.model.text.language import tr
+from app.model.text.numbers import written
 from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply, reviewed
@@ -217,7 +218,7 @@ def in_words(counts: Account) -> str:
     else:
         parts = [tr("1 contour") if counts.written == 1 else tr("{count} contours").format(count=counts.written)]
     if counts.triangles:
-        parts.append(tr("a surface of {count} triangles").format(count=f"{counts.triangles:,}"))
+        parts.append(tr("a surface of {count} triangles").format(count=written(f"{counts.triangles:,}")))
     if counts.bridged:
         parts.append(tr("{count} of them closed for the export").format(count=counts.bridged))
     if counts.left_out:

@@ -20,6 +20,8 @@ from cpm_core.shapes import Barrier, Circle, Everywhere, Region, Shape, Sphere, 
 _FLAGS = ("page", "time", "series")
 """Parts of a file that the command line has flags of the same name for."""
 
+_NO_WORDS = tr("The command line has no words for all that is drawn in this volume; the program in Python has.")
+
 
 @dataclass(frozen=True, slots=True)
 class Script:
@@ -50,12 +52,12 @@ def script_of(document: Document, session: Path) -> Script:
     if document.mode == "skeleton":
         return _of_skeleton(document)
     if document.marks or document.hand_edits or document.objects.barriers:
-        return Script(_python_of_session(session, document), _command_of_session(session, document), True, "")
+        command = "" if volume else _command_of_session(session, document)
+        return Script(_python_of_session(session, document), command, True, _NO_WORDS if volume else "")
     python = _python(document, volume)
     command = _command_of_volume(document) if volume else _command(document)
     if not command and volume:
-        note = tr("The command line has no words for all that is drawn in this volume; the program in Python has.")
-        return Script(python, "", False, note)
+        return Script(python, "", False, _NO_WORDS)
     reads = not command
     return Script(python, command or _command_of_session(session, document), reads, "")
 
@@ -66,19 +68,15 @@ def script_of(document: Document, session: Path) -> Script:
 def _python(document: Document, volume: bool) -> str:
     image = document.image
     assert image is not None
-    kinds = sorted({type(shape).__name__ for shape in document.shapes})
     load = "load_volume" if volume else "load_image"
     return "\n".join(
         (
-            *_head(image.name),
-            f"from cpm_core.shapes import {', '.join(kinds)}",
-            "from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on",
+            *head(image.name),
+            *imported(document.shapes),
             "",
-            f"image = cpm.{load}({_arguments(image.path, _reading(document))})",
-            *_written_out("parameters", "cpm.Parameters", _changed(document.parameters, Parameters())),
-            "shapes = (",
-            *(f"    {shape!r}," for shape in document.shapes),
-            ")",
+            f"image = cpm.{load}({arguments(image.path, _reading(document))})",
+            *written_out("parameters", "cpm.Parameters", changed(document.parameters, Parameters())),
+            *listed("shapes", document.shapes),
             "",
             "result = cpm.segment(",
             "    image,",
@@ -94,9 +92,10 @@ def _python(document: Document, volume: bool) -> str:
 
 
 def _python_of_session(session: Path, document: Document) -> str:
+    volume = document.image is not None and len(document.image.shape) == 3
     return "\n".join(
         (
-            *_head(session.name, "from pathlib import Path", ""),
+            *head(session.name, "from pathlib import Path", ""),
             "from cpm_core.contours.kept import with_kept",
             "from cpm_core.contours.review import apply",
             "from cpm_core.formats.sessions.session_file import find_image, load_session",
@@ -106,7 +105,7 @@ def _python_of_session(session: Path, document: Document) -> str:
             f"path = Path({str(session)!r})",
             "session = load_session(path)",
             "file, _ = find_image(session.image, path.parent)",
-            "image = cpm.load_image(file, **session.image.reading.arguments)",
+            f"image = cpm.{'load_volume' if volume else 'load_image'}(file, **session.image.reading.arguments)",
             "parameters, shapes = session.parameters, session.shapes",
             "",
             "found = cpm.segment(",
@@ -126,27 +125,56 @@ def _python_of_session(session: Path, document: Document) -> str:
 
 
 def _of_skeleton(document: Document) -> Script:
-    image = document.image
+    """The skeleton of the image or volume, or of chosen objects and closed contours, which are written out."""
+    image, lines = document.image, document.outlines
     assert image is not None
     volume = len(image.shape) == 3
     name = f"{Path(image.name).stem}_skeleton.{'swc' if volume else 'svg'}"
-    given = _changed(document.parameters, PRESETS["volume" if volume else "noisy"])
+    given = changed(document.parameters, PRESETS["volume" if volume else "noisy"])
+    of = ("outlines = (", *(f"    {line!r}," for line in lines), ")",
+          "within = [cpm.Contour(np.array(line), closed=True) for line in outlines]") if lines else ()  # fmt: skip
     python = (
-        *_head(image.name),
+        *head(image.name, *(("import numpy as np", "") if lines else ())),
         "",
-        f"image = cpm.load_{'volume' if volume else 'image'}({_arguments(image.path, _reading(document))})",
-        *_written_out("parameters", "cpm.Parameters", _changed(document.parameters, Parameters())),
-        f"cpm.export(cpm.skeleton(image, parameters), {name!r})",
+        f"image = cpm.load_{'volume' if volume else 'image'}({arguments(image.path, _reading(document))})",
+        *written_out("parameters", "cpm.Parameters", changed(document.parameters, Parameters())),
+        *of,
+        f"cpm.export(cpm.skeleton(image, parameters{', within=within' if lines else ''}), {name!r})",
         "",
     )
     kind = ("--volume",) if volume else ()
-    parts = ("cpm", "skeleton", image.path, *kind, *_parameters(given), *_part(document), "--export", name)
-    chosen = document.outlines or document.outlined_surfaces or document.regions is not None
-    note = tr("The skeleton of the whole image is found, not that of what was chosen or of a region.") if chosen else ""
-    return Script("\n".join(python), shlex.join(parts), False, note)
+    parts = ("cpm", "skeleton", image.path, *kind, *in_words(given), *_part(document), "--export", name)
+    return Script("\n".join(python), "" if lines else shlex.join(parts), False, _left_out_of_skeleton(document))
 
 
-def _head(name: str, *more: str) -> tuple[str, ...]:
+def _left_out_of_skeleton(document: Document) -> str:
+    """What the script of a skeleton leaves out, in a sentence or two."""
+    notes = []
+    if document.outlines:
+        notes.append(tr("The command line has no words for chosen objects; the program in Python has."))
+    if document.outlined_surfaces:
+        notes.append(tr("The skeleton of the whole volume is found, not that of what was chosen."))
+    if document.regions is not None:
+        notes.append(tr("The skeleton is not kept to the region."))
+    return " ".join(notes)
+
+
+def imported(shapes: Iterable[Shape]) -> tuple[str, str]:
+    """Lines that import what a program needs for shapes."""
+    kinds = sorted({type(shape).__name__ for shape in shapes})
+    return (
+        f"from cpm_core.shapes import {', '.join(kinds)}",
+        "from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on",
+    )
+
+
+def listed(name: str, shapes: Iterable[Shape]) -> tuple[str, ...]:
+    """Lines that give shapes a name."""
+    return (f"{name} = (", *(f"    {shape!r}," for shape in shapes), ")")
+
+
+def head(name: str, *more: str) -> tuple[str, ...]:
+    """The first lines of a program."""
     return (
         f"# Finds the contours of {name!r} as they were found in the window of CPM.",
         "",
@@ -155,13 +183,15 @@ def _head(name: str, *more: str) -> tuple[str, ...]:
     )
 
 
-def _written_out(name: str, called: str, given: dict[str, Any]) -> Iterable[str]:
+def written_out(name: str, called: str, given: dict[str, Any]) -> Iterable[str]:
+    """Lines that give a name to what is made of values by name."""
     if not given:
         return (f"{name} = {called}()",)
     return (f"{name} = {called}(", *(f"    {key}={value!r}," for key, value in given.items()), ")")
 
 
-def _arguments(path: str, reading: dict[str, Any]) -> str:
+def arguments(path: str, reading: dict[str, Any]) -> str:
+    """A file, and how it is read, as arguments of a call."""
     return ", ".join((repr(str(Path(path).absolute())), *(f"{name}={value!r}" for name, value in reading.items())))
 
 
@@ -172,10 +202,10 @@ def _command(document: Document) -> str:
     """The command with everything as flags; empty where it lacks one."""
     image, shapes = document.image, document.shapes
     assert image is not None
-    if not set(_reading(document)) <= set(_FLAGS) or not _in_order(shapes, (Circle, Stroke, Everywhere)):
+    if not set(_reading(document)) <= set(_FLAGS) or not in_order(shapes, (Circle, Stroke, Everywhere)):
         return ""
-    given = _parameters(_changed(document.parameters, Parameters()))
-    drawn = [part for shape in shapes for part in _flag(shape)]
+    given = in_words(changed(document.parameters, Parameters()))
+    drawn = [part for shape in shapes for part in flag(shape)]
     return shlex.join(
         ("cpm", "run", _path(image.path), *drawn, *given, *_part(document), "--export", _result(document))
     )
@@ -188,8 +218,8 @@ def _command_of_volume(document: Document) -> str:
         return ""
     if any(shape.sides != (1.0, 1.0, 1.0) for shape in shapes if isinstance(shape, Sphere)):
         return ""
-    given = _parameters(_changed(document.parameters, PRESETS["volume"]))
-    drawn = [part for shape in shapes for part in _flag(shape)]
+    given = in_words(changed(document.parameters, PRESETS["volume"]))
+    drawn = [part for shape in shapes for part in flag(shape)]
     return shlex.join(("cpm", "run", _path(image.path), *drawn, *given, "--export", _result(document)))
 
 
@@ -197,7 +227,7 @@ def _command_of_session(session: Path, document: Document) -> str:
     return shlex.join(("cpm", "run", "--session", str(session), "--export", _result(document)))
 
 
-def _in_order(shapes: Sequence[Shape], starts: Sequence[type]) -> bool:
+def in_order(shapes: Sequence[Shape], starts: Sequence[type]) -> bool:
     """Whether the command line can name all shapes, and places their particles in the same order."""
     if not all(isinstance(shape, Region | Barrier | Start) for shape in shapes):
         return False
@@ -208,7 +238,8 @@ def _in_order(shapes: Sequence[Shape], starts: Sequence[type]) -> bool:
     return order == sorted(order)
 
 
-def _flag(shape: Shape) -> tuple[str, ...]:
+def flag(shape: Shape) -> tuple[str, ...]:
+    """A shape in words of the command line; none for one that it has no words for."""
     if isinstance(shape, Circle | Sphere):
         return f"--{shape.title}", _numbers((*shape.center, shape.radius))
     if isinstance(shape, Everywhere):
@@ -223,7 +254,8 @@ def _numbers(values: Iterable[float]) -> str:
     return ",".join(repr(float(value)) for value in values)
 
 
-def _parameters(given: dict[str, Any]) -> list[str]:
+def in_words(given: dict[str, Any]) -> list[str]:
+    """Parameters in words of the command line."""
     return [part for name, value in given.items() for part in (f"--{name.replace('_', '-')}", f"{value}")]
 
 
@@ -234,7 +266,7 @@ def _part(document: Document) -> list[str]:
 # Of both
 
 
-def _changed(parameters: Parameters, standard: Parameters) -> dict[str, Any]:
+def changed(parameters: Parameters, standard: Parameters) -> dict[str, Any]:
     """Values that differ from the standard ones, by name."""
     values = {field.name: getattr(parameters, field.name) for field in fields(Parameters)}
     return {name: value for name, value in values.items() if value != getattr(standard, name)}

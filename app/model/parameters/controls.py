@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import Any
 
 from app.model.text.language import from_core, tr
+from app.model.text.numbers import written
 from app.model.text.wording import FORMULAS, Wording, rich
 from cpm_core.parameters import AUTOMATIC, DEFAULTS, OF_STARTS, PARAMETERS, Parameters
 from cpm_core.parameters.choices import Invalidates
@@ -111,11 +112,11 @@ class Control:
     def span(self) -> str:
         """Allowed values with their unit, and the default."""
         unit = f" {self.unit}" if self.unit else ""
-        default = self.default if isinstance(self.default, str) else f"{self.default:.3g}"
+        default = self.default if isinstance(self.default, str) else written(f"{self.default:.3g}")
         if self.high >= 1e6:
-            return tr("{low} or more, default {default}").format(low=f"{self.low:g}{unit}", default=default)
+            return tr("{low} or more, default {default}").format(low=written(f"{self.low:g}{unit}"), default=default)
         return tr("{low} to {high}, default {default}").format(
-            low=f"{self.low:g}", high=f"{self.high:g}{unit}", default=default
+            low=written(f"{self.low:g}"), high=written(f"{self.high:g}{unit}"), default=default
         )
 
     @property

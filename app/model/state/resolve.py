@@ -16,6 +16,7 @@ from app.model.state.surface_figures import SURFACE, VOLUME, in_words
 from app.model.state.volume_limits import has_volume
 from app.model.text.keys import with_keys
 from app.model.text.language import from_core, tr
+from app.model.text.numbers import written
 from cpm_core.shapes import (
     Barrier,
     BoxGrid,
@@ -98,7 +99,7 @@ def pace_text(pace: float | None) -> str:
     """A speed as text."""
     if pace is None:
         return FULL_SPEED
-    return tr("1 step/s") if pace == 1 else tr("{pace} steps/s").format(pace=f"{pace:g}")
+    return tr("1 step/s") if pace == 1 else tr("{pace} steps/s").format(pace=written(f"{pace:g}"))
 
 
 def _run_text(document: Document, status: RunStatus) -> str:
@@ -209,7 +210,7 @@ def _what_a_charge_does(charge: Charge) -> str:
         "Drag the {shape} of strength {strength} or move it with arrow keys; < and > make it weaker and stronger; "
         "{key:delete} removes it."
     )
-    return with_keys(message, shape=describe(charge), strength=f"{abs(charge.strength):g}")
+    return with_keys(message, shape=describe(charge), strength=written(f"{abs(charge.strength):g}"))
 
 
 def _sentence(text: str) -> str:
@@ -225,13 +226,13 @@ def _numbers(status: RunStatus, image: ImageReference | None) -> tuple[tuple[str
         if math.isnan(status.epsilon)
         else scientific_text(status.epsilon)
         if status.epsilon < 1e-3
-        else f"{status.epsilon:.4f}"
+        else written(f"{status.epsilon:.4f}")
     )
     scale = tr("0 (full size)") if status.scale == 0 else f"{status.scale} (1:{2**status.scale})"
-    speed = f"{status.steps_per_second:.0f}" if status.phase == "running" else "–"
+    speed = written(f"{status.steps_per_second:.0f}") if status.phase == "running" else "–"
     return (
-        (tr("Step"), shown(f"{status.step:,}"), tr("Steps taken over all scales.")),
-        (tr("Particles"), shown(f"{status.count:,}"), tr("Free particles there are now.")),
+        (tr("Step"), shown(written(f"{status.step:,}")), tr("Steps taken over all scales.")),
+        (tr("Particles"), shown(written(f"{status.count:,}")), tr("Free particles there are now.")),
         (
             tr("Scale"),
             shown(scale),
@@ -264,7 +265,7 @@ def _numbers_of_skeleton(status: RunStatus, image: ImageReference | None) -> tup
     def shown(value: str) -> str:
         return value if found else "–"
 
-    branches, length = f"{status.closed + status.open:,}", _length(status.length, image, 0)
+    branches, length = written(f"{status.closed + status.open:,}"), _length(status.length, image, 0)
     return (
         (tr("Branches"), shown(branches), tr("Center lines between tips and forks.")),
         (tr("Length"), shown(length), tr("Length of all branches together.")),
@@ -280,7 +281,7 @@ def _numbers_of_skeleton(status: RunStatus, image: ImageReference | None) -> tup
 def skeleton_of(polarity: int, width: float) -> str:
     """What a skeleton of this polarity and largest width [px] is of, in words."""
     what = {-1: tr("what is dark"), 1: tr("what is light")}.get(polarity, tr("all objects"))
-    return tr("{what}, up to {width} px wide").format(what=what, width=f"{width:.0f}") if width else what
+    return tr("{what}, up to {width} px wide").format(what=what, width=written(f"{width:.0f}")) if width else what
 
 
 def _length(pixels: float, image: ImageReference | None, decimals: int = 1) -> str:

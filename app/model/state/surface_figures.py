@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from app.model.display.lengths import shown_in
 from app.model.text.language import tr
+from app.model.text.numbers import written
 from cpm_core.contours.surface import Surface
 
 SURFACE, CLOSED, EULER = tr("Surface"), tr("Closed"), tr("Euler char.")
@@ -80,18 +81,20 @@ def in_words(found: SurfaceFigures | None) -> tuple[tuple[str, str, str], ...]:
 def _texts(found: SurfaceFigures) -> tuple[str, ...]:
     size = shown_in(found.spacing, found.unit)
     unit = size.unit or tr("voxels")
-    parts = tr("1 part") if found.components == 1 else tr("{count} parts").format(count=f"{found.components:,}")
+    parts = (
+        tr("1 part") if found.components == 1 else tr("{count} parts").format(count=written(f"{found.components:,}"))
+    )
     if found.left_out:
-        parts = tr("{parts}, {count} left out").format(parts=parts, count=f"{found.left_out:,}")
+        parts = tr("{parts}, {count} left out").format(parts=parts, count=written(f"{found.left_out:,}"))
     edges = found.free + found.nonmanifold
-    closed = tr("yes") if not edges else tr("no, at {count} edges").format(count=f"{edges:,}")
+    closed = tr("yes") if not edges else tr("no, at {count} edges").format(count=written(f"{edges:,}"))
     area, volume = found.area * size.factor**2, found.volume * size.factor**3
-    support = "–" if math.isnan(found.unsupported) else f"{100.0 * (1.0 - found.unsupported):.1f} %"
+    support = "–" if math.isnan(found.unsupported) else written(f"{100.0 * (1.0 - found.unsupported):.1f} %")
     square, cube = (f"{unit}²", f"{unit}³") if size.unit else (tr("voxel faces"), unit)
     return (
         parts,
         closed,
-        f"{found.euler:,}",
+        written(f"{found.euler:,}"),
         f"{_readable(area)} {square}",
         f"{_readable(volume)} {cube}",
         support,
@@ -100,4 +103,4 @@ def _texts(found: SurfaceFigures) -> tuple[str, ...]:
 
 def _readable(value: float) -> str:
     """A number with four digits, or in whole units."""
-    return f"{value:,.0f}" if value >= 1000.0 else f"{value:.4g}"
+    return written(f"{value:,.0f}") if value >= 1000.0 else written(f"{value:.4g}")

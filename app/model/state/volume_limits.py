@@ -10,7 +10,7 @@ from app.model.text.language import tr
 
 _CONTOUR = tr("Contours are found in images; a run in a volume finds a surface.")
 _ALIKE = tr("Objects that are alike are found in images by their gray values and size, not in volumes.")
-_METHODS = tr("The classical methods are for images; in a volume there is nothing to compare with.")
+_METHODS = tr("In a volume methods are compared by cpm compare VOLUME --sphere PLANE,ROW,COL,RADIUS.")
 _MOSAIC = tr("A mosaic shows runs with different parameters side by side; in a volume each of them takes too long.")
 _BATCH = tr("Many images are run at once; volumes are run one by one.")
 

@@ -18,6 +18,7 @@ from app.session.session import Session
 from app.session.tasks.tasks import Task
 from cpm_core.formats.fingerprint import fingerprint
 from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, save_session
+from cpm_core.objects.warm_up import FIRST, is_compiled
 
 if TYPE_CHECKING:  # the command line is loaded when there is a batch
     from cpm_core.cli.batch.summary import Row
@@ -53,6 +54,8 @@ class ImageBatch(QObject):
         self.rows: dict[int, Row] = {}
         """What has been done, by the number of the image."""
         self.output = Path()
+        self.compiling = False
+        """Whether the inner loops had not been compiled when the work began."""
         self.task: Task | None = None
         self._session = session
         self._told.connect(self._take)
@@ -81,7 +84,7 @@ class ImageBatch(QObject):
         if self.running or not images:
             return
         self._session.attempt(TOPIC)
-        self.images, self.rows, self.output = tuple(images), {}, output
+        self.images, self.rows, self.output, self.compiling = tuple(images), {}, output, False
         name = tr("Running {count} images…").format(count=len(images))
         work = partial(self._work, to_file(self._session.document, {}), tuple(map(str, images)), output, suffixes)
         failure = partial(CommandFailed, topic=TOPIC)
@@ -100,6 +103,7 @@ class ImageBatch(QObject):
         from cpm_core.cli.batch.batch import Batch, Order
         from cpm_core.cli.batch.workers import here
 
+        self.compiling = not is_compiled(FIRST)
         applied = output / APPLIED
         try:
             output.mkdir(parents=True, exist_ok=True)
@@ -136,5 +140,7 @@ class ImageBatch(QObject):
         text = tr("{done} of {count} images are done.").format(done=done, count=count)
         more = tr("{failed} could not be used.").format(failed=self.failed)
         where = tr("The table is {path}.").format(path=self.output / TABLE)
+        if self.running and self.compiling and not self.rows:
+            text += " " + tr("The inner loops are compiled for this computer, once, before the first image.")
         parts = [text, more if self.failed else "", where if self.rows and not self.running else ""]
         return " ".join(filter(None, parts))

@@ -95,11 +95,11 @@ def _check(saved: Saved, image: Image) -> None:
     """ValueError when what a session holds was drawn or found in a volume and its file is an image, or otherwise."""
     check_axes(saved.file.shapes, image.shape, image.source)
     if any(bool(item.surface) is not (image.ndim == 3) for item in saved.file.objects.items):
-        known = tr("{name} holds objects of a volume, but {image} is an image: put the volume in its place again.")
+        text = tr("{name} holds objects of a volume, but {image} is an image: put the volume in its place again.")
         if image.ndim == 3:
-            known = tr("{name} holds objects of an image, but {image} is a volume: put the image in its place again.")
+            text = tr("{name} holds objects of an image, but {image} is a volume: put the image in its place again.")
         name = saved.path.name if saved.path is not None else tr("The session")
-        raise ValueError(known.format(name=name, image=image.source))
+        raise ValueError(text.format(name=name, image=image.source))
 
 
 def _read(core: Core, wanted: Wanted, parts: Parts | None, go_on: Callable[[], None]) -> tuple[Image, tuple[str, ...]]:

@@ -20,6 +20,7 @@ from PySide6.QtWidgets import (
 from app.model.export.formats import Format, formats, listed
 from app.model.text.language import tr
 from app.model.text.reasons import reason
+from app.views.widgets.fields.decimal_field import DecimalField
 from app.views.window.file_dialogs import ask_for_folder
 from cpm_core.formats import WRITABLE, check_export, suffix_of
 
@@ -133,7 +134,7 @@ class PixelSizeField(QWidget):
 
     def __init__(self, spacing: tuple[float, ...], unit: str | None) -> None:
         super().__init__()
-        self.number, self.unit = QDoubleSpinBox(), QComboBox()
+        self.number, self.unit = DecimalField(), QComboBox()
         self.number.setRange(0.0, 1e6)
         self.number.setDecimals(6)
         self.number.setStepType(QDoubleSpinBox.StepType.AdaptiveDecimalStepType)

@@ -15,6 +15,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.text.language import tr
+from app.views.widgets.fields.decimal_field import DecimalField
 
 UNITS = ("nm", "µm", "mm", "cm", "m")
 _SIDES = (tr("Distance of planes"), tr("Distance of rows"), tr("Distance of columns"))
@@ -78,7 +79,7 @@ class PixelSizeDialog(QDialog):
 
 
 def _field(size: float) -> QDoubleSpinBox:
-    field = QDoubleSpinBox()
+    field = DecimalField()
     field.setDecimals(6)
     field.setRange(_LEAST, _MOST)
     field.setStepType(QDoubleSpinBox.StepType.AdaptiveDecimalStepType)

@@ -4,24 +4,26 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
 
 from cpm_core.cli.arguments import add_image, add_json, add_part, add_session, as_number, as_steps, part_of
 from cpm_core.cli.compare.settings import add_settings, chosen_settings
-from cpm_core.cli.compare.start import add_start, outlines_drawn, start_on
+from cpm_core.cli.compare.start import add_start, outlines_drawn, spheres_drawn, start_in_volume, start_on
 from cpm_core.cli.outcome import print_json
-from cpm_core.cli.terminal import announce_compilation, say
+from cpm_core.cli.run.agreement import truth_for, volume_truth_for
+from cpm_core.cli.run.volume import part_of_volume
+from cpm_core.cli.terminal import announce_compilation, counted, say
 from cpm_core.contours.ground_truth import Truth
-from cpm_core.formats import load_image
+from cpm_core.contours.surface.ground_truth import VolumeTruth
+from cpm_core.formats import load_image, load_volume
 from cpm_core.formats.animations.comparison import Tile, check_comparison, write_comparison
-from cpm_core.formats.ground_truth_file import load_truth
 from cpm_core.formats.printable import printable
 from cpm_core.formats.sessions.session_file import SessionFile, find_image, load_session
 from cpm_core.image.image import Image
-from cpm_core.parameters import Parameters
+from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.segmentation.methods import (
     CONTOUR_METHODS,
     Compared,
@@ -81,27 +83,38 @@ def _compare(arguments: argparse.Namespace) -> None:
     if arguments.image is None and session.image is None:
         raise ValueError("No IMAGE is given: name one, or with --session FILE a session that has one.")
     compared = Compared(()) if session.comparison == Compared() else session.comparison
+    spheres = spheres_drawn(arguments)
+    ndim = 3 if spheres else 2
     named = arguments.methods or [name for name in compared.methods if name]
-    names = _methods(named)
-    settings = chosen_settings(arguments, names, session.parameters if arguments.session else Parameters(), compared)
+    names = _methods(named, ndim)
+    settings = chosen_settings(arguments, names, _ours(arguments, session, ndim), compared)
     max_steps = as_steps(arguments.max_steps)
-    outlines = outlines_drawn(arguments, session)
+    outlines = () if spheres else outlines_drawn(arguments, session)
     for path in arguments.export:
-        check_comparison(path, names)
-    image = _image(arguments, session)
-    check_axes(session.shapes, image.shape, image.source)
-    start = start_on(image, outlines, arguments, session)
-    truth = None if arguments.truth is None else load_truth(arguments.truth, image.shape)
-    for missing in [] if named else [method.missing for method in CONTOUR_METHODS.values() if method.missing]:
-        say(f"cpm: {missing}")
+        check_comparison(path, names, ndim)
+    truth: Truth | VolumeTruth | None
+    if spheres:
+        image = _volume(arguments)
+        start, truth = start_in_volume(image, spheres, arguments), volume_truth_for(arguments, image)
+    else:
+        image = _image(arguments, session)
+        check_axes(session.shapes, image.shape, image.source)
+        start, truth = start_on(image, outlines, arguments, session), truth_for(arguments, image)
+    for method in () if named else CONTOUR_METHODS.values():
+        if method.missing and (ndim == 2 or method.in_volumes):
+            say(f"cpm: {method.missing}")
     announce_compilation()
     tiles = []
     for name in names:
         moment = run_method(CONTOUR_METHODS[name], image, start, settings[name], max_steps)
-        tiles.append(Tile(moment.state.contours, facts_of(moment, truth), settings[name]))
+        facts = facts_of(moment, truth)
+        if not facts.stop_reason:
+            facts = replace(facts, stop_reason=f"stopped after {counted(facts.steps, 'step')}, as asked")
+        tiles.append(Tile(moment.state.contours, facts, settings[name], moment.state.surface))
         if not arguments.json:
-            _tell(tiles[-1].facts, truth, first=len(tiles) == 1)
-    written = write_comparison(image, start, tiles, arguments.export, lambda said: say(f"cpm: {said}"), truth)
+            _tell(facts, truth, first=len(tiles) == 1)
+    shown_truth = truth if isinstance(truth, Truth) else None
+    written = write_comparison(image, start, tiles, arguments.export, lambda said: say(f"cpm: {said}"), shown_truth)
     if arguments.json:
         _print_json(image, start, [tile.facts for tile in tiles], truth)
         return
@@ -109,15 +122,26 @@ def _compare(arguments: argparse.Namespace) -> None:
         print(printable(f"Wrote {path}"))
 
 
-def _methods(named: Sequence[str]) -> list[str]:
+def _methods(named: Sequence[str], ndim: int) -> list[str]:
     """The methods that are named, or all that can run."""
     for name in named:
-        method_named(name).check()
-    return list(dict.fromkeys(named or runnable()))
+        method = method_named(name)
+        method.check()
+        if ndim == 3 and not method.in_volumes:
+            raise ValueError(f"{method.title} is for images: in a volume choose among {', '.join(runnable(ndim))}.")
+    return list(dict.fromkeys(named or runnable(ndim)))
 
 
-def _print_json(image: Image, start: Start, rows: Sequence[Facts], truth: Truth | None) -> None:
-    given = {"image": image.source, "around": start.around, "truth": None if truth is None else truth.source}
+def _ours(arguments: argparse.Namespace, session: SessionFile, ndim: int) -> Parameters:
+    """The parameters of the particles, unless some are set."""
+    if arguments.session:
+        return session.parameters
+    return PRESETS["volume"] if ndim == 3 else Parameters()
+
+
+def _print_json(image: Image, start: Start, rows: Sequence[Facts], truth: Truth | VolumeTruth | None) -> None:
+    source = None if truth is None else truth.source
+    given = {"image": image.source, "around": start.around, "truth": source, "unit": _unit(truth)}
     plain = [{name: _finite(value) for name, value in asdict(row).items()} for row in rows]
     print_json("compare", {**given, "methods": plain})
 
@@ -127,21 +151,37 @@ def _finite(value: object) -> object:
     return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
-def _tell(row: Facts, truth: Truth | None, *, first: bool) -> None:
+def _tell(row: Facts, truth: Truth | VolumeTruth | None, *, first: bool) -> None:
     """Print a line of the table, before the first its head."""
     if first:
         scores = f"{'Dice':>7}{'F':>7}{'Hausdorff':>12}{'mean dist.':>12}" if truth else ""
         print(f"{'':{_WIDTH}}{'steps':>7}{'time':>10}{scores}{'contours':>10}{'closed':>8}  end")
     agree = ""
     if row.dice is not None and row.f is not None:
-        agree = f"{row.dice:7.3f}{row.f:7.3f}{_px(row.hausdorff, 1):>12}{_px(row.mean_distance, 2):>12}"
+        agree = (
+            f"{row.dice:7.3f}{row.f:7.3f}{_away(row.hausdorff, 1, truth):>12}{_away(row.mean_distance, 2, truth):>12}"
+        )
     counts = f"{row.contours:10}{row.closed:8}"
     title, time = CONTOUR_METHODS[row.method].title, f"{row.seconds:.2f} s"
     print(f"{title:{_WIDTH}}{row.steps:7}{time:>10}{agree}{counts}  {row.stop_reason}", flush=True)
 
 
-def _px(distance: float | None, digits: int) -> str:
-    return "" if distance is None else f"{distance:.{digits}f} px" if np.isfinite(distance) else "-"
+def _away(distance: float | None, digits: int, truth: Truth | VolumeTruth | None) -> str:
+    return "" if distance is None else f"{distance:.{digits}f} {_unit(truth)}" if np.isfinite(distance) else "-"
+
+
+def _unit(truth: Truth | VolumeTruth | None) -> str:
+    """Unit of distances: pixels of an image, or that of the sides of a voxel."""
+    return (truth.unit or "vx") if isinstance(truth, VolumeTruth) else "px"
+
+
+def _volume(arguments: argparse.Namespace) -> Image:
+    volume = load_volume(arguments.image, **part_of_volume(arguments))
+    for note in volume.notes:
+        say(f"cpm: {volume.source}: {note}")
+    if not np.allclose(volume.spacing, volume.spacing[0], rtol=1e-3):
+        say(f"cpm: {volume.source}: its voxels are no cubes, but methods other than the particles take them for cubes.")
+    return volume
 
 
 def _image(arguments: argparse.Namespace, session: SessionFile) -> Image:
@@ -155,5 +195,8 @@ def _image(arguments: argparse.Namespace, session: SessionFile) -> Image:
     for note in (*notes, *loaded.notes):
         say(f"cpm: {image.source}: {note}")
     if image.ndim != 2:
-        raise ValueError(f"{image.source} is a volume, but methods are compared on images: take a plane, --page N.")
+        raise ValueError(
+            f"{image.source} is a volume, but this start is for images: take a plane, --page N, or add --sphere "
+            "PLANE,ROW,COL,RADIUS."
+        )
     return image

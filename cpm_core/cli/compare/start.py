@@ -21,6 +21,9 @@ from cpm_core.shapes import Barrier, Charge, Circle, Region, Shape
 from cpm_core.shapes.document_shapes import starts_of
 from cpm_core.shapes.outlines import outlines_of
 
+Sphere = tuple[float, float, float, float]
+"""Center (plane, row, col) and radius [voxels]."""
+
 
 def add_start(parser: argparse.ArgumentParser) -> None:
     """Add the flags of the start; see `outlines_drawn` and `start_on`."""
@@ -28,6 +31,7 @@ def add_start(parser: argparse.ArgumentParser) -> None:
     flags = (
         ("--circle", "ROW,COL,RADIUS", "a circle, in px"),
         ("--polygon", "ROW,COL,ROW,COL,...", "corners of a closed line, in px"),
+        ("--sphere", "PLANE,ROW,COL,RADIUS", "a sphere in a volume, in voxels; IMAGE is then a volume"),
         ("--start", "FILE", f"the closed contours of a file ({', '.join(CONTOURS_READABLE)}, or a label mask)"),
     )
     for flag, form, words in flags:
@@ -54,6 +58,20 @@ def outlines_drawn(arguments: argparse.Namespace, session: SessionFile) -> tuple
     return (*outlines, *drawn)
 
 
+def start_in_volume(volume: Image, spheres: Sequence[Sphere], arguments: argparse.Namespace) -> Start:
+    """The start in a volume: spheres, whose radius is in sides of the smallest voxel."""
+    plane, row, col = (side / min(volume.spacing) for side in volume.spacing)
+    return Start((), arguments.around, tuple(spheres), (plane, row, col))
+
+
+def spheres_drawn(arguments: argparse.Namespace) -> tuple[Sphere, ...]:
+    """The spheres on the command line; ValueError beside what is for images only."""
+    for name in ("circle", "polygon", "start", "session") if arguments.sphere else ():
+        if getattr(arguments, name):
+            raise ValueError(f"--{name} is for images, but --sphere is for volumes: leave one out.")
+    return tuple(_sphere(text) for text in arguments.sphere)
+
+
 def start_on(image: Image, outlines: Sequence[Array], arguments: argparse.Namespace, session: SessionFile) -> Start:
     """The start on an image: lines that are drawn, and those of the files of ``--start``."""
     found = list(outlines)
@@ -75,6 +93,14 @@ def _tell_open(where: str, shapes: Sequence[Shape]) -> None:
     if loose := len(shapes) - len(outlines_of(shapes)):
         what = counted(loose, "start without an inside", "starts without an inside")
         say(f"cpm: {where}: {what} left out, as most of the methods need one.")
+
+
+def _sphere(text: str) -> Sphere:
+    numbers = _numbers(text)
+    if len(numbers) != 4:
+        raise ValueError(f"--sphere is {shown(text)} but must be four numbers, PLANE,ROW,COL,RADIUS in voxels.")
+    plane, row, col, radius = numbers
+    return plane, row, col, radius
 
 
 def _circle(text: str) -> Array:

@@ -25,6 +25,7 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
     "compare": (
         ("all methods from one circle", "cpm compare cell.png --circle 120,80,30 --truth cell_mask.png"),
         ("two of them, as a table", "cpm compare cell.png --circle 120,80,30 --methods cpm gvf --export table.csv"),
+        ("surfaces in a volume", "cpm compare angio.nii --sphere 20,64,64,4 --truth vessels.nii --export angio.ply"),
     ),
     "info": (
         ("what a file holds", "cpm info stack.tif"),

@@ -91,8 +91,9 @@ class VolumeTruth:
             inside = self.labels[around] == label
             if inside.all() or min(inside.shape) < 2:
                 continue
-            halved = skimage.measure.marching_cubes(inside.astype(np.float32), 0.5)  # type: ignore[no-untyped-call]
-            found, corners = halved[:2]
+            found, corners = skimage.measure.marching_cubes(  # type: ignore[no-untyped-call]
+                inside.astype(np.float32), 0.5, gradient_direction="ascent"
+            )[:2]
             vertices.append(found + [side.start for side in around])
             faces.append(corners + count)
             count += len(found)

@@ -22,7 +22,7 @@ from cpm_core.numerics.types import Place
 _LARGEST = 256 * 2**20
 """Most bytes of an array that is read."""
 
-_MOST_VOXELS = 2**28
+MOST_VOXELS = 2**28
 """Most voxels of the box around a surface, whose inside takes a byte for each and more while it is found."""
 
 _FAST = 1
@@ -73,10 +73,10 @@ class PackedSurface:
         if not len(self.surface.faces) or not self.surface.closed:
             raise ValueError("The surface around an object is not closed, so that nothing is inside.")
         sides = np.ceil(np.ptp(self.surface.vertices, axis=0)).tolist()
-        if math.prod(sides) > _MOST_VOXELS:
+        if math.prod(sides) > MOST_VOXELS:
             raise ValueError(
                 f"The surface around an object spans {' x '.join(f'{side:g}' for side in sides)} voxels, but at most "
-                f"{_MOST_VOXELS:,} in all can be filled: make it smaller."
+                f"{MOST_VOXELS:,} in all can be filled: make it smaller."
             )
 
     @classmethod

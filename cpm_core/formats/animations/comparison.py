@@ -19,10 +19,11 @@ import PIL.PngImagePlugin
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.result import Result
+from cpm_core.contours.surface import Surface
 from cpm_core.formats.animations.snapshot_strip import strip
 from cpm_core.formats.atomic import check_place, write_together
 from cpm_core.formats.printable import cell
-from cpm_core.formats.writers import WRITABLE, check_export, encoded, omission, suffix_of
+from cpm_core.formats.writers import FOR_VOLUMES, WRITABLE, check_export, encoded, omission, suffix_of
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array, Pixels
 from cpm_core.segmentation.methods import CONTOUR_METHODS, Facts, Start, result_of
@@ -51,11 +52,16 @@ _LETTERS = 13.0
 
 @dataclass(frozen=True, eq=False)
 class Tile:
-    """What one method has found: its contours, and the facts of its run, which had these settings."""
+    """What one method has found: contours, or a surface, and the facts of its run, which had these settings."""
 
     contours: Sequence[Contour]
     facts: Facts
     settings: Any
+    surface: Surface | None = None
+
+    def result(self, image: Image, start: Start) -> Result:
+        """The same as a result."""
+        return result_of(self.facts, self.contours, image, start, self.settings, self.surface)
 
 
 def table(rows: Sequence[Facts]) -> bytes:
@@ -118,7 +124,7 @@ def write_comparison(
         What each method has found.
     paths : sequence of path-like
         A table, ``.csv``; a picture, ``.png``; or contours in a format of `cpm_core.formats.writers`: a file for each
-        method, whose name is put before the suffix where there are several.
+        method, whose name is put before the suffix where there are several. In a volume a table, or surfaces.
     tell : callable, optional
         Called with a sentence for each file that leaves contours out, or is not written as it would hold none.
     truth : Truth, optional
@@ -134,17 +140,16 @@ def write_comparison(
     ValueError
         When a suffix is not known, or a file cannot be written there.
     """
-    contents = []
-    names = [tile.facts.method for tile in tiles]
+    contents, names = [], [tile.facts.method for tile in tiles]
     for path in map(Path, paths):
-        check_comparison(path, names)
+        check_comparison(path, names, image.ndim)
         suffix = suffix_of(path)
         if suffix == TABLE:
             contents.append((path, table([tile.facts for tile in tiles])))
         elif suffix == PICTURE:
             contents.append((path, _picture_file(image, start, tiles, truth)))
         else:
-            results = [result_of(tile.facts, tile.contours, image, start, tile.settings) for tile in tiles]
+            results = [tile.result(image, start) for tile in tiles]
             contents += _contour_files(zip(files_of(path, names), results, strict=True), suffix, tell)
     write_together(contents)
     return tuple(file for file, _ in contents)
@@ -159,11 +164,16 @@ def files_of(path: Path, methods: Sequence[str]) -> list[Path]:
     return [path.with_name(f"{stem}.{method}{suffix}") for method in methods]
 
 
-def check_comparison(path: str | os.PathLike[str], methods: Sequence[str] = ()) -> None:
-    """Check in advance whether `write_comparison` could write to a path; ValueError if not."""
+def check_comparison(path: str | os.PathLike[str], methods: Sequence[str] = (), ndim: int = 2) -> None:
+    """Check in advance whether `write_comparison` could write to a path, of an image or a volume; ValueError if not."""
     file = Path(path)
     check_export(file)
-    if suffix_of(file) not in WRITABLE:
+    if ndim == 3 and suffix_of(file) not in (TABLE, *FOR_VOLUMES):
+        raise ValueError(
+            f"{file.name} would be a file of contours, but in a volume surfaces are compared: choose one of "
+            f"{', '.join((TABLE, *FOR_VOLUMES))}."
+        )
+    if ndim == 2 and suffix_of(file) not in WRITABLE:
         raise ValueError(
             f"{file.name} would be a file of a surface or of center lines, but a comparison is one of contours: choose "
             f"one of {', '.join(WRITABLE)}."

@@ -32,4 +32,5 @@ PARTICLES = ContourMethod(
     Parameters,
     _evolve,
     MOST_STEPS,
+    in_volumes=True,
 )

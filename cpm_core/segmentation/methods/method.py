@@ -18,11 +18,13 @@ from numpy.typing import NDArray
 from skimage.draw import polygon2mask
 
 from cpm_core.contours.contour import Contour
+from cpm_core.contours.surface import Surface
 from cpm_core.image.image import Image
 from cpm_core.numerics.polyline import resampled
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters.quotation import counted, described, shown
+from cpm_core.particles.volume_starts import sphere
 
 SPACING = 2.0
 """Distance of the points that a start gives along its outlines [px]."""
@@ -41,24 +43,33 @@ class Start:
     outlines : tuple of ndarray, each of shape (K, 2)
         Corners (row, col) [px]; the last is joined to the first, which is not repeated.
     around : bool
-        Whether the outlines lie around the objects, so that what drives a contour on must drive it inwards.
+        Whether the start lies around the objects, so that what drives a contour on must drive it inwards.
+    spheres : tuple of (float, float, float, float)
+        In a volume, in place of outlines: center (plane, row, col) [voxels] and radius [smallest side of a voxel].
+    sides : tuple of float
+        Sides of a voxel along (plane, row, col) in units of the smallest.
 
     Raises
     ------
     ValueError
-        When there is no outline, or one of fewer than three corners or with corners at no usable place.
+        When there are neither outlines nor spheres, or both, an outline has fewer than three corners or corners at no
+        usable place, or a sphere is not three places and a radius above 0.
 
     Examples
     --------
     >>> start = cpm.Start((cpm.circle((32, 32), 8),))
     >>> start
     <Start 1 outline, inside the objects>
+    >>> start.ndim, cpm.Start((), spheres=((15, 15, 15, 4),)).ndim
+    (2, 3)
     >>> start.onward, start.points.shape, len(start.curves(4.0)), int(start.mask((64, 64)).sum())
     (1.0, (26, 2), 1, 194)
     """
 
     outlines: tuple[Array, ...]
     around: bool = False
+    spheres: tuple[tuple[float, float, float, float], ...] = ()
+    sides: tuple[float, float, float] = (1.0, 1.0, 1.0)
 
     def __post_init__(self) -> None:
         if not isinstance(self.outlines, Iterable):
@@ -66,7 +77,9 @@ class Start:
         if not isinstance(self.around, bool | np.bool_):
             raise ValueError(f"around is {shown(self.around)} but must be True or False.")
         made = tuple(real_numbers(outline) for outline in self.outlines)
-        if not made:
+        if self.spheres:
+            self._check_spheres(made)
+        elif not made:
             raise ValueError("There is no start: draw a circle, an ellipse or a polygon, from which all methods begin.")
         for outline in made:
             if not np.isfinite(outline).all() or np.abs(outline).max(initial=0.0) > _FARTHEST:
@@ -78,6 +91,22 @@ class Start:
                 )
         object.__setattr__(self, "outlines", made)
 
+    def _check_spheres(self, outlines: tuple[Array, ...]) -> None:
+        if outlines:
+            raise ValueError("A start has outlines in an image or spheres in a volume, not both: leave one out.")
+        for given in self.spheres:
+            numbers = real_numbers(given)
+            if numbers.shape != (4,) or not (np.abs(numbers) <= _FARTHEST).all() or numbers[3] <= 0.0:
+                raise ValueError(
+                    f"A sphere is {shown(given)} but must be plane, row, column and a radius above 0, none beyond "
+                    f"{_FARTHEST:g} voxels."
+                )
+
+    @property
+    def ndim(self) -> int:
+        """Number of axes of what it is a start in: 2 for an image, 3 for a volume."""
+        return 3 if self.spheres else 2
+
     @property
     def onward(self) -> float:
         """Sign of a pressure that drives a contour on: 1 outwards, from inside the objects, -1 inwards."""
@@ -85,7 +114,9 @@ class Start:
 
     @cached_property
     def points(self) -> Array:
-        """Points every `SPACING` along the outlines, shape (N, 2) [px]."""
+        """Points every `SPACING` along the outlines, shape (N, 2) [px]; on spheres, evenly spread, shape (N, 3)."""
+        if self.spheres:
+            return np.concatenate([sphere((p, r, c), radius, spacing=self.sides) for p, r, c, radius in self.spheres])
         return np.concatenate(self.curves(SPACING))
 
     def curves(self, spacing: float) -> tuple[Array, ...]:
@@ -94,8 +125,14 @@ class Start:
         return tuple(resampled(outline, spacing)[:-1] for outline in closed)
 
     def mask(self, shape: tuple[int, ...]) -> Mask:
-        """The pixels inside one outline at least, shape (H, W); an outline that lies within others bounds a hole."""
+        """The pixels inside one outline at least, shape (H, W); an outline that lies within others bounds a hole.
+
+        Of spheres the voxels in one at least, shape (P, H, W).
+        """
         found: NDArray[np.bool_] = np.zeros(shape, dtype=bool)
+        for *center, radius in self.spheres:
+            axes = zip(np.ogrid[tuple(map(slice, shape))], center, self.sides, strict=True)
+            found |= sum((side * (at - middle)) ** 2 for at, middle, side in axes) <= radius**2
         masks = (polygon2mask(shape, outline) for outline in self.outlines)  # type: ignore[no-untyped-call]
         different = {mask.tobytes(): mask for mask in masks}.values()  # a line that is drawn twice bounds no hole
         for mask in sorted(different, key=np.count_nonzero, reverse=True):
@@ -104,7 +141,8 @@ class Start:
 
     def __repr__(self) -> str:
         where = "around the objects" if self.around else "inside the objects"
-        return described("Start", counted(len(self.outlines), "outline"), where)
+        what = counted(len(self.spheres), "sphere") if self.spheres else counted(len(self.outlines), "outline")
+        return described("Start", what, where)
 
 
 class ContourState(Protocol):
@@ -115,8 +153,8 @@ class ContourState(Protocol):
     >>> method = cpm.CONTOUR_METHODS["chan_vese"]
     >>> start = cpm.Start((cpm.circle((32, 32), 8),))
     >>> state = next(method.evolve(cpm.example("disk"), start, method.settings()))
-    >>> state.step, state.stop_reason, state.converged, len(state.contours), len(state.points)
-    (0, '', False, 1, 0)
+    >>> state.step, state.stop_reason, state.converged, len(state.contours), state.surface, len(state.points)
+    (0, '', False, 1, None, 0)
     """
 
     @property
@@ -136,8 +174,12 @@ class ContourState(Protocol):
         """The contours [px], computed when they are asked for."""
 
     @property
+    def surface(self) -> Surface | None:
+        """The surface in a volume, computed when it is asked for; None in an image."""
+
+    @property
     def points(self) -> Array:
-        """Particles, shape (N, 2) [px]; empty for a method that has none."""
+        """Particles, shape (N, 2) [px] or (N, 3) [voxels]; empty for a method that has none."""
 
 
 S = TypeVar("S")
@@ -194,6 +236,8 @@ class ContourMethod(Generic[S]):
         Steps after which a run that is not at rest is ended.
     needs : Needed, optional
         A package that it needs and that need not be installed.
+    in_volumes : bool
+        Whether it finds surfaces in volumes as well.
 
     Examples
     --------
@@ -213,6 +257,7 @@ class ContourMethod(Generic[S]):
     evolve: Callable[[Image, Start, S], Iterator[ContourState]]
     most_steps: int
     needs: Needed | None = None
+    in_volumes: bool = False
 
     def check(self) -> None:
         """ValueError, which says how it is installed, when a package is missing that it needs."""

@@ -10,6 +10,7 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour, sampled
 from cpm_core.contours.result import Result
+from cpm_core.contours.surface import Surface
 from cpm_core.field.edge_map import edge_map
 from cpm_core.field.interpolation import interpolate
 from cpm_core.image.image import Image
@@ -21,7 +22,9 @@ _SMOOTHING = 1.0
 """Width of the Gaussian before the edge strength along the contours is taken [px]."""
 
 
-def result_of(facts: Facts, contours: Sequence[Contour], image: Image, start: Start, settings: Any) -> Result:
+def result_of(
+    facts: Facts, contours: Sequence[Contour], image: Image, start: Start, settings: Any, surface: Surface | None = None
+) -> Result:
     """Make a result of the contours that a method has found.
 
     Parameters
@@ -36,25 +39,28 @@ def result_of(facts: Facts, contours: Sequence[Contour], image: Image, start: St
         What the method began from.
     settings : Settings or Parameters
         Settings of the method.
+    surface : Surface, optional
+        In a volume the surface of its last state.
 
     Returns
     -------
     Result
         The contours with numbers from 1 and the mean edge strength along them; no particles.
     """
-    strength = edge_map(image.values, _SMOOTHING)
+    strength = edge_map(image.values, _SMOOTHING) if contours else image.values
     numbered = []
     for number, contour in enumerate(contours, start=1):
         mean = float(interpolate(strength[None], sampled([contour])).mean())
         numbered.append(replace(contour, number=number, strength=mean))
-    shapes = tuple({"shape": "polygon", "points": outline.tolist()} for outline in start.outlines)
+    shapes: list[dict[str, Any]] = [{"shape": "polygon", "points": outline.tolist()} for outline in start.outlines]
+    shapes += [{"shape": "sphere", "center": center, "radius": radius} for *center, radius in start.spheres]
     made = Provenance(
-        facts.method, asdict(settings), None, shapes, sha256=image.sha256, of_file=bool(image.file_sha256)
+        facts.method, asdict(settings), None, tuple(shapes), sha256=image.sha256, of_file=bool(image.file_sha256)
     )
     return Result(
-        particles=np.empty((0, 2)),
+        particles=np.empty((0, image.ndim)),
         contours=tuple(numbered),
-        surface=None,
+        surface=None if surface is None else replace(surface, spacing=image.spacing, unit=image.unit),
         steps=facts.steps,
         converged=facts.converged,
         stop_reason=facts.stop_reason,

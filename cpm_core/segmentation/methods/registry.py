@@ -34,9 +34,10 @@ CONTOUR_METHODS: Mapping[str, AnyMethod] = MappingProxyType({method.name: method
 """All methods that can be compared, by name."""
 
 
-def runnable() -> tuple[str, ...]:
-    """Names of the methods that lack nothing to run."""
-    return tuple(name for name, method in CONTOUR_METHODS.items() if not method.missing)
+def runnable(ndim: int = 2) -> tuple[str, ...]:
+    """Names of the methods that lack nothing to run, in images or in volumes, which have three axes."""
+    found = (method for method in CONTOUR_METHODS.values() if ndim == 2 or method.in_volumes)
+    return tuple(method.name for method in found if not method.missing)
 
 
 def method_named(name: str) -> AnyMethod:

@@ -9,7 +9,9 @@ from typing import Any
 
 from cpm_core.contours.agreement import Comparison, compare
 from cpm_core.contours.ground_truth import Truth
-from cpm_core.image.image import Image, as_plane
+from cpm_core.contours.surface.agreement import SurfaceComparison, compare_surface
+from cpm_core.contours.surface.ground_truth import VolumeTruth
+from cpm_core.image.image import Image, as_image
 from cpm_core.numerics.real_numbers import checked_number
 from cpm_core.parameters.quotation import counted, described, shown
 from cpm_core.segmentation.methods.method import AnyMethod, ContourMethod, ContourState, Start
@@ -59,7 +61,12 @@ def moments(method: AnyMethod, image: Image, start: Start, settings: Any = None)
             f"the settings are {shown(settings)} but must be {method.settings.__name__}, those of {method.title}."
         )
     method.check()
-    image = as_plane(image)
+    image = as_image(image)
+    if image.ndim == 3 and not method.in_volumes:
+        raise ValueError(f"{image.source} is a volume, but {method.title} is for images: choose another method.")
+    if image.ndim != start.ndim:
+        wanted = "spheres, Start((), spheres=(...,))" if image.ndim == 3 else "outlines, Start((outline,))"
+        raise ValueError(f"The start does not fit {image.source}, which has {image.ndim} axes: give {wanted}.")
     states = method.evolve(image, start, settings)
     seconds = 0.0
     while True:
@@ -94,7 +101,7 @@ def run_method(
     if last is None:
         raise ValueError(f"{method.title} gave no state.")
     began = time.perf_counter()
-    _ = last.state.contours
+    _ = last.state.contours, last.state.surface
     return Moment(method, last.state, last.seconds + time.perf_counter() - began)
 
 
@@ -114,12 +121,15 @@ class Facts:
         Whether it came to rest.
     stop_reason : str
         Why it ended.
-    contours, closed : int
-        Number of contours, and of closed ones among them, which alone have an area that overlaps another.
+    contours : int
+        Number of contours, in a volume of parts of the surface.
+    closed : int
+        Number of closed ones among them, which alone have an area that overlaps another; in a volume all, if the
+        surface is closed.
     dice, f : float or None
         Overlap of the areas, and agreement of the boundaries up to a tolerance.
     hausdorff, mean_distance : float or None
-        Largest and mean distance of the boundaries [px].
+        Largest and mean distance of the boundaries [px], in a volume in the unit of its voxels.
 
     Examples
     --------
@@ -149,7 +159,7 @@ class Facts:
         return described("Facts", self.method, steps, f"{self.seconds:.3g} s", contours, agreed)
 
 
-def facts_of(moment: Moment, truth: Truth | None = None) -> Facts:
+def facts_of(moment: Moment, truth: Truth | VolumeTruth | None = None) -> Facts:
     """What is said of a moment of a run, beside a ground truth where one is known.
 
     Examples
@@ -161,11 +171,17 @@ def facts_of(moment: Moment, truth: Truth | None = None) -> Facts:
     """
     if not isinstance(moment, Moment):
         raise ValueError(f"the moment is {shown(moment)} but must be one of a run: take those of `moments`.")
-    state = moment.state
+    state, surface = moment.state, moment.state.surface
     contours, closed = len(state.contours), sum(contour.closed for contour in state.contours)
+    if surface is not None:
+        contours = surface.components
+        closed = contours if surface.closed else 0
     plain = Facts(moment.method.name, state.step, moment.seconds, state.converged, state.stop_reason, contours, closed)
+    if isinstance(truth, VolumeTruth):
+        sized = None if surface is None else replace(surface, spacing=truth.spacing, unit=truth.unit)
+        return _beside(plain, compare_surface(sized, truth))
     return plain if truth is None else _beside(plain, compare(state.contours, truth))
 
 
-def _beside(facts: Facts, seen: Comparison) -> Facts:
+def _beside(facts: Facts, seen: Comparison | SurfaceComparison) -> Facts:
     return replace(facts, dice=seen.dice, f=seen.f, hausdorff=seen.hausdorff, mean_distance=seen.mean_boundary_distance)

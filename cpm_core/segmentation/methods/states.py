@@ -13,7 +13,9 @@ import skimage
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
+from cpm_core.contours.surface import Surface
 from cpm_core.numerics.types import Array
+from cpm_core.reconstruction.surface.iso.marching import zero_surface
 
 _NONE = np.empty((0, 2))
 _LEAST_CORNERS = 3
@@ -38,6 +40,11 @@ class Stoppable:
     converged: bool = False
 
     @property
+    def surface(self) -> Surface | None:
+        """No surface."""
+        return None
+
+    @property
     def points(self) -> Array:
         """No particles, shape (0, 2)."""
         return _NONE
@@ -60,7 +67,7 @@ class RegionState(Stoppable):
 
     @abstractmethod
     def function(self) -> tuple[NDArray[Any], float]:
-        """The function, shape (H, W), and the level."""
+        """The function, shape (H, W) or (P, H, W), and the level."""
 
     @property
     def inside(self) -> NDArray[np.bool_]:
@@ -77,7 +84,12 @@ class RegionState(Stoppable):
     @cached_property
     def contours(self) -> tuple[Contour, ...]:
         """Closed contours, the longest first; those of a region at the border of the image run along the border."""
-        return level_contours(*self.function())
+        return level_contours(*self.function()) if self.inside.ndim == 2 else ()
+
+    @cached_property
+    def surface(self) -> Surface | None:
+        """In a volume the closed surface around the voxels inside, with voxels of sides 1."""
+        return None if self.inside.ndim == 2 else level_surface(*self.function())
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,18 +100,28 @@ class LevelSetState(RegionState):
     level: float = 0.0
 
     def function(self) -> tuple[NDArray[Any], float]:
-        """The function, shape (H, W), and the level."""
+        """The function, shape (H, W) or (P, H, W), and the level."""
         return self.values, self.level
 
 
 def level_contours(values: NDArray[np.generic], level: float) -> tuple[Contour, ...]:
     """Closed contours around the pixels of a function, shape (H, W), that lie above a level, the longest first."""
-    inside = np.asarray(values, dtype=float) - level
-    rim = np.pad(inside, 1, constant_values=-max(float(np.abs(inside).max(initial=0.0)), 1e-9))
-    found = skimage.measure.find_contours(rim, 0.0)  # type: ignore[no-untyped-call]
-    lines = [np.clip(line[:-1] - 1.0, -0.5, np.array(inside.shape) - 0.5) for line in found]
+    found = skimage.measure.find_contours(_rimmed(values, level), 0.0)  # type: ignore[no-untyped-call]
+    lines = [np.clip(line[:-1] - 1.0, -0.5, np.array(values.shape) - 0.5) for line in found]
     made = (Contour(line, closed=True) for line in lines if len(line) >= _LEAST_CORNERS)
     return tuple(sorted(made, key=lambda contour: -contour.length))
+
+
+def level_surface(values: NDArray[np.generic], level: float) -> Surface:
+    """The closed surface around the voxels of a function, shape (P, H, W), that lie above a level."""
+    vertices, faces = zero_surface(_rimmed(values, level).astype(np.float32))
+    return Surface(np.clip(vertices - 1.0, -0.5, np.array(values.shape) - 0.5), faces)
+
+
+def _rimmed(values: NDArray[np.generic], level: float) -> Array:
+    """A function above a level, with a rim as far below it as the function is above it or below it anywhere."""
+    inside = np.asarray(values, dtype=float) - level
+    return np.pad(inside, 1, constant_values=-max(float(np.abs(inside).max(initial=0.0)), 1e-9))
 
 
 Region = TypeVar("Region", bound=RegionState)
@@ -131,4 +153,4 @@ def until_at_rest(states: Iterator[Region], every: int, least: float, most_steps
 
 def _front(inside: NDArray[np.bool_]) -> int:
     """Number of pairs of neighboring pixels of which one is inside."""
-    return int(sum(np.diff(inside, axis=axis).sum() for axis in range(2)))
+    return int(sum(np.diff(inside, axis=axis).sum() for axis in range(inside.ndim)))

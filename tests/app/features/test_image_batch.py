@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import shlex
+import threading
 
 import pytest
 from PIL import Image as Picture
@@ -14,6 +15,7 @@ from app.views.export.batch.dialog import BatchDialog
 from app.views.features.file.batch import BatchFeature
 from app.views.main_window import MainWindow
 from cpm_core import cli
+from cpm_core.cli.batch import workers
 from tests.app.conftest import Hand, disc
 
 pytestmark = pytest.mark.shared_window
@@ -46,6 +48,20 @@ def dialog(ready: MainWindow, hand: Hand, folder) -> BatchDialog:
     hand.qtbot.keyClicks(made.output, str(folder / "found"))
     hand.wait(lambda: made.told.text() == "3 images are ready.")
     return made
+
+
+def test_a_batch_says_that_loops_are_compiled_until_the_first_image_is_done(ready, hand, dialog, monkeypatch) -> None:
+    monkeypatch.setattr("app.session.features.image_batch.is_compiled", lambda parts: False)
+    go_on, whole = threading.Event(), workers.here
+    monkeypatch.setattr(workers, "here", lambda *given: go_on.wait(30) and whole(*given))
+    batch = ready.workspace.batch
+    hand.qtbot.mouseClick(dialog.button, LEFT)
+    try:
+        hand.wait(lambda: "The inner loops are compiled for this computer" in dialog.told.text())
+    finally:
+        go_on.set()
+    hand.wait(lambda: not batch.running)
+    hand.wait(lambda: dialog.told.text().startswith("2 of 3 images are done. 1 could not be used."))
 
 
 def test_a_folder_is_run_as_by_the_command_line_also_while_the_dialog_is_closed(

@@ -2,26 +2,33 @@
 
 from __future__ import annotations
 
+import os
 import shlex
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import tifffile
 from PIL import Image as Picture
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QGuiApplication
 
+from app.model.document import edits
 from app.model.document.document import Document, ImageReference
 from app.model.document.samples import samples
 from app.model.document.saving import to_file
 from app.model.export.script import script_of
 from app.views.features.file.script import ScriptFeature
 from app.views.main_window import MainWindow
-from cpm_core import PRESETS, Parameters, cli, load_contours, load_image
+from cpm_core import PRESETS, Parameters, cli, load_contours, load_image, load_surface, load_volume
 from cpm_core.contours.hand_edits import HandEdit
+from cpm_core.formats.contours.pages.stack_json import load_stack_result
 from cpm_core.formats.sessions.session_file import save_session
+from cpm_core.medial_axis.outlines import Outlined
 from cpm_core.shapes import (
     Barrier,
     Charge,
@@ -36,6 +43,8 @@ from cpm_core.shapes import (
     Threshold,
 )
 from tests.app.conftest import Hand, disc
+from tests.app.pages.test_pages_window import settled
+from tests.app.volumes.conftest import ball, open_file
 
 pytestmark = pytest.mark.shared_window
 
@@ -70,6 +79,14 @@ def of_command(document: Document, image: Path):
     target.unlink(missing_ok=True)
     assert cli.main(shlex.split(script_of(document, image.with_suffix(".cpm")).command)[1:]) == 0
     return load_contours(target)
+
+
+def ran(program: str) -> None:
+    """Run a program in a process of its own, in the present folder."""
+    Path("script.py").write_text(program, encoding="utf-8")
+    environment = {**os.environ, "PYTHONPATH": str(Path(cli.__file__).parents[2])}
+    done = subprocess.run([sys.executable, "script.py"], env=environment, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def assert_same(some, others) -> None:
@@ -145,6 +162,84 @@ def test_the_skeleton_is_that_of_the_command_line(image, capsys) -> None:
     written = (image.parent / f"{image.stem}_skeleton.svg").read_text()
     assert cli.main(shlex.split(script.command)[1:]) == 0
     assert (image.parent / f"{image.stem}_skeleton.svg").read_text() == written
+
+
+def test_the_skeleton_of_chosen_objects_is_that_of_their_outlines(image, capsys) -> None:
+    square = ((8.0, 8.0), (8.0, 56.0), (20.0, 56.0), (20.0, 8.0))
+    document = document_on(image, parameters=PRESETS["noisy"], mode="skeleton", outlined=Outlined(contours=(square,)))
+    script = script_of(document, image.with_suffix(".cpm"))
+    assert script.command == ""
+    assert "chosen objects" in script.note
+    exec(compile(script.python, "script.py", "exec"), {})
+    found = load_contours(image.parent / f"{image.stem}_skeleton.svg")
+    middle = max(found, key=lambda branch: np.ptp(branch.points[:, 1]))
+    assert np.abs(middle.points[:, 0] - 14.0).max() < 0.1
+    assert np.ptp(middle.points[:, 1]) > 30.0
+
+
+def test_the_script_of_a_volume_finds_its_surface(window, hand, tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    np.save("ball.npy", ball().astype(np.uint8))
+    open_file(window, hand, tmp_path / "ball.npy")
+    hand.drag((14, 16), (14, 20))
+    hand.key(Qt.Key.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: window.session.idle)
+    shown = window.session.scene.reconstruction.result.surface
+    window.feature(ScriptFeature).open()
+    dialog = window.feature(ScriptFeature).dialog
+    assert dialog is not None
+    for form in ("python", "command"):
+        if form == "python":
+            ran(dialog.python.toPlainText())
+        else:
+            assert cli.main(shlex.split(dialog.command.toPlainText())[1:]) == 0
+        found = load_surface("ball_surface.ply", load_volume("ball.npy"))
+        np.testing.assert_array_equal(found.faces, shown.faces)
+        assert np.abs(found.vertices - shown.vertices).max() < 0.01
+        Path("ball_surface.ply").unlink()
+    dialog.close()
+
+
+@pytest.mark.parametrize("own", [False, True], ids=["one start", "starts of their own"])
+def test_the_script_of_a_stack_finds_the_contours_of_all_pages(
+    window, hand, tmp_path, monkeypatch, own, capsys
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    pages = np.array([np.roll(disc(9.0), by - 14, axis=1) for by in (0, 4, 8, 24)], np.uint8)
+    tifffile.imwrite("cells.tif", pages, imagej=True, metadata={"axes": "TYX"})
+    open_file(window, hand, tmp_path / "cells.tif")
+    window.session.begin_document(edits.set_parameters(window.session.document, Parameters()))
+    window.session.edit("draw", lambda document: edits.add_shape(document, Circle((30.0, 20.0), 5.0)))
+    stack = window.workspace.pages
+    stack.run()
+    settled(window, hand)
+    if own:
+        stack.open(4)
+        hand.wait(lambda: stack.number == 4)
+        settled(window, hand)
+        window.session.edit("draw", lambda document: edits.add_shape(document, Circle((32.0, 42.0), 4.0)))
+        stack.run()
+        settled(window, hand)
+    window.feature(ScriptFeature).open()
+    dialog = window.feature(ScriptFeature).dialog
+    assert dialog is not None
+    ran(dialog.python.toPlainText())
+    wanted = [(page.number, [one.points.round(3).tolist() for one in page.contours]) for page in stack.result.pages]
+    assert [page for page, contours in wanted if contours] == [1, 2, 3, 4]
+    assert told_in(Path("cells_pages.json")) == wanted
+    assert bool(dialog.command.toPlainText()) is not own
+    if not own:
+        Path("cells_pages.json").unlink()
+        assert cli.main(shlex.split(dialog.command.toPlainText())[1:]) == 0
+        assert told_in(Path("cells_pages.json")) == wanted
+    dialog.close()
+
+
+def told_in(path: Path) -> list[tuple[int, list[list[list[float]]]]]:
+    """Page and vertices of the contours of a file."""
+    found = load_stack_result(path).pages
+    return [(page.number, [one.points.round(3).tolist() for one in page.contours]) for page in found]
 
 
 def test_the_window_shows_the_script_of_its_own_contours(ready: MainWindow, hand: Hand, tmp_path, monkeypatch) -> None:

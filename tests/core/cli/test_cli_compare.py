@@ -10,6 +10,7 @@ import PIL.Image
 import pytest
 import tifffile
 
+from cpm_core.formats import load_surface
 from cpm_core.formats.sessions.session_file import SessionFile, load_session, save_session
 from cpm_core.segmentation.methods import CONTOUR_METHODS, Compared, runnable
 from cpm_core.segmentation.methods.compared import FIRST
@@ -71,6 +72,11 @@ def test_all_methods_are_compared_unless_some_are_named(image, command):
     rows = json.loads(command("compare", image, *CIRCLE, "--max-steps", 1, "--json")[1])["methods"]
     assert [row["method"] for row in rows] == list(runnable())
     assert {row["steps"] for row in rows} == {1}
+    reasons = {row["method"]: row["stop_reason"] for row in rows}
+    assert (
+        reasons["cpm"] == "stopped after 1 step, as asked"
+        and reasons["random_walker"] == "all pixels have been decided"
+    )
 
 
 def test_table_and_picture_are_written(image, mask, command, tmp_path):
@@ -238,6 +244,43 @@ def test_a_session_opens_without_a_comparison_that_cannot_be_used(tmp_path, entr
     assert len(opened.shapes) == 1
     assert said in " ".join(opened.notes)
     assert opened.comparison.methods in {FIRST, ("gac", "", "", "")}
+
+
+@pytest.fixture
+def volume(tmp_path):
+    ball = np.linalg.norm(np.indices((21, 23, 25)) - np.array([10, 11, 12])[:, None, None, None], axis=0) < 7
+    np.save(tmp_path / "ball.npy", np.where(ball, 180.0, 40.0))
+    return tmp_path / "ball.npy"
+
+
+def test_surfaces_are_compared_in_a_volume(volume, command, tmp_path):
+    paths = tmp_path / "a.csv", tmp_path / "a.ply"
+    options = ("--sphere", "10,11,12,4", "--methods", "cpm", "morph_chan_vese", "--truth", volume)
+    status, out, err = command("compare", volume, *options, "--export", *paths, "--json")
+    told = json.loads(out)
+    assert (status, err, told["unit"]) == (0, "", "vx")
+    for row in told["methods"]:
+        assert row["dice"] > 0.95 and row["f"] > 0.99 and row["hausdorff"] < 2.0 and row["contours"] == 1
+        assert load_surface(tmp_path / f"a.{row['method']}.ply").closed
+    rows = list(csv.DictReader(io.StringIO(paths[0].read_text(encoding="utf-8"))))
+    assert [row["method"] for row in rows] == ["cpm", "morph_chan_vese"]
+    assert " vx" in command("compare", volume, *options)[1]
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        (("--methods", "gvf"), "GVF snake is for images: in a volume choose among cpm, morph_gac"),
+        (("--circle", "9,9,3"), "--circle is for images, but --sphere is for volumes"),
+        (("--sphere", "1,2,3"), "must be four numbers, PLANE,ROW,COL,RADIUS"),
+        (("--export", "a.png"), "in a volume surfaces are compared: choose one of .csv, .ply"),
+    ],
+)
+def test_what_a_volume_does_not_have_is_refused_in_one_sentence(volume, command, options, sentence):
+    status, out, err = command("compare", volume, "--sphere", "10,11,12,4", *options)
+    assert (status, out) == (2, "")
+    assert err.count("\n") == 1
+    assert sentence in err
 
 
 @pytest.mark.parametrize(

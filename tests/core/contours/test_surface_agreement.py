@@ -54,6 +54,7 @@ def test_a_truth_agrees_with_its_own_surface():
 def test_a_shifted_ball_has_the_overlap_and_the_distances_of_geometry():
     radius, shift, sides = 8.0, 3, (1.5, 1.0, 1.0)
     one = VolumeTruth(ball((14, 15, 14), radius, sides=sides), sides, "mm")
+    assert one.surface.volume > 0.0  # its triangles look outwards
     other = VolumeTruth(ball((14, 15, 14 + shift), radius, sides=sides), sides)
     seen = compare_surface(other.surface, one)
     common = math.pi * (2 * radius - shift) ** 2 * (4 * radius + shift) / 12.0

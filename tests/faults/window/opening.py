@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from random import Random
 
@@ -11,7 +12,7 @@ from app.session.exchange.messages import NotOpened, Opened
 from app.views.features.file.open_save import OpenSaveFeature
 from cpm_core.formats.sessions.session_file import load_session
 
-from ..fuzzing.inputs.session_samples import IMAGE, SESSION, sample, write_images
+from ..fuzzing.inputs.session_samples import IMAGE, SAMPLES, SESSION, write_images
 from ..fuzzing.limits import check_sentence
 from ..fuzzing.sessions import damaged
 from ..report import Budget, Report
@@ -96,23 +97,25 @@ class Visitor:
         self._refused += 1
 
 
-def try_opening(budget: Budget, most: int | None = None) -> Report:
-    """Open damaged sessions until the time is over, or so many."""
+def try_opening(budget: Budget, most: int | None = None, of: Sequence[str] = tuple(SAMPLES)) -> Report:
+    """Open damaged sessions of images in turn until the time is over, or so many."""
     tried, read, failures = 0, 0, list[str]()
     folder = budget.folder / "sessions"
     folder.mkdir()
     write_images(folder)
     path = folder / SESSION
-    path.write_text(json.dumps(sample(folder)))
+    sound: dict[str, bytes] = {}
     end = time.monotonic() + budget.seconds
     with surroundings(budget.folder), discarding(), Watch().kept() as watch:
         visitor = Visitor(folder / IMAGE)
-        failures += [f"the sound session: {sentence}" for sentence in visitor.look_at(path)]
-        visitor.saved(path)
-        sound = path.read_bytes()
+        for image in of:
+            path.write_text(json.dumps(SAMPLES[image](folder)))
+            failures += [f"the sound session of {image}: {sentence}" for sentence in visitor.look_at(path)]
+            visitor.saved(path)
+            sound[image] = path.read_bytes()
         while time.monotonic() < end and (most is None or tried < most):
             tried += 1
-            path.write_bytes(damaged(sound, Random(f"{budget.seed}/{tried}")))
+            path.write_bytes(damaged(sound[of[tried % len(of)]], Random(f"{budget.seed}/{tried}")))
             try:
                 broken = visitor.look_at(path)
             except Exception as error:

@@ -7,10 +7,11 @@ from collections.abc import Callable
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import QCheckBox, QComboBox, QFormLayout, QHBoxLayout, QLabel, QSizePolicy, QWidget
 
+from app.model.text.numbers import written
 from app.views.canvas.layers.layer import Layer
 from app.views.canvas.layers.options import Amount, Choice, Option
 from app.views.theme import color_maps
-from app.views.widgets.marked_slider import MarkedSlider
+from app.views.widgets.fields.marked_slider import MarkedSlider
 
 
 class LayerForm(QWidget):
@@ -82,7 +83,7 @@ class LayerForm(QWidget):
 
         def show() -> None:
             slider.show_value(self.layer.number(option.name))
-            figure.setText(f"{self.layer.number(option.name):g}")
+            figure.setText(written(f"{self.layer.number(option.name):g}"))
 
         self._showing.append(show)
         slider.moved_to.connect(lambda value: self.layer.choose(option.name, value))

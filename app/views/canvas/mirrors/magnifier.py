@@ -7,6 +7,7 @@ from PySide6.QtGui import QColor, QCursor, QPainter, QPaintEvent, QPen, QRegion
 from PySide6.QtWidgets import QWidget
 
 from app.model.text.language import tr
+from app.model.text.numbers import written
 from app.session.scene import Scene
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.mirrors.mirror import Mirror
@@ -110,7 +111,7 @@ class _Lens(QWidget):
 
     def show_place(self, at: Position) -> None:
         """Show a place (row, col)."""
-        self._rim.text = tr("{row}, {col}").format(row=f"{at[0]:.2f}", col=f"{at[1]:.2f}")
+        self._rim.text = tr("{row}, {col}").format(row=written(f"{at[0]:.2f}"), col=written(f"{at[1]:.2f}"))
         self._rim.raise_()
         self._rim.update()
 

@@ -9,6 +9,7 @@ from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QToolButton, QWidget
 
 from app.model.text.language import tr
+from app.model.text.numbers import written
 from app.views.canvas.layers.legend_entry import LegendEntry
 from app.views.theme import theme
 from app.views.theme.look import look
@@ -149,7 +150,7 @@ class _Chip(QWidget):
         entry = self._entry
         if entry is None:
             return ""
-        return f"{entry.count:,}" if short else f"{entry.count:,} {entry.text}"
+        return written(f"{entry.count:,}") if short else f"{written(f'{entry.count:,}')} {entry.text}"
 
     def _write(self) -> None:
         self._label.setText(self._text(self._short))

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from app.model.text.language import from_core, tr
+from app.model.text.numbers import written
 from app.views.panels.item_table.columns import NONE, Column, place
 from app.views.panels.item_table.model import Sorted
 from app.views.panels.item_table.row_model import RowModel
@@ -46,7 +47,7 @@ class ImageRow:
 
 def _number(name: str, title: str, tip: str, sample: str) -> Column[ImageRow]:
     def text(row: ImageRow) -> str:
-        return NONE if row.fact(name) < 0.0 else f"{row.fact(name):g}"
+        return NONE if row.fact(name) < 0.0 else written(f"{row.fact(name):g}")
 
     return Column(name, title, tip, text, lambda row: row.fact(name), sample)
 

@@ -20,6 +20,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.text.language import tr
+from app.model.text.numbers import written
 from app.model.text.reasons import reason
 from app.session.storage.preferences import Preferences
 from app.views.export.film.frame_renderer import NARROWEST, WIDEST, frame_size
@@ -144,7 +145,9 @@ class AnimationDialog(QDialog):
         missing = _missing(plan.suffix)
         seconds = len(plan.steps) / plan.frames_per_second
         words = tr("{count} frames of {width} × {height} px, {seconds} s. The layers are drawn as on the canvas now.")
-        summary = words.format(count=len(plan.steps), width=plan.size[0], height=plan.size[1], seconds=f"{seconds:.1f}")
+        summary = words.format(
+            count=len(plan.steps), width=plan.size[0], height=plan.size[1], seconds=written(f"{seconds:.1f}")
+        )
         self._summary.setText(missing or summary)
         self.stride.setSuffix(tr(" steps") if self.stride.value() > 1 else tr(" step"))
         self.export.setEnabled(not missing)

@@ -9,15 +9,15 @@ from app.model.text.language import tr
 from app.session.features.image_batch import TOPIC, BatchDone
 from app.views.export.batch.dialog import BatchDialog
 from app.views.widgets.action_spec import ActionSpec
-from app.views.window.feature import Feature, FeatureContext
+from app.views.window.dialog_feature import DialogFeature
+from app.views.window.feature import FeatureContext
 
 
-class BatchFeature(Feature):
+class BatchFeature(DialogFeature[BatchDialog]):
     """Opens the dialog, and says when all images are done."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
-        self.dialog: BatchDialog | None = None
         context.session.listen(BatchDone, self._tell)
 
     def action_specs(self) -> Sequence[ActionSpec]:
@@ -28,26 +28,11 @@ class BatchFeature(Feature):
                        tip=tr("Run every image of a folder with what is drawn and set here.")),
         )  # fmt: skip
 
-    def open(self) -> None:
-        """Open the dialog, or bring it to the front."""
+    def made(self) -> BatchDialog:
+        """The dialog, on the folder of the image."""
         context = self.context
-        if self.dialog is None:
-            folder = context.files.begin("open")
-            self.dialog = BatchDialog(context.window, context.session, context.workspace.batch, folder)
-            self.dialog.finished.connect(self._forget)
-        self.dialog.show()
-        self.dialog.raise_()
-        self.dialog.activateWindow()
-
-    def close(self) -> bool:
-        """Close the dialog."""
-        if self.dialog is not None:
-            self.dialog.close()
-        return True
+        return BatchDialog(context.window, context.session, context.workspace.batch, context.files.begin("open"))
 
     def _tell(self, _: BatchDone) -> None:
         batch = self.context.workspace.batch
         self.context.session.say(batch.in_words, batch.failed > 0, TOPIC)
-
-    def _forget(self, _: int) -> None:
-        self.dialog = None

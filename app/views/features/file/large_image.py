@@ -7,6 +7,7 @@ from dataclasses import replace
 from app.model.document import edits
 from app.model.document.document import Document
 from app.model.text.language import tr
+from app.model.text.numbers import written
 from app.session.exchange.messages import Opened
 from app.views.features.file.offering import OfferingFeature
 from cpm_core.segmentation.large_images import LargeImageSettings
@@ -22,7 +23,7 @@ class LargeImageFeature(OfferingFeature):
             return
         sentence = tr(
             "This image is large: {scales} scales and smoothing {smoothing} find its objects more surely. Use them?"
-        ).format(scales=settings.scales, smoothing=f"{settings.smoothing:g}")
+        ).format(scales=settings.scales, smoothing=written(f"{settings.smoothing:g}"))
         name = tr("settings for a large image")
         self.bar.offer(
             sentence,

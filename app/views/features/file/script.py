@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from app.model.export.script import Script, script_of
+from app.model.export.stack_script import script_of_stack
 from app.model.state.situation import Situation
 from app.model.text.language import tr
 from app.session.exchange.messages import Report
@@ -47,7 +48,11 @@ class ScriptFeature(Feature):
             return
         file = self._document_file
         session = file.path if file is not None and file.path is not None else None
-        script = script_of(document, session or Path(document.image.path).absolute().with_suffix(SUFFIX))
+        pages = self.context.workspace.pages.drawn
+        if pages is not None and document.mode != "skeleton":
+            script = script_of_stack(pages)
+        else:
+            script = script_of(document, session or Path(document.image.path).absolute().with_suffix(SUFFIX))
         self.dialog = ScriptDialog(self.context.window, script, self._note(script, file, session), self._save)
         self.dialog.finished.connect(self.dialog.deleteLater)
         self.dialog.finished.connect(self._forget)

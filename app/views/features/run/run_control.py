@@ -10,6 +10,7 @@ from app.model.preferences.table import UNIT
 from app.model.state.resolve import resolve
 from app.model.state.situation import can_step, has_image, is_running, is_started
 from app.model.text.language import tr
+from app.model.text.numbers import written
 from app.session.worker.commands.run import RunCall
 from app.session.worker.run import Run
 from app.views.panels.run.run_panel import RunPanel
@@ -91,7 +92,7 @@ class RunControlFeature(Feature):
     def _show_values(self) -> None:
         session = self.context.session
         resolved, snapshot = session.resolved, session.scene.snapshot
-        frames = f"{session.frames_per_second:.0f}" if resolved.running else "–"
+        frames = written(f"{session.frames_per_second:.0f}") if resolved.running else "–"
         self.panel.status.show_resolved(resolved, frames)
         self.panel.show_particles(resolved.particles)
         self.panel.show_metrics(snapshot.metrics if snapshot else None)

@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QLabel
 from app.model.preferences.table import TIMELINE_MEMORY
 from app.model.state.situation import has_particles, is_running
 from app.model.text.language import tr
+from app.model.text.numbers import written
 from app.session.features.timeline.navigation import TimelineNavigation
 from app.session.worker.commands.run import RunCall
 from app.session.worker.recorded_run import MEGABYTE
@@ -98,7 +99,7 @@ class TimelineFeature(Feature):
         def show() -> None:
             outline = navigation.outline
             words = tr("{used} MB for {count} steps")
-            label.setText(words.format(used=f"{outline.used / MEGABYTE:.1f}", count=outline.kept))
+            label.setText(words.format(used=written(f"{outline.used / MEGABYTE:.1f}"), count=outline.kept))
 
         show()
         navigation.changed.connect(show)

@@ -7,6 +7,7 @@ from functools import partial
 
 from app.model.state.situation import Condition, has_image
 from app.model.text.language import tr
+from app.model.text.numbers import written
 from app.views.canvas.layers.image.image import AUTOMATIC, WHOLE
 from app.views.widgets.action_spec import STATE, ActionSpec
 from app.views.window.feature import Feature, FeatureContext
@@ -47,5 +48,5 @@ class LevelsFeature(Feature):
 
     def _say(self) -> None:
         low, high = self._layer.window
-        text = tr("Black {low}, white {high}").format(low=f"{low:.4g}", high=f"{high:.4g}")
+        text = tr("Black {low}, white {high}").format(low=written(f"{low:.4g}"), high=written(f"{high:.4g}"))
         self.context.canvas_area.strip.say_next(text)

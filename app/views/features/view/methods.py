@@ -7,20 +7,19 @@ from pathlib import Path
 
 from PySide6.QtWidgets import QWidget
 
-from app.model.display.display_image import DisplayImage
 from app.model.export.formats import formats
 from app.model.state.situation import has_image
 from app.model.text.language import from_core, tr
 from app.session.features.side_by_side.method_comparison import ComparisonWritten
-from app.views.features.view.run_dialog import RunDialogFeature
 from app.views.mosaic.methods import CompareDialog
 from app.views.widgets.action_spec import ActionSpec
+from app.views.window.dialog_feature import DialogFeature
 from app.views.window.feature import FeatureContext
 from app.views.window.file_dialogs import Files
 from cpm_core.formats.animations.comparison import PICTURE, TABLE
 
 
-class MethodsFeature(RunDialogFeature[CompareDialog]):
+class MethodsFeature(DialogFeature[CompareDialog]):
     """Classical methods beside the charged particles."""
 
     def __init__(self, context: FeatureContext) -> None:
@@ -35,9 +34,11 @@ class MethodsFeature(RunDialogFeature[CompareDialog]):
                        tip=tr("Run snakes, level sets and others beside the particles, from the same start.")),
         )  # fmt: skip
 
-    def made(self, display: DisplayImage) -> CompareDialog:
-        """The dialog."""
-        context = self.context
+    def made(self) -> CompareDialog | None:
+        """The dialog, on the image as it is shown."""
+        context, display = self.context, self.context.session.scene.display
+        if display is None:
+            return None
         return CompareDialog(context.window, context.session, context.workspace.comparison, display, self._ask)
 
     def _ask(self, parent: QWidget) -> Path | None:

@@ -10,15 +10,15 @@ from app.model.display.display_image import DisplayImage
 from app.model.state.situation import has_image
 from app.model.text.language import tr
 from app.views.canvas.coordinates import image_rectangle
-from app.views.features.view.run_dialog import RunDialogFeature
 from app.views.mosaic import MosaicDialog
 from app.views.widgets.action_spec import ActionSpec
+from app.views.window.dialog_feature import DialogFeature
 
 _LEAST_SEEN = 0.02
 """Fraction of the image that must be visible for the tiles to show only the visible part."""
 
 
-class MosaicFeature(RunDialogFeature[MosaicDialog]):
+class MosaicFeature(DialogFeature[MosaicDialog]):
     """A sweep of two parameters."""
 
     def action_specs(self) -> Sequence[ActionSpec]:
@@ -30,9 +30,11 @@ class MosaicFeature(RunDialogFeature[MosaicDialog]):
                        gap=True, when=has_image),
         )  # fmt: skip
 
-    def made(self, display: DisplayImage) -> MosaicDialog:
+    def made(self) -> MosaicDialog | None:
         """The dialog; tiles show the visible part of the image."""
-        context = self.context
+        context, display = self.context, self.context.session.scene.display
+        if display is None:
+            return None
         return MosaicDialog(context.window, context.session, context.workspace.sweep, display, self._crop(display))
 
     def _crop(self, display: DisplayImage) -> QRectF:

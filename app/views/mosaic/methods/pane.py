@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QComboBox, QFrame, QHBoxLayout, QLabel, QVBoxLayou
 
 from app.model.display.display_image import DisplayImage
 from app.model.text.language import from_core, tr
+from app.model.text.numbers import written
 from app.session.features.side_by_side.method_run import Frame
 from app.views.canvas.coordinates import image_rectangle, to_xy
 from app.views.canvas.items.curves import Curves
@@ -157,7 +158,7 @@ def _progress(frame: Frame) -> str:
     if facts is None:
         return tr("Preparing…")
     counted = tr("1 step, {seconds} s") if facts.steps == 1 else tr("{steps} steps, {seconds} s")
-    return counted.format(steps=facts.steps, seconds=f"{facts.seconds:.2f}")
+    return counted.format(steps=facts.steps, seconds=written(f"{facts.seconds:.2f}"))
 
 
 def _words(frame: Frame) -> str:
@@ -173,9 +174,9 @@ def _agreement(facts: Facts) -> list[str]:
     if facts.dice is None or facts.f is None or facts.hausdorff is None or facts.mean_distance is None:
         return []
     known = np.isfinite(facts.hausdorff)
-    distances = (f"{facts.hausdorff:.1f}", f"{facts.mean_distance:.2f}") if known else ("–", "–")
+    distances = (written(f"{facts.hausdorff:.1f}"), written(f"{facts.mean_distance:.2f}")) if known else ("–", "–")
     return [
         tr("Dice {dice}, F {f}, Hausdorff {largest} px, mean distance {mean} px").format(
-            dice=f"{facts.dice:.3f}", f=f"{facts.f:.3f}", largest=distances[0], mean=distances[1]
+            dice=written(f"{facts.dice:.3f}"), f=written(f"{facts.f:.3f}"), largest=distances[0], mean=distances[1]
         )
     ]

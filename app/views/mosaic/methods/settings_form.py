@@ -10,6 +10,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QDoubleSpinBox, QLabel, QSlider, QVBoxLayout, QWidget
 
 from app.model.text.language import from_core
+from app.views.widgets.fields.decimal_field import DecimalField
 from cpm_core.parameters import ParameterInfo
 from cpm_core.segmentation.methods import Settings
 
@@ -54,7 +55,7 @@ class SettingsForm(QWidget):
     def _add_row(self, rows: QVBoxLayout, name: str, info: ParameterInfo, value: float) -> None:
         unit = f" {info.unit}" if info.unit else ""
         label = QLabel(f"{from_core(info.title)}  {info.symbol}")
-        field = QDoubleSpinBox()
+        field = DecimalField()
         field.setDecimals(max(0, -math.floor(math.log10(info.step))))
         field.setRange(info.low, info.high)
         field.setSingleStep(info.step)

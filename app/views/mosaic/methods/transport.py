@@ -6,6 +6,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSlider, QWidget
 
 from app.model.text.language import tr
+from app.model.text.numbers import written
 
 _NOTCHES = 1000
 
@@ -66,4 +67,4 @@ class Transport(QWidget):
 
 
 def _share(value: int) -> str:
-    return tr("{percent} % of the steps").format(percent=f"{100.0 * value / _NOTCHES:.0f}")
+    return tr("{percent} % of the steps").format(percent=written(f"{100.0 * value / _NOTCHES:.0f}"))

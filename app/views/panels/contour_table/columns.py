@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from app.model.text.language import tr
+from app.model.text.numbers import written
 from app.session.scene import Item
 from app.views.panels.item_table.columns import Column, number_text, place
 from cpm_core.contours.contour import Reached
@@ -36,7 +37,7 @@ def _ends(item: Item) -> str:
 
 def _contrast(item: Item) -> str:
     contrast = item.measures.contrast
-    return "–" if contrast is None else f"{contrast:.2f}"
+    return "–" if contrast is None else written(f"{contrast:.2f}")
 
 
 def _by_hand(item: Item) -> float:

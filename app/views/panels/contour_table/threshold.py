@@ -12,7 +12,8 @@ from PySide6.QtWidgets import QGridLayout, QLabel, QSizePolicy, QWidget
 
 from app.model.display.filter_counts import Distribution
 from app.model.parameters.controls import Control
-from app.views.widgets.marked_slider import MarkedSlider
+from app.model.text.numbers import written
+from app.views.widgets.fields.marked_slider import MarkedSlider
 
 _BINS = 40
 _STEP = 1 / 200
@@ -116,7 +117,7 @@ class Threshold(QWidget):
         if not self.slider.isSliderDown():
             self.slider.show_value(share)
         self.histogram.show(np.sqrt(values / self._top), share)
-        self.label.setText(f"{self._value:.3g} {self._unit}")
+        self.label.setText(written(f"{self._value:.3g} {self._unit}"))
 
 
 def _nice(value: float) -> float:

@@ -18,10 +18,11 @@ from PySide6.QtWidgets import (
 
 from app.model.display.truth.differences import Difference
 from app.model.text.language import tr
+from app.model.text.numbers import written
 from app.session.features.truth_comparison import GroundTruth
 from app.views.theme import theme
 from app.views.theme.icons import swatch
-from app.views.widgets.marked_slider import MarkedSlider
+from app.views.widgets.fields.marked_slider import MarkedSlider
 from cpm_core.contours.agreement import TOLERANCE, Comparison, ObjectCounts
 from cpm_core.contours.surface.agreement import SurfaceComparison
 
@@ -203,7 +204,7 @@ def _objects(counts: ObjectCounts) -> str:
     text = tr("Objects: {found} found, {missed} missed, {extra} extra, {merged} merged; AP@0.5 {precision}.")
     return text.format(
         found=counts.found, missed=counts.missed, extra=counts.extra, merged=counts.merged,
-        precision=f"{counts.average_precision:.3f}",
+        precision=written(f"{counts.average_precision:.3f}"),
     )  # fmt: skip
 
 
@@ -211,14 +212,14 @@ def _value(comparison: Comparison | SurfaceComparison, name: str) -> str:
     value = getattr(comparison, name)
     if not math.isfinite(value):
         return "–"
-    return _distance(value, comparison, 2) if name in _DISTANCES else f"{value:.4f}"
+    return _distance(value, comparison, 2) if name in _DISTANCES else written(f"{value:.4f}")
 
 
 def _distance(value: float, comparison: Comparison | SurfaceComparison, decimals: int) -> str:
     """A distance with its unit."""
     if isinstance(comparison, SurfaceComparison):
-        return f"{value:.{decimals}f} {comparison.unit or tr('voxels')}"
-    return tr("{distance} px").format(distance=f"{value:.{decimals}f}")
+        return written(f"{value:.{decimals}f} {comparison.unit or tr('voxels')}")
+    return tr("{distance} px").format(distance=written(f"{value:.{decimals}f}"))
 
 
 def _row(*widgets: QWidget) -> QHBoxLayout:

@@ -6,6 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
+from app.model.text.numbers import written
+
 Row = TypeVar("Row")
 
 NONE = "–"
@@ -44,4 +46,10 @@ def place(columns: Sequence[Column[Any]], name: str) -> int:
 
 def number_text(value: float) -> str:
     """A number with three significant digits, or all digits before the point."""
-    return f"{value:,.0f}" if value >= 1000 else f"{value:.3g}" if value < 100 else f"{value:.0f}"
+    return (
+        written(f"{value:,.0f}")
+        if value >= 1000
+        else written(f"{value:.3g}")
+        if value < 100
+        else written(f"{value:.0f}")
+    )

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from app.model.document.objects import class_title
 from app.model.text.language import tr
+from app.model.text.numbers import written
 from app.session.features.objects.object_figures import Figures
 from app.views.panels.item_table.columns import NONE, Column, number_text
 from cpm_core.objects.segmented.segmented_object import SegmentedObject, SegmentedObjects
@@ -81,7 +82,7 @@ OBJECT_COLUMNS: tuple[Column[Row], ...] = (
            lambda r: number_text(r.item.bridged(r.spacing)) if r.item.gaps else "–",
            lambda r: r.item.bridged(r.spacing), "0,000"),
     Column("confidence", tr("Confidence"), tr("How sure the boundary is, from 0 to 1."),
-           lambda r: f"{r.item.confidence:.2f}", lambda r: r.item.confidence, "0.00"),
+           lambda r: written(f"{r.item.confidence:.2f}"), lambda r: r.item.confidence, "0.00"),
     Column("state", tr("State"), tr("Frozen objects hold particles back and are not found again."),
            lambda r: r.state or "–", lambda r: r.state, "frozen", False),
 )  # fmt: skip

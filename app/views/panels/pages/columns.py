@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from app.model.display.page_rows import PageRow
 from app.model.text.language import tr
+from app.model.text.numbers import written
 from app.views.panels.item_table.columns import NONE, Column, number_text, place
 from cpm_core.contours.measurements import Measures
 
@@ -37,7 +38,7 @@ _contrast = _measured(lambda measures: measures.contrast)
 
 
 def _center(of: Callable[[PageRow], float]) -> Callable[[PageRow], str]:
-    return lambda row: NONE if row.measures is None else f"{of(row):.1f}"
+    return lambda row: NONE if row.measures is None else written(f"{of(row):.1f}")
 
 
 COLUMNS: tuple[Column[PageRow], ...] = (

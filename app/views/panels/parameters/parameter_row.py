@@ -9,7 +9,6 @@ from PySide6.QtGui import QAction, QEnterEvent, QValidator, QWheelEvent
 from PySide6.QtWidgets import (
     QApplication,
     QCheckBox,
-    QDoubleSpinBox,
     QGridLayout,
     QLabel,
     QToolButton,
@@ -19,11 +18,13 @@ from PySide6.QtWidgets import (
 
 from app.model.parameters.controls import Control, slider_range
 from app.model.text.language import tr
+from app.model.text.numbers import written
 from app.model.text.wording import FIRST_WORDING, Wording
 from app.views.panels.parameters.explanation import tip
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
-from app.views.widgets.marked_slider import MarkedSlider
+from app.views.widgets.fields.decimal_field import DecimalField
+from app.views.widgets.fields.marked_slider import MarkedSlider
 
 _SAME = 1e-9
 
@@ -31,7 +32,7 @@ _WIDTH, _ARROWS, _LONGEST = 106, 44, "0000.0"
 """Width of the field of a number, that of its arrows and margins [px], and a number that has room beside any unit."""
 
 
-class Number(QDoubleSpinBox):
+class Number(DecimalField):
     """A number field that shows words for some values; the wheel changes it only while it has the focus."""
 
     def __init__(self, words: tuple[tuple[float, str], ...]) -> None:
@@ -169,7 +170,7 @@ class ParameterRow(QWidget):
         self._restore.setObjectName("restore")
         self._restore.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self._restore.setAccessibleName(tr("{parameter}: restore the default").format(parameter=control.title))
-        default = control.default if isinstance(control.default, str) else f"{control.default:.4g}"
+        default = control.default if isinstance(control.default, str) else written(f"{control.default:.4g}")
         restore = tr("Restore the default, {default} (or double-click the slider or its name).")
         self._restore.setToolTip(restore.format(default=default))
         self._label.setBuddy(self.number)
@@ -212,7 +213,7 @@ class ParameterRow(QWidget):
         grid.setColumnStretch(1, 1)
 
     def _word(self, value: float) -> str:
-        return dict(self.control.words).get(value, f"{value:g}")
+        return dict(self.control.words).get(value, written(f"{value:g}"))
 
     def _connect(self) -> None:
         self.slider.moved_to.connect(self._report)

@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QWidget
 
 from app.model.display.plots import PLOTS, Plot, RunMetrics, figure
 from app.model.text.language import tr
+from app.model.text.numbers import written
 from app.views.panels.run.chart_painter import ChartPainter, sides
 
 _PAGE = 10
@@ -41,7 +42,7 @@ class Chart(QWidget):
         if metrics is None or index is None:
             return ""
         values = [f"{one.title} {figure(float(one.of(metrics)[index]))}" for plot in self._plots for one in plot.series]
-        return ", ".join([tr("step {step}").format(step=f"{metrics.step[index]:,.0f}"), *values])
+        return ", ".join([tr("step {step}").format(step=written(f"{metrics.step[index]:,.0f}")), *values])
 
     def show_metrics(self, metrics: RunMetrics | None) -> None:
         """Show a run, or none."""

@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QWidget
 
 from app.model.display.plots import Axis, Plot, RunMetrics, figure
 from app.model.text.language import tr
+from app.model.text.numbers import written
 from cpm_core.numerics.types import Array
 
 _GAP, _RIGHT = 3.0, 8.0
@@ -75,7 +76,7 @@ class ChartPainter:
         at = float(axis.fractions(np.array([plot.line]))[0]) if plot.line is not None else 0.0
         if plot.line is not None and 0.0 <= at <= 1.0:
             if (1.0 - at) * box.height() > line:
-                self._label(box, at, f"{plot.line:g}")
+                self._label(box, at, written(f"{plot.line:g}"))
             y = box.bottom() - at * box.height()
             self._painter.setPen(QPen(self._color(QPalette.ColorRole.PlaceholderText), 1, Qt.PenStyle.DashLine))
             self._painter.drawLine(QPointF(box.left(), y), QPointF(box.right(), y))
@@ -92,7 +93,7 @@ class ChartPainter:
             self._painter.setPen(pen)
             x = self._x(box, int(index))
             self._painter.drawLine(QPointF(x, box.top()), QPointF(x, box.bottom()))
-            text = tr("scale {scale}").format(scale=f"{metrics.scale[index]:.0f}")
+            text = tr("scale {scale}").format(scale=written(f"{metrics.scale[index]:.0f}"))
             room = font.horizontalAdvance(text) + 4.0
             # of overlapping names only the first is drawn
             if named and box.height() > 3 * font.height() and x + room <= box.right() and x >= right:
@@ -117,13 +118,17 @@ class ChartPainter:
         line = QRectF(box.left(), box.bottom() + 1, box.width(), self._widget.height() - box.bottom())
         metrics = self._metrics
         if metrics is not None and self._read is not None:
-            text = tr("step {step}").format(step=f"{metrics.step[self._read]:,.0f}")
+            text = tr("step {step}").format(step=written(f"{metrics.step[self._read]:,.0f}"))
             width = self._painter.fontMetrics().horizontalAdvance(text)
             x = min(max(self._x(box, self._read) - width / 2, box.left()), box.right() - width)
             self._painter.setPen(self._color(QPalette.ColorRole.Text))
             self._painter.drawText(QRectF(x, line.top(), width + 2.0, line.height()), Qt.AlignmentFlag.AlignLeft, text)
             return
-        first, last = (f"{metrics.step[0]:,.0f}", f"{metrics.step[-1]:,.0f}") if metrics is not None else ("0", "")
+        first, last = (
+            (written(f"{metrics.step[0]:,.0f}"), written(f"{metrics.step[-1]:,.0f}"))
+            if metrics is not None
+            else ("0", "")
+        )
         self._painter.drawText(line, Qt.AlignmentFlag.AlignLeft, first)
         self._painter.drawText(line, Qt.AlignmentFlag.AlignHCenter, tr("step"))
         self._painter.drawText(line, Qt.AlignmentFlag.AlignRight, last)

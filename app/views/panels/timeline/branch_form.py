@@ -10,6 +10,7 @@ from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QLineEdit, QToolButton, QWidget
 
 from app.model.text.language import tr
+from app.model.text.numbers import written
 from app.session.features.timeline.navigation import TimelineNavigation
 from app.session.timeline.branches import Branch
 
@@ -100,7 +101,7 @@ class BranchForm(QWidget):
         apart = compared.apart
         if apart is not None and math.isfinite(apart.hausdorff):
             template = tr("{particles}; contours {mean} px apart on average, {largest} px at most.")
-            mean, largest = f"{apart.mean_boundary_distance:.2f}", f"{apart.hausdorff:.2f}"
+            mean, largest = written(f"{apart.mean_boundary_distance:.2f}"), written(f"{apart.hausdorff:.2f}")
             sentence = template.format(particles=sentence, mean=mean, largest=largest)
         self._difference.setText(sentence)
         # A label that wraps asks for the height of a single line at its least, and the panel is low.

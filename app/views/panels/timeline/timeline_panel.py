@@ -21,6 +21,7 @@ from PySide6.QtWidgets import (
 
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
+from app.model.text.numbers import written
 from app.session.features.timeline.navigation import TimelineNavigation
 from app.session.worker.recorded_run import MEGABYTE
 from app.views.panels.timeline.branch_form import BranchForm, timeline_button
@@ -124,7 +125,7 @@ class TimelinePanel(QWidget):
         scroll.setMinimumWidth(_TRACK)
         scroll.verticalScrollBar().valueChanged.connect(self.view.update)  # the axis does not scroll
         grid = QGridLayout(self)
-        grid.setContentsMargins(8, 3, 8, 3)
+        grid.setContentsMargins(8, 2, 8, 2)
         grid.setHorizontalSpacing(10)
         grid.setVerticalSpacing(2)
         grid.addLayout(transport, 0, 0)
@@ -225,7 +226,7 @@ class TimelinePanel(QWidget):
 
     def _show_memory(self) -> None:
         outline = self._navigation.outline
-        used = f"{outline.used / MEGABYTE:.{0 if outline.used > 10 * MEGABYTE else 1}f}"
+        used = written(f"{outline.used / MEGABYTE:.{0 if outline.used > 10 * MEGABYTE else 1}f}")
         words = tr(
             "{used} of {budget} MB used: {count} steps are stored, the others are computed again when they are needed. "
             "The preferences set the memory."

@@ -11,7 +11,6 @@ from PySide6.QtWidgets import (
     QCheckBox,
     QColorDialog,
     QComboBox,
-    QDoubleSpinBox,
     QHBoxLayout,
     QLineEdit,
     QPushButton,
@@ -22,6 +21,7 @@ from app.model.preferences.preference import Choice, Color, Flag, Folder, Number
 from app.model.text.language import tr
 from app.session.storage.preferences import Preferences
 from app.views.theme.icons import swatch
+from app.views.widgets.fields.decimal_field import DecimalField
 from app.views.window.file_dialogs import ask_for_folder
 
 V = TypeVar("V")
@@ -85,7 +85,7 @@ class NumberField(Field[float]):
     """A spin box."""
 
     def __init__(self, number: Number, preferences: Preferences) -> None:
-        self.box = QDoubleSpinBox()
+        self.box = DecimalField()
         self.box.setDecimals(number.decimals)
         self.box.setRange(number.low, number.high)
         self.box.setSingleStep(number.step)

@@ -84,7 +84,7 @@ def _lines(text: str, name: str, image: Image | None, space: Convention | None) 
     rows = _rows(text, name)
     place, notes = place_of(remarks, image, space)
     points, radii = place.voxels(rows[:, 2:5]), rows[:, 5] * place.scale
-    branches = _branches(points, radii, _links(points, rows, place, name))
+    branches = _branches(points, radii, _joints(points, rows, place, name))
     if not branches:
         raise ValueError(f"{name} holds single points and no lines: choose a file with lines.")
     found = Centerlines(tuple(branches), place.spacing, place.unit, name, None if image is None else image.geometry)
@@ -115,7 +115,7 @@ def _rows(text: str, name: str) -> Array:
     return np.array(rows)
 
 
-def _links(points: Array, rows: Array, place: Place, name: str) -> list[tuple[int, int]]:
+def _joints(points: Array, rows: Array, place: Place, name: str) -> list[tuple[int, int]]:
     """Links (parent, child) between points; an end that lies at another point is that point."""
     index = {int(number): k for k, number in enumerate(rows[:, 0].tolist())}
     if len(index) < len(rows):

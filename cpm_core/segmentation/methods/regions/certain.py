@@ -10,7 +10,7 @@ from cpm_core.segmentation.methods.method import Start
 
 
 def certain_pixels(start: Start, shape: tuple[int, ...], depth: float, margin: float) -> tuple[Mask, Mask]:
-    """Pixels of the object and of the background, shape (H, W) each; they may overlap at the border of the image.
+    """Pixels of the object and of the background, of this shape each; they may overlap at the border of the image.
 
     A start in the object is all object, and the border of the image, or what lies farther than `margin` from the
     start, background. A start around the object has in the object what is deeper in it than the fraction `depth` of
@@ -19,8 +19,8 @@ def certain_pixels(start: Start, shape: tuple[int, ...], depth: float, margin: f
     inside = start.mask(shape)
     edt = scipy.ndimage.distance_transform_edt
     rim = np.ones(shape, dtype=bool)
-    rim[1:-1, 1:-1] = False
+    rim[(slice(1, -1),) * len(shape)] = False
     if start.around:
-        deep = edt(np.pad(inside, 1))[1:-1, 1:-1]
+        deep = edt(np.pad(inside, 1))[(slice(1, -1),) * len(shape)]
         return inside & (deep >= depth * deep.max()), ~inside | rim
     return inside, edt(~inside) >= margin if margin > 0.0 else rim

@@ -156,6 +156,7 @@ MORPHOLOGICAL_GAC = ContourMethod(
     MorphologicalGacSettings,
     _geodesic,
     MOST_STEPS,
+    in_volumes=True,
 )
 
 MORPHOLOGICAL_CHAN_VESE = ContourMethod(
@@ -166,4 +167,5 @@ MORPHOLOGICAL_CHAN_VESE = ContourMethod(
     MorphologicalChanVeseSettings,
     _chan_vese,
     MOST_STEPS,
+    in_volumes=True,
 )

@@ -63,7 +63,7 @@ def _evolve(image: Image, start: Start, settings: RandomWalkerSettings) -> Itera
         missing = "object" if not (labels == OBJECT).any() else "background"
         yield LevelSetState(1, f"there are no seeds of the {missing}", values=inside, level=0.5)
         return
-    mode = "bf" if labels.size <= _DIRECT else "cg_j"
+    mode = "bf" if labels.ndim == 2 and labels.size <= _DIRECT else "cg_j"
     found = skimage.segmentation.random_walker(unit_gray(image), labels, settings.beta, mode, prob_tol=_NO_WARNING)
     yield LevelSetState(1, "all pixels have been decided", True, found == OBJECT, 0.5)
 
@@ -76,4 +76,5 @@ RANDOM_WALKER = ContourMethod(
     RandomWalkerSettings,
     _evolve,
     1,
+    in_volumes=True,
 )

@@ -148,6 +148,14 @@ def test_a_translation_is_nearly_complete_and_keeps_all_placeholders(update, cat
     assert len(update.lacking(catalog)) <= MISSING * len(update.sentences())
 
 
+@pytest.mark.parametrize("catalog", CATALOGS, ids=lambda catalog: catalog.parents[1].name)
+def test_buttons_that_stand_beside_each_other_have_different_words(catalog) -> None:
+    with catalog.with_suffix(".mo").open("rb") as file:
+        translated = gettext.GNUTranslations(file).gettext
+    for row in (("Run", "Pause", "Step", "Stop"), ("Run", "Resume", "Step", "Stop")):
+        assert len({translated(word) for word in row}) == len(row)
+
+
 @pytest.mark.skipif(shutil.which("msgfmt") is None, reason="gettext is not there")
 @pytest.mark.parametrize("catalog", CATALOGS, ids=lambda catalog: catalog.parents[1].name)
 def test_a_catalog_is_made_from_its_translation(update, catalog, tmp_path) -> None:

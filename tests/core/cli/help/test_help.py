@@ -125,6 +125,7 @@ def outcomes(command, folder, tmp_path):
     yield "skeleton", ("skeleton", volume, "--volume", "--of", "light")
     yield "compare", ("compare", image, "--circle", "30,32,8", "--methods", "cpm", "snake", "--max-steps", 5)
     yield "compare", ("compare", image, "--start", image, "--methods", "gvf", "--max-steps", 5, "--truth", image)
+    yield "compare", ("compare", volume, "--sphere", "9.5,9.5,9.5,3", "--methods", "morph_gac", "--max-steps", 5)
     yield "info", ("info", image)
     yield "export", ("export", session, "--to", tmp_path / "a.svg")
     yield "batch", ("batch", image, "--session", session, "--output", tmp_path / "out", "--workers", 1)

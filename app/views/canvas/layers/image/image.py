@@ -8,6 +8,7 @@ import pyqtgraph as pg
 
 from app.model.display.display_image import DisplayImage, IntensityWindow, Shades, apply_window, color_curve
 from app.model.text.language import tr
+from app.model.text.numbers import written
 from app.session.scene import Scene
 from app.session.worker.commands.intensity_window import FindWindow, Shade, WindowFound
 from app.views.canvas.items.item import cached
@@ -136,7 +137,7 @@ class ImageLayer(Layer):
             self._shade()
 
     def _take_window(self, found: WindowFound) -> None:
-        if self.word("range") == f"{found.percent:g}":
+        if self.word("range") == written(f"{found.percent:g}"):
             self._use_window(found.low, found.high)
 
     def _use_image(self, image: Image, shades: DisplayImage) -> None:

@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QDoubleSpinBox, QHBoxLayout, QLabel, QVBoxLayout, 
 from app.model.text.language import tr
 from app.views.canvas.layers.image.image import ImageLayer
 from app.views.canvas.layers.layer_form import LayerForm
+from app.views.widgets.fields.decimal_field import DecimalField
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array
 
@@ -195,7 +196,7 @@ class Histogram(QWidget):
 
 
 def _field(title: str, tip: str, low: float, high: float, whole: bool) -> QDoubleSpinBox:
-    field = QDoubleSpinBox()
+    field = DecimalField()
     field.setAccessibleName(title)
     field.setToolTip(tip)
     span = max(high - low, 1e-12)

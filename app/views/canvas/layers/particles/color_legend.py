@@ -7,6 +7,7 @@ from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter
 
 from app.model.text.language import tr
+from app.model.text.numbers import written
 from app.views.canvas.items.pinned import INK, MARGIN, Pinned
 from app.views.theme import color_maps, theme
 
@@ -33,7 +34,7 @@ class ColorLegend(Pinned):
 
     def show_range(self, title: str, low: float, high: float, map_name: str, partly: bool) -> None:
         """Show the range of a quantity; `partly` means that it is unknown for some particles."""
-        words = (title, f"{low:g}", f"{high:g}")
+        words = (title, written(f"{low:g}"), written(f"{high:g}"))
         if (words, map_name, partly) != (self.words, self._map, self._partly):
             self.words, self._map, self._partly = words, map_name, partly
             self.resize(QSizeF(_WIDTH, 2 * self.metrics().height() + _STRIP + 2 * _PAD))

@@ -10,6 +10,7 @@ from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter, QPainterPath, QPen
 
 from app.model.text.language import tr
+from app.model.text.numbers import written
 from app.session.scene import Scene
 from app.session.worker.commands.forces import Probe, Probed
 from app.views.canvas.items.pinned import FAINT, INK, Pinned
@@ -144,8 +145,8 @@ class ForceItem(Pinned):
         """Show forces on a particle at a point of a canvas of size `room`; the longest arrow is `length` px long."""
         sizes = {name: probed.size(name) for name in KINDS}
         listed = [name for name in KINDS if name in _ALWAYS or sizes[name] >= _NOTHING]
-        self.lines = [(*KINDS[name], f"{sizes[name]:.3f}") for name in listed]
-        self._title = tr("Particle {number}").format(number=f"{probed.identity:,}")
+        self.lines = [(*KINDS[name], written(f"{sizes[name]:.3f}")) for name in listed]
+        self._title = tr("Particle {number}").format(number=written(f"{probed.identity:,}"))
         longest = max(_WEAK, *sizes.values())
         self._arrows = {name: length / longest * probed.forces[name] for name in listed if sizes[name] >= _NOTHING}
         self._at = at

@@ -1,0 +1,1 @@
+"""Fields for numbers: one to type in, and a slider with marks."""
