@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 import threading
 import time
 from collections.abc import Callable, Mapping
@@ -27,6 +29,9 @@ from cpm_core.segmentation.method import Method, MethodState
 
 _SHORTEST_PAUSE = 0.15
 _REST_PER_WORK = 5.0
+_NICE = 5
+"""How far this thread steps back behind those that step and draw, in steps of Unix's priorities."""
+
 _CHECK_EVERY = 0.05
 """Time between two checks whether a reconstruction is still wanted [s]."""
 
@@ -146,6 +151,7 @@ class Reconstructor:
         self._thread.join()
 
     def _work(self) -> None:
+        _step_back()
         rest = 0.0
         while (request := self._next(rest)) is not None:
             began = time.perf_counter()
@@ -191,3 +197,13 @@ class Reconstructor:
             found = ReconstructionFailed(request.generation, sentence(error, tr("reconstructing contours")))
         self._latest = found
         self.results.put(found)
+
+
+def _step_back() -> None:
+    """Let the threads that step and draw go first where there are too few cores, on systems that know such threads.
+
+    The surface of 25,000 particles takes seconds; at the same priority as the run it would take a third of two cores.
+    """
+    if sys.platform == "linux":
+        thread = threading.get_native_id()
+        os.setpriority(os.PRIO_PROCESS, thread, min(os.getpriority(os.PRIO_PROCESS, thread) + _NICE, 19))

@@ -9,6 +9,7 @@ from PySide6.QtGui import QColor, QPainter, QPen
 from app.model.display.lengths import bar
 from app.model.display.space.camera import Camera
 from app.model.display.space.view_in_space import AXIS_COLORS, ViewInSpace
+from app.model.text.language import tr
 from app.model.volume.axis_names import Ends
 from app.views.theme import theme
 
@@ -17,6 +18,9 @@ _LONGEST, _MARGIN, _TICK = 120.0, 14.0, 4.0
 
 _BEYOND = 12.0
 """Distance of a name from the end of its axis [px of the screen]."""
+
+_DIM = 150, 156, 166
+"""Color of what is said while there is no picture."""
 
 
 class SpaceMarks:
@@ -32,6 +36,11 @@ class SpaceMarks:
         if view.box:
             self._draw_names(painter, view, camera, size)
         self._draw_bar(painter, camera, size)
+
+    def wait(self, painter: QPainter, size: QSize) -> None:
+        """Say that the first picture is being made, which may take a while on a new computer."""
+        painter.setPen(QColor(*_DIM))
+        _write(painter, QPointF(0.5 * size.width(), 0.5 * size.height()), tr("The picture is being prepared."))
 
     def _draw_names(self, painter: QPainter, view: ViewInSpace, camera: Camera, size: QSize) -> None:
         sides = np.array(view.lengths)

@@ -164,6 +164,8 @@ class SpaceView(QWidget):
             painter.drawImage(self.rect(), self._image)
             camera = self._frame.camera.enlarged(self.width() / self._frame.picture.size[1])
             self.marks.draw(painter, self._view, camera, self.size())
+        elif self._view is not None:
+            self.marks.wait(painter, self.size())
         painter.end()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
@@ -211,8 +213,7 @@ class SpaceView(QWidget):
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Enlarge at the pointer."""
         if self.camera is not None:
-            ratio = self.devicePixelRatioF()
-            off = (event.position() - QPointF(self.rect().center())) * ratio
+            off = (event.position() - QPointF(self.rect().center())) * self.devicePixelRatioF()
             self.use(self.camera.zoomed(_WHEEL ** event.angleDelta().y(), off.x(), off.y()))
         event.accept()
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -567,3 +569,18 @@ def test_no_forces_are_reported_of_a_particle_that_a_new_region_deletes(bench: B
     alone = engine.with_regions(right)
     expected = alone.forces(alone.start([(20.0, 40.0)]), Parameters(scales=1)).lorentz[0]
     np.testing.assert_array_equal(stays.forces["lorentz"], expected)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux has priorities of threads")
+def test_the_reconstruction_lets_the_run_go_first() -> None:
+    worker = WorkerThread()
+    try:
+        priorities = {
+            thread.name: os.getpriority(os.PRIO_PROCESS, thread.native_id)
+            for thread in threading.enumerate()
+            if thread.name in ("cpm-engine", "cpm-reconstruction")
+        }
+    finally:
+        worker.close()
+    assert priorities["cpm-engine"] == os.getpriority(os.PRIO_PROCESS, threading.get_native_id())
+    assert priorities["cpm-reconstruction"] == min(priorities["cpm-engine"] + 5, 19)

@@ -125,7 +125,7 @@ class TimelinePanel(QWidget):
         scroll.setMinimumWidth(_TRACK)
         scroll.verticalScrollBar().valueChanged.connect(self.view.update)  # the axis does not scroll
         grid = QGridLayout(self)
-        grid.setContentsMargins(8, 3, 8, 3)
+        grid.setContentsMargins(8, 2, 8, 2)
         grid.setHorizontalSpacing(10)
         grid.setVerticalSpacing(2)
         grid.addLayout(transport, 0, 0)

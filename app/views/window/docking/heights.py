@@ -29,8 +29,8 @@ class DockHeights(QObject):
         self._fitted: list[tuple[QDockWidget, Panel]] = []
         self._chosen: dict[str, int] = {}
         self._front = ""
-        self._fits: dict[str, int] = {}
-        """Height that the content of a panel had when its dock was fitted to it, by name."""
+        self._fits: dict[str, tuple[int, list[str]]] = {}
+        """Height that a panel had when its dock was fitted to its content, and the docks beside it, by name."""
         self._fitting = QTimer(self, singleShot=True, interval=0)
         self._fitting.timeout.connect(self._fit)
         self._raising = QTimer(self, singleShot=True, interval=0)
@@ -53,7 +53,9 @@ class DockHeights(QObject):
         if panel.area == "bottom":
             self._below[panel.name] = dock, panel
             dock.visibilityChanged.connect(lambda _: self._raising.start())
-        elif panel.fitted:
+            return
+        dock.visibilityChanged.connect(lambda _: self._fitting.start())
+        if panel.fitted:
             self._fitted.append((dock, panel))
             dock.installEventFilter(self)
 
@@ -106,9 +108,6 @@ class DockHeights(QObject):
             heading = dock.height() - panel.widget.height()
             room = round(_SHARE * self._window.height())
             height = min(panel.widget.sizeHint().height() + heading, room)
-            if self._fits.get(panel.name) == height:
-                continue
-            self._fits[panel.name] = height
             area = self._window.dockWidgetArea(dock)
             others = [
                 other
@@ -116,6 +115,10 @@ class DockHeights(QObject):
                 if other is not dock and not other.visibleRegion().isEmpty() and not other.isFloating()
                 if self._window.dockWidgetArea(other) == area
             ]
+            known = height, [other.objectName() for other in others]
+            if self._fits.get(panel.name) == known:
+                continue
+            self._fits[panel.name] = known
             # together as high as they are now: Qt scales other heights
             rest = max(1, dock.height() + sum(other.height() for other in others) - height)
             heights = [height, *(rest // len(others) for _ in others)]

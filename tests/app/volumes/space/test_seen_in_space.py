@@ -118,6 +118,7 @@ def test_the_menu_of_the_view_turns_it_and_chooses_what_is_shown(volume, hand, s
     menus.menu.close()
     volume.actions_by_name["space_along_1"].trigger()
     np.testing.assert_array_equal(view.camera.axes, [[0, 0, 1], [1, 0, 0], [0, -1, 0]])
+    space.bar.checks["slices"].setChecked(False)
     volume.actions_by_name["space_slices"].trigger()
     assert space.bar.shown.slices
     assert volume.actions_by_name["space_slices"].isChecked()
@@ -134,3 +135,13 @@ def test_a_drag_of_the_right_button_moves_the_volume_and_opens_no_menu(volume, h
     hand.qtbot.wait(5)
     assert QApplication.activePopupWidget() is None
     assert view.camera is not before
+
+
+def test_the_view_opens_with_as_much_room_as_the_panel_above_it(window, hand, volume_file, image_file) -> None:
+    window.resize(1400, 1000)
+    docks = window.docks
+    before = docks["run"].height()
+    open_file(window, hand, volume_file)
+    hand.wait(lambda: docks["space"].height() >= docks["parameters"].height() - 2)
+    open_file(window, hand, image_file)
+    hand.wait(lambda: docks["run"].height() <= before + 2)

@@ -224,3 +224,13 @@ def test_a_resized_view_shows_as_much_of_the_volume(qtbot, panel) -> None:
     panel.resize(900, 700)
     settle(qtbot, panel)
     assert panel.view.camera.scale / min(panel.view.width(), panel.view.height()) == pytest.approx(before, rel=1e-3)
+
+
+def test_it_says_that_the_first_picture_is_being_made(panel, qtbot, monkeypatch) -> None:
+    said: list[object] = []
+    monkeypatch.setattr(panel.view.marks, "wait", lambda *given: said.append(given))
+    monkeypatch.setattr(panel.view._painter, "ask", lambda work: None)
+    panel.show_contents(None)
+    panel.show_contents(contents())
+    panel.view.grab()
+    assert said

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import QRectF
-from PySide6.QtGui import QPainterPath
+from PySide6.QtGui import QBrush, QColor, QPainterPath, QPen
 
 from app.model.volume.shape_sections import ChargeSection
 from app.views.canvas.coordinates import to_xy
@@ -61,8 +62,8 @@ class Charges:
             x=x,
             y=y,
             size=[_DISC + _STRONGER * abs(charge.strength) for charge in charges],
-            brush=[pg.mkBrush(color) for color in colors],
-            pen=[pg.mkPen(color, width=width) for color, width in rims],
+            brush=[_brush(color) for color in colors],
+            pen=[_pen(color, width) for color, width in rims],
         )
         self._signs.setData(x=x, y=y, symbol=[_PLUS if charge.strength > 0.0 else _MINUS for charge in charges])
 
@@ -72,6 +73,19 @@ class Charges:
             curves.set_shown(visible)
         for item in self._marks:
             item.setVisible(visible)
+
+
+@lru_cache
+def _brush(color: str) -> QBrush:
+    """The same object for the same color: pyqtgraph keeps a picture of a symbol for every brush and pen."""
+    return QBrush(QColor(color))
+
+
+@lru_cache
+def _pen(color: str, width: float) -> QPen:
+    pen = QPen(QColor(color), width)
+    pen.setCosmetic(True)
+    return pen
 
 
 def _ring(charge: Charge, radius: float) -> np.ndarray:
