@@ -2,17 +2,22 @@
 
 Runs make and drop many arrays of different sizes, and the C library keeps the gaps between those that stay. A window
 that is used for hours would take more and more memory for the same work.
+
+PySide looks at the source of each module that is imported beside it, and Python keeps the lines of all of them for
+tracebacks, some twenty megabytes and more; it reads again those that a traceback needs.
 """
 
 from __future__ import annotations
 
 import ctypes
+import linecache
 from collections.abc import Callable
 from functools import cache
 
 
 def give_back() -> None:
     """Give free memory back to the system, where its C library can."""
+    linecache.clearcache()
     trim = _trim()
     if trim is not None:
         trim(0)

@@ -12,8 +12,15 @@ from cpm_core.contours.surface import Surface
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask
 
-_CANDIDATES, _MOST_CANDIDATES = 12, 96
-"""Triangles with the nearest centers that are tried for a point, and how many where these do not decide."""
+_CANDIDATES = (3, 12, 48)
+"""Triangles with the nearest centers that are tried for a point, and more of them where these do not decide."""
+
+_FAR = 8.0
+"""Distance beyond which the nearest centers decide, in largest distances of a corner from its center: the error is then
+at most a sixteenth of that distance, less than a tenth of a voxel."""
+
+_LONGEST = 1.5
+"""Length of a side above which a triangle is divided, in smallest sides of a voxel; marching cubes make none above."""
 
 _FINEST = 64
 """Parts that a side of a triangle is divided into at most."""
@@ -50,7 +57,7 @@ class Triangles:
 
     @classmethod
     def of(cls, surface: Surface, shape: tuple[int, ...]) -> Triangles:
-        """Those of a surface, no longer than the smallest side of a voxel.
+        """Those of a surface, no longer than one and a half of the smallest side of a voxel.
 
         Only those between the centers of the outermost voxels of a volume of this shape: along its border a surface is
         closed where no edge is.
@@ -58,7 +65,7 @@ class Triangles:
         sides = np.array(surface.spacing)
         corners = (surface.vertices * sides)[surface.faces]
         longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1, initial=0.0)
-        parts = np.clip(np.ceil(longest / sides.min()), 1, _FINEST).astype(int)
+        parts = np.clip(np.ceil(longest / (_LONGEST * sides.min())), 1, _FINEST).astype(int)
         fine = [
             np.einsum("nkc,tcx->tnkx", _Barycentric.of(count).weights, corners[parts == count]).reshape(-1, 3, 3)
             for count in np.unique(parts).tolist()
@@ -91,14 +98,15 @@ class Triangles:
         found = np.full(len(points), np.inf)
         if not len(self.corners) or not len(points):
             return found
-        count, open_ = min(_CANDIDATES, len(self.corners)), np.arange(len(points))
-        while len(open_):
-            away, near = self._tree.query(points[open_], k=np.arange(1, count + 1))
-            tried = np.asarray(near, dtype=np.int64), np.asarray(away, dtype=np.float64)
-            found[open_], certain = _nearest(points[open_], self.corners, *tried, self._reach)
-            if count >= min(_MOST_CANDIDATES, len(self.corners)):
+        left = np.arange(len(points))
+        for most in _CANDIDATES:
+            if not len(left):
                 break
-            open_, count = open_[~certain], min(_MOST_CANDIDATES, len(self.corners))
+            count = min(most, len(self.corners))
+            away, near = self._tree.query(points[left], k=np.arange(1, count + 1))
+            tried = np.asarray(near, dtype=np.int64), np.asarray(away, dtype=np.float64)
+            found[left], certain = _nearest(points[left], self.corners, *tried, self._reach)
+            left = left[~certain & (found[left] < _FAR * self._reach)]
         return found
 
 
@@ -119,32 +127,38 @@ def _nearest(points: Array, corners: Array, near: Index, away: Array, reach: flo
     for n in range(len(points)):
         best = np.inf
         for k in range(near.shape[1]):
-            if away[n, k] - reach >= best:
+            if away[n, k] - reach >= np.sqrt(best):
                 certain[n] = True
                 break
-            best = min(best, _distance(points[n], corners[near[n, k]]))
-        found[n] = best
+            best = min(best, _squared(points, n, corners, near[n, k]))
+        found[n] = np.sqrt(best)
     return found, certain
 
 
 @compiled
-def _distance(point: Array, corners: Array) -> float:
-    """Distance of a point from a triangle."""
-    a, b, c = corners[0], corners[1], corners[2]
-    u, v, w = b - a, c - a, point - a
-    uu, uv, vv, wu, wv = np.sum(u * u), np.sum(u * v), np.sum(v * v), np.sum(w * u), np.sum(w * v)
+def _squared(points: Array, n: int, corners: Array, t: int) -> float:
+    """Squared distance of a point from a triangle; without arrays, which would take most of the time."""
+    uu = uv = vv = wu = wv = ww = 0.0
+    for axis in range(3):
+        u, v = corners[t, 1, axis] - corners[t, 0, axis], corners[t, 2, axis] - corners[t, 0, axis]
+        w = points[n, axis] - corners[t, 0, axis]
+        uu, uv, vv, wu, wv, ww = uu + u * u, uv + u * v, vv + v * v, wu + w * u, wv + w * v, ww + w * w
     whole = uu * vv - uv * uv
     if whole > 0.0:
-        s, t = (vv * wu - uv * wv) / whole, (uu * wv - uv * wu) / whole
-        if s >= 0.0 and t >= 0.0 and s + t <= 1.0:
-            return float(np.sqrt(np.sum((w - s * u - t * v) ** 2)))
-    return min(_from_side(point, a, b), _from_side(point, b, c), _from_side(point, c, a))
+        a, b = (vv * wu - uv * wv) / whole, (uu * wv - uv * wu) / whole
+        if a >= 0.0 and b >= 0.0 and a + b <= 1.0:
+            return max(ww - 2.0 * (a * wu + b * wv) + a * a * uu + 2.0 * a * b * uv + b * b * vv, 0.0)
+    return min(_from_side(points, n, corners, t, 0), _from_side(points, n, corners, t, 1),
+               _from_side(points, n, corners, t, 2))  # fmt: skip
 
 
 @compiled
-def _from_side(point: Array, a: Array, b: Array) -> float:
-    """Distance of a point from the line between two others."""
-    along, from_a = b - a, point - a
-    length = np.sum(along * along)
-    share = min(max(np.sum(from_a * along) / length, 0.0), 1.0) if length > 0.0 else 0.0
-    return float(np.sqrt(np.sum((from_a - share * along) ** 2)))
+def _from_side(points: Array, n: int, corners: Array, t: int, first: int) -> float:
+    """Squared distance of a point from the side of a triangle that begins at a corner."""
+    second = (first + 1) % 3
+    length = along = away = 0.0
+    for axis in range(3):
+        side, w = corners[t, second, axis] - corners[t, first, axis], points[n, axis] - corners[t, first, axis]
+        length, along, away = length + side * side, along + side * w, away + w * w
+    share = min(max(along / length, 0.0), 1.0) if length > 0.0 else 0.0
+    return max(away - 2.0 * share * along + share * share * length, 0.0)

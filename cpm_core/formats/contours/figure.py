@@ -49,9 +49,8 @@ def write_figure(
     files = list(map(Path, paths))
     for file in files:
         check_figure(file)
-    contents = [
-        (file, encoded(file.suffix.lower(), result, image, contours, particles, labels, scale_bar)) for file in files
-    ]
+    drawn = {"image": image, "contours": contours, "particles": particles, "labels": labels, "scale_bar": scale_bar}
+    contents = [(file, encoded(file.suffix.lower(), result, **drawn)) for file in files]
     write_together(contents)
 
 
@@ -63,20 +62,12 @@ def check_figure(path: str | os.PathLike[str]) -> None:
     check_place(file)
 
 
-def encoded(
-    suffix: str,
-    result: Result | Skeleton,
-    image: bool = True,
-    contours: bool = True,
-    particles: bool = False,
-    labels: bool = False,
-    scale_bar: bool = True,
-) -> bytes:
-    """What `write_figure` writes, as bytes."""
+def encoded(suffix: str, result: Result | Skeleton, **drawn: bool) -> bytes:
+    """What `write_figure` writes, as bytes; `drawn` is what it is told to draw."""
     surface = result.surface if isinstance(result, Result) else None
     figure, ax = new_figure(result.shape if surface is None else None, result.spacing)
     if isinstance(result, Skeleton):
-        result.plot(ax, image=image, scale_bar=scale_bar)
+        result.plot(ax, image=drawn.get("image", True), scale_bar=drawn.get("scale_bar", True))
     else:
-        result.plot(ax, image=image, contours=contours, particles=particles, labels=labels, scale_bar=scale_bar)
+        result.plot(ax, **drawn)
     return encoded_figure(figure, suffix, text_of(facts_of(result)))

@@ -7,6 +7,7 @@ no more than the first few.
 from __future__ import annotations
 
 import gc
+import linecache
 import random
 import sys
 import weakref
@@ -36,6 +37,12 @@ def test_gaps_between_arrays_that_stay_are_given_back() -> None:
     give_back()
     assert before - resident() > 0.5 * made
     assert len(stay) == 200
+
+
+def test_sources_that_were_read_for_imports_are_given_back() -> None:
+    assert linecache.getlines(__file__)
+    give_back()
+    assert not linecache.cache
 
 
 def test_the_worker_gives_back_once_while_it_rests_and_goes_on(session, image_file, qtbot, monkeypatch) -> None:

@@ -47,7 +47,7 @@ def test_a_truth_agrees_with_its_own_surface():
     truth = VolumeTruth(ball((15, 15, 16), 8) | box((2, 2, 2), (6, 7, 8)))
     seen = compare_surface(truth.surface, truth)
     assert (seen.dice, seen.jaccard, seen.f) == (1.0, 1.0, 1.0)
-    assert max(seen.hausdorff, seen.mean_boundary_distance) < 1e-9
+    assert max(seen.hausdorff, seen.mean_boundary_distance) < 1e-6
     assert (seen.objects.found, seen.objects.missed, seen.objects.extra) == (2, 0, 0)
 
 
