@@ -36,6 +36,7 @@ from cpm_core.cli.run.drawn import in_space, plain_drawn, regions_drawn, seeds_d
 from cpm_core.cli.run.objects import add_objects, check_objects, choose, facts_of_object, sentence
 from cpm_core.cli.run.pages import StackRun, add_pages, check_pages, run_pages
 from cpm_core.cli.run.saved_session import check_save, save
+from cpm_core.cli.run.source import image_of, in_volume, reading_of, session_of
 from cpm_core.cli.run.volume import run_volume
 from cpm_core.cli.terminal import announce_compilation, counted, progress_line, written
 from cpm_core.contours.kept import with_kept
@@ -53,9 +54,8 @@ from cpm_core.formats import (
 )
 from cpm_core.formats.printable import printable
 from cpm_core.formats.provenance import ENTRY, facts_of, plain_shapes, with_shapes
-from cpm_core.formats.sessions.chosen_part import part_for
 from cpm_core.formats.sessions.recorded_run import Recorder
-from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, find_image, load_session
+from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.objects import Selection
@@ -131,23 +131,19 @@ def _add_places(parser: argparse.ArgumentParser) -> None:
 
 def _run(arguments: argparse.Namespace) -> int:
     """Find the contours of an image, or of the pages of a stack; every check that needs no image comes first."""
-    if arguments.sphere or arguments.volume or arguments.space or arguments.faces is not None or in_space(arguments):
-        run_volume(arguments)
+    surface = arguments.sphere or arguments.volume or arguments.space or arguments.faces is not None
+    session = session_of(arguments)
+    if surface or in_space(arguments) or in_volume(session):
+        run_volume(arguments, session)
         return 0
-    session = load_session(Path(arguments.session)) if arguments.session else SessionFile()
-    if arguments.image is None and session.image is None:
-        raise ValueError("No IMAGE is given: name one, or with --session FILE a session that has one.")
     part = part_of(arguments)
     parameters = parameters_of(arguments, PRESETS[arguments.preset] if arguments.preset else session.parameters)
     max_steps = as_steps(arguments.max_steps)
     check_objects(arguments)
     drawn = seeds_drawn(arguments, session)
     regions = regions_drawn(arguments, session)
-    path, notes = _image(arguments, session)
-    if session.image is not None:
-        reading = session.image.reading
-        own = reading.arguments if arguments.image is None else part_for(path, reading)
-        part = {name: given for name, given in own.items() if name != "page" or arguments.pages is None} | part
+    path, notes = image_of(arguments, session)
+    part = reading_of(arguments, session, path, part)
     check_pages(arguments, str(path))
     check_save(arguments, str(path))
     if arguments.pages is None:
@@ -233,13 +229,6 @@ def _tell_notes(notes: Iterable[str]) -> None:
 
 def _tell_omission(sentence: str) -> None:
     print(printable(f"cpm: {sentence} {_CURE}"), file=sys.stderr, flush=True)
-
-
-def _image(arguments: argparse.Namespace, session: SessionFile) -> tuple[Path, tuple[str, ...]]:
-    """Path of the given image, or else of that of the session, and notes on it."""
-    if arguments.image is not None or session.image is None:
-        return Path(arguments.image), ()
-    return find_image(session.image, Path(arguments.session).absolute().parent)
 
 
 def _seeds(

@@ -16,21 +16,25 @@ from cpm_core.cli.outcome import tell
 from cpm_core.cli.place import facts_on, lines_on
 from cpm_core.cli.run.agreement import agreement, sentence_on, volume_truth_for
 from cpm_core.cli.run.drawn import in_space, starts_in_volume
+from cpm_core.cli.run.source import image_of, in_volume, reading_of
 from cpm_core.cli.terminal import announce_compilation, counted, progress_line, say, written
 from cpm_core.contours.result import Result
 from cpm_core.formats import FOR_VOLUMES, export, load_volume, suffix_of
 from cpm_core.formats.contours.points_csv import load_points
+from cpm_core.formats.provenance import with_shapes
+from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.image.image import Image
-from cpm_core.image.volume_regions import Pair, VolumeRegions
+from cpm_core.image.volume_regions import AnyRegions, Pair, VolumeRegions
 from cpm_core.numerics.types import Array
 from cpm_core.objects.partition import partition
-from cpm_core.parameters import PRESETS
+from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.quotation import shown
 from cpm_core.particles.initialization import stroke
 from cpm_core.particles.volume_starts import at_centers, everywhere, on_strong_edges, sphere
 from cpm_core.segmentation.segment import segment
+from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on, starts_of
 
-_OF_IMAGES = ("circle", "session", "close", "pages", "follow", "resume", "save_session")
+_OF_IMAGES = ("circle", "close", "pages", "follow", "resume", "save_session")
 """Options that have a meaning for images only."""
 
 _AUTOMATIC: Mapping[str, Callable[[Image], Array]] = {
@@ -44,44 +48,53 @@ _FEWEST_FACES = 4
 """Least number of triangles of a closed surface."""
 
 
-def run_volume(arguments: argparse.Namespace) -> None:
+def run_volume(arguments: argparse.Namespace, session: SessionFile) -> None:
     """Find a surface; every check that needs no volume comes first."""
-    if not (arguments.sphere or arguments.volume or in_space(arguments)):
-        given = "--space" if arguments.faces is None else "--faces"
-        raise ValueError(f"{given} is for the surface in a volume: add --sphere PLANE,ROW,COL,RADIUS, or leave it out.")
-    for name in _OF_IMAGES:
-        if getattr(arguments, name, None):
-            raise ValueError(
-                f"--{name.replace('_', '-')} is for images, but --sphere and --volume are for volumes: leave one out."
-            )
-    if arguments.image is None:
-        raise ValueError("No VOLUME is given: name one.")
-    drawn, regions = _drawn(arguments), _regions(arguments)
+    _check_options(arguments, session)
+    drawn, regions = _drawn(arguments, session), _regions(arguments, session)
     clicks = _clicks("--object", arguments.object), _clicks("--not", arguments.outside)
     if clicks[1] and not clicks[0]:
         raise ValueError("--not is given without --object: add --object PLANE,ROW,COL, a place inside the object.")
     part = part_of_volume(arguments)
-    parameters = parameters_of(arguments, PRESETS[arguments.preset or "volume"])
+    preset = arguments.preset or (None if arguments.session else "volume")
+    parameters = parameters_of(arguments, PRESETS[preset] if preset else session.parameters)
     max_steps, faces = as_steps(arguments.max_steps), _as_faces(arguments.faces)
-    check_exports(arguments.export, arguments.image, None)
-    for path in arguments.export:
-        if suffix_of(path) not in FOR_VOLUMES:
-            raise ValueError(f"{path} is for contours, but a volume has a surface: end its name in .ply or .stl.")
-    volume = load_volume(arguments.image, **part)
-    for note in volume.notes:
-        say(f"cpm: {volume.source}: {note}")
+    path, notes = image_of(arguments, session)
+    check_exports(arguments.export, str(path), arguments.session)
+    for file in arguments.export:
+        if suffix_of(file) not in FOR_VOLUMES:
+            raise ValueError(f"{file} is for contours, but a volume has a surface: end its name in .ply or .stl.")
+    volume = load_volume(path, **reading_of(arguments, session, path, part))
+    for note in (*session.notes, *notes, *(f"{volume.source}: {note}" for note in volume.notes)):
+        say(f"cpm: {note}")
     truth = volume_truth_for(arguments, volume)
     started = time.perf_counter()
-    seeds = _seeds(arguments, volume, drawn)
+    seeds = _seeds(arguments, session, volume, parameters, drawn)
     announce_compilation()
     with progress_line() as progress:
-        found = segment(volume, seeds, parameters, max_steps=max_steps, progress=progress, regions=regions)
+        found = segment(
+            volume, seeds, parameters, max_steps=max_steps, progress=progress, regions=regions,
+            charges=charges_of(session.shapes),
+        )  # fmt: skip
+    found = with_shapes(found, session.shapes) if session.shapes else found
     whole = _selected(found, *clicks) if clicks[0] else found
     result = whole if faces is None else _decimated(whole, faces)
     seconds = time.perf_counter() - started
-    export(result, *arguments.export, image=arguments.image, space=arguments.space or "LPS")
+    export(result, *arguments.export, image=path, space=arguments.space or "LPS")
     with written("the files were written before" if arguments.export else ""):
         _report(result, seconds, agreement(result, truth), arguments)
+
+
+def _check_options(arguments: argparse.Namespace, session: SessionFile) -> None:
+    """ValueError for options that have no meaning for this run."""
+    if not (arguments.sphere or arguments.volume or in_space(arguments) or in_volume(session)):
+        given = "--space" if arguments.faces is None else "--faces"
+        raise ValueError(f"{given} is for the surface in a volume: add --sphere PLANE,ROW,COL,RADIUS, or leave it out.")
+    for name in _OF_IMAGES:
+        if getattr(arguments, name, None):
+            given = f"--{name.replace('_', '-')}"
+            volumes = "the session is about a volume" if in_volume(session) else "--sphere and --volume are for volumes"
+            raise ValueError(f"{given} is for images, but {volumes}: leave one out.")
 
 
 def part_of_volume(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -125,11 +138,14 @@ def _numbers(flag: str, text: str, form: str, count: int = 0) -> list[float]:
     return numbers
 
 
-def _drawn(arguments: argparse.Namespace) -> list[Array]:
+def _drawn(arguments: argparse.Namespace, session: SessionFile) -> list[Array]:
     """Spheres, as plane, row, column and radius each, then the particles of strokes and of files with points."""
     spheres = [_numbers("--sphere", text, "PLANE,ROW,COL,RADIUS", 4) for text in arguments.sphere]
     lines = [_numbers("--stroke", text, "PLANE,ROW,COL,PLANE,ROW,COL,...") for text in arguments.stroke]
-    if not (spheres or lines or arguments.points or arguments.start or arguments.auto):
+    given = spheres or lines or arguments.points or arguments.start or arguments.auto or starts_of(session.shapes)
+    if not given and session.mode == "skeleton":
+        raise ValueError("The session is about a skeleton and has no start: use cpm skeleton VOLUME --export PATH.")
+    if not given:
         raise ValueError(
             "No start is given: add --sphere PLANE,ROW,COL,RADIUS, --stroke PLANE,ROW,COL,PLANE,ROW,COL,..., "
             "--points FILE.csv, --start FILE or --auto grid."
@@ -155,15 +171,17 @@ def _selected(found: Result, inside: list[list[float]], outside: list[list[float
     return replace(found, surface=chosen.surface)
 
 
-def _regions(arguments: argparse.Namespace) -> VolumeRegions | None:
-    """Boxes of interest, and planes that are barriers."""
+def _regions(arguments: argparse.Namespace, session: SessionFile) -> AnyRegions | None:
+    """Limits of the session, boxes of interest, and planes that are barriers."""
     boxes = [_numbers("--region", text, "PLANE,ROW,COL,PLANE,ROW,COL of two corners", 6) for text in arguments.region]
     form = "PLANE,ROW,COL of a point and then of the direction across it,"
     planes = [_numbers("--barrier", text, form, 6) for text in arguments.barrier]
+    saved = regions_of(session.shapes, session.objects.barriers)
     if not (boxes or planes):
-        return None
+        return saved
     interest, barriers = (tuple(_pair(limit) for limit in limits) for limits in (boxes, planes))
-    return VolumeRegions(interest, barriers)
+    before = saved if isinstance(saved, VolumeRegions) else VolumeRegions()
+    return VolumeRegions((*before.interest, *interest), (*before.barriers, *barriers))
 
 
 def _pair(numbers: list[float]) -> Pair:
@@ -171,11 +189,15 @@ def _pair(numbers: list[float]) -> Pair:
     return one, other
 
 
-def _seeds(arguments: argparse.Namespace, volume: Image, drawn: list[Array]) -> Array:
+def _seeds(
+    arguments: argparse.Namespace, session: SessionFile, volume: Image, parameters: Parameters, drawn: list[Array]
+) -> Array:
     """Particles of all starts; the radius of a sphere is in sides of the smallest voxel."""
     plane, row, col = (side / min(volume.spacing) for side in volume.spacing)
     sides = (plane, row, col)
-    seeds = [part if part.ndim == 2 else sphere((part[0], part[1], part[2]), part[3], spacing=sides) for part in drawn]
+    saved = seeds_on(volume, session.shapes, parameters.smoothing)
+    seeds = [saved] if len(saved) else []
+    seeds += [part if part.ndim == 2 else sphere((part[0], part[1], part[2]), part[3], spacing=sides) for part in drawn]
     seeds += [start.seeds() for start in starts_in_volume(arguments, volume)]
     if arguments.auto:
         seeds.append(_AUTOMATIC[arguments.auto](volume))

@@ -272,7 +272,8 @@ def test_an_interrupt_ends_a_batch_at_once_and_leaves_whole_files_only(tmp_path,
     assert err.count("\n") == 1
     drawings = [path for path in out.iterdir() if path.name != "summary.csv"]
     assert all(path.suffix == ".svg" and path.read_text().rstrip().endswith("</svg>") for path in drawings)
-    assert {name for row in table(out) for name in row["files"].split("; ")} == {path.name for path in drawings}
+    told = {name for row in table(out) for name in row["files"].split("; ")}
+    assert told <= {path.name for path in drawings}  # one may be written and not yet told, and is done again later
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,10 @@ import PIL.Image
 import pytest
 import tifffile
 
+from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_session
+from cpm_core.parameters import PRESETS
+from cpm_core.shapes import BoxRegion, Circle, Sphere
+
 SPHERE = ("--sphere", "9.5,9.5,9.5,3")
 
 
@@ -154,6 +158,28 @@ def test_a_region_and_a_barrier_limit_the_surface(folder, command):
         places = [line.split()[1:4] for line in half.read_text().splitlines() if line.startswith("v ")]
         places = np.array(places, dtype=float)
         assert np.ptp(places, axis=0).min() < 10.5 < np.ptp(places, axis=0).max()
+
+
+def test_a_session_of_a_volume_runs_as_the_same_words_do(folder, command):
+    shapes = (Sphere((9.5, 9.5, 9.5), 3.0), BoxRegion((0.0, 0.0, 0.0), (19.0, 19.0, 12.0)))
+    image = ImageFile("ball.npy", shape=(20, 20, 20))
+    save_session(SessionFile(image, shapes, PRESETS["volume"]), folder / "half.cpm")
+    words = ("run", folder / "ball.npy", *SPHERE, "--region", "0,0,0,19,19,12", "--json")
+    named = ("run", folder / "ball.npy", "--session", folder / "half.cpm", "--json")
+    facts = []
+    for line in (words, ("run", "--session", folder / "half.cpm", "--json"), named):
+        status, out, err = command(*line)
+        assert (status, err) == (0, "")
+        facts.append({**json.loads(out), "seconds": 0.0})
+    assert facts[0] == facts[1] == facts[2]
+    status, _, err = command("run", "--session", folder / "half.cpm", "--circle", "1,2,3")
+    assert (status, err) == (
+        2, "cpm: --circle is for images, but the session is about a volume: leave one out.\n"
+    )  # fmt: skip
+    save_session(SessionFile(shapes=(Circle((9.0, 9.0), 3.0),)), folder / "flat.cpm")
+    status, _, err = command("run", folder / "ball.npy", "--volume", "--session", folder / "flat.cpm")
+    assert status == 2
+    assert "shape 1 (circle) is for images, but ball.npy is taken as a volume" in err
 
 
 def write_oblique(path, values):

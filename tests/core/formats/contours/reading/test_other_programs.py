@@ -109,7 +109,7 @@ def test_sets_of_selections_tell_names_colors_pages_and_what_else_they_hold():
     assert [(one.name, one.color) for one in found.contours] == [("spot 1", "#010203"), ("spot 2", "#010203")]
     assert found.notes == (
         "The contours lie on 2 pages, and those of all were taken.",
-        "1 file of the set that is no selection left out.",
+        "Left out: file of the set that is no selection (1).",
     )
     second = decode_contours(stream.getvalue(), "set.zip", page=2)
     assert [one.name for one in second.contours] == ["spot 2"]
@@ -182,7 +182,7 @@ def test_polygons_of_coco_are_read_and_other_images_told():
     assert [one.points.tolist() for one in found.contours] == [[[2, 1], [2, 11], [12, 11]]]
     assert found.notes == (
         "The file has instances of 2 images: those of a.png were read.",
-        "1 instance without an outline left out.",
+        "Left out: instance without an outline (1).",
     )
 
 
@@ -227,7 +227,7 @@ def test_all_shapes_of_labelme_are_read():
 
 def test_shapes_of_labelme_that_are_not_known_are_told():
     shapes = [shape("line", [[0, 0], [5, 5]]), shape("sphere", [[0, 0], [5, 5]])]
-    assert read({"shapes": shapes}, "a.json").notes == ("1 shape of the kind sphere left out.",)
+    assert read({"shapes": shapes}, "a.json").notes == ("Left out: shape of the kind sphere (1).",)
 
 
 def test_shapes_of_one_group_are_one_object():
@@ -292,7 +292,7 @@ def test_shapes_groups_and_transformations_are_read_with_their_names_and_colors(
     np.testing.assert_allclose(disk.points.mean(axis=0), (30, 30), atol=1e-6)
     assert not line.closed
     assert np.ptp(ellipse.points[:, 0]) == pytest.approx(16, abs=NEAR)
-    assert found.notes == ("1 text left out.",)
+    assert found.notes == ("Left out: text (1).",)
 
 
 def test_a_drawing_of_another_size_is_scaled_to_the_image_of_the_same_shape():
@@ -384,7 +384,7 @@ def test_units_layers_and_colors_of_cad_are_read():
         atol=1e-6,
     )
     assert np.ptp(first.points[:, 1]) == pytest.approx(10.0, abs=NEAR)
-    assert found.notes == ("1 entity TEXT left out.",)
+    assert found.notes == ("Left out: entity TEXT (1).",)
     np.testing.assert_allclose(found.places, [(29.5, 9.5)])
 
 
