@@ -37,6 +37,9 @@ LEFT_OUT = (
 UNSEEN = ("numba._devicearray", "numba.mviewbuf")
 """Modules that only compiled code loads."""
 
+MEDICAL = {"nibabel": "nibabel", "pynrrd": "nrrd"}
+"""Readers that are taken along where they are installed: distributions and their modules, which are loaded by name."""
+
 LATE = ("cpm_core.cli", "app.views.features", "cpm_core.formats", "imagecodecs", "pydicom.pixels")
 """Packages of which modules are loaded by name, or late."""
 
@@ -55,7 +58,7 @@ def frozen(output: Path, work: Path) -> Path:
         *(part for name in NAMED if _is_there(name) for part in ("--copy-metadata", name)),
         *(part for name in LATE for part in ("--collect-submodules", name)),
         *(part for name in UNSEEN for part in ("--hidden-import", name)),
-        *(part for name in ("nibabel", "nrrd") if _is_there(name) for part in ("--hidden-import", name)),
+        *(part for name, module in MEDICAL.items() if _is_there(name) for part in ("--hidden-import", module)),
         *("--collect-data", "skimage", "--collect-binaries", "imagecodecs"),
         *(part for name in LEFT_OUT for part in ("--exclude-module", name)),
     ]

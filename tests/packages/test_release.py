@@ -5,6 +5,7 @@ import re
 import shutil
 import subprocess
 from configparser import ConfigParser
+from importlib import metadata
 from xml.etree import ElementTree
 
 import pytest
@@ -92,3 +93,10 @@ def test_the_licenses_of_all_that_is_handed_out_are_gathered(monkeypatch) -> Non
     assert all(len(licenses.license_of(each)) > 2 for each in found.values())
     assert "not told" not in map(licenses.license_of, found.values())
     assert licenses.gathered().startswith("CPM\n\nMIT License")
+
+
+def test_readers_in_the_application_without_python_are_named_by_their_distributions(monkeypatch) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "release"))
+    modules = metadata.packages_distributions()
+    for name, module in importlib.import_module("freeze").MEDICAL.items():
+        assert modules[module] == [name]
