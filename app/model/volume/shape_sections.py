@@ -51,15 +51,35 @@ _IN = 0.5
 """Distance from a slice up to which a place lies in it [voxels]."""
 
 
+class _Filled:
+    """Of a start whose particles are placed in space."""
+
+    __slots__ = ()
+
+    particles: Array
+
+    def seeds(self) -> Array:
+        """The particles of the shape that lie near the slice, shape (N, 2)."""
+        return self.particles
+
+
+class _OfBox:
+    """Of a box, whose faces are moved by its handles."""
+
+    __slots__ = ()
+
+    points: tuple[Position, ...]
+
+    def handles(self) -> tuple[Position, ...]:
+        """The corners and the middles of the sides, each on the faces that it moves."""
+        return _on_sides(self.points)
+
+
 @dataclass(frozen=True, slots=True)
-class SphereSection(Ellipse):
+class SphereSection(_Filled, Ellipse):
     """Where a slice cuts a sphere: round in space, an ellipse in voxels that are no cubes."""
 
     particles: Array = field(default_factory=lambda: np.empty((0, 2)), compare=False)
-
-    def seeds(self) -> Array:
-        """The particles of the sphere that lie near the slice, shape (N, 2)."""
-        return self.particles
 
     def handles(self) -> tuple[Position, ...]:
         """The four ends of the axes, for resizing."""
@@ -68,42 +88,22 @@ class SphereSection(Ellipse):
 
 
 @dataclass(frozen=True, slots=True)
-class BoxSection(Polygon):
+class BoxSection(_OfBox, _Filled, Polygon):
     """Where a slice cuts a box."""
 
     particles: Array = field(default_factory=lambda: np.empty((0, 2)), compare=False)
 
-    def seeds(self) -> Array:
-        """The particles of the box that lie near the slice, shape (N, 2)."""
-        return self.particles
-
-    def handles(self) -> tuple[Position, ...]:
-        """The corners and the middles of the sides, each on the faces that it moves."""
-        return _on_sides(self.points)
-
 
 @dataclass(frozen=True, slots=True)
-class GridSection(Grid):
+class GridSection(_OfBox, _Filled, Grid):
     """Where a slice cuts a box with a grid."""
 
     particles: Array = field(default_factory=lambda: np.empty((0, 2)), compare=False)
 
-    def seeds(self) -> Array:
-        """The particles of the grid that lie near the slice, shape (N, 2)."""
-        return self.particles
-
-    def handles(self) -> tuple[Position, ...]:
-        """The corners and the middles of the sides, each on the faces that it moves."""
-        return _on_sides(self.points)
-
 
 @dataclass(frozen=True, slots=True)
-class ThresholdSection(Threshold):
+class ThresholdSection(_OfBox, Threshold):
     """Where a slice cuts a box with a threshold."""
-
-    def handles(self) -> tuple[Position, ...]:
-        """The corners and the middles of the sides, each on the faces that it moves."""
-        return _on_sides(self.points)
 
 
 @dataclass(frozen=True, slots=True)

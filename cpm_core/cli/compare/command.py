@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 from dataclasses import asdict, replace
-from pathlib import Path
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from cpm_core.cli.compare.settings import add_settings, chosen_settings
 from cpm_core.cli.compare.start import add_start, outlines_drawn, spheres_drawn, start_in_volume, start_on
 from cpm_core.cli.outcome import print_json
 from cpm_core.cli.run.agreement import truth_for, volume_truth_for
+from cpm_core.cli.run.source import image_of, session_of
 from cpm_core.cli.run.volume import part_of_volume
 from cpm_core.cli.terminal import announce_compilation, counted, say
 from cpm_core.contours.ground_truth import Truth
@@ -21,7 +21,7 @@ from cpm_core.contours.surface.ground_truth import VolumeTruth
 from cpm_core.formats import load_image, load_volume
 from cpm_core.formats.animations.comparison import Tile, check_comparison, write_comparison
 from cpm_core.formats.printable import printable
-from cpm_core.formats.sessions.session_file import SessionFile, find_image, load_session
+from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.image.image import Image
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.segmentation.methods import (
@@ -79,9 +79,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
 
 def _compare(arguments: argparse.Namespace) -> None:
     """Run the methods; every check that needs no image comes first."""
-    session = load_session(Path(arguments.session)) if arguments.session else SessionFile()
-    if arguments.image is None and session.image is None:
-        raise ValueError("No IMAGE is given: name one, or with --session FILE a session that has one.")
+    session = session_of(arguments)
     compared = Compared(()) if session.comparison == Compared() else session.comparison
     spheres = spheres_drawn(arguments)
     ndim = 3 if spheres else 2
@@ -186,13 +184,10 @@ def _volume(arguments: argparse.Namespace) -> Image:
 
 def _image(arguments: argparse.Namespace, session: SessionFile) -> Image:
     part = part_of(arguments)
-    path, notes = Path(arguments.image or ""), session.notes
-    if arguments.image is None and session.image is not None:
-        path, found = find_image(session.image, Path(arguments.session).absolute().parent)
-        notes += found
+    path, notes = image_of(arguments.image, session, arguments.session)
     loaded = load_image(path, **part)
     image = loaded if arguments.channel is None else Image(loaded.gray(arguments.channel), source=loaded.source)
-    for note in (*notes, *loaded.notes):
+    for note in (*session.notes, *notes, *loaded.notes):
         say(f"cpm: {image.source}: {note}")
     if image.ndim != 2:
         raise ValueError(

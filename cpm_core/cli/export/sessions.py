@@ -6,15 +6,15 @@ from dataclasses import replace
 from pathlib import Path
 
 from cpm_core.cli.arguments import notes_on, with_room
+from cpm_core.cli.run.source import image_of, in_volume, reading_of
 from cpm_core.cli.terminal import announce_compilation, progress_line, say
 from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply
 from cpm_core.formats import load_image, load_volume
 from cpm_core.formats.provenance import with_shapes
-from cpm_core.formats.sessions.chosen_part import part_for
 from cpm_core.formats.sessions.recorded_run import shown_state
-from cpm_core.formats.sessions.session_file import SessionFile, find_image, load_session
+from cpm_core.formats.sessions.session_file import SessionFile, load_session
 from cpm_core.image.image import Image
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.segment import segment, with_hand_edits
@@ -26,17 +26,11 @@ def of_session(source: Path, named: str | None) -> tuple[Result, str]:
     session = load_session(source)
     if named is None and session.image is None:
         raise ValueError(f"{source.name} names no image: add --image IMAGE.")
-    path, notes = Path(named or ""), session.notes
-    part = {}
-    if session.image is not None and named is not None:
-        part = part_for(path, session.image.reading)
-    elif session.image is not None:
-        path, found = find_image(session.image, source.absolute().parent)
-        notes, part = (*notes, *found), session.image.reading.arguments
-    for told in notes:
+    path, notes = image_of(named, session, source)
+    for told in (*session.notes, *notes):
         say(f"cpm: {told}")
-    in_volume = session.image is not None and len(session.image.shape) == 3
-    image = load_volume(path, **part) if in_volume else load_image(path, **part)
+    part = reading_of(named, session, path)
+    image = load_volume(path, **part) if in_volume(session) else load_image(path, **part)
     parameters, small = with_room(session.parameters, image)
     for note in (*notes_on(image, parameters), *small):
         say(f"cpm: {image.source}: {note}")

@@ -142,8 +142,9 @@ def _run(arguments: argparse.Namespace) -> int:
     check_objects(arguments)
     drawn = seeds_drawn(arguments, session)
     regions = regions_drawn(arguments, session)
-    path, notes = image_of(arguments, session)
-    part = reading_of(arguments, session, path, part)
+    path, notes = image_of(arguments.image, session, arguments.session)
+    own = reading_of(arguments.image, session, path)
+    part = {name: value for name, value in own.items() if name != "page" or arguments.pages is None} | part
     check_pages(arguments, str(path))
     check_save(arguments, str(path))
     if arguments.pages is None:

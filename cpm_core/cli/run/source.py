@@ -1,9 +1,8 @@
-"""Where the image of ``cpm run`` is and how it is read: as the command line says, else as the session does."""
+"""Where the image of a command is and how it is read: as the command line says, else as the session does."""
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -24,20 +23,16 @@ def in_volume(session: SessionFile) -> bool:
     return session.image is not None and len(session.image.shape) == 3
 
 
-def image_of(arguments: argparse.Namespace, session: SessionFile) -> tuple[Path, tuple[str, ...]]:
-    """Path of the given image, or else of that of the session, and notes on it."""
-    if arguments.image is not None or session.image is None:
-        return Path(arguments.image), ()
-    return find_image(session.image, Path(arguments.session).absolute().parent)
+def image_of(named: str | None, session: SessionFile, source: str | Path | None) -> tuple[Path, tuple[str, ...]]:
+    """Path of the image that is named, or else of that of the session of a file, and notes on it."""
+    if named is not None or session.image is None or source is None:
+        return Path(named or ""), ()
+    return find_image(session.image, Path(source).absolute().parent)
 
 
-def reading_of(
-    arguments: argparse.Namespace, session: SessionFile, path: Path, given: Mapping[str, Any]
-) -> dict[str, Any]:
-    """How the image is read: what was given, and for the rest what the session says."""
+def reading_of(named: str | None, session: SessionFile, path: Path) -> dict[str, Any]:
+    """How a session says that the image at a path is read: its own, or the one that is named."""
     if session.image is None:
-        return dict(given)
+        return {}
     reading = session.image.reading
-    own = reading.arguments if arguments.image is None else part_for(path, reading)
-    kept = {name: value for name, value in own.items() if name != "page" or getattr(arguments, "pages", None) is None}
-    return {**kept, **given}
+    return reading.arguments if named is None else part_for(path, reading)

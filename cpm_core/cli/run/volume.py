@@ -59,12 +59,12 @@ def run_volume(arguments: argparse.Namespace, session: SessionFile) -> None:
     preset = arguments.preset or (None if arguments.session else "volume")
     parameters = parameters_of(arguments, PRESETS[preset] if preset else session.parameters)
     max_steps, faces = as_steps(arguments.max_steps), _as_faces(arguments.faces)
-    path, notes = image_of(arguments, session)
+    path, notes = image_of(arguments.image, session, arguments.session)
     check_exports(arguments.export, str(path), arguments.session)
     for file in arguments.export:
         if suffix_of(file) not in FOR_VOLUMES:
             raise ValueError(f"{file} is for contours, but a volume has a surface: end its name in .ply or .stl.")
-    volume = load_volume(path, **reading_of(arguments, session, path, part))
+    volume = load_volume(path, **(reading_of(arguments.image, session, path) | part))
     for note in (*session.notes, *notes, *(f"{volume.source}: {note}" for note in volume.notes)):
         say(f"cpm: {note}")
     truth = volume_truth_for(arguments, volume)

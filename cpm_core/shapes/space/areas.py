@@ -53,8 +53,7 @@ class BoxGrid(Cuboid):
         """A grid between two corners of a volume with this size of a voxel along each axis, no finer than allowed."""
         sides = tuple(side / min(spacing) for side in spacing)
         lengths = [abs(b - a) * side for a, b, side in zip(one, other, sides, strict=True)]
-        finest = (2.0 * math.prod(length + 1.0 for length in lengths) / MOST_PLACES) ** (1.0 / 3.0)
-        return cls(one, other, max(8.0, math.ceil(finest)), sides)
+        return cls(one, other, max(8.0, _finest(lengths)), sides)
 
     def seeds(self) -> Array:
         """Positions of the particles, shape (N, 3), centered in the box."""
@@ -64,14 +63,19 @@ class BoxGrid(Cuboid):
 
     def resized(self, by: float) -> BoxGrid:
         """The same box with the spacing changed by so much."""
-        whole = math.prod(length + 1.0 for length in self._lengths)
-        finest = max(FINEST, math.ceil((2.0 * whole / MOST_PLACES) ** (1.0 / 3.0)))
+        finest = max(FINEST, _finest(self._lengths))
         return replace(self, spacing=min(max(self.spacing + by, finest), max(COARSEST, finest)))
 
     @property
     def _lengths(self) -> Sequence[float]:
         """Lengths of the box along the axes, in sides of the smallest voxel."""
         return [(b - a) * side for a, b, side in zip(self.first, self.last, self.sides, strict=True)]
+
+
+def _finest(lengths: Sequence[float]) -> int:
+    """The least spacing at which a box of these lengths has no more particles than are allowed."""
+    side: float = (2.0 * math.prod(length + 1.0 for length in lengths) / MOST_PLACES) ** (1.0 / 3.0)
+    return math.ceil(side)
 
 
 @dataclass(frozen=True, slots=True)
