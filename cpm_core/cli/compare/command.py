@@ -23,8 +23,7 @@ from cpm_core.formats.animations.comparison import Tile, check_comparison, write
 from cpm_core.formats.printable import printable
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.image.image import Image
-from cpm_core.parameters import PRESETS, Parameters
-from cpm_core.segmentation.methods import (
+from cpm_core.objects.methods import (
     CONTOUR_METHODS,
     Compared,
     Facts,
@@ -34,6 +33,7 @@ from cpm_core.segmentation.methods import (
     run_method,
     runnable,
 )
+from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.shapes.document_shapes import check_axes
 
 _WIDTH = 24

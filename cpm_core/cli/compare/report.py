@@ -8,8 +8,8 @@ from dataclasses import asdict
 from cpm_core.cli.compare.claims import GOOD, TIME, Score, Verdict, scores, verdicts
 from cpm_core.cli.compare.trials import Trial
 from cpm_core.cli.outcome import print_json
+from cpm_core.objects.methods import CONTOUR_METHODS, runnable
 from cpm_core.objects.warm_up import warm_up
-from cpm_core.segmentation.methods import CONTOUR_METHODS, runnable
 
 SEARCHED = (
     "Settings: those of the charged particles are the publication's, with the smoothing chosen by the noise. Those of "

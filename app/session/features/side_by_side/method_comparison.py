@@ -15,7 +15,7 @@ from app.session.tasks.tasks import Task
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.formats.animations.comparison import Tile, write_comparison
 from cpm_core.image.image import Image
-from cpm_core.segmentation.methods import PLACES, Start
+from cpm_core.objects.methods import PLACES, Start
 from cpm_core.shapes import Barrier, Charge, Region
 from cpm_core.shapes.document_shapes import starts_of
 from cpm_core.shapes.outlines import outlines_of

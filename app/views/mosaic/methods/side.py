@@ -10,7 +10,7 @@ from app.views.canvas.layers.legend_entry import LegendEntry
 from app.views.canvas.strip.legend import Sample
 from app.views.mosaic.methods.settings_form import SettingsForm
 from app.views.theme import theme
-from cpm_core.segmentation.methods import CONTOUR_METHODS, Compared
+from cpm_core.objects.methods import CONTOUR_METHODS, Compared
 
 WIDTH = 260
 

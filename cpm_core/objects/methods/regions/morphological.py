@@ -17,11 +17,11 @@ import skimage
 from numpy.typing import NDArray
 
 from cpm_core.image.image import Image
-from cpm_core.segmentation.methods.gray import unit_gray
-from cpm_core.segmentation.methods.method import ContourMethod, Start
-from cpm_core.segmentation.methods.regions.chan_vese import INSIDE, OUTSIDE
-from cpm_core.segmentation.methods.settings import Settings, number
-from cpm_core.segmentation.methods.states import LevelSetState, until_at_rest
+from cpm_core.objects.methods.gray import unit_gray
+from cpm_core.objects.methods.method import ContourMethod, Start
+from cpm_core.objects.methods.regions.chan_vese import INSIDE, OUTSIDE
+from cpm_core.objects.methods.settings import Settings, number
+from cpm_core.objects.methods.states import LevelSetState, until_at_rest
 
 Bits = NDArray[np.int8]
 _Steps = Callable[[Bits, int, Callable[[Bits], None]], Any]

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from cpm_core.contours.ground_truth import truth_of_mask
 from cpm_core.image.image import Image
-from cpm_core.segmentation.methods import (
+from cpm_core.objects.methods import (
     CONTOUR_METHODS,
     Start,
     facts_of,
@@ -18,11 +18,11 @@ from cpm_core.segmentation.methods import (
     run_method,
     runnable,
 )
-from cpm_core.segmentation.methods.level_sets.evolution import Band, distance_of
-from cpm_core.segmentation.methods.level_sets.geodesic import GeodesicSettings
-from cpm_core.segmentation.methods.level_sets.motion import FARTHEST, REACH, moved, signed_distance
-from cpm_core.segmentation.methods.regions.morphological import MorphologicalGacSettings
-from cpm_core.segmentation.methods.states import level_contours
+from cpm_core.objects.methods.level_sets.evolution import Band, distance_of
+from cpm_core.objects.methods.level_sets.geodesic import GeodesicSettings
+from cpm_core.objects.methods.level_sets.motion import FARTHEST, REACH, moved, signed_distance
+from cpm_core.objects.methods.regions.morphological import MorphologicalGacSettings
+from cpm_core.objects.methods.states import level_contours
 
 from .published import ring
 

@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import PIL.Image
 
-from cpm_core.segmentation.methods import registry
+from cpm_core.objects.methods import registry
 
 MODULE = '''
 """A level set that grows by one pixel a step."""
@@ -16,9 +16,9 @@ from dataclasses import dataclass
 
 import scipy
 
-from cpm_core.segmentation.methods.method import ContourMethod
-from cpm_core.segmentation.methods.settings import Settings, number
-from cpm_core.segmentation.methods.states import LevelSetState
+from cpm_core.objects.methods.method import ContourMethod
+from cpm_core.objects.methods.settings import Settings, number
+from cpm_core.objects.methods.states import LevelSetState
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ GROWING = ContourMethod("growing", "Growing", "It grows.", "nobody", GrowingSett
 PROGRAM = '''
 import importlib.util, sys
 
-NAME = "cpm_core.segmentation.methods.registry"
+NAME = "cpm_core.objects.methods.registry"
 LINE = "    GRAB_CUT,\\n)"
 
 
@@ -79,7 +79,7 @@ from cpm_core import cli
 from cpm_core.cli.compare.claims import scores
 from cpm_core.cli.compare.trials import trials
 from cpm_core.formats.sessions.session_file import SessionFile, load_session, save_session
-from cpm_core.segmentation.methods import CONTOUR_METHODS, Compared
+from cpm_core.objects.methods import CONTOUR_METHODS, Compared
 
 folder = Path(folder)
 options = ["--methods", "growing", "--set", "growing.size=5", "--truth", str(folder / "disk.png"), "--json"]

@@ -6,7 +6,7 @@ import numpy as np
 import scipy
 
 from cpm_core.numerics.types import Mask
-from cpm_core.segmentation.methods.method import Start
+from cpm_core.objects.methods.method import Start
 
 
 def certain_pixels(start: Start, shape: tuple[int, ...], depth: float, margin: float) -> tuple[Mask, Mask]:

@@ -10,10 +10,10 @@ import numpy as np
 from cpm_core.field.edge_map import gradient
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array
-from cpm_core.segmentation.methods.gray import unit_edges
-from cpm_core.segmentation.methods.level_sets.evolution import FrontState, Speeds, evolution
-from cpm_core.segmentation.methods.method import ContourMethod, Start
-from cpm_core.segmentation.methods.settings import Settings, number
+from cpm_core.objects.methods.gray import unit_edges
+from cpm_core.objects.methods.level_sets.evolution import FrontState, Speeds, evolution
+from cpm_core.objects.methods.method import ContourMethod, Start
+from cpm_core.objects.methods.settings import Settings, number
 
 MOST_STEPS = 4000
 

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import most_scales
+from cpm_core.objects.methods.method import ContourMethod, Start
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.evolve import Evolved, evolve
-from cpm_core.segmentation.methods.method import ContourMethod, Start
 
 MOST_STEPS = 4000
 

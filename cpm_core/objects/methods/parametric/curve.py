@@ -15,7 +15,7 @@ import numpy as np
 from cpm_core.numerics.polyline import length, resampled
 from cpm_core.numerics.segments import SegmentTree
 from cpm_core.numerics.types import Array
-from cpm_core.segmentation.methods.states import CurveState
+from cpm_core.objects.methods.states import CurveState
 
 Force = Callable[[Array], Array]
 """Force at positions, shape (N, 2), shape (N, 2)."""

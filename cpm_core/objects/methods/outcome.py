@@ -14,9 +14,9 @@ from cpm_core.contours.surface import Surface
 from cpm_core.field.edge_map import edge_map
 from cpm_core.field.interpolation import interpolate
 from cpm_core.image.image import Image
+from cpm_core.objects.methods.method import Start
+from cpm_core.objects.methods.run import Facts
 from cpm_core.parameters.provenance import Provenance
-from cpm_core.segmentation.methods.method import Start
-from cpm_core.segmentation.methods.run import Facts
 
 _SMOOTHING = 1.0
 """Width of the Gaussian before the edge strength along the contours is taken [px]."""

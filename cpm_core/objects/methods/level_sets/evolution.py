@@ -10,8 +10,8 @@ import numpy as np
 import scipy
 
 from cpm_core.numerics.types import Array, Mask
-from cpm_core.segmentation.methods.level_sets.motion import FARTHEST, REACH, Indices, moved, signed_distance
-from cpm_core.segmentation.methods.states import RegionState, until_at_rest
+from cpm_core.objects.methods.level_sets.motion import FARTHEST, REACH, Indices, moved, signed_distance
+from cpm_core.objects.methods.states import RegionState, until_at_rest
 
 _FASTEST, _SMOOTHEST = 0.5, 0.2
 """How far a front moves in a step at most [px], and the largest product of time step and weight of the curvature."""

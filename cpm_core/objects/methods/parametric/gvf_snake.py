@@ -10,12 +10,12 @@ import scipy
 
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array
-from cpm_core.segmentation.methods.gray import unit_edges
-from cpm_core.segmentation.methods.method import ContourMethod, Start
-from cpm_core.segmentation.methods.parametric.curve import Elasticity, Force, evolution
-from cpm_core.segmentation.methods.parametric.gvf_field import evened, gradient_vector_flow
-from cpm_core.segmentation.methods.settings import Settings, number
-from cpm_core.segmentation.methods.states import CurveState
+from cpm_core.objects.methods.gray import unit_edges
+from cpm_core.objects.methods.method import ContourMethod, Start
+from cpm_core.objects.methods.parametric.curve import Elasticity, Force, evolution
+from cpm_core.objects.methods.parametric.gvf_field import evened, gradient_vector_flow
+from cpm_core.objects.methods.settings import Settings, number
+from cpm_core.objects.methods.states import CurveState
 
 MOST_STEPS = 2000
 

@@ -13,8 +13,8 @@ from cpm_core.contours.surface.agreement import SurfaceComparison, compare_surfa
 from cpm_core.contours.surface.ground_truth import VolumeTruth
 from cpm_core.image.image import Image, as_image
 from cpm_core.numerics.real_numbers import checked_number
+from cpm_core.objects.methods.method import AnyMethod, ContourMethod, ContourState, Start
 from cpm_core.parameters.quotation import counted, described, shown
-from cpm_core.segmentation.methods.method import AnyMethod, ContourMethod, ContourState, Start
 
 
 @dataclass(frozen=True, eq=False)

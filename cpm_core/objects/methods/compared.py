@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from cpm_core.segmentation.methods.registry import CONTOUR_METHODS, method_named
-from cpm_core.segmentation.methods.settings import Settings
+from cpm_core.objects.methods.registry import CONTOUR_METHODS, method_named
+from cpm_core.objects.methods.settings import Settings
 
 FIRST = ("cpm", "gvf", "gac", "chan_vese")
 """The methods that are compared at first."""

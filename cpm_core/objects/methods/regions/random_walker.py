@@ -10,11 +10,11 @@ import skimage
 from numpy.typing import NDArray
 
 from cpm_core.image.image import Image
-from cpm_core.segmentation.methods.gray import unit_gray
-from cpm_core.segmentation.methods.method import ContourMethod, Start
-from cpm_core.segmentation.methods.regions.certain import certain_pixels
-from cpm_core.segmentation.methods.settings import Settings, number
-from cpm_core.segmentation.methods.states import LevelSetState
+from cpm_core.objects.methods.gray import unit_gray
+from cpm_core.objects.methods.method import ContourMethod, Start
+from cpm_core.objects.methods.regions.certain import certain_pixels
+from cpm_core.objects.methods.settings import Settings, number
+from cpm_core.objects.methods.states import LevelSetState
 
 OBJECT, BACKGROUND = 1, 2
 _DIRECT = 300_000

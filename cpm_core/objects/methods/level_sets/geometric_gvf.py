@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from cpm_core.image.image import Image
-from cpm_core.segmentation.methods.gray import unit_edges
-from cpm_core.segmentation.methods.level_sets.evolution import FrontState, Speeds, evolution
-from cpm_core.segmentation.methods.method import ContourMethod, Start
-from cpm_core.segmentation.methods.parametric.gvf_field import evened, gradient_vector_flow
-from cpm_core.segmentation.methods.settings import Settings, number
+from cpm_core.objects.methods.gray import unit_edges
+from cpm_core.objects.methods.level_sets.evolution import FrontState, Speeds, evolution
+from cpm_core.objects.methods.method import ContourMethod, Start
+from cpm_core.objects.methods.parametric.gvf_field import evened, gradient_vector_flow
+from cpm_core.objects.methods.settings import Settings, number
 
 MOST_STEPS = 4000
 

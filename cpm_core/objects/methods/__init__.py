@@ -4,12 +4,12 @@
 sets in `level_sets`, and what scikit-image and OpenCV have in `regions`.
 """
 
-from cpm_core.segmentation.methods.compared import PLACES, Compared
-from cpm_core.segmentation.methods.method import AnyMethod, ContourMethod, ContourState, Start
-from cpm_core.segmentation.methods.outcome import result_of
-from cpm_core.segmentation.methods.registry import CONTOUR_METHODS, method_named, runnable
-from cpm_core.segmentation.methods.run import Facts, Moment, facts_of, moments, run_method
-from cpm_core.segmentation.methods.settings import Settings
+from cpm_core.objects.methods.compared import PLACES, Compared
+from cpm_core.objects.methods.method import AnyMethod, ContourMethod, ContourState, Start
+from cpm_core.objects.methods.outcome import result_of
+from cpm_core.objects.methods.registry import CONTOUR_METHODS, method_named, runnable
+from cpm_core.objects.methods.run import Facts, Moment, facts_of, moments, run_method
+from cpm_core.objects.methods.settings import Settings
 
 __all__ = [
     "CONTOUR_METHODS",

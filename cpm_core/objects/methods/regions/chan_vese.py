@@ -10,11 +10,11 @@ import skimage
 
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array, Mask
-from cpm_core.segmentation.methods.gray import unit_gray
-from cpm_core.segmentation.methods.level_sets.evolution import distance_of
-from cpm_core.segmentation.methods.method import ContourMethod, Start
-from cpm_core.segmentation.methods.settings import Settings, number
-from cpm_core.segmentation.methods.states import LevelSetState
+from cpm_core.objects.methods.gray import unit_gray
+from cpm_core.objects.methods.level_sets.evolution import distance_of
+from cpm_core.objects.methods.method import ContourMethod, Start
+from cpm_core.objects.methods.settings import Settings, number
+from cpm_core.objects.methods.states import LevelSetState
 
 MOST_STEPS = 500
 
