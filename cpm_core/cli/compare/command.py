@@ -130,11 +130,11 @@ def _methods(named: Sequence[str], ndim: int) -> list[str]:
     return list(dict.fromkeys(named or runnable(ndim)))
 
 
-def _ours(arguments: argparse.Namespace, session: SessionFile, ndim: int) -> Parameters:
-    """The parameters of the particles, unless some are set."""
+def _ours(arguments: argparse.Namespace, session: SessionFile, ndim: int) -> Parameters | None:
+    """The parameters of the particles, unless some are set; None for their defaults."""
     if arguments.session:
         return session.parameters
-    return PRESETS["volume"] if ndim == 3 else Parameters()
+    return PRESETS["volume"] if ndim == 3 else None
 
 
 def _print_json(image: Image, start: Start, rows: Sequence[Facts], truth: Truth | VolumeTruth | None) -> None:

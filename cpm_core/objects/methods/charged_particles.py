@@ -15,7 +15,8 @@ from cpm_core.segmentation.evolve import Evolved, evolve
 MOST_STEPS = 4000
 
 
-def _evolve(image: Image, start: Start, parameters: Parameters) -> Iterator[Evolved]:
+def evolve_particles(image: Image, start: Start, parameters: Parameters) -> Iterator[Evolved]:
+    """The moments of a run, which ends after `MOST_STEPS` at the latest."""
     chosen = replace(parameters, scales=min(parameters.scales, most_scales(image.shape)))
     run = evolve(image, start.points, chosen)
     for moment in run:
@@ -30,7 +31,7 @@ PARTICLES = ContourMethod(
     "Particles that the electric field of the edges attracts, and that repel each other along them.",
     "Jalba, Wilkinson and Roerdink (2004)",
     Parameters,
-    _evolve,
+    evolve_particles,
     MOST_STEPS,
     in_volumes=True,
 )

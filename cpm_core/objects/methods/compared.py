@@ -23,7 +23,7 @@ class Compared:
     methods : tuple of str
         Names of the methods, one for each place; empty for a place without one.
     settings : tuple of (str, Settings)
-        The settings of methods that are not their defaults. The charged particles have the parameters of the run.
+        The settings of methods that are not their defaults. Those of the particles have the parameters of the run.
     around : bool
         Whether the start lies around the objects.
 
@@ -47,13 +47,13 @@ class Compared:
     def settings_of(self, method: str) -> Settings:
         """The settings of a method by name: those that were chosen, or its defaults."""
         chosen = dict(self.settings).get(method)
-        made: Settings = CONTOUR_METHODS[method].settings() if chosen is None else chosen
+        made: Settings = CONTOUR_METHODS[method].defaults if chosen is None else chosen
         return made
 
     def with_settings(self, method: str, settings: Settings) -> Compared:
         """The comparison in which a method has these settings."""
         others = {name: one for name, one in self.settings if name != method}
-        changed = others if settings == CONTOUR_METHODS[method].settings() else {**others, method: settings}
+        changed = others if settings == CONTOUR_METHODS[method].defaults else {**others, method: settings}
         return replace(self, settings=tuple(changed.items()))
 
     def with_method(self, place: int, method: str) -> Compared:

@@ -23,6 +23,7 @@ from cpm_core.image.image import Image
 from cpm_core.numerics.polyline import resampled
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Mask
+from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import counted, described, shown
 from cpm_core.particles.volume_starts import sphere
 
@@ -238,12 +239,14 @@ class ContourMethod(Generic[S]):
         A package that it needs and that need not be installed.
     in_volumes : bool
         Whether it finds surfaces in volumes as well.
+    preset : settings, optional
+        Its settings unless others are given; those of the class by default.
 
     Examples
     --------
     >>> method = cpm.CONTOUR_METHODS["chan_vese"]
-    >>> method.title, method.settings().__class__.__name__, method.most_steps
-    ('Chan-Vese', 'ChanVeseSettings', 500)
+    >>> method.title, method.defaults.__class__.__name__, method.most_steps, method.of_particles
+    ('Chan-Vese', 'ChanVeseSettings', 500, False)
     >>> method.check()
     >>> method.missing == ""  # all that it needs is installed
     True
@@ -258,6 +261,17 @@ class ContourMethod(Generic[S]):
     most_steps: int
     needs: Needed | None = None
     in_volumes: bool = False
+    preset: S | None = None
+
+    @property
+    def defaults(self) -> S:
+        """Its settings unless others are given."""
+        return self.settings() if self.preset is None else self.preset
+
+    @property
+    def of_particles(self) -> bool:
+        """Whether its settings are the parameters of a run of the particles."""
+        return issubclass(self.settings, Parameters)
 
     def check(self) -> None:
         """ValueError, which says how it is installed, when a package is missing that it needs."""

@@ -11,6 +11,7 @@ from cpm_core.objects.methods.level_sets.geometric_gvf import GEOMETRIC_GVF
 from cpm_core.objects.methods.method import AnyMethod
 from cpm_core.objects.methods.parametric.gvf_snake import GVF_SNAKE
 from cpm_core.objects.methods.parametric.snake import SNAKE
+from cpm_core.objects.methods.proposed_object import PROPOSED_OBJECT
 from cpm_core.objects.methods.regions.chan_vese import CHAN_VESE
 from cpm_core.objects.methods.regions.grab_cut import GRAB_CUT
 from cpm_core.objects.methods.regions.morphological import MORPHOLOGICAL_CHAN_VESE, MORPHOLOGICAL_GAC
@@ -19,6 +20,7 @@ from cpm_core.parameters.quotation import shown
 
 _ALL: tuple[AnyMethod, ...] = (
     PARTICLES,
+    PROPOSED_OBJECT,
     SNAKE,
     GVF_SNAKE,
     GEODESIC,

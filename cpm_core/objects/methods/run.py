@@ -55,7 +55,7 @@ def moments(method: AnyMethod, image: Image, start: Start, settings: Any = None)
         raise ValueError(f"the method is {shown(method)} but must be one of CONTOUR_METHODS.")
     if not isinstance(start, Start):
         raise ValueError(f"the start is {shown(start)} but must be a Start: Start((outline,)).")
-    settings = method.settings() if settings is None else settings
+    settings = method.defaults if settings is None else settings
     if not isinstance(settings, method.settings):
         raise ValueError(
             f"the settings are {shown(settings)} but must be {method.settings.__name__}, those of {method.title}."

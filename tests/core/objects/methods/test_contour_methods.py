@@ -34,7 +34,7 @@ OWN = {"snake": Start((ring((31.0, 33.0), 20.0),))}
 """Starts of methods that would collapse from inside."""
 
 NAMES = sorted(runnable())
-CLASSICAL = sorted(set(NAMES) - {"cpm"})
+CLASSICAL = sorted(name for name in NAMES if not CONTOUR_METHODS[name].of_particles)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -114,11 +114,11 @@ def test_an_outline_within_others_bounds_a_hole_of_the_start():
 
 
 def test_an_unknown_method_is_refused_with_the_names_that_there_are():
-    with pytest.raises(ValueError, match='"gfv" is no method: choose among cpm, snake, gvf'):
+    with pytest.raises(ValueError, match='"gfv" is no method: choose among cpm, object, snake, gvf'):
         method_named("gfv")
 
 
-@pytest.mark.parametrize("name", sorted(set(CLASSICAL) - {"snake"}))
+@pytest.mark.parametrize("name", sorted({*CLASSICAL, "object"} - {"snake"}))
 def test_a_start_around_the_object_drives_a_contour_inwards(name):
     start = Start((ring((31.0, 33.0), 24.0),), around=True)
     assert facts_of(run_method(CONTOUR_METHODS[name], IMAGE, start), truth_of_mask(DISK)).f > 0.99
@@ -128,10 +128,27 @@ def test_several_outlines_start_together():
     objects = np.hypot(ROW - 31, COL - 16) < 9, np.hypot(ROW - 31, COL - 47) < 9
     image = Image(np.where(objects[0] | objects[1], 200.0, 40.0))
     start = Start((ring((31.0, 16.0), 6.0), ring((31.0, 47.0), 6.0)))
-    for name in ("gvf", "gac", "morph_gac", "random_walker", "cpm"):
+    for name in ("gvf", "gac", "morph_gac", "random_walker", "cpm", "object"):
         found = facts_of(run_method(CONTOUR_METHODS[name], image, start), truth_of_mask(objects[0] | objects[1]))
         assert found.contours == 2, name
         assert found.f > 0.98, name
+
+
+def test_the_object_of_the_particles_is_closed_across_a_gap_in_the_line_around_it():
+    distance, gap = np.hypot(ROW - 31, COL - 33), np.abs(np.arctan2(ROW - 31, COL - 33)) < 0.4
+    image = Image(np.where((np.abs(distance - 16) < 1.5) & ~gap, 40.0, 200.0))
+    inside = truth_of_mask(distance < 14.5)
+    line, enclosed = (facts_of(run_method(CONTOUR_METHODS[name], image, START), inside) for name in ("cpm", "object"))
+    assert line.dice < 0.2  # the contour runs along both sides of the line
+    assert (enclosed.contours, enclosed.closed) == (1, 1)
+    assert enclosed.dice > 0.95
+
+
+def test_starts_in_one_object_propose_it_once():
+    start = Start((ring((31.0, 27.0), 4.0), ring((31.0, 39.0), 4.0)))
+    facts = facts_of(run_method(CONTOUR_METHODS["object"], IMAGE, start), truth_of_mask(DISK))
+    assert facts.contours == 1
+    assert facts.dice > 0.97
 
 
 def test_a_region_at_the_border_has_a_closed_contour():

@@ -9,7 +9,7 @@ import cpm_core as cpm
 from cpm_core import METHODS, PARAMETERS, Parameters, PlacedCharge
 from cpm_core.segmentation.method import Steerable
 
-from ...scenes import ring
+from ..scenes import ring
 
 PARAMS = Parameters(scales=1, smoothing=1.5)
 SEEDS = cpm.circle((48.4, 49.7), 24.0)
