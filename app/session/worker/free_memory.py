@@ -1,4 +1,4 @@
-"""Memory that is free within the process: given back to the system while nothing goes on.
+"""Memory of a window that is used for hours: what is free within the process is given back while nothing goes on.
 
 Runs make and drop many arrays of different sizes, and the C library keeps the gaps between those that stay. A window
 that is used for hours would take more and more memory for the same work.
@@ -10,6 +10,7 @@ tracebacks, some twenty megabytes and more; it reads again those that a tracebac
 from __future__ import annotations
 
 import ctypes
+import gc
 import linecache
 from collections.abc import Callable
 from functools import cache
@@ -21,6 +22,16 @@ def give_back() -> None:
     trim = _trim()
     if trim is not None:
         trim(0)
+
+
+@cache
+def keep_loaded(volumes: bool) -> None:
+    """Let no search for garbage go through what is loaded by now, which would delay the window by several frames.
+
+    Once for images and once for volumes, since what else there is at that moment is never searched either: done with
+    every volume that is opened, this would keep each of them.
+    """
+    gc.freeze()
 
 
 @cache
