@@ -17,7 +17,7 @@ from cpm_core.cli.figures import command as figures_command
 from cpm_core.cli.help import completion
 from cpm_core.cli.help.examples import is_examples, text_of
 from cpm_core.cli.help.mistyped import with_suggestion
-from cpm_core.cli.image_files import use_files
+from cpm_core.cli.inputs.image_files import use_files
 from cpm_core.cli.run import command as run_command
 from cpm_core.cli.skeleton import command as skeleton_command
 from cpm_core.cli.terminal import drop_output, say, take_any_character
