@@ -23,8 +23,7 @@ from cpm_core.formats.animations.comparison import Tile, check_comparison, write
 from cpm_core.formats.printable import printable
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.image.image import Image
-from cpm_core.parameters import PRESETS, Parameters
-from cpm_core.segmentation.methods import (
+from cpm_core.objects.methods import (
     CONTOUR_METHODS,
     Compared,
     Facts,
@@ -34,6 +33,7 @@ from cpm_core.segmentation.methods import (
     run_method,
     runnable,
 )
+from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.shapes.document_shapes import check_axes
 
 _WIDTH = 24
@@ -130,11 +130,11 @@ def _methods(named: Sequence[str], ndim: int) -> list[str]:
     return list(dict.fromkeys(named or runnable(ndim)))
 
 
-def _ours(arguments: argparse.Namespace, session: SessionFile, ndim: int) -> Parameters:
-    """The parameters of the particles, unless some are set."""
+def _ours(arguments: argparse.Namespace, session: SessionFile, ndim: int) -> Parameters | None:
+    """The parameters of the particles, unless some are set; None for their defaults."""
     if arguments.session:
         return session.parameters
-    return PRESETS["volume"] if ndim == 3 else Parameters()
+    return PRESETS["volume"] if ndim == 3 else None
 
 
 def _print_json(image: Image, start: Start, rows: Sequence[Facts], truth: Truth | VolumeTruth | None) -> None:

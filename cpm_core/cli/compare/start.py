@@ -15,8 +15,8 @@ from cpm_core.formats.contours.reading.contour_file import CONTOURS_READABLE
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array
+from cpm_core.objects.methods import Start
 from cpm_core.parameters.quotation import counted, shown
-from cpm_core.segmentation.methods import Start
 from cpm_core.shapes import Barrier, Charge, Circle, Region, Shape
 from cpm_core.shapes.document_shapes import starts_of
 from cpm_core.shapes.outlines import outlines_of
