@@ -40,10 +40,8 @@ def usable(values: Array) -> Usable:
     notes: list[str] = []
     absent = _absent(values)
     if absent is not None:
-        count = int(absent.sum())
-        what = "1 pixel has" if count == 1 else f"{count} pixels have"
         values = _filled(np.where(absent, 0.0, values), ~absent)
-        notes.append(f"{what} no data, and no contours are looked for there.")
+        notes.append(no_data_note(int(absent.sum())))
     low, high = float(values.min()), float(values.max())
     half = high / 2.0 - low / 2.0
     if half > 0.0 and not 1.0 / _MOST_SPAN <= 2.0 * half <= _MOST_SPAN:
@@ -54,6 +52,12 @@ def usable(values: Array) -> Usable:
     return Usable(values, tuple(notes))
 
 
+def no_data_note(count: int) -> str:
+    """What is said of so many pixels without data."""
+    what = "1 pixel has" if count == 1 else f"{count} pixels have"
+    return f"{what} no data, and no contours are looked for there."
+
+
 def _absent(values: Array) -> Mask | None:
     """Pixels without data; None when there are none."""
     low, high = float(values.min(initial=0.0)), float(values.max(initial=0.0))
@@ -61,8 +65,10 @@ def _absent(values: Array) -> Mask | None:
         return None
     absent = np.abs(values) >= _LEAST_NO_DATA
     others = values[~absent]
-    alike = len(np.unique(values[absent])) == 1
-    if not alike or not others.size or np.abs(others).max() > _FAR * _LEAST_NO_DATA or np.ptp(others) == 0.0:
+    kinds = np.unique(values[absent])
+    if len(kinds) != 1 or not others.size or np.abs(others).max() > _FAR * _LEAST_NO_DATA:
+        return None
+    if np.ptp(others) == 0.0 and kinds[0] != NO_DATA:
         return None
     return np.asarray(absent)
 
