@@ -36,12 +36,12 @@ def stoppable() -> Iterator[None]:
         for number, handler in before.items():
             signal.signal(number, handler)
 
-    _asked_to_stop.clear()
     before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         yield
     finally:
         as_usual()
+        _asked_to_stop.clear()
 
 
 @dataclass(frozen=True)
