@@ -210,6 +210,17 @@ def test_parts_of_large_libraries_are_loaded_when_they_are_asked_for():
     assert slow.isdisjoint(loaded)
 
 
+def test_no_part_of_a_large_library_is_named_where_a_module_is_loaded():
+    """Such a part loads others with it, not the same in all releases; `skimage.draw.line(...)` loads it when called."""
+    named = {
+        f"{module_name(path)} imports {other}"
+        for path in SOURCES
+        for other in module(path).imported_at_once
+        if other.startswith(("scipy.", "skimage."))
+    }
+    assert named == set()
+
+
 def test_no_module_is_a_box_for_odds_and_ends():
     boxes = {"utils", "util", "utilities", "helpers", "helper", "common", "misc", "tools_"}
     assert [path for path in SOURCES if path.stem in boxes] == []

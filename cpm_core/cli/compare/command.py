@@ -8,13 +8,14 @@ from dataclasses import asdict, replace
 
 import numpy as np
 
-from cpm_core.cli.arguments import add_image, add_json, add_part, add_session, as_number, as_steps, part_of
+from cpm_core.cli.arguments import add_image, add_json, add_session, as_steps
 from cpm_core.cli.compare.settings import add_settings, chosen_settings
 from cpm_core.cli.compare.start import add_start, outlines_drawn, spheres_drawn, start_in_volume, start_on
+from cpm_core.cli.inputs.numbers import as_number
+from cpm_core.cli.inputs.part import add_part, part_of, part_of_volume
+from cpm_core.cli.inputs.source import image_of, session_of
+from cpm_core.cli.inputs.truth import truth_for, volume_truth_for
 from cpm_core.cli.outcome import print_json
-from cpm_core.cli.run.agreement import truth_for, volume_truth_for
-from cpm_core.cli.run.source import image_of, session_of
-from cpm_core.cli.run.volume import part_of_volume
 from cpm_core.cli.terminal import announce_compilation, counted, say
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.surface.ground_truth import VolumeTruth
@@ -23,8 +24,7 @@ from cpm_core.formats.animations.comparison import Tile, check_comparison, write
 from cpm_core.formats.printable import printable
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.image.image import Image
-from cpm_core.parameters import PRESETS, Parameters
-from cpm_core.segmentation.methods import (
+from cpm_core.objects.methods import (
     CONTOUR_METHODS,
     Compared,
     Facts,
@@ -34,6 +34,7 @@ from cpm_core.segmentation.methods import (
     run_method,
     runnable,
 )
+from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.shapes.document_shapes import check_axes
 
 _WIDTH = 24
@@ -130,11 +131,11 @@ def _methods(named: Sequence[str], ndim: int) -> list[str]:
     return list(dict.fromkeys(named or runnable(ndim)))
 
 
-def _ours(arguments: argparse.Namespace, session: SessionFile, ndim: int) -> Parameters:
-    """The parameters of the particles, unless some are set."""
+def _ours(arguments: argparse.Namespace, session: SessionFile, ndim: int) -> Parameters | None:
+    """The parameters of the particles, unless some are set; None for their defaults."""
     if arguments.session:
         return session.parameters
-    return PRESETS["volume"] if ndim == 3 else Parameters()
+    return PRESETS["volume"] if ndim == 3 else None
 
 
 def _print_json(image: Image, start: Start, rows: Sequence[Facts], truth: Truth | VolumeTruth | None) -> None:

@@ -26,7 +26,7 @@ from cpm_core.formats.printable import cell
 from cpm_core.formats.writers import FOR_VOLUMES, WRITABLE, check_export, encoded, omission, suffix_of
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array, Pixels
-from cpm_core.segmentation.methods import CONTOUR_METHODS, Facts, Start, result_of
+from cpm_core.objects.methods import CONTOUR_METHODS, Facts, Start, result_of
 
 _LOG = logging.getLogger(__name__)
 
