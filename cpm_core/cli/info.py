@@ -7,7 +7,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from cpm_core.cli.arguments import add_json, add_part, part_of
+from cpm_core.cli.arguments import add_json
+from cpm_core.cli.inputs.part import add_part, part_of
 from cpm_core.cli.outcome import print_json
 from cpm_core.cli.place import facts_on, lines_on
 from cpm_core.cli.terminal import say

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from cpm_core.contours.result import Result
 from cpm_core.formats.printable import printable
 from cpm_core.formats.provenance import VERSION
 
@@ -37,3 +38,16 @@ def tell(
         print(line)
     for path in files:
         print(printable(f"Wrote {path}"))
+
+
+def outcome_of(result: Result, seconds: float) -> dict[str, object]:
+    """Values of a run by name, as they are printed as JSON."""
+    return {
+        "particles": len(result.particles),
+        "contours": len(result.contours),
+        "closed": sum(contour.closed for contour in result.contours),
+        "steps": result.steps,
+        "converged": result.converged,
+        "stop_reason": result.stop_reason,
+        "seconds": round(seconds, 3),
+    }

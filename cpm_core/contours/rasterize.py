@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import skimage
 from numpy.typing import NDArray
-from skimage.draw import polygon
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import containment, contour_labels
@@ -43,7 +43,7 @@ def paint(contours: Sequence[Contour], shape: tuple[int, ...]) -> Labels:
         (contour, label) for contour, label in zip(contours, contour_labels(contours), strict=True) if contour.closed
     ]
     for contour, label in sorted(closed, key=lambda pair: -pair[0].area):
-        inside = polygon(contour.points[:, 0], contour.points[:, 1], shape)  # type: ignore[no-untyped-call]
+        inside = skimage.draw.polygon(contour.points[:, 0], contour.points[:, 1], shape)  # type: ignore[no-untyped-call]
         mask[inside] = label
     return mask
 

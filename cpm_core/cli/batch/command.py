@@ -8,10 +8,11 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from cpm_core.cli.arguments import add_json, add_parameters, add_session, as_number, as_steps, parameters_of
+from cpm_core.cli.arguments import add_json, add_parameters, add_session, as_steps, parameters_of
 from cpm_core.cli.batch.batch import Batch, Order
 from cpm_core.cli.batch.summary import NAME, Row
 from cpm_core.cli.batch.workers import elsewhere, here
+from cpm_core.cli.inputs.numbers import as_number
 from cpm_core.cli.outcome import print_json
 from cpm_core.cli.terminal import Count, announce_compilation, counted, written
 from cpm_core.formats import READABLE, WRITABLE

@@ -8,13 +8,14 @@ from dataclasses import asdict, replace
 
 import numpy as np
 
-from cpm_core.cli.arguments import add_image, add_json, add_part, add_session, as_number, as_steps, part_of
+from cpm_core.cli.arguments import add_image, add_json, add_session, as_steps
 from cpm_core.cli.compare.settings import add_settings, chosen_settings
 from cpm_core.cli.compare.start import add_start, outlines_drawn, spheres_drawn, start_in_volume, start_on
+from cpm_core.cli.inputs.numbers import as_number
+from cpm_core.cli.inputs.part import add_part, part_of, part_of_volume
+from cpm_core.cli.inputs.source import image_of, session_of
+from cpm_core.cli.inputs.truth import truth_for, volume_truth_for
 from cpm_core.cli.outcome import print_json
-from cpm_core.cli.run.agreement import truth_for, volume_truth_for
-from cpm_core.cli.run.source import image_of, session_of
-from cpm_core.cli.run.volume import part_of_volume
 from cpm_core.cli.terminal import announce_compilation, counted, say
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.surface.ground_truth import VolumeTruth

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from cpm_core.cli.arguments import as_number
+from cpm_core.cli.inputs.numbers import as_number
 from cpm_core.objects.methods import CONTOUR_METHODS, Compared, Settings
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.quotation import shown

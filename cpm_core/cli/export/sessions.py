@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from cpm_core.cli.arguments import notes_on, with_room
-from cpm_core.cli.run.source import image_of, in_volume, reading_of
+from cpm_core.cli.inputs.source import image_of, in_volume, reading_of
 from cpm_core.cli.terminal import announce_compilation, progress_line, say
 from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result

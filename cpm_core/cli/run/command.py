@@ -18,25 +18,25 @@ from cpm_core.cli.arguments import (
     add_image,
     add_json,
     add_parameters,
-    add_part,
     add_session,
     add_space,
-    as_number,
     as_steps,
     check_exports,
     notes_on,
     parameters_of,
-    part_of,
     with_room,
 )
-from cpm_core.cli.batch.jobs import facts_of as outcome_of
-from cpm_core.cli.outcome import tell
-from cpm_core.cli.run.agreement import agreement, sentence_on, truth_for
-from cpm_core.cli.run.drawn import in_space, plain_drawn, regions_drawn, seeds_drawn, starts_from_files
+from cpm_core.cli.inputs.numbers import as_number
+from cpm_core.cli.inputs.part import add_part, part_of
+from cpm_core.cli.inputs.source import image_of, in_volume, reading_of, session_of
+from cpm_core.cli.inputs.starts import in_space, starts_from_files
+from cpm_core.cli.inputs.truth import truth_for
+from cpm_core.cli.outcome import outcome_of, tell
+from cpm_core.cli.run.agreement import agreement, sentence_on
+from cpm_core.cli.run.drawn import plain_drawn, regions_drawn, seeds_drawn
 from cpm_core.cli.run.objects import add_objects, check_objects, choose, facts_of_object, sentence
 from cpm_core.cli.run.pages import StackRun, add_pages, check_pages, run_pages
 from cpm_core.cli.run.saved_session import check_save, save
-from cpm_core.cli.run.source import image_of, in_volume, reading_of, session_of
 from cpm_core.cli.run.volume import run_volume
 from cpm_core.cli.terminal import announce_compilation, counted, progress_line, written
 from cpm_core.contours.kept import with_kept

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cpm_core.cli.arguments import as_number
+from cpm_core.cli.inputs.numbers import numbers_in
 from cpm_core.contours.result import Result
 from cpm_core.image.image import Image
 from cpm_core.objects import Selection, objects_result, partition
@@ -86,8 +86,8 @@ def _net_area(chosen: Selection) -> float:
 def _places(flag: str, texts: Sequence[str]) -> list[tuple[float, float]]:
     places = []
     for text in texts:
-        numbers = [as_number(part.strip()) for part in text.split(",")]
-        if len(numbers) != 2 or not all(isinstance(number, (int, float)) and np.isfinite(number) for number in numbers):
+        numbers = numbers_in(text)
+        if len(numbers) != 2 or not np.isfinite(numbers).all():
             raise ValueError(f"{flag} is {shown(text)} but must be two numbers, ROW,COL in px.")
-        places.append((float(numbers[0]), float(numbers[1])))
+        places.append((numbers[0], numbers[1]))
     return places

@@ -12,8 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from cpm_core.cli.arguments import notes_on
-from cpm_core.cli.batch.jobs import facts_of as outcome_of
-from cpm_core.cli.outcome import print_json
+from cpm_core.cli.outcome import outcome_of, print_json
 from cpm_core.cli.terminal import Count, announce_compilation, counted, say, written
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats import load_pages

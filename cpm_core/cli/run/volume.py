@@ -11,12 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core.cli.arguments import as_number, as_steps, check_exports, parameters_of, part_of
+from cpm_core.cli.arguments import as_steps, check_exports, parameters_of
+from cpm_core.cli.inputs.numbers import numbers_in
+from cpm_core.cli.inputs.part import part_of_volume
+from cpm_core.cli.inputs.source import image_of, in_volume, reading_of
+from cpm_core.cli.inputs.starts import in_space, starts_in_volume
+from cpm_core.cli.inputs.truth import volume_truth_for
 from cpm_core.cli.outcome import tell
 from cpm_core.cli.place import facts_on, lines_on
-from cpm_core.cli.run.agreement import agreement, sentence_on, volume_truth_for
-from cpm_core.cli.run.drawn import in_space, starts_in_volume
-from cpm_core.cli.run.source import image_of, in_volume, reading_of
+from cpm_core.cli.run.agreement import agreement, sentence_on
 from cpm_core.cli.terminal import announce_compilation, counted, progress_line, say, written
 from cpm_core.contours.result import Result
 from cpm_core.formats import FOR_VOLUMES, export, load_volume, suffix_of
@@ -97,16 +100,6 @@ def _check_options(arguments: argparse.Namespace, session: SessionFile) -> None:
             raise ValueError(f"{given} is for images, but {volumes}: leave one out.")
 
 
-def part_of_volume(arguments: argparse.Namespace) -> dict[str, Any]:
-    """What `load_volume` is told beside the path; ValueError for what would leave a plane."""
-    part = part_of(arguments)
-    if "page" in part:
-        raise ValueError(f"--page is {part['page']}, but a volume takes all pages of {arguments.image}: leave it out.")
-    if arguments.channel is not None:  # colors of a volume are turned into gray levels as it is read
-        part["color"], arguments.channel = arguments.channel, None
-    return part
-
-
 def _as_faces(given: int | float | str | None) -> int | None:
     """The given number of triangles; ValueError unless it is a whole number that makes a closed surface."""
     if given is None or (isinstance(given, int) and given >= _FEWEST_FACES):
@@ -129,10 +122,9 @@ def _decimated(found: Result, faces: int) -> Result:
 
 def _numbers(flag: str, text: str, form: str, count: int = 0) -> list[float]:
     """Numbers between commas, so many, or else three or more times three."""
-    parts = [as_number(part.strip()) for part in text.split(",")]
-    numbers = [float(part) for part in parts if not isinstance(part, str)]
+    numbers = numbers_in(text)
     fits = len(numbers) == count if count else len(numbers) % 3 == 0
-    if not fits or len(numbers) != len(parts):
+    if not (numbers and fits):
         words = {3: "three numbers", 4: "four numbers", 6: "six numbers"}.get(count, "planes, rows and columns in turn")
         raise ValueError(f"{flag} is {shown(text)} but must be {words}, {form} in voxels.")
     return numbers

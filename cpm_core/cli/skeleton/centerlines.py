@@ -7,8 +7,8 @@ import time
 from collections.abc import Sequence
 
 from cpm_core.cli.arguments import check_exports, parameters_of
+from cpm_core.cli.inputs.part import part_of_volume
 from cpm_core.cli.outcome import tell
-from cpm_core.cli.run.volume import part_of_volume
 from cpm_core.cli.terminal import announce_compilation, counted, say, written
 from cpm_core.formats import FOR_CENTERLINES, export, load_volume, suffix_of
 from cpm_core.formats.provenance import ENTRY, facts_on

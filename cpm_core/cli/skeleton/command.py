@@ -12,13 +12,12 @@ from cpm_core.cli.arguments import (
     add_image,
     add_json,
     add_parameters,
-    add_part,
     add_space,
     check_exports,
     notes_on,
     parameters_of,
-    part_of,
 )
+from cpm_core.cli.inputs.part import add_part, part_of
 from cpm_core.cli.outcome import tell
 from cpm_core.cli.skeleton.centerlines import find_centerlines
 from cpm_core.cli.terminal import announce_compilation, counted, written

@@ -14,8 +14,8 @@ from functools import cached_property
 from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
+import skimage
 from numpy.typing import NDArray
-from skimage.draw import polygon2mask
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.surface import Surface
@@ -78,6 +78,9 @@ class Start:
         if not isinstance(self.around, bool | np.bool_):
             raise ValueError(f"around is {shown(self.around)} but must be True or False.")
         made = tuple(real_numbers(outline) for outline in self.outlines)
+        several: Any = self.spheres
+        several = tuple(several) if isinstance(several, Iterable) else (several,) if several else ()
+        object.__setattr__(self, "spheres", several)
         if self.spheres:
             self._check_spheres(made)
         elif not made:
@@ -134,7 +137,7 @@ class Start:
         for *center, radius in self.spheres:
             axes = zip(np.ogrid[tuple(map(slice, shape))], center, self.sides, strict=True)
             found |= sum((side * (at - middle)) ** 2 for at, middle, side in axes) <= radius**2
-        masks = (polygon2mask(shape, outline) for outline in self.outlines)  # type: ignore[no-untyped-call]
+        masks = (skimage.draw.polygon2mask(shape, outline) for outline in self.outlines)  # type: ignore[no-untyped-call]
         different = {mask.tobytes(): mask for mask in masks}.values()  # a line that is drawn twice bounds no hole
         for mask in sorted(different, key=np.count_nonzero, reverse=True):
             found = found & ~mask if found[mask].all() else found | mask
