@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from cpm_core.cli.arguments import add_json
-from cpm_core.cli.inputs.part import add_part, part_of
+from cpm_core.cli.inputs.part import add_part, color_read, part_of
 from cpm_core.cli.outcome import print_json
 from cpm_core.cli.place import facts_on, lines_on
 from cpm_core.cli.terminal import say
@@ -37,8 +37,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
 def _info(arguments: argparse.Namespace) -> int:
     """Show the properties of images or volumes; of several, each that cannot be read is told, and the others follow."""
     part = part_of(arguments)
-    if arguments.channel is not None:  # a color, which only runs take as a parameter
-        part["color"] = arguments.channel
+    part |= color_read(part, arguments)
     single = len(arguments.images) == 1
     facts: list[dict[str, Any]] = []
     for path in arguments.images:

@@ -8,12 +8,12 @@ from dataclasses import asdict, replace
 
 import numpy as np
 
-from cpm_core.cli.arguments import add_image, add_json, add_session, as_steps
+from cpm_core.cli.arguments import add_image, add_json, add_session, as_steps, notes_on
 from cpm_core.cli.compare.settings import add_settings, chosen_settings
 from cpm_core.cli.compare.start import add_start, outlines_drawn, spheres_drawn, start_in_volume, start_on
 from cpm_core.cli.inputs.numbers import as_number
 from cpm_core.cli.inputs.part import add_part, part_of, part_of_volume
-from cpm_core.cli.inputs.source import image_of, session_of
+from cpm_core.cli.inputs.source import image_of, reading_of, session_of
 from cpm_core.cli.inputs.truth import truth_for, volume_truth_for
 from cpm_core.cli.outcome import print_json
 from cpm_core.cli.terminal import announce_compilation, counted, say
@@ -23,6 +23,7 @@ from cpm_core.formats import load_image, load_volume
 from cpm_core.formats.animations.comparison import Tile, check_comparison, write_comparison
 from cpm_core.formats.printable import printable
 from cpm_core.formats.sessions.session_file import SessionFile
+from cpm_core.image.colors import LUMINANCE
 from cpm_core.image.image import Image
 from cpm_core.objects.methods import (
     CONTOUR_METHODS,
@@ -186,10 +187,12 @@ def _volume(arguments: argparse.Namespace) -> Image:
 def _image(arguments: argparse.Namespace, session: SessionFile) -> Image:
     part = part_of(arguments)
     path, notes = image_of(arguments.image, session, arguments.session)
-    loaded = load_image(path, **part)
-    image = loaded if arguments.channel is None else Image(loaded.gray(arguments.channel), source=loaded.source)
-    for note in (*session.notes, *notes, *loaded.notes):
+    image = load_image(path, **(reading_of(arguments.image, session, path) | part))
+    channel = arguments.channel or session.parameters.channel
+    for note in (*session.notes, *notes, *notes_on(image, replace(session.parameters, channel=channel))):
         say(f"cpm: {image.source}: {note}")
+    if image.colors is not None and channel != LUMINANCE:
+        image = replace(image, values=image.gray(channel), colors=None)
     if image.ndim != 2:
         raise ValueError(
             f"{image.source} is a volume, but this start is for images: take a plane, --page N, or add --sphere "
