@@ -15,13 +15,12 @@ from cpm_core.cli.inputs.numbers import as_number
 from cpm_core.cli.inputs.part import add_part, part_of, part_of_volume
 from cpm_core.cli.inputs.source import image_of, reading_of, session_of
 from cpm_core.cli.inputs.truth import truth_for, volume_truth_for
-from cpm_core.cli.outcome import print_json
+from cpm_core.cli.outcome import Files, tell
 from cpm_core.cli.terminal import announce_compilation, counted, say
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.surface.ground_truth import VolumeTruth
 from cpm_core.formats import load_image, load_volume
 from cpm_core.formats.animations.comparison import Tile, check_comparison, write_comparison
-from cpm_core.formats.printable import printable
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.image.colors import LUMINANCE
 from cpm_core.image.image import Image
@@ -79,7 +78,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     add_json(outcome)
 
 
-def _compare(arguments: argparse.Namespace) -> None:
+def _compare(arguments: argparse.Namespace) -> int:
     """Run the methods; every check that needs no image comes first."""
     session = session_of(arguments)
     compared = Compared(()) if session.comparison == Compared() else session.comparison
@@ -114,12 +113,14 @@ def _compare(arguments: argparse.Namespace) -> None:
         if not arguments.json:
             _tell(facts, truth, first=len(tiles) == 1)
     shown_truth = truth if isinstance(truth, Truth) else None
-    written = write_comparison(image, start, tiles, arguments.export, lambda said: say(f"cpm: {said}"), shown_truth)
-    if arguments.json:
-        _print_json(image, start, [tile.facts for tile in tiles], truth)
-        return
-    for path in written:
-        print(printable(f"Wrote {path}"))
+    files = Files()
+    found = write_comparison(
+        image, start, tiles, arguments.export, lambda said: say(f"cpm: {said}"), shown_truth, files.refuse
+    )
+    files.written += map(str, found)
+    files.check()
+    _report(image, start, [tile.facts for tile in tiles], truth, files, as_json=arguments.json)
+    return files.status()
 
 
 def _methods(named: Sequence[str], ndim: int) -> list[str]:
@@ -139,11 +140,19 @@ def _ours(arguments: argparse.Namespace, session: SessionFile, ndim: int) -> Par
     return PRESETS["volume"] if ndim == 3 else None
 
 
-def _print_json(image: Image, start: Start, rows: Sequence[Facts], truth: Truth | VolumeTruth | None) -> None:
+def _report(
+    image: Image,
+    start: Start,
+    rows: Sequence[Facts],
+    truth: Truth | VolumeTruth | None,
+    files: Files,
+    *,
+    as_json: bool,
+) -> None:
     source = None if truth is None else truth.source
     given = {"image": image.source, "around": start.around, "truth": source, "unit": _unit(truth)}
     plain = [{name: _finite(value) for name, value in asdict(row).items()} for row in rows]
-    print_json("compare", {**given, "methods": plain})
+    tell("compare", {**given, "methods": plain, "not_written": files.refused}, (), files.written, as_json=as_json)
 
 
 def _finite(value: object) -> object:

@@ -9,7 +9,7 @@ from typing import Any
 from cpm_core.cli.arguments import add_json, add_space, check_exports
 from cpm_core.cli.export.files import of_file
 from cpm_core.cli.export.sessions import of_session
-from cpm_core.cli.outcome import tell
+from cpm_core.cli.outcome import Files, tell
 from cpm_core.cli.terminal import counted, say, written
 from cpm_core.contours.result import Result
 from cpm_core.formats import (
@@ -18,7 +18,6 @@ from cpm_core.formats import (
     FOR_VOLUMES,
     SURFACES_READABLE,
     WRITABLE,
-    export,
     left_out,
     suffix_of,
 )
@@ -65,24 +64,22 @@ def _export(arguments: argparse.Namespace) -> int:
         result, image = of_session(source, arguments.image)
     else:
         result, image = of_file(source, arguments), arguments.image
-    refused: dict[Path, str] = {}
-    export(
+    files = Files()
+    files.export(
         result,
-        *arguments.to,
+        arguments.to,
         image=image,
         outlines=arguments.outlines,
         space=arguments.space or "LPS",
-        refused=refused.__setitem__,
         tell=lambda sentence: say(f"cpm: {sentence}"),
     )
-    files = [path for path in arguments.to if Path(path) not in refused]
-    missing = {path: left_out(result, suffix_of(path), outlines=arguments.outlines) for path in files}
-    facts, line = _told(result, source)
+    files.check()
+    missing = {path: left_out(result, suffix_of(path), outlines=arguments.outlines) for path in files.written}
+    told, line = _told(result, source)
+    facts = {"source": str(source), "left_out": missing, "not_written": files.refused, **told}
     with written("the files were written before"):
-        tell("export", {"source": str(source), "left_out": missing, **facts}, [line], files, as_json=arguments.json)
-    if refused:
-        raise ValueError(" ".join(refused.values()))
-    return 0
+        tell("export", facts, [line], files.written, as_json=arguments.json)
+    return files.status()
 
 
 def _told(result: Result | Centerlines, source: Path) -> tuple[dict[str, Any], str]:
