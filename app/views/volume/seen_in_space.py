@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 from PySide6.QtGui import QColor
@@ -15,6 +14,7 @@ from app.model.display.space.projection import Shaded
 from app.model.display.space.shown_parts import Contents
 from app.model.display.space.triangles import Mesh
 from app.model.display.space.view_in_space import ColoredMesh, Particles, Wires
+from app.model.volume.kept_with_surface import kept_with_surface
 from app.model.volume.shape_wires import wires
 from app.session.exchange.messages import Reconstruction, Snapshot
 from app.session.features.volumes.made_once import MadeOnce
@@ -94,7 +94,7 @@ def _objects(
             yield _colored(each.selection.surface, spacing, theme.CHOSEN)
 
 
-@lru_cache(maxsize=64)
+@kept_with_surface
 def _mesh_of(surface: Surface, spacing: tuple[float, ...]) -> Mesh:
     return Mesh(replace(surface, spacing=spacing))
 

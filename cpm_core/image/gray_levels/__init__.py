@@ -6,6 +6,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 import skimage
 
 from cpm_core.numerics.types import Array, Mask
@@ -21,6 +22,9 @@ _FAR = 1e-6
 
 _MOST_SPAN = 1e15
 """Largest span of gray levels, and the inverse of the smallest, that fields of single precision are made of."""
+
+_BESIDE = 2
+"""Widths of a pixel up to which a known pixel lies beside an unknown one."""
 
 
 class Usable(NamedTuple):
@@ -55,7 +59,7 @@ def usable(values: Array) -> Usable:
 def no_data_note(count: int) -> str:
     """What is said of so many pixels without data."""
     what = "1 pixel has" if count == 1 else f"{count} pixels have"
-    return f"{what} no data, and no contours are looked for there."
+    return f"{what} no data, filled from around: contours there mean nothing."
 
 
 def _absent(values: Array) -> Mask | None:
@@ -74,11 +78,20 @@ def _absent(values: Array) -> Mask | None:
 
 
 def _filled(values: Array, known: Mask) -> Array:
-    """Values whose unknown pixels are means of known ones, the farther away these are, the more of them."""
+    """Values whose unknown pixels are means of known ones beside unknown ones, the farther away, the more of them.
+
+    Known ones beyond would put the brightness of an object at some distance beside the background around it.
+    """
+    beside = known & scipy.ndimage.binary_dilation(~known, iterations=_BESIDE)
+    return np.where(known, values, _spread(np.where(beside, values, 0.0), beside))
+
+
+def _spread(values: Array, known: Mask) -> Array:
+    """The same for all unknown pixels, of which those that lie together are filled together."""
     if known.all():
         return values
     weight = skimage.measure.block_reduce(known.astype(float), 2, np.sum)  # type: ignore[no-untyped-call]
     total = skimage.measure.block_reduce(values * known, 2, np.sum)  # type: ignore[no-untyped-call]
-    coarse = _filled(total / np.maximum(weight, 1.0), weight > 0.0)
+    coarse = _spread(total / np.maximum(weight, 1.0), weight > 0.0)
     between = skimage.transform.resize(coarse, values.shape, order=1, mode="edge", anti_aliasing=False)  # type: ignore[no-untyped-call]
     return np.where(known, values, between)

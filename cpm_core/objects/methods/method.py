@@ -78,6 +78,9 @@ class Start:
         if not isinstance(self.around, bool | np.bool_):
             raise ValueError(f"around is {shown(self.around)} but must be True or False.")
         made = tuple(real_numbers(outline) for outline in self.outlines)
+        several: Any = self.spheres
+        several = tuple(several) if isinstance(several, Iterable) else (several,) if several else ()
+        object.__setattr__(self, "spheres", several)
         if self.spheres:
             self._check_spheres(made)
         elif not made:

@@ -79,11 +79,17 @@ def test_the_start_holds_the_voxels_in_its_spheres_whatever_their_sides():
     np.testing.assert_allclose(np.linalg.norm(away, axis=1), 4.0, rtol=1e-9)
 
 
+def test_the_spheres_of_a_start_may_be_rows_of_an_array():
+    spheres = ((11.0, 12.0, 13.0, 4.0), (3.0, 3.0, 3.0, 2.0))
+    assert np.array_equal(Start((), spheres=np.array(spheres)).points, Start((), spheres=spheres).points)
+
+
 @pytest.mark.parametrize(
     ("make", "sentence"),
     [
         (lambda: Start((ring((9, 9), 4.0),), spheres=((1, 2, 3, 4),)), "not both"),
         (lambda: Start((), spheres=((1, 2, 3),)), "plane, row, column and a radius"),
+        (lambda: Start((), spheres=1e300), r"A sphere is 1e\+300 but must be plane, row, column and a radius"),
         (lambda: Start((), spheres=((1, 2, 3, 0),)), "a radius above 0"),
         (lambda: next(moments(CONTOUR_METHODS["gvf"], VOLUME, START)), "ball is a volume, but GVF snake is for images"),
         (lambda: next(moments(CONTOUR_METHODS["morph_gac"], VOLUME, Start((ring((9, 9), 4.0),)))), "has 3 axes: give"),

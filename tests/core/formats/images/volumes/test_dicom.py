@@ -172,7 +172,7 @@ def test_what_fills_the_rectangle_around_an_image_is_no_data(tmp_path, told):
         slice_.save_as(tmp_path / f"{number}.dcm", enforce_file_format=True)
     image = load_image(tmp_path / "0.dcm")
     filled = 2 * values.shape[2]
-    assert image.notes == (f"{filled} pixels have no data, and no contours are looked for there.",)
+    assert image.notes == (f"{filled} pixels have no data, filled from around: contours there mean nothing.",)
     inside = 2.0 * values[0, 2:] - 1024
     assert np.array_equal(image.values[2:], inside)
     assert image.values[:2].min() >= inside.min()
