@@ -5,12 +5,14 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 from dataclasses import asdict, replace
+from pathlib import Path
 
 import numpy as np
 
 from cpm_core.cli.arguments import add_image, add_json, add_session, as_steps, notes_on
 from cpm_core.cli.compare.settings import add_settings, chosen_settings
 from cpm_core.cli.compare.start import add_start, outlines_drawn, spheres_drawn, start_in_volume, start_on
+from cpm_core.cli.inputs.named_files import check_kept
 from cpm_core.cli.inputs.numbers import as_number
 from cpm_core.cli.inputs.part import add_part, part_of, part_of_volume
 from cpm_core.cli.inputs.source import image_of, reading_of, session_of
@@ -20,7 +22,7 @@ from cpm_core.cli.terminal import announce_compilation, counted, say
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.surface.ground_truth import VolumeTruth
 from cpm_core.formats import load_image, load_volume
-from cpm_core.formats.animations.comparison import Tile, check_comparison, write_comparison
+from cpm_core.formats.animations.comparison import Tile, check_comparison, files_of, write_comparison
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.image.colors import LUMINANCE
 from cpm_core.image.image import Image
@@ -91,12 +93,14 @@ def _compare(arguments: argparse.Namespace) -> int:
     outlines = () if spheres else outlines_drawn(arguments, session)
     for path in arguments.export:
         check_comparison(path, names, ndim)
+    files = [file for path in arguments.export for file in files_of(Path(path), names)]
+    check_kept(files, arguments)
     truth: Truth | VolumeTruth | None
     if spheres:
         image = _volume(arguments)
         start, truth = start_in_volume(image, spheres, arguments), volume_truth_for(arguments, image)
     else:
-        image = _image(arguments, session)
+        image = _image(arguments, session, files)
         check_axes(session.shapes, image.shape, image.source)
         start, truth = start_on(image, outlines, arguments, session), truth_for(arguments, image)
     for method in () if named else CONTOUR_METHODS.values():
@@ -113,14 +117,14 @@ def _compare(arguments: argparse.Namespace) -> int:
         if not arguments.json:
             _tell(facts, truth, first=len(tiles) == 1)
     shown_truth = truth if isinstance(truth, Truth) else None
-    files = Files()
+    written = Files()
     found = write_comparison(
-        image, start, tiles, arguments.export, lambda said: say(f"cpm: {said}"), shown_truth, files.refuse
+        image, start, tiles, arguments.export, lambda said: say(f"cpm: {said}"), shown_truth, written.refuse
     )
-    files.written += map(str, found)
-    files.check()
-    _report(image, start, [tile.facts for tile in tiles], truth, files, as_json=arguments.json)
-    return files.status()
+    written.written += map(str, found)
+    written.check()
+    _report(image, start, [tile.facts for tile in tiles], truth, written, as_json=arguments.json)
+    return written.status()
 
 
 def _methods(named: Sequence[str], ndim: int) -> list[str]:
@@ -193,9 +197,10 @@ def _volume(arguments: argparse.Namespace) -> Image:
     return volume
 
 
-def _image(arguments: argparse.Namespace, session: SessionFile) -> Image:
+def _image(arguments: argparse.Namespace, session: SessionFile, files: Sequence[Path]) -> Image:
     part = part_of(arguments)
     path, notes = image_of(arguments.image, session, arguments.session)
+    check_kept(files, arguments, path)
     image = load_image(path, **(reading_of(arguments.image, session, path) | part))
     channel = arguments.channel or session.parameters.channel
     for note in (*session.notes, *notes, *notes_on(image, replace(session.parameters, channel=channel))):

@@ -147,7 +147,7 @@ def _run(arguments: argparse.Namespace) -> int:
     check_pages(arguments, str(path))
     check_save(arguments, str(path))
     if arguments.pages is None:
-        check_exports(arguments.export, str(path), arguments.session)
+        check_exports(arguments.export, arguments, path)
         _tell_notes((*session.notes, *notes))
         return _run_image(arguments, session, path, part, parameters, max_steps, drawn, regions)
     if session.marks or session.hand_edits:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from cpm_core.cli.arguments import notes_on
+from cpm_core.cli.inputs.named_files import check_kept
 from cpm_core.cli.outcome import IN_PART, Files, outcome_of, print_json
 from cpm_core.cli.terminal import Count, announce_compilation, counted, say, written
 from cpm_core.field.placed_charges import PlacedCharge
@@ -94,8 +95,7 @@ def check_pages(arguments: argparse.Namespace, image: str) -> None:
             raise ValueError(f"--{name} is for one image, but --pages runs several: leave one of them out.")
     for path in arguments.export:
         check_stack_export(path)
-        if Path(path).resolve() == Path(image).resolve():
-            raise ValueError(f"--export {path} would overwrite the stack itself: choose another name.")
+    check_kept(arguments.export, arguments, image)
     if arguments.resume and not _kept_in(arguments.export):
         raise ValueError("--resume needs the .json file that holds the pages that are done: add it to --export.")
 

@@ -63,7 +63,7 @@ def run_volume(arguments: argparse.Namespace, session: SessionFile) -> int:
     parameters = parameters_of(arguments, PRESETS[preset] if preset else session.parameters)
     max_steps, faces = as_steps(arguments.max_steps), _as_faces(arguments.faces)
     path, notes = image_of(arguments.image, session, arguments.session)
-    check_exports(arguments.export, str(path), arguments.session)
+    check_exports(arguments.export, arguments, path)
     for file in arguments.export:
         if suffix_of(file) not in FOR_VOLUMES:
             raise ValueError(f"{file} is for contours, but a volume has a surface: end its name in .ply or .stl.")

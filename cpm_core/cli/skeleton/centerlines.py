@@ -20,7 +20,7 @@ def find_centerlines(arguments: argparse.Namespace) -> int:
     """Find the center lines in a volume; every check that needs no volume comes first."""
     part = part_of_volume(arguments)
     parameters = parameters_of(arguments, PRESETS["volume"])
-    check_exports(arguments.export, arguments.image)
+    check_exports(arguments.export, arguments)
     for path in arguments.export:
         if suffix_of(path) not in FOR_CENTERLINES:
             raise ValueError(f"{path} holds no center lines in a volume: end its name in {', '.join(FOR_CENTERLINES)}.")

@@ -78,7 +78,7 @@ def _skeleton(arguments: argparse.Namespace) -> int:
         raise ValueError("--space is for center lines in a volume: add --volume, or leave it out.")
     part = part_of(arguments)
     parameters = parameters_of(arguments, PRESETS[_PRESET])
-    check_exports(arguments.export, arguments.image)
+    check_exports(arguments.export, arguments)
     image = load_image(arguments.image, **part)
     for note in notes_on(image, parameters):
         print(f"cpm: {image.source}: {note}", file=sys.stderr)
