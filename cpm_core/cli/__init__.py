@@ -63,6 +63,11 @@ class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         raise ValueError(f"{with_suggestion(message, _options_of(self))} See {self.prog} --help.")
 
+    def _print_message(self, message: str, file: Any = None) -> None:
+        """Print help; argparse's own hides that nothing could be written."""
+        if message:
+            print(message, end="", file=file or sys.stderr)
+
 
 def _options_of(parser: argparse.ArgumentParser) -> set[str]:
     """All options of a parser and of its commands."""
