@@ -44,7 +44,7 @@ def test_the_center_line_of_a_rod_is_found_and_told(found) -> None:
     (line,) = found.session.scene.skeleton.contours
     assert np.allclose(line.points[:, :2], AT, atol=1.0)
     assert found.session.status.open == 1
-    assert "1 branches" in found.canvas_area.messages.text
+    assert "; branches: 1, length: " in found.canvas_area.messages.text
     assert found.session.status.length == pytest.approx(26.0, abs=6.0)
 
 
