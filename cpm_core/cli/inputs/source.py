@@ -20,7 +20,7 @@ def session_of(arguments: argparse.Namespace) -> SessionFile:
 
 def in_volume(session: SessionFile) -> bool:
     """Whether a session is about a volume."""
-    return session.image is not None and session.image.is_volume
+    return session.image is not None and len(session.image.shape) == 3
 
 
 def image_of(named: str | None, session: SessionFile, source: str | Path | None) -> tuple[Path, tuple[str, ...]]:

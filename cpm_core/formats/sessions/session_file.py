@@ -75,11 +75,6 @@ class ImageFile:
     elsewhere: tuple[str, ...] = ()
     reading: Reading = DEFAULT
 
-    @property
-    def is_volume(self) -> bool:
-        """Whether it has planes, rows and columns."""
-        return len(self.shape) == 3
-
 
 @dataclass(frozen=True, slots=True)
 class SessionFile:
