@@ -157,15 +157,15 @@ def export(
     space : {"LPS", "RAS"}
         Where x, y and z of surfaces and center lines point, which the files tell; see `Geometry`.
     tell : callable, optional
-        Called first with a sentence for each file that leaves contours out; by default a warning is logged.
+        Called with a sentence for each file that leaves contours out; by default a warning is logged.
     refused : callable, optional
-        Called with each file that the result holds nothing for, and a sentence; by default that is an error.
+        Called with each file that the result holds nothing for, and why in a sentence; by default that is an error.
 
     Raises
     ------
     ValueError
-        When a suffix is not known, a file cannot be written there, or the result holds nothing such a file could show;
-        with `refused`, nothing for any of them. Then nothing is written.
+        When a suffix is not known, a file cannot be written there, or the result holds nothing it could show; with
+        `refused`, nothing for any of them. Then nothing is written.
 
     Examples
     --------
@@ -174,19 +174,19 @@ def export(
     >>> int(cpm.load_image("disk.tif").values.max())
     1
     """
-    files = list(map(Path, paths))
+    files, contents = list(map(Path, paths)), []
     for file in files:
         check_export(file)
-    contents = []
     for file in files:
-        if missing := omission(result, suffix_of(file), outlines=outlines):
-            tell(f"{file}: {missing}")
         try:
             contents.append((file, _content(result, file, outlines, image, space)))
         except ValueError as error:
             if refused is None or (file is files[-1] and not contents):
                 raise
-            refused(file, f"{file} was not written: {error}")
+            refused(file, str(error))
+    for file, _ in contents:
+        if missing := omission(result, suffix_of(file), outlines=outlines):
+            tell(f"{file}: {missing}")
     write_together(contents)
 
 
