@@ -97,3 +97,20 @@ def test_an_object_under_another_keeps_its_own_mask_in_a_coco_file(tmp_path):
     areas = np.pi * np.array([35.0**2 - 18.0**2, 35.0**2, 8.0**2])
     for annotation, area in zip(coco.dataset["annotations"], areas, strict=True):
         assert coco.annToMask(annotation).sum() == pytest.approx(area, rel=0.06)
+
+
+def test_a_mask_tells_of_contours_that_no_pixel_shows(tmp_path):
+    rows, cols = np.indices(SHAPE)
+    image = cpm.Image(60.0 + 120.0 * (np.hypot(rows - CENTER, cols - CENTER) < 35))
+    result = cpm.objects_result([cpm.partition(image).select([(44, 44)])], image)
+    told = []
+    covered = replace(result, contours=(circle(20.0), circle(20.0)))
+    cpm.export(covered, tmp_path / "a.png", tmp_path / "a.svg", tmp_path / "a.coco.json", tell=told.append)
+    assert told == [f"{tmp_path / 'a.png'}: 1 closed contour has no pixel of its own and is not in a mask."]
+    speck = Contour(CENTER + np.array([[0.2, 0.2], [0.2, 0.4], [0.4, 0.3]]), True, 1.0)
+    told.clear()
+    cpm.export(replace(result, contours=(speck, speck, circle(9.0))), tmp_path / "b.tif", tell=told.append)
+    assert told == [f"{tmp_path / 'b.tif'}: 2 closed contours have no pixel of their own and are not in a mask."]
+    told.clear()
+    cpm.export(covered, tmp_path / "c.png", outlines=True, tell=told.append)
+    assert not told
