@@ -194,6 +194,7 @@ def test_what_is_imported_late_is_told_from_what_is_imported_at_once():
 def test_parts_of_large_libraries_are_loaded_when_they_are_asked_for():
     """Loading these parts takes longer than all the rest, and a window wants to be seen before they are needed."""
     slow = {
+        "scipy.linalg",
         "scipy.ndimage",
         "scipy.spatial",
         "scipy.fft",
