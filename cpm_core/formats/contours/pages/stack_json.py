@@ -99,6 +99,9 @@ def _result_from(plain: Mapping[str, Any]) -> Result:
     shape, particles = tuple(map(int, image["shape"])), int(run["particles"])
     if not (0 <= particles <= _MOST_PARTICLES and min(shape) > 0 and math.prod(shape) <= MAXIMUM_PIXELS):
         raise ValueError("a page is larger than any image")
+    spacing = tuple(map(float, image["spacing"]))
+    if len(shape) != 2 or len(spacing) != 2 or not all(0.0 < side < math.inf for side in spacing):
+        raise ValueError("a page has other axes than an image")
     bridges = [Bridge(_points(one), float(one["length"]), float(one["strength"])) for one in plain["bridges"]]
     return Result(
         np.zeros((particles, 2)),  # only their number is in the file
@@ -108,7 +111,7 @@ def _result_from(plain: Mapping[str, Any]) -> Result:
         bool(run["converged"]),
         str(run["stop_reason"]),
         shape,
-        tuple(map(float, image["spacing"])),
+        spacing,
         image["unit"],
         str(image["name"]),
         tuple(bridges),
