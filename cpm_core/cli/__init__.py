@@ -63,6 +63,11 @@ class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         raise ValueError(f"{with_suggestion(message, _options_of(self))} See {self.prog} --help.")
 
+    def _print_message(self, message: str, file: Any = None) -> None:
+        """Print help; argparse's own hides that nothing could be written."""
+        if message:
+            print(message, end="", file=file or sys.stderr)
+
 
 def _options_of(parser: argparse.ArgumentParser) -> set[str]:
     """All options of a parser and of its commands."""
@@ -84,9 +89,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit status: 0 on success, 1 when some of several images failed, 2 on bad input (one line on standard
-        error; nothing is written, or only files that the line does not name), 130 when interrupted, 141 when nobody
-        reads the output any more.
+        Exit status: 0 on success, 1 when only some of several images, pages or files were done, 2 on bad input (one
+        line on standard error; nothing is written), 130 when interrupted, 141 when nobody reads the output any more.
     """
     take_any_character()
     try:

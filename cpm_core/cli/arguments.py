@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 
+from cpm_core.cli.inputs.named_files import check_kept
 from cpm_core.cli.inputs.numbers import as_number
 from cpm_core.cli.inputs.part import CHANNEL_HELP
 from cpm_core.formats import READABLE, WRITABLE, check_export
@@ -130,14 +131,13 @@ def notes_on(image: Image, parameters: Parameters) -> tuple[str, ...]:
     return tuple(taken if note == LUMINANCE_NOTE else note for note in image.notes)
 
 
-def check_exports(paths: Sequence[str], image: str, session: str | None = None) -> None:
-    """Raise ValueError unless each path can be written and none is the image or the session file itself."""
+def check_exports(
+    paths: Sequence[str], arguments: argparse.Namespace, image: str | Path | None = None, flag: str = "--export"
+) -> None:
+    """Raise ValueError unless each path can be written and none is a file that is read; see `check_kept`."""
     for path in paths:
         check_export(path)
-        if Path(path).resolve() == Path(image).resolve():
-            raise ValueError(f"--export {path} would overwrite the image itself: choose another name.")
-        if session is not None and Path(path).resolve() == Path(session).resolve():
-            raise ValueError(f"--export {path} would overwrite the session file itself: choose another name.")
+    check_kept(paths, arguments, image, flag)
 
 
 def as_steps(given: int | float | str | None) -> int | None:

@@ -9,6 +9,7 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
+from cpm_core.cli.inputs.named_files import check_names
 from cpm_core.formats import READABLE
 from cpm_core.formats.images.medical.dicom.reader import is_series
 from cpm_core.parameters.quotation import shown
@@ -47,6 +48,7 @@ def only_image(given: str) -> str:
 
 def use_files(arguments: argparse.Namespace) -> None:
     """Replace folders and patterns among the arguments of a command by images."""
+    check_names(arguments)
     image, images = getattr(arguments, "image", None), getattr(arguments, "images", None)
     if image is not None:
         arguments.image = only_image(image)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import argparse
 import re
+from collections.abc import Mapping
 from typing import Any
 
 from cpm_core.cli.inputs.numbers import as_number
-from cpm_core.image.colors import CONTRAST
+from cpm_core.image.colors import CONTRAST, LUMINANCE
 from cpm_core.parameters.quotation import shown
 
 CHANNEL_HELP = (
@@ -41,14 +42,17 @@ def add_part(parser: argparse._ActionsContainer, channel: bool = False) -> None:
 def part_of(arguments: argparse.Namespace) -> dict[str, Any]:
     """What `load_image` and `load_volume` are told beside the path; ValueError when a size of a pixel is no size.
 
-    A channel that is a number, or that with the largest contrast, is chosen in reading and no parameter of the run.
+    A channel that is a number, or that with the largest contrast, is chosen in reading and no parameter of the run;
+    one that is named is a parameter. Either comes before those of a session.
     """
     part: dict[str, Any] = {
         name: as_number(given) for name in ("page", "time", "series") if (given := getattr(arguments, name)) is not None
     }
     channel = None if arguments.channel is None else as_number(arguments.channel)
     if channel == CONTRAST or not isinstance(channel, str | None):
-        part["color" if channel == CONTRAST else "channel"], arguments.channel = channel, None
+        part["color" if channel == CONTRAST else "channel"], arguments.channel = channel, LUMINANCE
+    elif channel is not None:
+        part["color"] = LUMINANCE
     if arguments.pixel_size is not None:
         size = _SIZE.fullmatch(arguments.pixel_size.replace(" ", ""))
         numbers = [] if size is None else [as_number(side) for side in size["sides"].split("x")]
@@ -61,11 +65,15 @@ def part_of(arguments: argparse.Namespace) -> dict[str, Any]:
     return part
 
 
+def color_read(part: Mapping[str, Any], arguments: argparse.Namespace) -> dict[str, Any]:
+    """What chooses a named channel in reading, where there is no run that takes it as a parameter."""
+    named, arguments.channel = arguments.channel, None
+    return {"color": named} if part.get("color") == LUMINANCE else {}
+
+
 def part_of_volume(arguments: argparse.Namespace) -> dict[str, Any]:
     """What `load_volume` is told beside the path; ValueError for what would leave a plane."""
     part = part_of(arguments)
     if "page" in part:
         raise ValueError(f"--page is {part['page']}, but a volume takes all pages of {arguments.image}: leave it out.")
-    if arguments.channel is not None:  # colors of a volume are turned into gray levels as it is read
-        part["color"], arguments.channel = arguments.channel, None
-    return part
+    return part | color_read(part, arguments)
