@@ -26,6 +26,9 @@ FORMAT = "cpm-pages"
 _MOST_PARTICLES = 10**7
 """Most particles that a page is believed to have had."""
 
+_FARTHEST = 1e100
+"""Distance of a vertex from the first pixel up to which lengths and areas can be computed [px]."""
+
 
 def encode(found: StackResult) -> bytes:
     """Write an object with the stack, its tracks and its pages; `load_stack_result` reads it back.
@@ -138,8 +141,8 @@ def _contour_from(plain: Mapping[str, Any]) -> Contour:
 
 def _points(plain: Mapping[str, Any]) -> np.ndarray[Any, np.dtype[np.float64]]:
     points = np.array(plain["points"], dtype=np.float64)
-    if points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all():
-        raise ValueError("vertices are not pairs of numbers")
+    if points.ndim != 2 or points.shape[1] != 2 or not (np.abs(points) <= _FARTHEST).all():
+        raise ValueError("vertices are not pairs of numbers that can be measured")
     return points
 
 
