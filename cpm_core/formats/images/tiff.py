@@ -162,7 +162,8 @@ def pixels(page: tifffile.TiffPage, raw: NDArray[Any], bits: object, name: str) 
         samples, bits = samples.astype(np.uint8) * np.uint8(255), 8
         notes.append("Black and white were read as 0 and 255.")
     if page.photometric == _PALETTE:
-        table = np.asarray(page.colormap, dtype=np.float64) / 257.0
+        table = np.asarray(page.colormap, dtype=np.float64)
+        table = table if table.max() < 256.0 else table / 257.0  # old programs write eight bits in sixteen
         samples, bits = np.rint(table).astype(np.uint8).T[samples[..., 0]], 8
     white = _white(bits, samples)
     if page.photometric == _INKS:

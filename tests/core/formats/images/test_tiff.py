@@ -160,3 +160,13 @@ def test_no_data_may_be_told_to_be_no_number_or_one_color(tmp_path):
         assert "91 pixels have no data, filled from around: contours there mean nothing." in image.notes
         assert np.allclose(image.values[:5], whole[:5])
         assert image.values[5:, 7:].min() > 0
+
+
+@pytest.mark.parametrize("factor", [1, 257])
+def test_a_palette_of_eight_bits_in_sixteen_is_as_bright_as_one_of_sixteen(tmp_path, factor):
+    levels = np.arange(256)
+    table = np.stack([levels, 255 - levels, levels // 2])
+    indices = (RAMP % 256).astype(np.uint8)
+    stored = (table * factor).astype(np.uint16)
+    tifffile.imwrite(tmp_path / "a.tif", indices, photometric="palette", colormap=stored, metadata=None)
+    assert np.allclose(load_image(tmp_path / "a.tif").values, table.T[indices] @ [0.2125, 0.7154, 0.0721])
