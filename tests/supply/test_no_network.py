@@ -38,7 +38,7 @@ from app.views.application import make_application, open_window
 
 common = ["--session", "start.cpm", "--max-steps", "2"]
 assert cli.main(["run", "0.npy", *common, "--export", "a.svg", "a.json"]) == 0
-assert cli.main(["batch", "0.npy", *common, "--workers", "1", "--output", "out"]) == 0
+assert cli.main(["batch", "0.npy", *common, "--workers", "1", "--output", "out", "--export", "svg"]) == 0
 
 def until(condition):
     while not condition():
