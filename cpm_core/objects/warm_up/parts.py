@@ -121,7 +121,7 @@ FIRST = (
 """What a first run on an image needs."""
 
 LATER = (
-    Part(objects_once, ("cpm_core.objects.minimum_cut", "cpm_core.objects.candidates.features"), 55),
+    Part(objects_once, ("cpm_core.objects.minimum_cut", "cpm_core.objects.candidates.features"), 66),
     Part(extras_once, ("cpm_core.field.placed_charges", "cpm_core.segmentation.methods.level_sets.motion"), 40),
 )
 """All else that is done with images."""
