@@ -32,6 +32,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     int
         Exit status; 2 when the window cannot be opened or the arguments are invalid.
     """
+    _hold_closed_streams()
     try:
         _end_at_once_if_interrupted()
         return _run(list(sys.argv[1:] if argv is None else argv))
@@ -40,6 +41,15 @@ def main(argv: Sequence[str] | None = None) -> int:
         return INTERRUPTED
     finally:
         _interrupt_as_usual()
+
+
+def _hold_closed_streams() -> None:
+    """Let no file that is opened later take the place of a closed standard stream, where libraries write as well."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # takes the lowest number that is free
 
 
 def _end_at_once_if_interrupted() -> None:
@@ -74,7 +84,7 @@ def _run(arguments: Sequence[str]) -> int:
     paths = list(arguments)
     if arguments and not os.path.lexists(arguments[0]):  # a word that was mistyped opens no window
         from cpm_core.cli.help.mistyped import no_command_or_file
-        from cpm_core.cli.image_files import expanded
+        from cpm_core.cli.inputs.image_files import expanded
 
         try:
             paths = expanded(arguments)

@@ -61,7 +61,7 @@ runs step by step; `METHODS` has them by name.
 
 The **classical methods** that the publication argues against, snakes and level sets, stand beside the charged particles
 in `CONTOUR_METHODS`: from the same image and the same drawn `Start` each gives the states of a run, one after the other
-(`segmentation.methods`).
+(`objects.methods`).
 
 Words
 -----
@@ -111,16 +111,7 @@ from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeletonize import skeleton
 from cpm_core.medial_axis.space.centerlines import Centerlines, centerlines
 from cpm_core.objects import Partition, Selection, VolumePartition, VolumeSelection, objects_result, partition, similar
-from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
-from cpm_core.particles.coulomb.coulomb_force import coulomb_force
-from cpm_core.particles.initialization import circle, divergence_centers, gradient_threshold, stroke, uniform_grid
-from cpm_core.particles.state import Particles, State
-from cpm_core.particles.volume_starts import at_centers, box, everywhere, in_slice, on_strong_edges, sphere
-from cpm_core.reconstruction import reconstruct_curve, reconstruct_surface
-from cpm_core.segmentation.engine import Engine
-from cpm_core.segmentation.evolve import Evolution, Evolved, evolve
-from cpm_core.segmentation.method import METHODS, Method
-from cpm_core.segmentation.methods import (
+from cpm_core.objects.methods import (
     CONTOUR_METHODS,
     ContourMethod,
     ContourState,
@@ -130,6 +121,15 @@ from cpm_core.segmentation.methods import (
     moments,
     run_method,
 )
+from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
+from cpm_core.particles.coulomb.coulomb_force import coulomb_force
+from cpm_core.particles.initialization import circle, divergence_centers, gradient_threshold, stroke, uniform_grid
+from cpm_core.particles.state import Particles, State
+from cpm_core.particles.volume_starts import at_centers, box, everywhere, in_slice, on_strong_edges, sphere
+from cpm_core.reconstruction import reconstruct_curve, reconstruct_surface
+from cpm_core.segmentation.engine import Engine
+from cpm_core.segmentation.evolve import Evolution, Evolved, evolve
+from cpm_core.segmentation.method import METHODS, Method
 from cpm_core.segmentation.pages.follow import follow
 from cpm_core.segmentation.pages.page import Page
 from cpm_core.segmentation.pages.tracks import TrackEvent

@@ -194,6 +194,7 @@ def test_what_is_imported_late_is_told_from_what_is_imported_at_once():
 def test_parts_of_large_libraries_are_loaded_when_they_are_asked_for():
     """Loading these parts takes longer than all the rest, and a window wants to be seen before they are needed."""
     slow = {
+        "scipy.linalg",
         "scipy.ndimage",
         "scipy.spatial",
         "scipy.fft",
@@ -207,6 +208,17 @@ def test_parts_of_large_libraries_are_loaded_when_they_are_asked_for():
     loaded = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout.split()
     assert "cpm_core.segmentation.engine" in loaded
     assert slow.isdisjoint(loaded)
+
+
+def test_no_part_of_a_large_library_is_named_where_a_module_is_loaded():
+    """Such a part loads others with it, not the same in all releases; `skimage.draw.line(...)` loads it when called."""
+    named = {
+        f"{module_name(path)} imports {other}"
+        for path in SOURCES
+        for other in module(path).imported_at_once
+        if other.startswith(("scipy.", "skimage."))
+    }
+    assert named == set()
 
 
 def test_no_module_is_a_box_for_odds_and_ends():

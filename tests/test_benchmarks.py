@@ -26,9 +26,10 @@ def pytest_run(*arguments):
     )
 
 
-def test_each_benchmark_can_be_run():
+def test_each_benchmark_can_be_run(request):
     assert len(FILES) >= 4
-    done = pytest_run("--benchmark-disable", "--deselect", RUN_BEFORE, *FILES)
+    warnings = [f"-W{given}" for given in request.config.getoption("pythonwarnings") or ()]  # as here
+    done = pytest_run("--benchmark-disable", *warnings, "--deselect", RUN_BEFORE, *FILES)
     assert done.returncode == 0, done.stdout + done.stderr
     assert " passed" in done.stdout
 

@@ -60,7 +60,8 @@ class RunControl(Editing):
         other = status.method != MODES[document.mode].method
         stale = status.started and (other or (method.seeded and self.live.outdated(document)))
         steered = status.phase == "finished" and status.steering != method.steering(document.parameters)
-        return replace(status, stale=stale, steered=steered)
+        same = (stale, steered) == (status.stale, status.steered)
+        return status if same else replace(status, stale=stale, steered=steered)
 
     @property
     def situation(self) -> Situation:

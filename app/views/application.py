@@ -13,6 +13,7 @@ from PySide6.QtWidgets import QApplication
 from app.model.document.samples import samples
 from app.model.text.language import language
 from app.model.text.numbers import use_marks
+from app.session.worker.free_memory import share_one_arena
 from app.session.workspace import Workspace
 from app.views.features.file.beginning import BeginningFeature
 from app.views.features.file.recovery import RecoveryFeature
@@ -31,6 +32,7 @@ PIXMAP_CACHE = 256 * 1024
 
 def make_application() -> QApplication:
     """The QApplication, with the style that the window needs."""
+    share_one_arena()
     application = QApplication.instance() or QApplication(sys.argv[:1])
     assert isinstance(application, QApplication)
     application.setApplicationName("cpm")

@@ -16,10 +16,10 @@ from core_templates import OF_THE_SYSTEM, WORDS, parts, templates
 
 from cpm_core.formats import WRITABLE
 from cpm_core.formats.writers import FOR_VOLUMES
+from cpm_core.objects.methods.registry import CONTOUR_METHODS
+from cpm_core.objects.methods.settings import Settings
 from cpm_core.parameters import PARAMETERS
 from cpm_core.parameters.choices import CHOICES
-from cpm_core.segmentation.methods.registry import CONTOUR_METHODS
-from cpm_core.segmentation.methods.settings import Settings
 from cpm_core.shapes import SHAPES
 
 HERE = Path(__file__).parent

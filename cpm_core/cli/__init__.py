@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
@@ -16,7 +17,7 @@ from cpm_core.cli.figures import command as figures_command
 from cpm_core.cli.help import completion
 from cpm_core.cli.help.examples import is_examples, text_of
 from cpm_core.cli.help.mistyped import with_suggestion
-from cpm_core.cli.image_files import use_files
+from cpm_core.cli.inputs.image_files import use_files
 from cpm_core.cli.run import command as run_command
 from cpm_core.cli.skeleton import command as skeleton_command
 from cpm_core.cli.terminal import drop_output, say, take_any_character
@@ -41,6 +42,10 @@ NOBODY_READS = 141
 """As the shell reports a program that wrote to a closed pipe."""
 
 
+_NEGATIVE = re.compile(r"-(?:\.?\d|inf|nan)", re.IGNORECASE)
+"""How values begin that are no options: a negative number, or several numbers between commas."""
+
+
 class _Help(argparse.HelpFormatter):
     """Help that keeps the lines of examples."""
 
@@ -53,9 +58,15 @@ class _Parser(argparse.ArgumentParser):
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(**{"formatter_class": _Help, **settings})
+        self._negative_number_matcher = _NEGATIVE  # argparse's own takes -50,-50,3 and -1e-3 for options
 
     def error(self, message: str) -> NoReturn:
         raise ValueError(f"{with_suggestion(message, _options_of(self))} See {self.prog} --help.")
+
+    def _print_message(self, message: str, file: Any = None) -> None:
+        """Print help; argparse's own hides that nothing could be written."""
+        if message:
+            print(message, end="", file=file or sys.stderr)
 
 
 def _options_of(parser: argparse.ArgumentParser) -> set[str]:
@@ -78,9 +89,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit status: 0 on success, 1 when some of several images failed, 2 on bad input (one line on standard
-        error; nothing is written, or only files that the line does not name), 130 when interrupted, 141 when nobody
-        reads the output any more.
+        Exit status: 0 on success, 1 when only some of several images, pages or files were done, 2 on bad input (one
+        line on standard error; nothing is written), 130 when interrupted, 141 when nobody reads the output any more.
     """
     take_any_character()
     try:

@@ -3,28 +3,21 @@
 from __future__ import annotations
 
 import argparse
-import re
 from collections.abc import Sequence
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import Any
 
+from cpm_core.cli.inputs.named_files import check_kept
+from cpm_core.cli.inputs.numbers import as_number
+from cpm_core.cli.inputs.part import CHANNEL_HELP
 from cpm_core.formats import READABLE, WRITABLE, check_export
 from cpm_core.formats.sessions.session_file import SUFFIX
-from cpm_core.image.colors import CONTRAST, LUMINANCE_NOTE
+from cpm_core.image.colors import LUMINANCE_NOTE
 from cpm_core.image.geometry import CONVENTIONS
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import most_scales
 from cpm_core.parameters import DEFAULTS, FORMER_NAMES, PARAMETERS, Parameters
 from cpm_core.parameters.choices import CHOICES, ChoiceInfo
-from cpm_core.parameters.quotation import shown
-
-CHANNEL_HELP = (
-    "Or its number in a file that holds several, from 1; or contrast, for the color whose gray levels vary the most."
-)
-
-_SIZE = re.compile(r"(?P<sides>[0-9.eE+-]+(?:x[0-9.eE+-]+){0,2})(?P<unit>nm|um|µm|μm|mm|cm|m)")
-"""Sizes of a pixel and their unit."""
 
 
 def add_image(parser: argparse.ArgumentParser, optional: bool = False) -> None:
@@ -98,49 +91,6 @@ def add_close(parser: argparse._ActionsContainer) -> None:
     )
 
 
-def add_part(parser: argparse._ActionsContainer, channel: bool = False) -> None:
-    """Add which part of a file is read, and the size of a pixel by hand; see `part_of`.
-
-    With `channel` the channel as well, which commands with a parameter of that name take from there.
-    """
-    parser.add_argument("--page", metavar="N", help="plane, page or frame of a file that holds several, from 1")
-    parser.add_argument("--time", metavar="N", help="point in time of a file that holds several, from 1")
-    if channel:
-        parser.add_argument("--channel", metavar="N", help=CHANNEL_HELP)
-    parser.add_argument(
-        "--series", metavar="N|NAME", help="series of a TIFF or of a folder of DICOM files, or array of an archive"
-    )
-    parser.add_argument(
-        "--pixel-size",
-        metavar="SIZE",
-        help="size of a pixel where the file does not tell, such as 0.25um, of rows and columns 0.5x0.25um, "
-        "of planes, rows and columns 2x0.5x0.5mm",
-    )
-
-
-def part_of(arguments: argparse.Namespace) -> dict[str, Any]:
-    """What `load_image` and `load_volume` are told beside the path; ValueError when a size of a pixel is no size.
-
-    A channel that is a number, or that with the largest contrast, is chosen in reading and no parameter of the run.
-    """
-    part: dict[str, Any] = {
-        name: as_number(given) for name in ("page", "time", "series") if (given := getattr(arguments, name)) is not None
-    }
-    channel = None if arguments.channel is None else as_number(arguments.channel)
-    if channel == CONTRAST or not isinstance(channel, str | None):
-        part["color" if channel == CONTRAST else "channel"], arguments.channel = channel, None
-    if arguments.pixel_size is not None:
-        size = _SIZE.fullmatch(arguments.pixel_size.replace(" ", ""))
-        numbers = [] if size is None else [as_number(side) for side in size["sides"].split("x")]
-        if size is None or any(isinstance(number, str) for number in numbers):
-            raise ValueError(
-                f"--pixel-size is {shown(arguments.pixel_size)} but must be one to three sizes and a unit (nm, um, mm, "
-                "cm or m), such as 0.25um or 2x0.5x0.5mm."
-            )
-        part |= {"spacing": numbers[0] if len(numbers) == 1 else numbers, "unit": size["unit"]}
-    return part
-
-
 def add_space(parser: argparse._ActionsContainer) -> None:
     """Add where coordinates in files of a volume point, as `space`."""
     parser.add_argument(
@@ -181,14 +131,13 @@ def notes_on(image: Image, parameters: Parameters) -> tuple[str, ...]:
     return tuple(taken if note == LUMINANCE_NOTE else note for note in image.notes)
 
 
-def check_exports(paths: Sequence[str], image: str, session: str | None = None) -> None:
-    """Raise ValueError unless each path can be written and none is the image or the session file itself."""
+def check_exports(
+    paths: Sequence[str], arguments: argparse.Namespace, image: str | Path | None = None, flag: str = "--export"
+) -> None:
+    """Raise ValueError unless each path can be written and none is a file that is read; see `check_kept`."""
     for path in paths:
         check_export(path)
-        if Path(path).resolve() == Path(image).resolve():
-            raise ValueError(f"--export {path} would overwrite the image itself: choose another name.")
-        if session is not None and Path(path).resolve() == Path(session).resolve():
-            raise ValueError(f"--export {path} would overwrite the session file itself: choose another name.")
+    check_kept(paths, arguments, image, flag)
 
 
 def as_steps(given: int | float | str | None) -> int | None:
@@ -196,13 +145,3 @@ def as_steps(given: int | float | str | None) -> int | None:
     if given is None or (isinstance(given, int) and given > 0):
         return given
     raise ValueError(f"--max-steps is {given} but must be a whole number above 0.")
-
-
-def as_number(text: str) -> int | float | str:
-    """Convert text to a number if it is one; else the check of the value reports the error."""
-    for kind in (int, float):
-        try:
-            return kind(text)
-        except ValueError:
-            continue
-    return text

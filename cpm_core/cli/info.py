@@ -7,15 +7,13 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from cpm_core.cli.arguments import add_json, add_part, part_of
-from cpm_core.cli.outcome import print_json
+from cpm_core.cli.arguments import add_json
+from cpm_core.cli.inputs.part import add_part, color_read, part_of
+from cpm_core.cli.outcome import IN_PART, print_json
 from cpm_core.cli.place import facts_on, lines_on
 from cpm_core.cli.terminal import say
 from cpm_core.formats import READABLE, holds_volume, load_image, load_volume
 from cpm_core.image.image import Image
-
-FAILED = 1
-"""Exit status when some of several images could not be read."""
 
 
 def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -36,8 +34,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
 def _info(arguments: argparse.Namespace) -> int:
     """Show the properties of images or volumes; of several, each that cannot be read is told, and the others follow."""
     part = part_of(arguments)
-    if arguments.channel is not None:  # a color, which only runs take as a parameter
-        part["color"] = arguments.channel
+    part |= color_read(part, arguments)
     single = len(arguments.images) == 1
     facts: list[dict[str, Any]] = []
     for path in arguments.images:
@@ -55,7 +52,7 @@ def _info(arguments: argparse.Namespace) -> int:
                 print(line)
     if arguments.json:
         print_json("info", {**(facts[0] if single else {}), "images": facts})
-    return FAILED if any("trouble" in one for one in facts) else 0
+    return IN_PART if any("trouble" in one for one in facts) else 0
 
 
 def _loaded(path: str, part: Mapping[str, Any], as_volume: bool) -> Image:

@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from pathlib import Path
 from types import TracebackType
 
 from cpm_core.formats.printable import printable
@@ -38,7 +39,13 @@ def say(sentence: str) -> None:
 
 
 def take_any_character() -> None:
-    """Let characters that the terminal cannot show be written as numbers: they are no reason to fail."""
+    """Let characters that the terminal cannot show be written as numbers: they are no reason to fail.
+
+    Nor are streams that are closed, as they are where no terminal is: what is written there goes nowhere.
+    """
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115 - as long as the program
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")

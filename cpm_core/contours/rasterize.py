@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import skimage
 from numpy.typing import NDArray
-from skimage.draw import polygon
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import containment, contour_labels
@@ -24,7 +24,8 @@ def paint(contours: Sequence[Contour], shape: tuple[int, ...]) -> Labels:
 
     A pixel is inside when its center is. Contours are filled from the largest to the smallest, so one inside another
     keeps its own label: an object in an object, and likewise a hole, which a measurement can then leave out or
-    subtract. The holes of objects that were chosen have the label 0. Open contours enclose nothing.
+    subtract. The holes of objects that were chosen have the label 0, unless another object lies in them. Open contours
+    enclose nothing.
 
     Parameters
     ----------
@@ -39,12 +40,15 @@ def paint(contours: Sequence[Contour], shape: tuple[int, ...]) -> Labels:
         Labels, 0 outside every contour; 32 bits where there are more than 65535.
     """
     mask = np.zeros(shape, dtype=label_type(len(contours)))
-    closed = [
-        (contour, label) for contour, label in zip(contours, contour_labels(contours), strict=True) if contour.closed
-    ]
+    labels = contour_labels(contours)
+    of_group = {contour.group: label for contour, label in zip(contours, labels, strict=True) if label}
+    closed = [(contour, label) for contour, label in zip(contours, labels, strict=True) if contour.closed]
     for contour, label in sorted(closed, key=lambda pair: -pair[0].area):
-        inside = polygon(contour.points[:, 0], contour.points[:, 1], shape)  # type: ignore[no-untyped-call]
-        mask[inside] = label
+        inside = skimage.draw.polygon(contour.points[:, 0], contour.points[:, 1], shape)  # type: ignore[no-untyped-call]
+        if contour.hole:  # other objects may be there already
+            mask[inside] = np.where(mask[inside] == of_group.get(contour.group, 0), 0, mask[inside])
+        else:
+            mask[inside] = label
     return mask
 
 

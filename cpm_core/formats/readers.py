@@ -29,6 +29,7 @@ from cpm_core.formats.images.stacks.pages import Axis, Pages
 from cpm_core.formats.images.stacks.stack import Stack, plane_of, volume_of
 from cpm_core.formats.printable import printable
 from cpm_core.image.colors import LUMINANCE, LUMINANCE_NOTE, checked_color, in_color
+from cpm_core.image.gray_levels import NO_DATA, no_data_note
 from cpm_core.image.image import MINIMUM_SIDE, Image
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.parameters.quotation import shown
@@ -304,8 +305,11 @@ def _image(decoded: Decoded, file: Path, sha256: str, spacing: ArrayLike | None,
         sizes, named = tuple(np.ravel(given).tolist()), checked_unit(unit)
         if geometry is not None and named and decoded.unit:
             geometry = geometry.scaled(resolution.factor(decoded.unit, named))
-    name = printable(file.name)
-    return Image(decoded.values, sizes, named, name, decoded.notes, decoded.colors, sha256, geometry)
+    name, values, notes = printable(file.name), decoded.values, decoded.notes
+    if values.dtype == np.float64 and np.all(values == NO_DATA):  # a plane beyond what was recorded
+        notes = (*notes, no_data_note(values.size))
+        values = np.zeros(values.shape)
+    return Image(values, sizes, named, name, notes, decoded.colors, sha256, geometry)
 
 
 def _hash(file: Path, go_on: Callable[[], object] | None) -> str:

@@ -13,6 +13,9 @@ from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 
+import numpy as np
+
+from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.result import Result
 from cpm_core.formats.atomic import check_place, write_together
 from cpm_core.formats.contours import coco, contour_csv, contour_json, figure, geojson, imagej, labelme, svg
@@ -157,15 +160,15 @@ def export(
     space : {"LPS", "RAS"}
         Where x, y and z of surfaces and center lines point, which the files tell; see `Geometry`.
     tell : callable, optional
-        Called first with a sentence for each file that leaves contours out; by default a warning is logged.
+        Called with a sentence for each file that leaves contours out; by default a warning is logged.
     refused : callable, optional
-        Called with each file that the result holds nothing for, and a sentence; by default that is an error.
+        Called with each file that the result holds nothing for, and why in a sentence; by default that is an error.
 
     Raises
     ------
     ValueError
-        When a suffix is not known, a file cannot be written there, or the result holds nothing such a file could show;
-        with `refused`, nothing for any of them. Then nothing is written.
+        When a suffix is not known, a file cannot be written there, or the result holds nothing it could show; with
+        `refused`, nothing for any of them. Then nothing is written.
 
     Examples
     --------
@@ -174,19 +177,19 @@ def export(
     >>> int(cpm.load_image("disk.tif").values.max())
     1
     """
-    files = list(map(Path, paths))
+    files, contents = list(map(Path, paths)), []
     for file in files:
         check_export(file)
-    contents = []
     for file in files:
-        if missing := omission(result, suffix_of(file), outlines=outlines):
-            tell(f"{file}: {missing}")
         try:
             contents.append((file, _content(result, file, outlines, image, space)))
         except ValueError as error:
             if refused is None or (file is files[-1] and not contents):
                 raise
-            refused(file, f"{file} was not written: {error}")
+            refused(file, str(error))
+    for file, _ in contents:
+        if missing := omission(result, suffix_of(file), outlines=outlines):
+            tell(f"{file}: {missing}")
     write_together(contents)
 
 
@@ -212,15 +215,28 @@ def left_out(result: Result | Skeleton | Centerlines, suffix: str, *, outlines: 
 
 
 def omission(result: Result | Skeleton | Centerlines, suffix: str, *, outlines: bool = False) -> str:
-    """What a file with this suffix does not hold of a result, in one sentence; empty when it holds everything."""
-    count = left_out(result, suffix, outlines=outlines)
-    if not count:
-        return ""
+    """What a file with this suffix does not hold of a result, in a sentence or two; empty when it holds everything."""
+    said = []
+    count, all_of_them = left_out(result, suffix, outlines=outlines), len(result.contours)
     what = "a mask" if suffix in OUTLINABLE else "a COCO file"
-    all_of_them = len(result.contours)
     if count == 1:
-        return f"1 of {all_of_them} contours is open and not in {what}."
-    return f"{count} of {all_of_them} contours are open and not in {what}."
+        said.append(f"1 of {all_of_them} contours is open and not in {what}.")
+    elif count:
+        said.append(f"{count} of {all_of_them} contours are open and not in {what}.")
+    hidden = _without_pixels(result) if suffix in OUTLINABLE and not outlines else 0
+    if hidden == 1:
+        said.append("1 closed contour has no pixel of its own and is not in a mask.")
+    elif hidden:
+        said.append(f"{hidden} closed contours have no pixel of their own and are not in a mask.")
+    return " ".join(said)
+
+
+def _without_pixels(result: Result | Skeleton | Centerlines) -> int:
+    """Number of labels that no pixel has: of contours smaller than a pixel, or covered by others."""
+    if not isinstance(result, Result) or result.surface is not None:
+        return 0
+    shown = np.unique(result.labels)
+    return len(set(contour_labels(result.contours)) - {0, *shown.tolist()})
 
 
 def encoded(

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
+import skimage
 from numpy.typing import NDArray
-from skimage.color import rgb2hed
 
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.choices import CHOICES, check_choice
@@ -91,7 +91,7 @@ def _through_stain(colors: Colors, stain: int) -> Array:
     """Light that a stain alone lets through, from 0 to white."""
     light = np.empty(colors.samples.shape[:2])
     for row, line in zip(light, colors.samples, strict=True):  # without three more images of eight bytes a sample
-        row[:] = colors.white * _DARKEST ** rgb2hed(line)[..., stain]
+        row[:] = colors.white * _DARKEST ** skimage.color.rgb2hed(line)[..., stain]
     return light
 
 

@@ -16,7 +16,7 @@ from cpm_core.image.colors import LUMINANCE, Colors, channel_of, checked_color, 
 from cpm_core.image.drawing import axes, raster
 from cpm_core.image.drawing.notebook import Pictured
 from cpm_core.image.geometry import Geometry
-from cpm_core.image.gray_levels import usable
+from cpm_core.image.gray_levels import NO_DATA, usable
 from cpm_core.numerics.memory import check_room
 from cpm_core.numerics.real_numbers import real_numbers, voxel_sides
 from cpm_core.parameters.quotation import described, shown, sized
@@ -37,9 +37,9 @@ class Image(Pictured):
     Parameters
     ----------
     values : array_like of real numbers, shape (H, W), (P, H, W), (H, W, 3) or (H, W, 4)
-        Gray levels. They are copied to float64 and are then read-only. Pixels without data are filled, and extreme
-        gray levels divided by a power of ten (`gray_levels.usable`). Three or four values a pixel are red, green, blue
-        and opacity, from which `color` makes gray levels.
+        Gray levels. They are copied to float64 and are then read-only. Pixels without data, as those that a masked
+        array masks, are filled, and extreme gray levels divided by a power of ten (`gray_levels.usable`). Three or
+        four values a pixel are red, green, blue and opacity, from which `color` makes gray levels.
     spacing : tuple of float, optional
         Size of a pixel along each axis, in `unit`; 1 px each where it is not known.
     unit : str, optional
@@ -96,7 +96,7 @@ class Image(Pictured):
 
     def __post_init__(self, color: str) -> None:
         checked_color(color)
-        given = np.asarray(self.values)
+        given, masked = np.asarray(self.values), np.ma.getmask(self.values)
         if given.dtype.kind not in "buif":
             raise ValueError(f"{self.source} holds values of type {given.dtype}, but gray levels must be real numbers.")
         if given.ndim == 3 and given.shape[-1] in (3, 4) and min(given.shape[:2]) >= MINIMUM_SIDE:
@@ -117,6 +117,8 @@ class Image(Pictured):
             check_room(given.shape, _BYTES_A_VOXEL, self.source)
         with np.errstate(invalid="ignore"):  # of NaN of the signaling kind, which are refused as all others
             values = np.array(given, dtype=np.float64, order="C")
+        if masked is not np.ma.nomask:
+            values[masked if masked.shape == values.shape else masked.any(axis=-1)] = NO_DATA
         unusable = values.size - int(np.isfinite(values).sum())
         if unusable:
             raise ValueError(
@@ -271,7 +273,7 @@ def as_plane(values: ArrayLike | Image) -> Image:
 
 def as_image(values: ArrayLike | Image) -> Image:
     """Image of two or three axes from values."""
-    return values if isinstance(values, Image) else Image(np.asarray(values))
+    return values if isinstance(values, Image) else Image(values)  # type: ignore[arg-type]
 
 
 def _not_a_plane(source: str, shape: tuple[int, ...]) -> ValueError:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import gc
 import threading
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -22,6 +22,7 @@ from app.views.main_window import MainWindow
 from app.views.window import dialogs
 from cpm_core.shapes import Circle
 from tests.app.window.windows import (
+    KEPT,
     Kept,
     begin_anew,
     close_window,
@@ -117,20 +118,18 @@ def garbage_is_collected_by_hand() -> Iterator[None]:
 
 
 @pytest.fixture(autouse=True)
-def nothing_left_behind(window_of_module: Kept) -> Iterator[None]:
+def nothing_left_behind(request: pytest.FixtureRequest, kept_window: Kept) -> Iterator[None]:
     """Fail when a test leaves a thread running or a window open; threads of a window that is shared may run on."""
+    if "qtbot" in request.fixturenames and "workspace" not in request.fixturenames:
+        kept_window.close()  # which could lie over the widgets of the test
     threads = set(threading.enumerate())
     yield
-    if window_of_module.workspace is None:
+    if kept_window.workspace is None:
         fail_for_threads_since(threads)
     application = QApplication.instance()
     if isinstance(application, QApplication):
-        seen = [
-            widget
-            for widget in application.topLevelWidgets()
-            if widget.isVisible() and widget is not window_of_module.window
-        ]
-        assert not seen, f"windows left open: {seen}"
+        others = [widget for widget in application.topLevelWidgets() if widget is not kept_window.window]
+        assert not [widget for widget in others if widget.isVisible()], f"windows left open: {others}"
 
 
 @pytest.fixture(autouse=True)
@@ -177,32 +176,42 @@ def image_file(tmp_path: Path) -> Path:
     return path
 
 
-@pytest.fixture(scope="module")
-def window_of_module() -> Iterator[Kept]:
-    """The window that the tests of a module with the mark `shared_window` share."""
-    threads = set(threading.enumerate())
-    made = Kept()
-    yield made
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(dialogs, "ask_about_unsaved", lambda parent, name, lost: "discard")
-        patch.setattr(start.StartFeature, "_keep_picture", lambda feature: None)
-        made.close()
-    fail_for_threads_since(threads)
+@pytest.fixture(scope="session")
+def kept_window() -> Kept:
+    """The window that tests with the mark `shared_window` share."""
+    return KEPT
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Note a failure: what a test has left in the window then shall not let others fail."""
+    report = yield
+    KEPT.spoiled |= report.failed
+    return report
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_teardown(item: pytest.Item, nextitem: pytest.Item | None) -> Generator[None]:
+    """Close the window that tests have shared after the last one of their folder, and after one that has failed."""
+    yield
+    if KEPT.workspace is not None and (KEPT.spoiled or nextitem is None or nextitem.path.parent != item.path.parent):
+        KEPT.close()
 
 
 @pytest.fixture
 def workspace(
-    request: pytest.FixtureRequest, qapp: QApplication, compiled_loops: None, window_of_module: Kept
+    request: pytest.FixtureRequest, qapp: QApplication, compiled_loops: None, kept_window: Kept
 ) -> Iterator[Workspace]:
     """A session with its features, without an image unless it is shared."""
     node = request.node
     shared = bool(node.get_closest_marker("shared_window")) and not node.get_closest_marker("own_window")
     if not shared:
-        window_of_module.close()
-    made = window_of_module.workspace or Workspace()
+        kept_window.close()
+    threads = set(threading.enumerate())
+    made = kept_window.workspace or Workspace()
     made.session.set_pace(None)
-    if shared:
-        window_of_module.workspace = made
+    if shared and kept_window.workspace is None:
+        kept_window.workspace, kept_window.threads = made, threads
     yield made
     if not shared:
         close_workspace(made)
@@ -215,23 +224,25 @@ def session(workspace: Workspace) -> Session:
 
 
 @pytest.fixture
-def window(qtbot: QtBot, workspace: Workspace, image_file: Path, window_of_module: Kept) -> Iterator[MainWindow]:
+def window(qtbot: QtBot, workspace: Workspace, image_file: Path, kept_window: Kept) -> Iterator[MainWindow]:
     """A window on the disc, with nothing drawn."""
-    session, shared = workspace.session, window_of_module.workspace is workspace
-    made = window_of_module.window or new_window(qtbot, workspace)
-    if window_of_module.window is not None:
-        begin_anew(made)
+    session, shared = workspace.session, kept_window.workspace is workspace
+    if not shared:
+        kept_window.close()
+    made = kept_window.window or new_window(qtbot, workspace)
+    if kept_window.window is not None:
+        begin_anew(made, kept_window.views)
         qtbot.waitUntil(made.isActiveWindow, timeout=Hand.patience)
     elif shared:
-        window_of_module.window = made
+        kept_window.keep(made)
     session.open(image_file)
     qtbot.waitUntil(lambda: is_open(session, image_file), timeout=Hand.patience)
     yield made
     if not shared:
         close_window(made)
     elif not made.isVisible():  # the test has closed it
-        window_of_module.close()
-    for dialog in made.findChildren(QDialog) if window_of_module.window is not None else ():
+        kept_window.close()
+    for dialog in made.findChildren(QDialog) if kept_window.window is not None else ():
         dialog.close()
 
 

@@ -35,6 +35,7 @@ from cpm_core.segmentation.method import METHODS
 from cpm_core.shapes import Circle
 
 from .conftest import Hand
+from .window.windows import close_window, close_workspace
 
 SQUARE = np.array([[10.0, 10.0], [10.0, 20.0], [20.0, 20.0], [20.0, 10.0]])
 
@@ -86,7 +87,8 @@ class CenterLayer(Layer):
 def another_window(qtbot, request, workspace: Workspace, image_file) -> main_window.MainWindow:
     """A window made after something new has been added."""
     window = main_window.MainWindow(workspace)
-    request.addfinalizer(window.close)
+    request.addfinalizer(lambda: close_workspace(workspace))
+    request.addfinalizer(lambda: close_window(window))
     window.resize(1000, 700)
     window.show()
     qtbot.waitExposed(window)

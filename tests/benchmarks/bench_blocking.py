@@ -14,7 +14,7 @@ from tests.app import conftest as app
 from tests.app.session import test_never_blocks as scenarios
 
 qapp_cls, workspace, session, hand = app.qapp_cls, app.workspace, app.session, app.hand
-window_of_module = app.window_of_module
+kept_window = app.kept_window
 own_preferences, nobody_is_asked = app.own_preferences, app.nobody_is_asked
 window, large = scenarios.window, scenarios.large
 

@@ -21,8 +21,8 @@ from cpm_core.cli.compare.trials import Trial, trials
 from cpm_core.contours.agreement import agreement
 from cpm_core.contours.contour import Contour
 from cpm_core.image.image import Image
-from cpm_core.segmentation.methods import CONTOUR_METHODS, Start, run_method, runnable
-from cpm_core.segmentation.methods.states import level_contours
+from cpm_core.objects.methods import CONTOUR_METHODS, Start, run_method, runnable
+from cpm_core.objects.methods.states import level_contours
 from cpm_core.shapes import Circle
 
 SEARCHED = {

@@ -3,9 +3,13 @@
 ``--only PART ...`` names parts, ``--minutes M`` the time for each, ``--seed S`` fixes all random choices, and
 ``--files FOLDER`` holds files that are read and damaged beside the samples of this project. The ordinary suite holds a
 short run of each part; this command goes on for as long as it is told and prints the table of the README.
+
+Ctrl+C, or the signal that ends a process, ends the part that is running, and what it has found is told; a second one
+ends all at once.
 """
 
 import argparse
+import logging
 import sys
 import tempfile
 import time
@@ -16,7 +20,7 @@ from .disk.disk import failed
 from .fuzzing.parts import PARTS as FUZZING
 from .kills.interruptions import interrupted
 from .kills.kills import killed
-from .report import Budget, Part, Report
+from .report import Budget, Part, Report, asked_to_stop, stoppable
 from .reproducible import compared
 from .window.closing import try_closing
 from .window.monkey import try_gestures
@@ -72,15 +76,29 @@ def main() -> int:
         "--files", type=Path, metavar="FOLDER", help="files that `files` reads and damages beside its own"
     )
     arguments = parser.parse_args()
-    reports = {}
+    with stoppable():
+        reports = _reports(arguments)
+    print(table(reports), flush=True)
+    return 1 if any(report.failures for report in reports.values()) else 0
+
+
+def _reports(arguments: argparse.Namespace) -> dict[str, Report]:
+    """Run part after part, and say at once what each tells on its way and at its end."""
+    told = logging.StreamHandler(sys.stdout)
+    mine = logging.getLogger(__package__)
+    mine.addHandler(told)
+    mine.setLevel(logging.INFO)
+    reports: dict[str, Report] = {}
     for name in arguments.only:
+        if asked_to_stop():
+            break
         reports[name] = run(name, 60 * arguments.minutes, arguments.seed, arguments.files)
         for failure in reports[name].failures:
             print(f"{name}: {failure}", flush=True)
         for sentence in reports[name].told:
             print(f"{name}: {sentence}", flush=True)
-    print(table(reports))
-    return 1 if any(report.failures for report in reports.values()) else 0
+    mine.removeHandler(told)
+    return reports
 
 
 if __name__ == "__main__":

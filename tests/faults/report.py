@@ -1,8 +1,47 @@
-"""What a part of the fault tests is given, and what it tells."""
+"""What a part of the fault tests is given, how long it goes on, and what it tells."""
 
-from collections.abc import Callable
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+
+_asked_to_stop = threading.Event()
+
+
+def going_on(end: float) -> bool:
+    """Whether a time of `time.monotonic` is still to come, and no signal has asked to stop."""
+    return time.monotonic() < end and not _asked_to_stop.is_set()
+
+
+def asked_to_stop() -> bool:
+    """Whether a signal has asked to stop."""
+    return _asked_to_stop.is_set()
+
+
+@contextmanager
+def stoppable() -> Iterator[None]:
+    """Let Ctrl+C, or the signal that ends a process, end a part early, so that it tells what it has found.
+
+    A second one ends the process as usual.
+    """
+
+    def stop(*_: object) -> None:
+        _asked_to_stop.set()
+        as_usual()
+
+    def as_usual() -> None:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+    before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        as_usual()
+        _asked_to_stop.clear()
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ import time
 
 from tests.core.segmentation import reproduced
 
-from .report import Budget, Report
+from .report import Budget, Report, going_on
 
 
 def compared(budget: Budget) -> Report:
@@ -14,7 +14,7 @@ def compared(budget: Budget) -> Report:
     """
     until, runs, failures = time.monotonic() + budget.seconds, 0, []
     seed = budget.seed
-    while not runs or time.monotonic() < until:
+    while not runs or going_on(until):
         here = reproduced.vertices(seed)
         elsewhere = {"on one core": (reproduced.on_one_core(seed), 0.0)}
         if reproduced.HAS_WIDE:

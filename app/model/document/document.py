@@ -21,9 +21,9 @@ from cpm_core.image.image import Image
 from cpm_core.image.pyramid import most_scales
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.medial_axis.outlines import Outlined
+from cpm_core.objects.methods import Compared
 from cpm_core.objects.segmented.segmented_object import Line, SegmentedObjects
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
-from cpm_core.segmentation.methods import Compared
 from cpm_core.shapes import Interest, Points, Shape, Start
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_of, starts_of
 from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds, ImageStart

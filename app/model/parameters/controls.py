@@ -141,6 +141,16 @@ _WORDS: Mapping[str, tuple[tuple[float, str], ...]] = MappingProxyType(
 )
 """Words for values by the names of their controls."""
 
+_IN_VOLUMES: Mapping[str, tuple[str, str]] = MappingProxyType(
+    {
+        "pruning": (
+            "r",
+            tr("Length up to which a side branch is left out, in radii of what it branches from."),
+        ),
+    }
+)
+"""Units and meanings that differ in volumes, by the names of their controls."""
+
 _ACTS = {
     "contours": tr("Acts at once, on particles at rest too."),
     "nothing": tr("Acts at the next step."),
@@ -158,6 +168,14 @@ def controls() -> tuple[Control, ...]:
     """All controls in the order shown: how far a start reaches, the motion, which contours there are, advanced ones."""
     made = [_ratio() if name == "w1" else _of_parameter(name) for name in PARAMETERS]
     return tuple(sorted(made, key=lambda control: (control.advanced, control.name not in OF_STARTS, not control.moves)))
+
+
+def in_dimension(control: Control, ndim: int) -> Control:
+    """A control as it is in an image, or in a volume, which has three axes."""
+    if ndim < 3 or control.name not in _IN_VOLUMES:
+        return control
+    unit, meaning = _IN_VOLUMES[control.name]
+    return replace(control, unit=unit, meaning=meaning)
 
 
 def slider_range(control: Control, contrast: float) -> tuple[float, float]:

@@ -9,6 +9,7 @@ from app.model.state.situation import Situation
 from app.model.text.language import tr
 
 _CONTOUR = tr("Contours are found in images; a run in a volume finds a surface.")
+_BRUSH = tr("Objects are painted in images; in a volume they are bodies that a surface encloses.")
 _ALIKE = tr("Objects that are alike are found in images by their gray values and size, not in volumes.")
 _METHODS = tr("In a volume methods are compared by cpm compare VOLUME --sphere PLANE,ROW,COL,RADIUS.")
 _MOSAIC = tr("A mosaic shows runs with different parameters side by side; in a volume each of them takes too long.")
@@ -20,6 +21,7 @@ NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
             ("contours", "edit_contours", "outline", "close_contours", "join_contours", "cut_contour",
              "contour_skeleton", "next_contour", "all_contours", "other_contours", "learn", "doubtful_contour",
              "show_rejected"), _CONTOUR),
+        "brush": _BRUSH,
         "objects_alike": _ALIKE,
         "mosaic": _MOSAIC,
         "compare_methods": _METHODS,

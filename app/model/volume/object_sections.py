@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 
 from app.model.document.objects import AnySelection
+from app.model.volume.kept_with_surface import kept_with_surface
 from app.model.volume.slices import Slice
 from app.model.volume.surface_section import section
 from cpm_core.contours.contour import Contour
@@ -22,11 +22,8 @@ from cpm_core.objects.selection import Selection
 _NEAR = 1.0
 """Distance from a slice up to which it shows a click [voxels]."""
 
-_KEPT = 64
-"""Number of sections that are kept: those of the slices that are shown."""
 
-
-@lru_cache(maxsize=_KEPT)
+@kept_with_surface
 def _closed(surface: Surface, here: Slice) -> tuple[Contour, ...]:
     """The closed lines in which a slice cuts a surface."""
     return tuple(each for each in section(surface, here) if each.closed and len(each.points) > 2)

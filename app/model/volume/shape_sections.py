@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 
 import numpy as np
 
+from app.model.volume.kept_with_surface import kept_with_surface
 from app.model.volume.slices import Slice
 from app.model.volume.surface_section import section
 from cpm_core.contours.surface import Surface
@@ -43,9 +43,6 @@ from cpm_core.shapes.space.extruded import Extruded
 
 NEAR = 1.0
 """Distance from a slice up to which it shows a point, in sides of the smallest voxel."""
-
-_KEPT = 64
-"""Number of sections of surfaces that are kept: those of the slices that are shown."""
 
 _IN = 0.5
 """Distance from a slice up to which a place lies in it [voxels]."""
@@ -196,7 +193,7 @@ def _sections(shape: Shape, axis: int, index: float, sides: Sequence[float]) -> 
         yield from _of_points(shape.positions, axis, index)
 
 
-@lru_cache(maxsize=_KEPT)
+@kept_with_surface
 def _cut(surface: Surface, here: Slice) -> tuple[tuple[Position, ...], ...]:
     """Corners of the closed lines in which a slice cuts a surface; asked for again whenever the pointer moves."""
     closed = (line.points for line in section(surface, here) if line.closed)

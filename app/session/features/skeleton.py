@@ -59,9 +59,7 @@ class Skeletons(QObject):
 
 def description_of(found: Skeleton, image: Image) -> str:
     """What has been found, in a sentence."""
-    message = tr(
-        "Skeleton of {what}: {branches} branches, {length} long together; 95 % of it is at most {thick} thick."
-    )
+    message = tr("Skeleton of {what}; branches: {branches}, length: {length}; 95 % of it is at most {thick} thick.")
     sides = (min(image.spacing),) * image.ndim if image.ndim == 3 else image.spacing
     return message.format(
         what=skeleton_of(found.polarity, found.width),

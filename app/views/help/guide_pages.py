@@ -223,6 +223,8 @@ _FURTHER = Page(
            "drag a stretch to where it belongs, Alt-click to cut. {close_contours} closes the selected contours. "
            "{outline} draws a contour that follows the edges from click to click. All of this stays through further "
            "runs."),
+        tr("<b>Paint.</b> {brush}: drag from an object to add to it, with Alt to take away from it, elsewhere for a "
+           "new one. It needs no edge."),
         tr("<b>Find values.</b> {mosaic} compares runs with several values of two parameters."),
         tr("<b>Compare.</b> {wipe} shows two branches, or a result and the ground truth, on both sides of a divider "
            "that you can drag. {keep_result} keeps a result to compare later ones with it. {compare_methods} runs "

@@ -18,7 +18,7 @@ def stops(window: QMainWindow, session: Session, reveal: Callable[[str], None]) 
     return (
         Stop(
             tr("Open an image"),
-            tr("Open your own image, or drop a file on the window. Or go on with the sample, which is open already."),
+            tr("Open your own image, or drop a file on the window. Or go on with the image that is open."),
             doings.button("open"),
             doings.another_image,
         ),

@@ -38,6 +38,7 @@ class PresetFiles(QObject):
         self.export_action = self._make(tr("&Export…"), self._export, tr("Export a preset to a file."))
         self.actions = (self.save, self.rename, self.delete, self.import_action, self.export_action)
         self.gallery = PresetGallery(self.actions)
+        self._compared: tuple[object, object] | None = None
         self.gallery.chosen.connect(self.use)
         store.changed.connect(self._list)
         context.session.document_changed.connect(self._show)
@@ -78,12 +79,17 @@ class PresetFiles(QObject):
 
     def _list(self) -> None:
         self.gallery.show_presets(self.store.presets)
+        self._compared = None
         own = any(preset.own for preset in self.store.presets)
         self.rename.setEnabled(own)
         self.delete.setEnabled(own)
         self._show(self._context.session.document)
 
     def _show(self, document: Document) -> None:
+        # most changes of a document are of its shapes, and to compare all presets takes milliseconds
+        if self._compared == (document.parameters, document.image):
+            return
+        self._compared = document.parameters, document.image
         used = [edits.use_preset(document, preset.parameters) for preset in self.store.presets]
         same = [preset for preset, after in zip(self.store.presets, used, strict=True) if after == document]
         whole = document.parameters == PRESETS["volume"]  # it suits no image, and is in no gallery

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 from PySide6.QtGui import QColor
@@ -15,6 +14,7 @@ from app.model.display.space.projection import Shaded
 from app.model.display.space.shown_parts import Contents
 from app.model.display.space.triangles import Mesh
 from app.model.display.space.view_in_space import ColoredMesh, Particles, Wires
+from app.model.volume.kept_with_surface import kept_with_surface
 from app.model.volume.shape_wires import wires
 from app.session.exchange.messages import Reconstruction, Snapshot
 from app.session.features.volumes.made_once import MadeOnce
@@ -25,7 +25,9 @@ from app.views.canvas.layers.particles.color_legend import BEGIN, UNKNOWN
 from app.views.canvas.layers.particles.particles import ParticleLayer
 from app.views.theme import color_maps, theme
 from app.views.theme.look import Ink, look
+from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.surface import Surface
+from cpm_core.contours.surface.ground_truth import VolumeTruth
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.objects.faces.space import VolumeSelection
@@ -57,10 +59,12 @@ class SeenInSpace:
         of, offered = scene.document.objects, scene.objects.proposals
         selected = (of, offered, image.spacing) if layers["objects"].shown else None
         objects = self._parts.of("objects", (selected,), lambda: () if selected is None else tuple(_objects(*selected)))
+        known = (scene.truth if layers["truth"].shown else None, image.spacing)
+        truth = self._parts.of("truth", known, lambda: _truth(*known))
         return self._parts.of(
             "contents",
-            (image, slices, shaded, particles, mesh, lines, layers.image.word("map"), objects),
-            lambda: Contents(image, shaded, slices, particles, mesh, lines, layers.image.table, objects),
+            (image, slices, shaded, particles, mesh, lines, layers.image.word("map"), objects, truth),
+            lambda: Contents(image, shaded, slices, particles, mesh, lines, layers.image.table, objects, truth),
         )
 
 
@@ -94,7 +98,11 @@ def _objects(
             yield _colored(each.selection.surface, spacing, theme.CHOSEN)
 
 
-@lru_cache(maxsize=64)
+def _truth(truth: Truth | VolumeTruth | None, spacing: tuple[float, ...]) -> tuple[ColoredMesh, ...]:
+    return (_colored(truth.surface, spacing, theme.TRUTH),) if isinstance(truth, VolumeTruth) else ()
+
+
+@kept_with_surface
 def _mesh_of(surface: Surface, spacing: tuple[float, ...]) -> Mesh:
     return Mesh(replace(surface, spacing=spacing))
 

@@ -78,7 +78,7 @@ class Batch:
         known = {} if order.again else self.summary.done(order.session_sha256, self._settings)
         self.known: Mapping[int, Row] = known
         """Rows of the images that are done, by their number."""
-        self._stems = _stems(order.images, known, self.summary.taken(), order.suffixes)
+        self._stems = _stems(order, known, self.summary.taken())
         paths = {number: str(Path(image).absolute()) for number, image in enumerate(order.images)}
         self.jobs = tuple(
             Job(number, path, order.session, order.parameters, order.max_steps, order.suffixes)
@@ -114,18 +114,24 @@ class Batch:
         return Row(image, facts, names, error, done.notes, **hashes, settings=self._settings, finished=now())
 
 
-def _stems(images: Sequence[str], known: Mapping[int, Row], taken: set[str], suffixes: Sequence[str]) -> dict[int, str]:
-    """Unique file names without a suffix, after the names of the images that are not done yet."""
+def _stems(order: Order, known: Mapping[int, Row], taken: set[str]) -> dict[int, str]:
+    """Unique file names without a suffix, after the names of the images that are not done yet; none is an image."""
     stems: dict[int, str] = {}
-    for number, image in enumerate(images):
+    images = {Path(image).resolve() for image in order.images}
+
+    def is_free(stem: str) -> bool:
+        names = [f"{stem}{suffix}" for suffix in order.suffixes]
+        return not any(name.lower() in taken or (order.output / name).resolve() in images for name in names)
+
+    for number, image in enumerate(order.images):
         if number in known:
             continue
         stem = first = f"{_short(Path(image).stem)}_contours"
         count = 1
-        while any(f"{stem}{suffix}".lower() in taken for suffix in suffixes):
+        while not is_free(stem):
             count += 1
             stem = f"{first}_{count}"
-        taken |= {f"{stem}{suffix}".lower() for suffix in suffixes}
+        taken |= {f"{stem}{suffix}".lower() for suffix in order.suffixes}
         stems[number] = stem
     return stems
 

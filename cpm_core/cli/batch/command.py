@@ -8,11 +8,12 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from cpm_core.cli.arguments import add_json, add_parameters, add_session, as_number, as_steps, parameters_of
+from cpm_core.cli.arguments import add_json, add_parameters, add_session, as_steps, parameters_of
 from cpm_core.cli.batch.batch import Batch, Order
 from cpm_core.cli.batch.summary import NAME, Row
 from cpm_core.cli.batch.workers import elsewhere, here
-from cpm_core.cli.outcome import print_json
+from cpm_core.cli.inputs.numbers import as_number
+from cpm_core.cli.outcome import IN_PART, print_json
 from cpm_core.cli.terminal import Count, announce_compilation, counted, written
 from cpm_core.formats import READABLE, WRITABLE
 from cpm_core.formats.fingerprint import fingerprint
@@ -21,9 +22,6 @@ from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.formats.writers import check_needs
 from cpm_core.parameters.quotation import shown
 from cpm_core.shapes.document_shapes import starts_of
-
-FAILED = 1
-"""Exit status when some images failed."""
 
 _STANDARD = (".svg", ".csv", ".png")
 
@@ -105,8 +103,8 @@ def _batch(arguments: argparse.Namespace) -> int:
         raise KeyboardInterrupt(f"{finished}; the same command does the others") from None
     rows = list(batch.summary.rows.values())
     with written(f"all {images} were done"):
-        _report(rows, order.output, time.perf_counter() - began, as_json=arguments.json)
-    return FAILED if any(row.trouble for row in rows) else 0
+        _report(rows, order, time.perf_counter() - began, as_json=arguments.json)
+    return IN_PART if any(row.trouble or _lacks_files(row, order) for row in rows) else 0
 
 
 def _workers(given: int | float | str | None) -> int | None:
@@ -134,8 +132,14 @@ def _folder(given: str) -> Path:
     return folder
 
 
-def _report(every: Sequence[Row], output: Path, seconds: float, *, as_json: bool) -> None:
-    failed = sum(bool(row.trouble) for row in every)
+def _lacks_files(row: Row, order: Order) -> bool:
+    """Whether an image was done, but a format could not hold what was found; its notes say why."""
+    return not row.trouble and len(row.files) < len(order.suffixes)
+
+
+def _report(every: Sequence[Row], order: Order, seconds: float, *, as_json: bool) -> None:
+    failed, lacking = sum(bool(row.trouble) for row in every), sum(_lacks_files(row, order) for row in every)
+    output = order.output
     if as_json:
         images = [
             {
@@ -147,11 +151,13 @@ def _report(every: Sequence[Row], output: Path, seconds: float, *, as_json: bool
             }
             for row in every
         ]
-        facts = {"images": images, "done": len(every) - failed, "failed": failed, "seconds": round(seconds, 3)}
+        facts = {"images": images, "done": len(every) - failed, "failed": failed}
+        facts |= {"lacking_files": lacking, "seconds": round(seconds, 3)}
         print_json("batch", {**facts, "summary": str(output / NAME)})
         return
     for row in every:
         if not row.trouble:
             print(f"{printable(row.image)}: {counted(int(str(row.facts['contours'])), 'contour')}")
     failures = f", {failed} failed" if failed else ""
+    failures += f", {lacking} without some files" if lacking else ""
     print(printable(f"{counted(len(every), 'image')} in {seconds:.1f} s{failures}; wrote {output / NAME}"))

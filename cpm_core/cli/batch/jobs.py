@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from cpm_core.cli.arguments import notes_on, with_room
+from cpm_core.cli.outcome import outcome_of
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply
 from cpm_core.formats import encoded, load_image, omission
@@ -66,7 +67,7 @@ def do(job: Job) -> Done:
         )
         edited = with_hand_edits(found, image, parameters, job.session.hand_edits)
         result = apply(with_shapes(edited, shapes), job.session.marks, learning=job.session.learning)
-        facts = facts_of(result, time.perf_counter() - began)
+        facts = outcome_of(result, time.perf_counter() - began)
         files, notes = _files(result, job.suffixes)
         return Done(job.number, facts, files, notes=(*notes_on(image, parameters), *small, *notes), sha256=image.sha256)
     except Exception as error:
@@ -99,16 +100,3 @@ def _files(result: Result, suffixes: Sequence[str]) -> tuple[dict[str, bytes], l
     if failure and not files:
         raise ValueError(failure)
     return files, notes
-
-
-def facts_of(result: Result, seconds: float) -> dict[str, object]:
-    """Values of a run by name, as they are printed as JSON."""
-    return {
-        "particles": len(result.particles),
-        "contours": len(result.contours),
-        "closed": sum(contour.closed for contour in result.contours),
-        "steps": result.steps,
-        "converged": result.converged,
-        "stop_reason": result.stop_reason,
-        "seconds": round(seconds, 3),
-    }

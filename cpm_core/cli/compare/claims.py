@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 from cpm_core.cli.compare.trials import CONCAVITIES, LEAKS, NOISE, STARTS, TOPOLOGY, Trial, trials
 from cpm_core.contours.agreement import agreement
+from cpm_core.objects.methods import CONTOUR_METHODS, run_method, runnable
 from cpm_core.parameters import PRESETS
-from cpm_core.segmentation.methods import CONTOUR_METHODS, run_method, runnable
 
 OURS = "cpm"
 OURS_SETTINGS = PRESETS["noisy"]
@@ -23,6 +23,9 @@ _SAME = 0.005
 
 TIME = "faster than level sets, slower than snakes"
 _LEVEL_SETS, _SNAKES = ("gac", "geometric_gvf", "chan_vese"), ("snake", "gvf")
+
+NO_PART = ("object",)
+"""Methods of which the claims say nothing: one outline asks for one object, whatever else the particles find."""
 
 CLAIMS = (STARTS, CONCAVITIES, TOPOLOGY, LEAKS, NOISE)
 
@@ -63,13 +66,18 @@ class Verdict:
     winners: tuple[str, ...]
 
 
+def taking_part() -> tuple[str, ...]:
+    """Names of the methods that can run and that the claims are about."""
+    return tuple(name for name in runnable() if name not in NO_PART)
+
+
 def scores(
     methods: Sequence[str] | None = None,
     among: Sequence[Trial] | None = None,
     tell: Callable[[Trial, list[Score]], object] | None = None,
 ) -> list[Score]:
-    """Run methods on trials, by default all that can run on all; `tell` is called after each trial."""
-    methods = runnable() if methods is None else methods
+    """Run methods on trials, by default those that `taking_part` gives on all; `tell` is called after each trial."""
+    methods = taking_part() if methods is None else methods
     found: list[Score] = []
     for trial in trials() if among is None else among:
         here = [_score(trial, name) for name in methods]

@@ -5,26 +5,28 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 from dataclasses import asdict, replace
+from pathlib import Path
 
 import numpy as np
 
-from cpm_core.cli.arguments import add_image, add_json, add_part, add_session, as_number, as_steps, part_of
+from cpm_core.cli.arguments import add_image, add_json, add_session, as_steps, notes_on
 from cpm_core.cli.compare.settings import add_settings, chosen_settings
 from cpm_core.cli.compare.start import add_start, outlines_drawn, spheres_drawn, start_in_volume, start_on
-from cpm_core.cli.outcome import print_json
-from cpm_core.cli.run.agreement import truth_for, volume_truth_for
-from cpm_core.cli.run.source import image_of, session_of
-from cpm_core.cli.run.volume import part_of_volume
+from cpm_core.cli.inputs.named_files import check_kept
+from cpm_core.cli.inputs.numbers import as_number
+from cpm_core.cli.inputs.part import add_part, part_of, part_of_volume
+from cpm_core.cli.inputs.source import image_of, reading_of, session_of
+from cpm_core.cli.inputs.truth import truth_for, volume_truth_for
+from cpm_core.cli.outcome import Files, tell
 from cpm_core.cli.terminal import announce_compilation, counted, say
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.surface.ground_truth import VolumeTruth
 from cpm_core.formats import load_image, load_volume
-from cpm_core.formats.animations.comparison import Tile, check_comparison, write_comparison
-from cpm_core.formats.printable import printable
+from cpm_core.formats.animations.comparison import Tile, check_comparison, files_of, write_comparison
 from cpm_core.formats.sessions.session_file import SessionFile
+from cpm_core.image.colors import LUMINANCE
 from cpm_core.image.image import Image
-from cpm_core.parameters import PRESETS, Parameters
-from cpm_core.segmentation.methods import (
+from cpm_core.objects.methods import (
     CONTOUR_METHODS,
     Compared,
     Facts,
@@ -34,6 +36,7 @@ from cpm_core.segmentation.methods import (
     run_method,
     runnable,
 )
+from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.shapes.document_shapes import check_axes
 
 _WIDTH = 24
@@ -77,7 +80,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     add_json(outcome)
 
 
-def _compare(arguments: argparse.Namespace) -> None:
+def _compare(arguments: argparse.Namespace) -> int:
     """Run the methods; every check that needs no image comes first."""
     session = session_of(arguments)
     compared = Compared(()) if session.comparison == Compared() else session.comparison
@@ -90,12 +93,14 @@ def _compare(arguments: argparse.Namespace) -> None:
     outlines = () if spheres else outlines_drawn(arguments, session)
     for path in arguments.export:
         check_comparison(path, names, ndim)
+    files = [file for path in arguments.export for file in files_of(Path(path), names)]
+    check_kept(files, arguments)
     truth: Truth | VolumeTruth | None
     if spheres:
         image = _volume(arguments)
         start, truth = start_in_volume(image, spheres, arguments), volume_truth_for(arguments, image)
     else:
-        image = _image(arguments, session)
+        image = _image(arguments, session, files)
         check_axes(session.shapes, image.shape, image.source)
         start, truth = start_on(image, outlines, arguments, session), truth_for(arguments, image)
     for method in () if named else CONTOUR_METHODS.values():
@@ -112,12 +117,14 @@ def _compare(arguments: argparse.Namespace) -> None:
         if not arguments.json:
             _tell(facts, truth, first=len(tiles) == 1)
     shown_truth = truth if isinstance(truth, Truth) else None
-    written = write_comparison(image, start, tiles, arguments.export, lambda said: say(f"cpm: {said}"), shown_truth)
-    if arguments.json:
-        _print_json(image, start, [tile.facts for tile in tiles], truth)
-        return
-    for path in written:
-        print(printable(f"Wrote {path}"))
+    written = Files()
+    found = write_comparison(
+        image, start, tiles, arguments.export, lambda said: say(f"cpm: {said}"), shown_truth, written.refuse
+    )
+    written.written += map(str, found)
+    written.check()
+    _report(image, start, [tile.facts for tile in tiles], truth, written, as_json=arguments.json)
+    return written.status()
 
 
 def _methods(named: Sequence[str], ndim: int) -> list[str]:
@@ -130,18 +137,26 @@ def _methods(named: Sequence[str], ndim: int) -> list[str]:
     return list(dict.fromkeys(named or runnable(ndim)))
 
 
-def _ours(arguments: argparse.Namespace, session: SessionFile, ndim: int) -> Parameters:
-    """The parameters of the particles, unless some are set."""
+def _ours(arguments: argparse.Namespace, session: SessionFile, ndim: int) -> Parameters | None:
+    """The parameters of the particles, unless some are set; None for their defaults."""
     if arguments.session:
         return session.parameters
-    return PRESETS["volume"] if ndim == 3 else Parameters()
+    return PRESETS["volume"] if ndim == 3 else None
 
 
-def _print_json(image: Image, start: Start, rows: Sequence[Facts], truth: Truth | VolumeTruth | None) -> None:
+def _report(
+    image: Image,
+    start: Start,
+    rows: Sequence[Facts],
+    truth: Truth | VolumeTruth | None,
+    files: Files,
+    *,
+    as_json: bool,
+) -> None:
     source = None if truth is None else truth.source
     given = {"image": image.source, "around": start.around, "truth": source, "unit": _unit(truth)}
     plain = [{name: _finite(value) for name, value in asdict(row).items()} for row in rows]
-    print_json("compare", {**given, "methods": plain})
+    tell("compare", {**given, "methods": plain, "not_written": files.refused}, (), files.written, as_json=as_json)
 
 
 def _finite(value: object) -> object:
@@ -182,13 +197,16 @@ def _volume(arguments: argparse.Namespace) -> Image:
     return volume
 
 
-def _image(arguments: argparse.Namespace, session: SessionFile) -> Image:
+def _image(arguments: argparse.Namespace, session: SessionFile, files: Sequence[Path]) -> Image:
     part = part_of(arguments)
     path, notes = image_of(arguments.image, session, arguments.session)
-    loaded = load_image(path, **part)
-    image = loaded if arguments.channel is None else Image(loaded.gray(arguments.channel), source=loaded.source)
-    for note in (*session.notes, *notes, *loaded.notes):
+    check_kept(files, arguments, path)
+    image = load_image(path, **(reading_of(arguments.image, session, path) | part))
+    channel = arguments.channel or session.parameters.channel
+    for note in (*session.notes, *notes, *notes_on(image, replace(session.parameters, channel=channel))):
         say(f"cpm: {image.source}: {note}")
+    if image.colors is not None and channel != LUMINANCE:
+        image = replace(image, values=image.gray(channel), colors=None)
     if image.ndim != 2:
         raise ValueError(
             f"{image.source} is a volume, but this start is for images: take a plane, --page N, or add --sphere "

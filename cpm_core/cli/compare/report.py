@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict
 
-from cpm_core.cli.compare.claims import GOOD, TIME, Score, Verdict, scores, verdicts
+from cpm_core.cli.compare.claims import GOOD, TIME, Score, Verdict, scores, taking_part, verdicts
 from cpm_core.cli.compare.trials import Trial
 from cpm_core.cli.outcome import print_json
+from cpm_core.objects.methods import CONTOUR_METHODS
 from cpm_core.objects.warm_up import warm_up
-from cpm_core.segmentation.methods import CONTOUR_METHODS, runnable
 
 SEARCHED = (
     "Settings: those of the charged particles are the publication's, with the smoothing chosen by the noise. Those of "
@@ -44,8 +44,8 @@ def report_claims(*, as_json: bool) -> None:
     for method in CONTOUR_METHODS.values():
         if method.missing:
             print(f"Left out: {method.missing}")
-    print(f"F of the boundaries up to 2 px; {', '.join(f'{_short(name)}: {_title(name)}' for name in runnable())}.")
-    print(_row("", [_short(name) for name in runnable()]))
+    print(f"F of the boundaries up to 2 px; {', '.join(f'{_short(name)}: {_title(name)}' for name in taking_part())}.")
+    print(_row("", [_short(name) for name in taking_part()]))
     found = scores(tell=_tell)
     for verdict in verdicts(found):
         print()

@@ -7,12 +7,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from cpm_core.cli.arguments import as_number
+from cpm_core.cli.inputs.numbers import as_number
+from cpm_core.objects.methods import CONTOUR_METHODS, Compared, Settings
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.quotation import shown
-from cpm_core.segmentation.methods import CONTOUR_METHODS, Compared, Settings
 
-_OURS = "cpm"
+_OURS = tuple(name for name, method in CONTOUR_METHODS.items() if method.of_particles)
+"""The methods whose settings are the parameters of a run."""
 
 
 def add_settings(parser: argparse._ActionsContainer) -> None:
@@ -24,16 +25,18 @@ def add_settings(parser: argparse._ActionsContainer) -> None:
         action="extend",
         default=[],
         help="settings of methods, such as gac.balloon=0.5 cpm.smoothing=2; of "
-        + "; of ".join(f"{name}: {', '.join(_names(name))}" for name in CONTOUR_METHODS if name != _OURS)
-        + f"; of {_OURS}: the parameters of cpm run",
+        + "; of ".join(
+            f"{name}: {', '.join(_names(name))}" for name, method in CONTOUR_METHODS.items() if not method.of_particles
+        )
+        + f"; of {' and '.join(_OURS)}: the parameters of cpm run",
     )
-    parser.add_argument("--preset", choices=tuple(PRESETS), help="named settings of the charged particles")
+    parser.add_argument("--preset", choices=tuple(PRESETS), help=f"named settings of {' and '.join(_OURS)}")
 
 
 def chosen_settings(
-    arguments: argparse.Namespace, methods: Sequence[str], ours: Parameters, compared: Compared
+    arguments: argparse.Namespace, methods: Sequence[str], ours: Parameters | None, compared: Compared
 ) -> dict[str, Any]:
-    """The settings of each of some methods: those of a comparison, `ours` for the particles, and what was set.
+    """The settings of each of some methods: those of a comparison, `ours` of the particles if given, and what was set.
 
     Raises
     ------
@@ -41,7 +44,10 @@ def chosen_settings(
         When a setting is of another form, of a method that is not compared, unknown, or out of its range.
     """
     base = PRESETS[arguments.preset] if arguments.preset else ours
-    found: dict[str, Any] = {name: base if name == _OURS else compared.settings_of(name) for name in methods}
+    found: dict[str, Any] = {
+        name: base if base is not None and CONTOUR_METHODS[name].of_particles else compared.settings_of(name)
+        for name in methods
+    }
     changes: dict[str, dict[str, Any]] = {}
     for text in arguments.set:
         place, equals, value = text.partition("=")

@@ -8,15 +8,15 @@ from pathlib import Path
 
 import numpy as np
 
-from cpm_core.cli.arguments import as_number
-from cpm_core.cli.run.drawn import starts_from_file
+from cpm_core.cli.inputs.numbers import numbers_in
+from cpm_core.cli.inputs.starts import starts_from_file
 from cpm_core.cli.terminal import say
 from cpm_core.formats.contours.reading.contour_file import CONTOURS_READABLE
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array
+from cpm_core.objects.methods import Start
 from cpm_core.parameters.quotation import counted, shown
-from cpm_core.segmentation.methods import Start
 from cpm_core.shapes import Barrier, Charge, Circle, Region, Shape
 from cpm_core.shapes.document_shapes import starts_of
 from cpm_core.shapes.outlines import outlines_of
@@ -123,6 +123,5 @@ def _polygon(text: str) -> Array:
 
 def _numbers(text: str) -> list[float]:
     """Numbers between commas; an empty list when a part is not a finite number."""
-    parts = [as_number(part.strip()) for part in text.split(",")]
-    numbers = [float(part) for part in parts if not isinstance(part, str) and np.isfinite(part)]
-    return numbers if len(numbers) == len(parts) else []
+    numbers = numbers_in(text)
+    return numbers if np.isfinite(numbers).all() else []

@@ -14,7 +14,7 @@ from cpm_core.cli.figures.studies import gaussian, salt_and_pepper
 from cpm_core.contours.contour import Contour
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array
-from cpm_core.segmentation.methods import Start
+from cpm_core.objects.methods import Start
 from cpm_core.shapes import Circle
 
 Place = tuple[float, float]

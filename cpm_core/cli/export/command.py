@@ -9,7 +9,8 @@ from typing import Any
 from cpm_core.cli.arguments import add_json, add_space, check_exports
 from cpm_core.cli.export.files import of_file
 from cpm_core.cli.export.sessions import of_session
-from cpm_core.cli.outcome import tell
+from cpm_core.cli.inputs.numbers import as_number
+from cpm_core.cli.outcome import Files, tell
 from cpm_core.cli.terminal import counted, say, written
 from cpm_core.contours.result import Result
 from cpm_core.formats import (
@@ -18,13 +19,13 @@ from cpm_core.formats import (
     FOR_VOLUMES,
     SURFACES_READABLE,
     WRITABLE,
-    export,
     left_out,
     suffix_of,
 )
 from cpm_core.formats.provenance import ENTRY, facts_of, facts_on
 from cpm_core.formats.sessions.session_file import SUFFIX
 from cpm_core.medial_axis.space.centerlines import Centerlines
+from cpm_core.parameters.quotation import shown
 
 
 def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -40,7 +41,7 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
         "source", metavar="FILE", help=f"session ({SUFFIX}), contours, a surface or center lines ({known}), or labels"
     )
     parser.add_argument("--image", metavar="IMAGE", help="the image or volume that it belongs to")
-    parser.add_argument("--page", metavar="N", type=int, help="page of contours in a stack, from 1")
+    parser.add_argument("--page", metavar="N", type=as_number, help="page of contours in a stack, from 1")
     parser.add_argument(
         "--to",
         metavar="PATH",
@@ -57,32 +58,39 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
 def _export(arguments: argparse.Namespace) -> int:
     """Write the files, after all checks that need none of them."""
     source = Path(arguments.source)
-    check_exports(arguments.to, str(source))
-    if arguments.image is not None:
-        check_exports(arguments.to, arguments.image)
+    check_exports(arguments.to, arguments, flag="--to")
+    _check_page(arguments.page, source)
     result: Result | Centerlines
     if source.suffix.lower() == SUFFIX:
-        result, image = of_session(source, arguments.image)
+        result, image = of_session(source, arguments)
     else:
         result, image = of_file(source, arguments), arguments.image
-    refused: dict[Path, str] = {}
-    export(
+    files = Files()
+    files.export(
         result,
-        *arguments.to,
+        arguments.to,
         image=image,
         outlines=arguments.outlines,
         space=arguments.space or "LPS",
-        refused=refused.__setitem__,
         tell=lambda sentence: say(f"cpm: {sentence}"),
     )
-    files = [path for path in arguments.to if Path(path) not in refused]
-    missing = {path: left_out(result, suffix_of(path), outlines=arguments.outlines) for path in files}
-    facts, line = _told(result, source)
+    files.check()
+    missing = {path: left_out(result, suffix_of(path), outlines=arguments.outlines) for path in files.written}
+    told, line = _told(result, source)
+    facts = {"source": str(source), "left_out": missing, "not_written": files.refused, **told}
     with written("the files were written before"):
-        tell("export", {"source": str(source), "left_out": missing, **facts}, [line], files, as_json=arguments.json)
-    if refused:
-        raise ValueError(" ".join(refused.values()))
-    return 0
+        tell("export", facts, [line], files.written, as_json=arguments.json)
+    return files.status()
+
+
+def _check_page(page: int | float | str | None, source: Path) -> None:
+    """Raise ValueError unless a page is a number, of a file that may have several."""
+    if page is None:
+        return
+    if source.suffix.lower() == SUFFIX:
+        raise ValueError(f"--page is for contours in a stack, but {source.name} is a session: leave it out.")
+    if not isinstance(page, int) or page < 1:
+        raise ValueError(f"--page is {shown(page)} but must be a whole number from 1 up.")
 
 
 def _told(result: Result | Centerlines, source: Path) -> tuple[dict[str, Any], str]:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import argparse
 from dataclasses import replace
 from pathlib import Path
 
 from cpm_core.cli.arguments import notes_on, with_room
-from cpm_core.cli.run.source import image_of, in_volume, reading_of
+from cpm_core.cli.inputs.named_files import check_kept
+from cpm_core.cli.inputs.source import image_of, in_volume, reading_of
 from cpm_core.cli.terminal import announce_compilation, progress_line, say
 from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result
@@ -21,12 +23,13 @@ from cpm_core.segmentation.segment import segment, with_hand_edits
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on, starts_of
 
 
-def of_session(source: Path, named: str | None) -> tuple[Result, str]:
+def of_session(source: Path, arguments: argparse.Namespace) -> tuple[Result, str]:
     """What the window shows of a session: the state that it keeps, or else the end of its run."""
-    session = load_session(source)
+    session, named = load_session(source), arguments.image
     if named is None and session.image is None:
         raise ValueError(f"{source.name} names no image: add --image IMAGE.")
     path, notes = image_of(named, session, source)
+    check_kept(arguments.to, arguments, path, flag="--to")
     for told in (*session.notes, *notes):
         say(f"cpm: {told}")
     part = reading_of(named, session, path)

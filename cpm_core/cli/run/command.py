@@ -18,25 +18,25 @@ from cpm_core.cli.arguments import (
     add_image,
     add_json,
     add_parameters,
-    add_part,
     add_session,
     add_space,
-    as_number,
     as_steps,
     check_exports,
     notes_on,
     parameters_of,
-    part_of,
     with_room,
 )
-from cpm_core.cli.batch.jobs import facts_of as outcome_of
-from cpm_core.cli.outcome import tell
-from cpm_core.cli.run.agreement import agreement, sentence_on, truth_for
-from cpm_core.cli.run.drawn import in_space, plain_drawn, regions_drawn, seeds_drawn, starts_from_files
+from cpm_core.cli.inputs.numbers import as_number
+from cpm_core.cli.inputs.part import add_part, part_of
+from cpm_core.cli.inputs.source import image_of, in_volume, reading_of, session_of
+from cpm_core.cli.inputs.starts import in_space, starts_from_files
+from cpm_core.cli.inputs.truth import truth_for
+from cpm_core.cli.outcome import Files, outcome_of, tell
+from cpm_core.cli.run.agreement import agreement, sentence_on
+from cpm_core.cli.run.drawn import plain_drawn, regions_drawn, seeds_drawn
 from cpm_core.cli.run.objects import add_objects, check_objects, choose, facts_of_object, sentence
 from cpm_core.cli.run.pages import StackRun, add_pages, check_pages, run_pages
 from cpm_core.cli.run.saved_session import check_save, save
-from cpm_core.cli.run.source import image_of, in_volume, reading_of, session_of
 from cpm_core.cli.run.volume import run_volume
 from cpm_core.cli.terminal import announce_compilation, counted, progress_line, written
 from cpm_core.contours.kept import with_kept
@@ -47,7 +47,6 @@ from cpm_core.formats import (
     CONTOURS_READABLE,
     FOR_CENTERLINES,
     SURFACES_READABLE,
-    export,
     left_out,
     load_image,
     suffix_of,
@@ -65,7 +64,8 @@ from cpm_core.segmentation.segment import segment, with_hand_edits
 from cpm_core.shapes import KINDS, Everywhere
 from cpm_core.shapes.document_shapes import charges_of, seeds_on
 
-_CURE = "Add --close to close those whose ends are near each other, or write SVG, GeoJSON or CSV."
+_CLOSE = "Add --close to close those whose ends are near each other."
+_CURE = f"{_CLOSE[:-1]}, or write SVG, GeoJSON or CSV."
 
 
 def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -134,8 +134,7 @@ def _run(arguments: argparse.Namespace) -> int:
     surface = arguments.sphere or arguments.volume or arguments.space or arguments.faces is not None
     session = session_of(arguments)
     if surface or in_space(arguments) or in_volume(session):
-        run_volume(arguments, session)
-        return 0
+        return run_volume(arguments, session)
     part = part_of(arguments)
     parameters = parameters_of(arguments, PRESETS[arguments.preset] if arguments.preset else session.parameters)
     max_steps = as_steps(arguments.max_steps)
@@ -148,7 +147,7 @@ def _run(arguments: argparse.Namespace) -> int:
     check_pages(arguments, str(path))
     check_save(arguments, str(path))
     if arguments.pages is None:
-        check_exports(arguments.export, str(path), arguments.session)
+        check_exports(arguments.export, arguments, path)
         _tell_notes((*session.notes, *notes))
         return _run_image(arguments, session, path, part, parameters, max_steps, drawn, regions)
     if session.marks or session.hand_edits:
@@ -198,15 +197,17 @@ def _run_image(
     if arguments.object:
         chosen, shown = choose(result, image, arguments)
     seconds = time.perf_counter() - started
-    refused: dict[Path, str] = {}
-    export(shown, *arguments.export, image=path, tell=_tell_omission, refused=refused.__setitem__)
-    save(arguments, session, image, path, part, parameters, recorder)
-    missing = {file: left_out(shown, suffix_of(file)) for file in arguments.export if Path(file) not in refused}
-    with written("the files were written before" if arguments.export else ""):
-        _report(result, chosen, seconds, missing, agreement(shown, truth), arguments)
-    if refused:
-        raise ValueError(" ".join(refused.values()))
-    return 0
+    files = Files()
+    files.export(shown, arguments.export, image=path, tell=_tell_omission)
+    if arguments.save_session is not None:
+        with files.writing(arguments.save_session):
+            save(arguments, session, image, path, part, parameters, recorder)
+    if any(left_out(shown, suffix_of(path)) for path in files.refused):
+        files.advice = _CLOSE
+    files.check()
+    with written("the files were written before" if files.written else ""):
+        _report(result, chosen, seconds, shown, files, agreement(shown, truth), arguments)
+    return files.status()
 
 
 def _edited(
@@ -253,15 +254,16 @@ def _report(
     result: Result,
     chosen: Selection | None,
     seconds: float,
-    written: Mapping[str, int],
+    shown: Result,
+    files: Files,
     agreed: Mapping[str, Any],
     arguments: argparse.Namespace,
 ) -> None:
     objects = {} if chosen is None else {"objects": [facts_of_object(chosen)]}
-    more = {"bridges": len(result.bridges), "left_out": written, **objects, **agreed, ENTRY: facts_of(result)}
-    facts = {**outcome_of(result, seconds), **more}
-    saved = [] if arguments.save_session is None else [arguments.save_session]
-    tell("run", facts, _lines(result, chosen, facts), [*written, *saved], as_json=arguments.json)
+    missing = {path: left_out(shown, suffix_of(path)) for path in files.written if path in arguments.export}
+    more = {"bridges": len(result.bridges), "left_out": missing, "not_written": files.refused}
+    facts = {**outcome_of(result, seconds), **more, **objects, **agreed, ENTRY: facts_of(result)}
+    tell("run", facts, _lines(result, chosen, facts), files.written, as_json=arguments.json)
 
 
 def _lines(result: Result, chosen: Selection | None, facts: Mapping[str, Any]) -> Iterator[str]:

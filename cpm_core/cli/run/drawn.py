@@ -9,61 +9,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.cli.arguments import as_number
-from cpm_core.cli.terminal import say
+from cpm_core.cli.inputs.numbers import numbers_in
+from cpm_core.cli.inputs.starts import starts_from_files
 from cpm_core.formats import (
-    CONTOURS_READABLE,
-    FOR_CENTERLINES,
-    SURFACES_READABLE,
-    load_centerlines,
     load_points,
-    load_surface,
 )
-from cpm_core.formats.contours.reading.contour_file import plane_of, read_contours
 from cpm_core.formats.sessions.plain_values import shape_from_plain
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.parameters.quotation import shown
 from cpm_core.particles.initialization import circle, stroke
-from cpm_core.shapes import Barrier, Points, Polygon, Region, Shape, Stroke
+from cpm_core.shapes import Barrier, Points, Region, Shape
 from cpm_core.shapes.document_shapes import regions_of, starts_of
-from cpm_core.shapes.outlines import start_on_surface, starts_along, starts_in
-
-
-def starts_from_files(arguments: argparse.Namespace, image: Image) -> tuple[Polygon | Stroke | Points, ...]:
-    """Starts along the contours of the files of ``--start``."""
-    return tuple(start for path in arguments.start for start in starts_from_file(path, image))
-
-
-def starts_from_file(path: str, image: Image) -> tuple[Polygon | Stroke | Points, ...]:
-    """Starts along the contours of one file; what was left out of it is said."""
-    found = read_contours(path, plane_of(image))
-    for note in found.notes:
-        say(f"cpm: {Path(path).name}: {note}")
-    return starts_along(found.contours, found.places)
-
-
-def in_space(arguments: argparse.Namespace) -> bool:
-    """Whether a file of a start holds what only volumes have, a surface or center lines."""
-    return any(Path(path).suffix.lower() in {*SURFACES_READABLE, *FOR_CENTERLINES} for path in arguments.start)
-
-
-def starts_in_volume(arguments: argparse.Namespace, volume: Image) -> tuple[Points | Stroke, ...]:
-    """Starts on the surfaces and along the center lines of the files of ``--start``, in a volume."""
-    starts: list[Points | Stroke] = []
-    for path in arguments.start:
-        if Path(path).suffix.lower() in CONTOURS_READABLE:
-            raise ValueError(f"--start {path} has contours, which lie in a plane: name a surface or center lines.")
-        if Path(path).suffix.lower() in FOR_CENTERLINES:
-            starts += starts_in(load_centerlines(path, volume, tell=_tell))
-        else:
-            starts.append(start_on_surface(load_surface(path, volume, tell=_tell)))
-    return tuple(starts)
-
-
-def _tell(note: str) -> None:
-    say(f"cpm: {note}")
 
 
 def shapes_drawn(arguments: argparse.Namespace, image: Image) -> tuple[Shape, ...]:
@@ -97,7 +55,7 @@ def seeds_drawn(arguments: argparse.Namespace, session: SessionFile) -> list[NDA
 
 def plain_drawn(arguments: argparse.Namespace) -> list[dict[str, Any]]:
     """What is drawn on the command line, as session files hold shapes; of a file its name."""
-    circles = [_numbers(text) for text in arguments.circle]
+    circles = [numbers_in(text) for text in arguments.circle]
     lines = (("stroke", arguments.stroke), ("region", arguments.region), ("barrier", arguments.barrier))
     plain: list[dict[str, Any]] = [{"shape": "circle", "center": [*at], "radius": radius} for *at, radius in circles]
     plain += [{"shape": shape, "points": _line(f"--{shape}", text, 1)} for shape, texts in lines for text in texts]
@@ -108,7 +66,7 @@ def plain_drawn(arguments: argparse.Namespace) -> list[dict[str, Any]]:
 
 
 def _circle(text: str) -> NDArray[np.float64]:
-    numbers = _numbers(text)
+    numbers = numbers_in(text)
     if len(numbers) != 3:
         raise ValueError(f"--circle is {shown(text)} but must be three numbers, ROW,COL,RADIUS in px.")
     return circle(center=(numbers[0], numbers[1]), radius=numbers[2])
@@ -116,13 +74,6 @@ def _circle(text: str) -> NDArray[np.float64]:
 
 def _stroke(text: str) -> NDArray[np.float64]:
     return stroke(np.array(_line("--stroke", text, 1)))
-
-
-def _numbers(text: str) -> list[float]:
-    """Numbers between commas; an empty list when a part is not a number."""
-    parts = [as_number(part.strip()) for part in text.split(",")]
-    numbers = [float(part) for part in parts if not isinstance(part, str)]
-    return numbers if len(numbers) == len(parts) else []
 
 
 def regions_drawn(arguments: argparse.Namespace, session: SessionFile) -> AnyRegions | None:
@@ -134,7 +85,7 @@ def regions_drawn(arguments: argparse.Namespace, session: SessionFile) -> AnyReg
 
 def _line(flag: str, text: str, least: int) -> tuple[tuple[float, float], ...]:
     """Points of a line given as row and column in turn."""
-    numbers = _numbers(text)
+    numbers = numbers_in(text)
     points = tuple(zip(numbers[::2], numbers[1::2], strict=False))
     if len(numbers) % 2 or len(set(points)) < least:
         raise ValueError(

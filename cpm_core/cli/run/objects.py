@@ -8,11 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from cpm_core.cli.arguments import as_number
+from cpm_core.cli.inputs.numbers import numbers_in
 from cpm_core.contours.result import Result
 from cpm_core.image.image import Image
 from cpm_core.objects import Selection, objects_result, partition
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import shown, sized
 
 
 def add_objects(parser: argparse._ActionsContainer) -> None:
@@ -47,9 +47,12 @@ def choose(result: Result, image: Image, arguments: argparse.Namespace) -> tuple
 
     ValueError when no object is found there.
     """
-    chosen = partition(result).select(
-        np.array(_places("--object", arguments.object)), np.array(_places("--not", arguments.outside))
-    )
+    inside, outside = _places("--object", arguments.object), _places("--not", arguments.outside)
+    for place in inside:
+        if not all(-0.5 <= at <= side - 0.5 for at, side in zip(place, image.shape, strict=True)):
+            at = ",".join(f"{number:g}" for number in place)
+            raise ValueError(f"--object is {at} but lies outside the image, which has {sized(image.shape)}.")
+    chosen = partition(result).select(np.array(inside), np.array(outside))
     if not chosen.mask.any():
         raise ValueError(f"There is no object at {', '.join(arguments.object)}: name another place inside one.")
     found = objects_result([chosen], image, channel=result.channel)
@@ -86,8 +89,8 @@ def _net_area(chosen: Selection) -> float:
 def _places(flag: str, texts: Sequence[str]) -> list[tuple[float, float]]:
     places = []
     for text in texts:
-        numbers = [as_number(part.strip()) for part in text.split(",")]
-        if len(numbers) != 2 or not all(isinstance(number, (int, float)) and np.isfinite(number) for number in numbers):
+        numbers = numbers_in(text)
+        if len(numbers) != 2 or not np.isfinite(numbers).all():
             raise ValueError(f"{flag} is {shown(text)} but must be two numbers, ROW,COL in px.")
-        places.append((float(numbers[0]), float(numbers[1])))
+        places.append((numbers[0], numbers[1]))
     return places

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from cpm_core.cli.arguments import notes_on
-from cpm_core.cli.batch.jobs import facts_of as outcome_of
-from cpm_core.cli.outcome import print_json
+from cpm_core.cli.inputs.named_files import check_kept
+from cpm_core.cli.outcome import IN_PART, Files, outcome_of, print_json
 from cpm_core.cli.terminal import Count, announce_compilation, counted, say, written
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats import load_pages
@@ -28,9 +28,6 @@ from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
 from cpm_core.segmentation.pages.follow import follow
 from cpm_core.segmentation.pages.page import Page, StackResult
-
-FAILED = 1
-"""Exit status when some pages could not be used."""
 
 _NOT_OF_PAGES = ("page", "object", "close", "truth")
 """Options that have a meaning for one image only; ``--not`` follows ``--object``."""
@@ -98,8 +95,7 @@ def check_pages(arguments: argparse.Namespace, image: str) -> None:
             raise ValueError(f"--{name} is for one image, but --pages runs several: leave one of them out.")
     for path in arguments.export:
         check_stack_export(path)
-        if Path(path).resolve() == Path(image).resolve():
-            raise ValueError(f"--export {path} would overwrite the stack itself: choose another name.")
+    check_kept(arguments.export, arguments, image)
     if arguments.resume and not _kept_in(arguments.export):
         raise ValueError("--resume needs the .json file that holds the pages that are done: add it to --export.")
 
@@ -140,14 +136,13 @@ def run_pages(arguments: argparse.Namespace, order: StackRun) -> int:
     whole = _whole(pages, order, found)
     if not whole.results:
         raise ValueError(f"No page of {pages.name} could be used. Page {found[0].number}: {found[0].trouble}")
-    refused: dict[Path, str] = {}
-    export_stack(whole, *arguments.export, refused=refused.__setitem__)
-    files = [path for path in arguments.export if Path(path) not in refused]
-    with written("the files were written before" if files else ""):
+    files = Files()
+    with files.writing(*arguments.export):
+        export_stack(whole, *arguments.export, refused=files.refuse)
+    files.check()
+    with written("the files were written before" if files.written else ""):
         _report(whole, files, time.perf_counter() - began, as_json=arguments.json)
-    if refused:
-        raise ValueError(" ".join(refused.values()))
-    return FAILED if len(whole.results) < len(found) else 0
+    return files.status() or (IN_PART if len(whole.results) < len(found) else 0)
 
 
 def numbers_of(given: str, count: int, name: str) -> list[int]:
@@ -218,7 +213,7 @@ def _kept(pages: Pages, order: StackRun, found: Sequence[Page], wanted: int, exp
     return f"{done}; the same command with --resume does the others" if _kept_in(exports) else done
 
 
-def _report(found: StackResult, files: Sequence[str], seconds: float, *, as_json: bool) -> None:
+def _report(found: StackResult, files: Files, seconds: float, *, as_json: bool) -> None:
     tracks, failed = found.tracks, len(found.pages) - len(found.results)
     if as_json:
         plain = [
@@ -231,7 +226,7 @@ def _report(found: StackResult, files: Sequence[str], seconds: float, *, as_json
             for page in found.pages
         ]
         counts = {"tracks": len(tracks), "done": len(found.results), "failed": failed, "seconds": round(seconds, 3)}
-        print_json("run", {"pages": plain, **counts})
+        print_json("run", {"pages": plain, **counts, "not_written": files.refused})
         return
     for page in found.pages:
         if page.result is not None:
@@ -243,7 +238,7 @@ def _report(found: StackResult, files: Sequence[str], seconds: float, *, as_json
     failures = f", {failed} failed" if failed else ""
     told = f"{counted(len(found.pages), 'page')}, {counted(len(tracks), 'track')}"
     print(f"{found.source}: {told} in {seconds:.2f} s{failures}")
-    for path in files:
+    for path in files.written:
         print(printable(f"Wrote {path}"))
 
 

@@ -40,9 +40,7 @@ def save(
     parameters: Parameters,
     recorder: Recorder,
 ) -> None:
-    """Write the session of a run that has ended, if one is wanted."""
-    if arguments.save_session is None:
-        return
+    """Write the session of a run that has ended."""
     shapes = (*session.shapes, *shapes_drawn(arguments, image))
     if not starts_of(shapes):  # as for an object that was named
         shapes = (*shapes, Everywhere("grid"))

@@ -11,15 +11,18 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core.cli.arguments import as_number, as_steps, check_exports, parameters_of, part_of
-from cpm_core.cli.outcome import tell
+from cpm_core.cli.arguments import as_steps, check_exports, parameters_of
+from cpm_core.cli.inputs.numbers import numbers_in
+from cpm_core.cli.inputs.part import part_of_volume
+from cpm_core.cli.inputs.source import image_of, in_volume, reading_of
+from cpm_core.cli.inputs.starts import in_space, starts_in_volume
+from cpm_core.cli.inputs.truth import volume_truth_for
+from cpm_core.cli.outcome import Files, tell
 from cpm_core.cli.place import facts_on, lines_on
-from cpm_core.cli.run.agreement import agreement, sentence_on, volume_truth_for
-from cpm_core.cli.run.drawn import in_space, starts_in_volume
-from cpm_core.cli.run.source import image_of, in_volume, reading_of
+from cpm_core.cli.run.agreement import agreement, sentence_on
 from cpm_core.cli.terminal import announce_compilation, counted, progress_line, say, written
 from cpm_core.contours.result import Result
-from cpm_core.formats import FOR_VOLUMES, export, load_volume, suffix_of
+from cpm_core.formats import FOR_VOLUMES, load_volume, suffix_of
 from cpm_core.formats.contours.points_csv import load_points
 from cpm_core.formats.provenance import with_shapes
 from cpm_core.formats.sessions.session_file import SessionFile
@@ -48,7 +51,7 @@ _FEWEST_FACES = 4
 """Least number of triangles of a closed surface."""
 
 
-def run_volume(arguments: argparse.Namespace, session: SessionFile) -> None:
+def run_volume(arguments: argparse.Namespace, session: SessionFile) -> int:
     """Find a surface; every check that needs no volume comes first."""
     _check_options(arguments, session)
     drawn, regions = _drawn(arguments, session), _regions(arguments, session)
@@ -60,7 +63,7 @@ def run_volume(arguments: argparse.Namespace, session: SessionFile) -> None:
     parameters = parameters_of(arguments, PRESETS[preset] if preset else session.parameters)
     max_steps, faces = as_steps(arguments.max_steps), _as_faces(arguments.faces)
     path, notes = image_of(arguments.image, session, arguments.session)
-    check_exports(arguments.export, str(path), arguments.session)
+    check_exports(arguments.export, arguments, path)
     for file in arguments.export:
         if suffix_of(file) not in FOR_VOLUMES:
             raise ValueError(f"{file} is for contours, but a volume has a surface: end its name in .ply or .stl.")
@@ -80,9 +83,12 @@ def run_volume(arguments: argparse.Namespace, session: SessionFile) -> None:
     whole = _selected(found, *clicks) if clicks[0] else found
     result = whole if faces is None else _decimated(whole, faces)
     seconds = time.perf_counter() - started
-    export(result, *arguments.export, image=path, space=arguments.space or "LPS")
-    with written("the files were written before" if arguments.export else ""):
-        _report(result, seconds, agreement(result, truth), arguments)
+    files = Files()
+    files.export(result, arguments.export, image=path, space=arguments.space or "LPS")
+    files.check()
+    with written("the files were written before" if files.written else ""):
+        _report(result, seconds, files, agreement(result, truth), arguments)
+    return files.status()
 
 
 def _check_options(arguments: argparse.Namespace, session: SessionFile) -> None:
@@ -95,16 +101,6 @@ def _check_options(arguments: argparse.Namespace, session: SessionFile) -> None:
             given = f"--{name.replace('_', '-')}"
             volumes = "the session is about a volume" if in_volume(session) else "--sphere and --volume are for volumes"
             raise ValueError(f"{given} is for images, but {volumes}: leave one out.")
-
-
-def part_of_volume(arguments: argparse.Namespace) -> dict[str, Any]:
-    """What `load_volume` is told beside the path; ValueError for what would leave a plane."""
-    part = part_of(arguments)
-    if "page" in part:
-        raise ValueError(f"--page is {part['page']}, but a volume takes all pages of {arguments.image}: leave it out.")
-    if arguments.channel is not None:  # colors of a volume are turned into gray levels as it is read
-        part["color"], arguments.channel = arguments.channel, None
-    return part
 
 
 def _as_faces(given: int | float | str | None) -> int | None:
@@ -129,10 +125,9 @@ def _decimated(found: Result, faces: int) -> Result:
 
 def _numbers(flag: str, text: str, form: str, count: int = 0) -> list[float]:
     """Numbers between commas, so many, or else three or more times three."""
-    parts = [as_number(part.strip()) for part in text.split(",")]
-    numbers = [float(part) for part in parts if not isinstance(part, str)]
+    numbers = numbers_in(text)
     fits = len(numbers) == count if count else len(numbers) % 3 == 0
-    if not fits or len(numbers) != len(parts):
+    if not (numbers and fits):
         words = {3: "three numbers", 4: "four numbers", 6: "six numbers"}.get(count, "planes, rows and columns in turn")
         raise ValueError(f"{flag} is {shown(text)} but must be {words}, {form} in voxels.")
     return numbers
@@ -204,7 +199,9 @@ def _seeds(
     return np.concatenate(seeds)
 
 
-def _report(result: Result, seconds: float, agreed: Mapping[str, Any], arguments: argparse.Namespace) -> None:
+def _report(
+    result: Result, seconds: float, files: Files, agreed: Mapping[str, Any], arguments: argparse.Namespace
+) -> None:
     surface = result.surface
     vertices, faces = (0, 0) if surface is None else (len(surface.vertices), len(surface.faces))
     facts = {
@@ -219,6 +216,7 @@ def _report(result: Result, seconds: float, agreed: Mapping[str, Any], arguments
         "converged": result.converged,
         "stop_reason": result.stop_reason,
         "seconds": round(seconds, 3),
+        "not_written": files.refused,
         **({} if result.image is None else facts_on(result.image)),
         **agreed,
     }
@@ -229,4 +227,4 @@ def _report(result: Result, seconds: float, agreed: Mapping[str, Any], arguments
         *([] if result.image is None else lines_on(result.image)),
         *([sentence_on(agreed["truth"])] if agreed else []),
     ]
-    tell("run", facts, lines, arguments.export, as_json=arguments.json)
+    tell("run", facts, lines, files.written, as_json=arguments.json)

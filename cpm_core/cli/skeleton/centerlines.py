@@ -4,24 +4,23 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Sequence
 
 from cpm_core.cli.arguments import check_exports, parameters_of
-from cpm_core.cli.outcome import tell
-from cpm_core.cli.run.volume import part_of_volume
+from cpm_core.cli.inputs.part import part_of_volume
+from cpm_core.cli.outcome import Files, tell
 from cpm_core.cli.terminal import announce_compilation, counted, say, written
-from cpm_core.formats import FOR_CENTERLINES, export, load_volume, suffix_of
+from cpm_core.formats import FOR_CENTERLINES, load_volume, suffix_of
 from cpm_core.formats.provenance import ENTRY, facts_on
 from cpm_core.medial_axis.skeletonize import skeleton
 from cpm_core.medial_axis.space.centerlines import Centerlines
 from cpm_core.parameters import PRESETS
 
 
-def find_centerlines(arguments: argparse.Namespace) -> None:
+def find_centerlines(arguments: argparse.Namespace) -> int:
     """Find the center lines in a volume; every check that needs no volume comes first."""
     part = part_of_volume(arguments)
     parameters = parameters_of(arguments, PRESETS["volume"])
-    check_exports(arguments.export, arguments.image)
+    check_exports(arguments.export, arguments)
     for path in arguments.export:
         if suffix_of(path) not in FOR_CENTERLINES:
             raise ValueError(f"{path} holds no center lines in a volume: end its name in {', '.join(FOR_CENTERLINES)}.")
@@ -34,12 +33,15 @@ def find_centerlines(arguments: argparse.Namespace) -> None:
     found = skeleton(volume, parameters, of=arguments.of, within=mask, outside=arguments.outside)
     seconds = time.perf_counter() - started
     assert isinstance(found, Centerlines)
-    export(found, *arguments.export, space=arguments.space or "LPS")
-    with written("the files were written before" if arguments.export else ""):
-        _report(found, seconds, arguments.export, as_json=arguments.json)
+    files = Files()
+    files.export(found, arguments.export, space=arguments.space or "LPS")
+    files.check()
+    with written("the files were written before" if files.written else ""):
+        _report(found, seconds, files, as_json=arguments.json)
+    return files.status()
 
 
-def _report(found: Centerlines, seconds: float, files: Sequence[str], *, as_json: bool) -> None:
+def _report(found: Centerlines, seconds: float, files: Files, *, as_json: bool) -> None:
     closed = sum(branch.closed for branch in found.branches)
     facts = {
         "contours": len(found.branches),
@@ -48,6 +50,7 @@ def _report(found: Centerlines, seconds: float, files: Sequence[str], *, as_json
         "largest_radius": round(max((float(radii.max()) for radii in found.radii), default=0.0), 3),
         "unit": found.unit,
         "seconds": round(seconds, 3),
+        "not_written": files.refused,
         ENTRY: facts_on(found.source, found.provenance),
     }
     unit = found.unit or "voxels"
@@ -57,4 +60,4 @@ def _report(found: Centerlines, seconds: float, files: Sequence[str], *, as_json
         lines.append(f"  {number}. length {length:.1f} {unit}, radius {radii.min():.1f} to {radii.max():.1f} {unit}")
     if len(found.branches) > 10:
         lines.append(f"  ... and {len(found.branches) - 10} shorter ones")
-    tell("skeleton", facts, lines, files, as_json=as_json)
+    tell("skeleton", facts, lines, files.written, as_json=as_json)

@@ -5,24 +5,22 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Sequence
 
 from cpm_core.cli.arguments import (
     add_export,
     add_image,
     add_json,
     add_parameters,
-    add_part,
     add_space,
     check_exports,
     notes_on,
     parameters_of,
-    part_of,
 )
-from cpm_core.cli.outcome import tell
+from cpm_core.cli.inputs.part import add_part, part_of
+from cpm_core.cli.outcome import Files, tell
 from cpm_core.cli.skeleton.centerlines import find_centerlines
 from cpm_core.cli.terminal import announce_compilation, counted, written
-from cpm_core.formats import FOR_CENTERLINES, export, load_image, suffix_of
+from cpm_core.formats import FOR_CENTERLINES, load_image, suffix_of
 from cpm_core.formats.provenance import ENTRY, facts_of
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeletonize import skeleton
@@ -72,16 +70,15 @@ def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
     add_json(outcome)
 
 
-def _skeleton(arguments: argparse.Namespace) -> None:
+def _skeleton(arguments: argparse.Namespace) -> int:
     """Find the skeletons of an image, after all checks that need no image, or the center lines in a volume."""
     if arguments.volume or any(suffix_of(path) in FOR_CENTERLINES for path in arguments.export):
-        find_centerlines(arguments)
-        return
+        return find_centerlines(arguments)
     if arguments.space:
         raise ValueError("--space is for center lines in a volume: add --volume, or leave it out.")
     part = part_of(arguments)
     parameters = parameters_of(arguments, PRESETS[_PRESET])
-    check_exports(arguments.export, arguments.image)
+    check_exports(arguments.export, arguments)
     image = load_image(arguments.image, **part)
     for note in notes_on(image, parameters):
         print(f"cpm: {image.source}: {note}", file=sys.stderr)
@@ -91,12 +88,15 @@ def _skeleton(arguments: argparse.Namespace) -> None:
     found = skeleton(image, parameters, of=arguments.of, within=mask, outside=arguments.outside)
     seconds = time.perf_counter() - started
     assert isinstance(found, Skeleton)
-    export(found, *arguments.export)
-    with written("the files were written before" if arguments.export else ""):
-        _report(found, seconds, arguments.export, as_json=arguments.json)
+    files = Files()
+    files.export(found, arguments.export)
+    files.check()
+    with written("the files were written before" if files.written else ""):
+        _report(found, seconds, files, as_json=arguments.json)
+    return files.status()
 
 
-def _report(found: Skeleton, seconds: float, files: Sequence[str], *, as_json: bool) -> None:
+def _report(found: Skeleton, seconds: float, files: Files, *, as_json: bool) -> None:
     closed = sum(contour.closed for contour in found.contours)
     largest = max((float(radii.max()) for radii in found.radii), default=0.0)
     of = {-1: "dark", 0: "all", 1: "light"}[found.polarity]
@@ -109,6 +109,7 @@ def _report(found: Skeleton, seconds: float, files: Sequence[str], *, as_json: b
         "of": of,
         "max_width": round(found.width, 3),
         "seconds": round(seconds, 3),
+        "not_written": files.refused,
         ENTRY: facts_of(found),
     }
     what = "" if of == "all" else f" of what is {of}" + (f" and up to {found.width:.0f} px wide" if found.width else "")
@@ -121,4 +122,4 @@ def _report(found: Skeleton, seconds: float, files: Sequence[str], *, as_json: b
         lines.append(f"  {number}. length {contour.length:.1f} px, radius {radii.min():.1f} to {radii.max():.1f} px")
     if len(found.contours) > 10:
         lines.append(f"  ... and {len(found.contours) - 10} shorter ones")
-    tell("skeleton", facts, lines, files, as_json=as_json)
+    tell("skeleton", facts, lines, files.written, as_json=as_json)

@@ -13,6 +13,9 @@ from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Position
 from cpm_core.parameters.quotation import described, shown
 
+_SAME = 1.0
+"""Distance up to which the outline of an object may be that of a hole, both of one boundary [px]."""
+
 _PROBES = 16
 """Samples along a contour that are tested for containment; the majority decides where contours touch."""
 
@@ -184,19 +187,30 @@ def _check_spacing(spacing: Sequence[float]) -> None:
 def _net_areas(contours: Sequence[Contour], around: Sequence[int | None]) -> Array:
     """Areas without those of the contours inside, shape (N,) [px²]."""
     net = np.array([contour.area for contour in contours])
-    for contour, outer in zip(contours, around, strict=True):
-        if outer is not None:
+    for index, (contour, outer) in enumerate(zip(contours, around, strict=True)):
+        if outer is not None and not (contour.hole and _is_covered(contours, around, index)):
             net[outer] -= contour.area
     net[[contour.hole for contour in contours]] = 0.0
     np.maximum(net, 0.0, out=net)  # contours may share a stretch of edge and overlap there
     return net
 
 
+def _is_covered(contours: Sequence[Contour], around: Sequence[int | None], hole: int) -> bool:
+    """Whether another object that lies in the same one reaches beyond a hole on all sides and takes its area, too."""
+    probes = middles(contours[hole].path, _PROBES)
+    return any(
+        outer == around[hole] and other.closed and not other.hole and other.area > contours[hole].area
+        and inside(other.points, probes).mean() > 0.5
+        for other, outer in zip(contours, around, strict=True)
+    )  # fmt: skip
+
+
 def containment(contours: Sequence[Contour]) -> tuple[int | None, ...]:
     """Find for each contour the innermost closed one that it lies in.
 
     A contour lies in another when most of `_PROBES` samples along it do, so that contours which share a junction or a
-    stretch of edge are classified correctly; a closed one lies only in larger ones.
+    stretch of edge are classified correctly; a closed one lies only in larger ones. A hole lies in an outline of its
+    own object alone, and what fills a hole lies in the hole, even where it is larger by a fraction of a pixel.
 
     Parameters
     ----------
@@ -225,8 +239,17 @@ def containment(contours: Sequence[Contour]) -> tuple[int | None, ...]:
     order = np.flatnonzero(closed)[np.argsort(area[closed], kind="stable")]
     fits = (low[:, None] >= low[order] - _MARGIN).all(axis=2) & (high[:, None] <= high[order] + _MARGIN).all(axis=2)
     fits &= area[:, None] < area[order]  # an open contour has no area
+    hole = np.array([contour.hole for contour in contours])
+    group = np.array([contour.group for contour in contours])
+    fits[hole] &= ~hole[order] & (group[hole, None] == group[order])
     found: list[int | None] = []
-    for contour, row in zip(contours, fits, strict=True):
+    for index, (contour, row) in enumerate(zip(contours, fits, strict=True)):
+        filled = hole & ((group != group[index]) | (group == 0)) & closed[index] & ~hole[index]
+        filled &= (np.abs(low - low[index]) <= _SAME).all(axis=1) & (np.abs(high - high[index]) <= _SAME).all(axis=1)
+        filled &= np.abs(area - area[index]) <= 0.5 * _SAME * contour.length
+        if filled.any():
+            found.append(int(np.argmax(filled)))
+            continue
         probes = middles(contour.path, _PROBES)
         inner = (other for other in order[row].tolist() if inside(contours[other].points, probes).mean() > 0.5)
         found.append(next(inner, None))

@@ -13,7 +13,10 @@ from numpy.typing import NDArray
 from cpm_core.contours.ground_truth import Labels, labels_of
 from cpm_core.contours.surface import Surface
 from cpm_core.numerics.real_numbers import real_numbers, voxel_sides
+from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import counted, described, sized
+
+_MOST_OBJECTS = np.iinfo(np.int32).max
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,14 +60,13 @@ class VolumeTruth:
 
     def __post_init__(self) -> None:
         given = real_numbers(self.labels)
-        labels = np.asarray(given, dtype=np.int32)
-        if labels.ndim != 3 or labels.size == 0 or (labels != given).any() or labels.min() < 0:
+        if given.ndim != 3 or given.size == 0 or not _are_labels(given):
             raise ValueError(
                 "the labels of a volume must be whole numbers of at least 0 with three axes, but those of "
-                f"{self.source} have the shape {labels.shape} and lie between {given.min(initial=0):g} and "
+                f"{self.source} have the shape {given.shape} and lie between {given.min(initial=0):g} and "
                 f"{given.max(initial=0):g}."
             )
-        object.__setattr__(self, "labels", labels)
+        object.__setattr__(self, "labels", given.astype(np.int32))
         object.__setattr__(self, "spacing", tuple(voxel_sides("The spacing of labels", self.spacing).tolist()))
 
     @property
@@ -102,6 +104,11 @@ class VolumeTruth:
     def __repr__(self) -> str:
         objects = len(np.unique(self.objects[self.objects > 0]))
         return described("VolumeTruth", self.source, sized(self.shape, "voxels"), counted(objects, "object"))
+
+
+def _are_labels(values: Array) -> bool:
+    """Whether values are whole numbers of at least 0 that a label can have."""
+    return bool(values.min() >= 0.0 and values.max() <= _MOST_OBJECTS and (values == np.floor(values)).all())
 
 
 def truth_of_volume(

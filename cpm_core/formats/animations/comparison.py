@@ -26,7 +26,7 @@ from cpm_core.formats.printable import cell
 from cpm_core.formats.writers import FOR_VOLUMES, WRITABLE, check_export, encoded, omission, suffix_of
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array, Pixels
-from cpm_core.segmentation.methods import CONTOUR_METHODS, Facts, Start, result_of
+from cpm_core.objects.methods import CONTOUR_METHODS, Facts, Start, result_of
 
 _LOG = logging.getLogger(__name__)
 
@@ -111,6 +111,7 @@ def write_comparison(
     paths: Sequence[str | os.PathLike[str]],
     tell: Callable[[str], object] = _LOG.warning,
     truth: Truth | None = None,
+    refused: Callable[[Path, str], object] | None = None,
 ) -> tuple[Path, ...]:
     """Write table, picture and contours, by the suffix of each path; all files or none.
 
@@ -123,10 +124,10 @@ def write_comparison(
     tiles : sequence of Tile
         What each method has found.
     paths : sequence of path-like
-        A table, ``.csv``; a picture, ``.png``; or contours in a format of `cpm_core.formats.writers`: a file for each
-        method, whose name is put before the suffix where there are several. In a volume a table, or surfaces.
-    tell : callable, optional
-        Called with a sentence for each file that leaves contours out, or is not written as it would hold none.
+        A table, ``.csv``; a picture, ``.png``; or contours in another format, in a volume surfaces: a file for each
+        method, whose name is put before the suffix where there are several.
+    tell, refused : callable, optional
+        Called with a sentence for each file that leaves contours out; with each that would hold none, and why.
     truth : Truth, optional
         What the methods are measured by, for the picture.
 
@@ -138,7 +139,7 @@ def write_comparison(
     Raises
     ------
     ValueError
-        When a suffix is not known, or a file cannot be written there.
+        When a suffix is not known, a file cannot be written there.
     """
     contents, names = [], [tile.facts.method for tile in tiles]
     for path in map(Path, paths):
@@ -150,7 +151,7 @@ def write_comparison(
             contents.append((path, _picture_file(image, start, tiles, truth)))
         else:
             results = [tile.result(image, start) for tile in tiles]
-            contents += _contour_files(zip(files_of(path, names), results, strict=True), suffix, tell)
+            contents += _contour_files(zip(files_of(path, names), results, strict=True), suffix, tell, refused)
     write_together(contents)
     return tuple(file for file, _ in contents)
 
@@ -183,7 +184,10 @@ def check_comparison(path: str | os.PathLike[str], methods: Sequence[str] = (), 
 
 
 def _contour_files(
-    wanted: Iterable[tuple[Path, Result]], suffix: str, tell: Callable[[str], object]
+    wanted: Iterable[tuple[Path, Result]],
+    suffix: str,
+    tell: Callable[[str], object],
+    refused: Callable[[Path, str], object] | None,
 ) -> Iterator[tuple[Path, bytes]]:
     """The files of some results with their contents, without those that would hold nothing."""
     for file, result in wanted:
@@ -192,7 +196,10 @@ def _contour_files(
         try:
             yield file, encoded(result, suffix)
         except ValueError as error:
-            tell(f"{file} was not written: {error}")
+            if refused is None:
+                tell(f"{file} was not written: {error}")
+            else:
+                refused(file, str(error))
 
 
 def _picture_file(image: Image, start: Start, tiles: Sequence[Tile], truth: Truth | None) -> bytes:

@@ -45,6 +45,10 @@ def encode(result: Result | Skeleton) -> bytes:
         parts = list(group)
         filled = labels is None or surrounding.isdisjoint(row.number for _, row in parts)
         own = [one for one in result.contours if one.hole and one.group == parts[0][0].group and len(one.points) > 2]
+        if not filled and labels is not None and not (labels == parts[0][1].label).any():  # hidden by another one
+            shown = paint([*(contour for contour, _ in parts), *own], result.shape) > 0
+            instances.append(_instance(parts, categories, shown * np.uint32(parts[0][1].label), own))
+            continue
         instances.append(_instance(parts, categories, None if filled else labels, own))
     height, width = result.shape
     return text(

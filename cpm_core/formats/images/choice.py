@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from cpm_core.formats.images.decoded import UnreadableError
 from cpm_core.parameters.quotation import shown
 
@@ -35,6 +37,9 @@ class Choice:
     def __post_init__(self) -> None:
         for name in ("page", "channel", "time", "series"):
             given = getattr(self, name)
+            if isinstance(given, np.integer):
+                given = int(given)
+                object.__setattr__(self, name, given)
             if given is None or (name == "series" and isinstance(given, str)):
                 continue
             if not isinstance(given, int) or isinstance(given, bool) or given < 1:

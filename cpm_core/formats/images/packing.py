@@ -107,7 +107,13 @@ def _summed(content: bytes, rows: int, samples: int, number: np.dtype[np.generic
 
 
 def _widened(content: bytes, rows: int, across: int, bits: int, number: np.dtype[np.generic]) -> bytes:
-    """Whole numbers of `bits` bits, the rows of which begin with a byte, in whole bytes each."""
+    """Whole numbers of `bits` bits, the rows of which begin with a byte, in whole bytes each.
+
+    Their highest bit comes first, whatever the order of bytes in the file; but numbers of three bytes keep to that.
+    """
+    if bits == 24 and number.newbyteorder("<") == number:
+        swapped = np.frombuffer(content, np.uint8).reshape(-1, 3)[:, ::-1]
+        content = swapped.tobytes()
     each = np.unpackbits(np.frombuffer(content, np.uint8).reshape(rows, -1), axis=1)[:, : across * bits]
     values = each.reshape(rows, across, bits) @ (1 << np.arange(bits - 1, -1, -1, dtype=np.uint32))
     return values.astype(number).tobytes()

@@ -52,11 +52,15 @@ class Reading:
     unit: str | None = None
 
     def __post_init__(self) -> None:
-        Choice(self.page, self.channel, self.time, self.series)
+        chosen = Choice(self.page, self.channel, self.time, self.series)
+        for name in ("page", "channel", "time", "series"):  # numbers of NumPy are plain ones now
+            object.__setattr__(self, name, getattr(chosen, name))
         checked_color(self.color)
         if self.spacing is not None:
-            for side in self.spacing:
-                checked_number("spacing", side, lambda number: number > 0.0, "numbers above 0")
+            sides = (
+                checked_number("spacing", side, lambda number: number > 0.0, "numbers above 0") for side in self.spacing
+            )
+            object.__setattr__(self, "spacing", tuple(sides))
         if checked_unit(self.unit) is not None and self.spacing is None:
             raise ValueError(f"unit is {shown(self.unit)} but there is no spacing: give the size of a pixel as well.")
 

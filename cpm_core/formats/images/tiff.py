@@ -32,9 +32,12 @@ _MAGIC = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 _BY_PILLOW = frozenset({2, 3, 4, 6, 7, 32771})
 """Compressions that Pillow unpacks without a loss of depth: those of fax machines, which have one bit, and JPEG."""
 
-_WHITE_IS_ZERO, _BLACK_IS_ZERO, _RGB, _PALETTE = 0, 1, 2, 3
-_KNOWN_LEVELS = (_WHITE_IS_ZERO, _BLACK_IS_ZERO, _RGB, _PALETTE)
+_WHITE_IS_ZERO, _BLACK_IS_ZERO, _RGB, _PALETTE, _INKS, _YCBCR = 0, 1, 2, 3, 5, 6
+_KNOWN_LEVELS = (_WHITE_IS_ZERO, _BLACK_IS_ZERO, _RGB, _PALETTE, _INKS)
+_JPEG = 7
 _PREMULTIPLIED = 1
+_CYAN_TO_BLACK = 1
+"""Inks of cyan, magenta, yellow and black, among sets of inks."""
 _LARGEST_PART = 2**24
 """Pixels that a tile or strip may have beyond some times those of the image."""
 
@@ -64,37 +67,57 @@ def first_page(path: Path) -> Decoded:
 
 
 def page_of(file: tifffile.TiffFile, page: tifffile.TiffPage, path: Path) -> Decoded:
-    """Gray levels of a page, upright, with the size of a pixel."""
+    """Gray levels of a page, upright, with the size of a pixel.
+
+    A file of OME names pages of other files, which are opened for as long as they are read.
+    """
+    own = page.parent.filehandle
+    closed = own.closed
+    if closed:
+        own.open()
+    try:
+        return _page_of(file, page, path, Path(own.path))
+    finally:
+        if closed:
+            own.close()
+
+
+def _page_of(file: tifffile.TiffFile, page: tifffile.TiffPage, path: Path, own: Path) -> Decoded:
+    """The same, of a page of an open file."""
     check_size(path.name, int(page.imagelength), int(page.imagewidth))  # damaged ones may be tuples
-    if max(page.databytecounts, default=0) > file.filehandle.size:  # memory for them would be taken first
+    size = page.parent.filehandle.size
+    if max(page.databytecounts, default=0) > size:  # memory for them would be taken first
         raise EOFError(f"{path.name} names more bytes than it has.")
-    if page.nbytes > max(_ALWAYS, _MOST_PACKED * file.filehandle.size):  # a pixel may have any number of samples
+    if page.nbytes > max(_ALWAYS, _MOST_PACKED * size):  # a pixel may have any number of samples
         raise EOFError(f"{path.name} names more samples than it has.")
     if math.prod(page.chunks) > _LARGEST_PART + 4 * page.imagelength * page.imagewidth * page.samplesperpixel:
         raise ValueError("a part of it is far larger than the whole")
     spacing, unit = spacing_of(file, page)
-    turn = _number(page, "Orientation", 1)
     direct = page.photometric in _KNOWN_LEVELS and page.compression not in _BY_PILLOW
-    shown = None if direct else _by_pillow(page, path)
+    shown = None if direct else _by_pillow(page, own, path.name)
     if shown is None:
-        return upright(replace(_pixels(page, path.name), spacing=spacing, unit=unit), turn)
+        bits = page.bitspersample  # which unpacking changes
+        return turned(page, replace(pixels(page, _raw(page, path.name), bits, path.name), spacing=spacing, unit=unit))
     # Pillow has turned the pixels; the size of a pixel turns with them
-    turned = upright(Decoded(np.empty((0, 0)), spacing, unit, shown.notes), turn)
-    return replace(turned, values=shown.values, colors=shown.colors)
+    turned_size = turned(page, Decoded(np.empty((0, 0)), spacing, unit, shown.notes))
+    return replace(turned_size, values=shown.values, colors=shown.colors)
 
 
-def _by_pillow(page: tifffile.TiffPage, path: Path) -> Decoded | None:
+def _by_pillow(page: tifffile.TiffPage, path: Path, name: str) -> Decoded | None:
     """Gray levels of a page, upright; None for a kind that Pillow does not know and tifffile may."""
     try:
         with _native_silence(), PIL.Image.open(path, formats=("TIFF",)) as picture:
             picture.seek(int(page.index))
             return raster.pixels(picture)
     except PIL.UnidentifiedImageError:
-        if page.photometric in _KNOWN_LEVELS:
+        if page.photometric in _KNOWN_LEVELS or _becomes_rgb(page):
             return None
-        raise UnreadableError(
-            f"{path.name} is damaged or a TIFF of an uncommon kind: save it again as an uncompressed TIFF or as PNG."
-        ) from None
+        raise _uncommon(page, name) from None
+
+
+def _becomes_rgb(page: tifffile.TiffPage) -> bool:
+    """Whether unpacking a page turns its colors into red, green and blue."""
+    return page.photometric == _YCBCR and page.compression == _JPEG
 
 
 def _raw(page: tifffile.TiffPage, name: str) -> NDArray[Any]:
@@ -115,55 +138,85 @@ def _raw(page: tifffile.TiffPage, name: str) -> NDArray[Any]:
         ) from None
 
 
-def _pixels(page: tifffile.TiffPage, name: str) -> Decoded:
-    """Gray levels of a page."""
-    raw = _raw(page, name)
+def _uncommon(page: tifffile.TiffPage, name: str) -> UnreadableError:
+    """What is said of a page with colors that are not read."""
+    if isinstance(page.photometric, tifffile.PHOTOMETRIC):
+        return UnreadableError(
+            f"{name} is a TIFF with colors of the kind {page.photometric.name}, which are not read: save it again "
+            "in gray, or in red, green and blue."
+        )
+    return UnreadableError(
+        f"{name} is damaged or a TIFF of an uncommon kind: save it again as an uncompressed TIFF or as PNG."
+    )
+
+
+def pixels(page: tifffile.TiffPage, raw: NDArray[Any], bits: object, name: str) -> Decoded:
+    """Gray levels of the samples of a page, which have so many bits each."""
     if raw.ndim < 2 or raw.size != page.imagelength * page.imagewidth * page.samplesperpixel:
         raise ValueError("pixels are missing")
     if page.axes == "SYX":
         raw = np.moveaxis(raw, 0, -1)
-    samples = raw if raw.ndim == 3 else raw[..., np.newaxis]
+    stored = samples = raw if raw.ndim == 3 else raw[..., np.newaxis]
     notes: list[str] = []
     if samples.dtype == np.bool_:
-        samples = samples.astype(np.uint8) * np.uint8(255)
+        samples, bits = samples.astype(np.uint8) * np.uint8(255), 8
         notes.append("Black and white were read as 0 and 255.")
     if page.photometric == _PALETTE:
-        table = np.asarray(page.colormap, dtype=np.float64) / 257.0
-        samples = np.rint(table).astype(np.uint8).T[samples[..., 0]]
-        count = 3
-    else:
-        count = 3 if page.photometric == _RGB else 1
-    if page.photometric == _WHITE_IS_ZERO:
-        samples = _white(page, samples) - samples
-        notes.append("It counts from white to black and was inverted.")
+        table = np.asarray(page.colormap, dtype=np.float64)
+        table = table if table.max() < 256.0 else table / 257.0  # old programs write eight bits in sixteen
+        samples, bits = np.rint(table).astype(np.uint8).T[samples[..., 0]], 8
+    white = _white(bits, samples)
+    if page.photometric == _INKS:
+        samples = _light_of_inks(page, samples, white, name)
+    count = 1 if page.photometric in (_WHITE_IS_ZERO, _BLACK_IS_ZERO) else 3
     extra = samples[..., count:]
     has_alpha = extra.shape[-1] > 0 and bool(page.extrasamples) and int(page.extrasamples[0]) in (1, 2)
     if extra.shape[-1] > has_alpha:
         notes.append(f"Only the first {count + has_alpha} of its {samples.shape[-1]} channels were taken.")
-    alpha = extra[..., 0] if has_alpha else None
-    colors, white = samples[..., :count], full_scale(samples)
-    if alpha is not None and int(page.extrasamples[0]) == _PREMULTIPLIED:
-        opacity = alpha[..., np.newaxis] / full_scale(alpha)
-        colors = np.divide(colors, opacity, out=np.zeros(colors.shape), where=opacity > 0.0)
-    decoded = from_samples(colors, alpha, tuple(notes), white)
-    if count == 1:
-        values = _without_no_data(page, decoded.values, raw[..., 0] if raw.ndim == 3 else raw)
-        return replace(decoded, values=values)
-    return decoded
+    colors, opacity = samples[..., :count], extra[..., 0] / _white(bits, extra[..., 0]) if has_alpha else None
+    if page.photometric == _WHITE_IS_ZERO:
+        colors = white - colors
+        notes.append("It counts from white to black and was inverted.")
+    if opacity is not None and int(page.extrasamples[0]) == _PREMULTIPLIED:
+        share = opacity[..., np.newaxis]
+        colors = np.divide(colors, share, out=np.zeros(colors.shape), where=share > 0.0)
+    decoded = from_samples(colors, opacity, tuple(notes), white)
+    told = stored[..., : 1 if page.photometric == _PALETTE else count]
+    return replace(decoded, values=_without_no_data(page, decoded.values, told))
+
+
+def turned(page: tifffile.TiffPage, decoded: Decoded) -> Decoded:
+    """What was read of a page, upright by its orientation tag."""
+    return upright(decoded, _number(page, "Orientation", 1))
+
+
+def lies_across(page: tifffile.TiffPage) -> bool:
+    """Whether rows of a page become columns by its orientation tag."""
+    return _number(page, "Orientation", 1) in range(5, 9)
+
+
+def _light_of_inks(page: tifffile.TiffPage, samples: NDArray[Any], white: float, name: str) -> NDArray[Any]:
+    """Red, green and blue of cyan, magenta, yellow and black, and what stands behind these."""
+    if _number(page, "InkSet", _CYAN_TO_BLACK) != _CYAN_TO_BLACK or samples.shape[-1] < 4:
+        raise _uncommon(page, name)
+    light = (white - samples[..., :3]) * (1.0 - samples[..., 3:4] / white)
+    return np.concatenate([light.astype(samples.dtype), samples[..., 4:]], axis=-1)
 
 
 def _without_no_data(page: tifffile.TiffPage, gray: NDArray[Any], stored: NDArray[Any]) -> NDArray[Any]:
-    """Gray levels with `NO_DATA` where a pixel has the value that a geographic program says stands for no data."""
+    """Gray levels with `NO_DATA` where all samples are the value that a geographic program says stands for no data."""
+    told = page.tags.valueof("GDAL_NODATA")
     try:
-        absent = stored == float(page.tags.valueof("GDAL_NODATA", "nan"))
+        absent_value = float(told)
     except (TypeError, ValueError):
         return gray
-    return np.where(absent, np.float64(NO_DATA), gray) if absent.any() and not absent.all() else gray
+    absent = (np.isnan(stored) if math.isnan(absent_value) else stored == absent_value).all(axis=-1)
+    return np.where(absent, np.float64(NO_DATA), gray) if absent.any() else gray
 
 
-def _white(page: tifffile.TiffPage, samples: NDArray[Any]) -> float:
+def _white(bits: object, samples: NDArray[Any]) -> float:
     """Level of white, of pixels with fewer bits than their type too."""
-    return 2.0**page.bitspersample - 1.0 if samples.dtype.kind == "u" else full_scale(samples)
+    return 2.0**bits - 1.0 if isinstance(bits, int) and samples.dtype.kind == "u" else full_scale(samples)
 
 
 def _page_notes(file: tifffile.TiffFile) -> tuple[str, ...]:

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 import numpy as np
 import PIL.Image
 import PIL.PngImagePlugin
+import skimage
 from numpy.typing import NDArray
-from skimage.draw import line
 
 from cpm_core.contours.contour import Contour, numbers_of
 from cpm_core.contours.measurements import contour_labels
@@ -86,7 +86,7 @@ def paint_lines(
         pixels = pixels[np.r_[True, (np.diff(pixels, axis=0) != 0).any(axis=1)]]
         mask[pixels[0, 0], pixels[0, 1]] = label
         for a, b in zip(pixels[:-1].tolist(), pixels[1:].tolist(), strict=True):
-            mask[line(*a, *b)] = label  # type: ignore[no-untyped-call]
+            mask[skimage.draw.line(*a, *b)] = label  # type: ignore[no-untyped-call]
     return mask
 
 

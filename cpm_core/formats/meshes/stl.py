@@ -18,7 +18,7 @@ TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribu
 def encode(result: Result | Skeleton, space: Convention = "LPS") -> bytes:
     """Make a binary STL file of the surface of a result; ValueError when it has none.
 
-    Its header has room for the program, the coordinates and the unit alone.
+    Its header has room for the program, the coordinates, the unit and the beginning of the hash of the image.
     """
     mesh = mesh_of(result, space)
     triangles = np.zeros(len(mesh.faces), TRIANGLE)
@@ -26,5 +26,5 @@ def encode(result: Result | Skeleton, space: Convention = "LPS") -> bytes:
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     triangles["normal"], triangles["corners"] = normals / np.maximum(lengths, 1e-30), corners
-    header = " ".join(mesh.notes[:3]).encode()[:HEADER].ljust(HEADER)
+    header = " ".join((*mesh.notes[:3], mesh.origin)).encode()[:HEADER].ljust(HEADER)
     return header + struct.pack("<I", len(triangles)) + triangles.tobytes()

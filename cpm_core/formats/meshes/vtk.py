@@ -20,7 +20,7 @@ def encode(result: Result | Skeleton, space: Convention = "LPS") -> bytes:
     """Make a binary file of VTK, version 3.0, of the surface of a result; ValueError when it has none."""
     mesh = mesh_of(result, space)
     count, faces = len(mesh.points), len(mesh.faces)
-    title = "; ".join(mesh.notes[:3])[:_TITLE]
+    title = "; ".join((*mesh.notes[:3], mesh.origin))[:_TITLE]
     polygons = np.hstack([np.full((faces, 1), 3), mesh.faces]).astype(">i4")
     kind, points = ("double", ">f8") if mesh.points.dtype == np.float64 else ("float", ">f4")
     numbers = b""

@@ -9,7 +9,8 @@ the same place. Files say so by ``SPACE=LPS`` or ``SPACE=RAS``, as 3D Slicer doe
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,7 @@ from cpm_core.formats.provenance import PROGRAM, facts_of, text_of
 from cpm_core.image.geometry import Convention, Geometry
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array
+from cpm_core.parameters import DEFAULTS
 
 _FINE = 1e-3
 """How far a position in a file may be from where it is [smallest sides of a voxel]."""
@@ -38,6 +40,8 @@ class Mesh(NamedTuple):
         Corners, counter-clockwise as seen from outside.
     notes : tuple of str
         Lines of ASCII: program, coordinates, unit, and how the surface was found.
+    origin : str
+        The same in few letters, for files with little room: the hash of the image, then what differs from the defaults.
     numbers : ndarray of int32, shape (F,), or None
         Number of the object that each triangle bounds, where objects have their own.
     decimals : int
@@ -48,6 +52,7 @@ class Mesh(NamedTuple):
     normals: NDArray[np.float32]
     faces: NDArray[np.int32]
     notes: tuple[str, ...]
+    origin: str
     numbers: NDArray[np.int32] | None
     decimals: int
 
@@ -58,7 +63,8 @@ def mesh_of(result: Result | Skeleton, space: Convention = "LPS") -> Mesh:
     if surface is None or not len(surface.faces):
         raise ValueError(f"{result.source} has no surface: only runs on volumes find one.")
     unit = {"µm": "um"}.get(surface.unit or "", surface.unit or "voxel")
-    notes = (PROGRAM, f"SPACE={space}", f"UNIT={unit}", text_of(facts_of(result)))
+    facts = facts_of(result)
+    notes = (PROGRAM, f"SPACE={space}", f"UNIT={unit}", text_of(facts))
     matrix = (result.geometry or Geometry()).affine(surface.spacing, space)[:3, :3]
     # normals stand on what has been sheared, too; a mirrored volume reverses the sense of rotation
     turned = (surface.normals * surface.spacing) @ np.linalg.inv(matrix)
@@ -71,9 +77,19 @@ def mesh_of(result: Result | Skeleton, space: Convention = "LPS") -> Mesh:
         (turned / np.where(lengths > 0.0, lengths, 1.0)).astype(np.float32),
         faces.astype(np.int32),
         tuple(printable(note).encode("ascii", "replace").decode() for note in notes),
+        _in_short(facts),
         None if surface.numbers is None else surface.numbers.astype(np.int32),
         decimals_for(surface.spacing),
     )
+
+
+def _in_short(facts: Mapping[str, Any]) -> str:
+    """The hash of the image, the method, and the parameters that are not the default ones."""
+    image = facts["image"]
+    digits = image.get("sha256", image.get("array_sha256", ""))
+    changed = {name: value for name, value in facts.get("parameters", {}).items() if DEFAULTS.get(name) != value}
+    told = [*([f"IMAGE={digits}"] if digits else []), f"METHOD={facts.get('method', '')}"]
+    return " ".join([*told, *(f"{name}={value}" for name, value in changed.items())])
 
 
 def decimals_for(spacing: tuple[float, ...]) -> int:

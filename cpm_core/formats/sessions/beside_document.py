@@ -9,8 +9,8 @@ from typing import Any
 from cpm_core.formats.sessions.compared_methods import compared_from_plain
 from cpm_core.formats.sessions.plain_values import from_plain
 from cpm_core.formats.sessions.session_json import Plain
+from cpm_core.objects.methods import Compared
 from cpm_core.parameters.quotation import shown
-from cpm_core.segmentation.methods import Compared
 
 
 @dataclass(frozen=True, slots=True)

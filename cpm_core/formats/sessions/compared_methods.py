@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from cpm_core.formats.sessions.plain_values import mapping, to_plain, true_or_false
+from cpm_core.objects.methods import CONTOUR_METHODS, PLACES, Compared, Settings
 from cpm_core.parameters.quotation import shown
-from cpm_core.segmentation.methods import CONTOUR_METHODS, PLACES, Compared, Settings
 
 
 def compared_to_plain(compared: Compared) -> dict[str, Any]:

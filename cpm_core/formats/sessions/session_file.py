@@ -33,10 +33,10 @@ from cpm_core.formats.sessions.plain_values import (
 )
 from cpm_core.formats.sessions.session_json import MARK, VERSION, Plain, parsed, text_of
 from cpm_core.medial_axis.outlines import Outlined
+from cpm_core.objects.methods import Compared
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
-from cpm_core.segmentation.methods import Compared
 from cpm_core.shapes import Shape
 from cpm_core.shapes.document_shapes import check_axes
 

@@ -6,6 +6,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 import skimage
 
 from cpm_core.numerics.types import Array, Mask
@@ -21,6 +22,9 @@ _FAR = 1e-6
 
 _MOST_SPAN = 1e15
 """Largest span of gray levels, and the inverse of the smallest, that fields of single precision are made of."""
+
+_BESIDE = 2
+"""Widths of a pixel up to which a known pixel lies beside an unknown one."""
 
 
 class Usable(NamedTuple):
@@ -40,10 +44,8 @@ def usable(values: Array) -> Usable:
     notes: list[str] = []
     absent = _absent(values)
     if absent is not None:
-        count = int(absent.sum())
-        what = "1 pixel has" if count == 1 else f"{count} pixels have"
         values = _filled(np.where(absent, 0.0, values), ~absent)
-        notes.append(f"{what} no data, and no contours are looked for there.")
+        notes.append(no_data_note(int(absent.sum())))
     low, high = float(values.min()), float(values.max())
     half = high / 2.0 - low / 2.0
     if half > 0.0 and not 1.0 / _MOST_SPAN <= 2.0 * half <= _MOST_SPAN:
@@ -54,6 +56,12 @@ def usable(values: Array) -> Usable:
     return Usable(values, tuple(notes))
 
 
+def no_data_note(count: int) -> str:
+    """What is said of so many pixels without data."""
+    what = "1 pixel has" if count == 1 else f"{count} pixels have"
+    return f"{what} no data, filled from around: contours there mean nothing."
+
+
 def _absent(values: Array) -> Mask | None:
     """Pixels without data; None when there are none."""
     low, high = float(values.min(initial=0.0)), float(values.max(initial=0.0))
@@ -61,18 +69,29 @@ def _absent(values: Array) -> Mask | None:
         return None
     absent = np.abs(values) >= _LEAST_NO_DATA
     others = values[~absent]
-    alike = len(np.unique(values[absent])) == 1
-    if not alike or not others.size or np.abs(others).max() > _FAR * _LEAST_NO_DATA or np.ptp(others) == 0.0:
+    kinds = np.unique(values[absent])
+    if len(kinds) != 1 or not others.size or np.abs(others).max() > _FAR * _LEAST_NO_DATA:
+        return None
+    if np.ptp(others) == 0.0 and kinds[0] != NO_DATA:
         return None
     return np.asarray(absent)
 
 
 def _filled(values: Array, known: Mask) -> Array:
-    """Values whose unknown pixels are means of known ones, the farther away these are, the more of them."""
+    """Values whose unknown pixels are means of known ones beside unknown ones, the farther away, the more of them.
+
+    Known ones beyond would put the brightness of an object at some distance beside the background around it.
+    """
+    beside = known & scipy.ndimage.binary_dilation(~known, iterations=_BESIDE)
+    return np.where(known, values, _spread(np.where(beside, values, 0.0), beside))
+
+
+def _spread(values: Array, known: Mask) -> Array:
+    """The same for all unknown pixels, of which those that lie together are filled together."""
     if known.all():
         return values
     weight = skimage.measure.block_reduce(known.astype(float), 2, np.sum)  # type: ignore[no-untyped-call]
     total = skimage.measure.block_reduce(values * known, 2, np.sum)  # type: ignore[no-untyped-call]
-    coarse = _filled(total / np.maximum(weight, 1.0), weight > 0.0)
+    coarse = _spread(total / np.maximum(weight, 1.0), weight > 0.0)
     between = skimage.transform.resize(coarse, values.shape, order=1, mode="edge", anti_aliasing=False)  # type: ignore[no-untyped-call]
     return np.where(known, values, between)

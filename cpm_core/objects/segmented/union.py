@@ -66,7 +66,7 @@ def union(first: SegmentedObject, second: SegmentedObject, shape: tuple[int, ...
         first,
         clicks=clicks,
         boundary=boundary,
-        gaps=tuple(gap for item in (first, second) for gap in item.gaps if _lies_on(gap, boundary)),
+        gaps=tuple(gap for item in (first, second) for gap in item.gaps if lies_on(gap, boundary)),
         confidence=float(np.average((first.confidence, second.confidence), weights=lengths)),
         strength=float(np.average((first.strength, second.strength), weights=lengths)),
     )
@@ -78,7 +78,7 @@ def _signed(item: SegmentedObject, places: Array) -> Array:
     return np.asarray(np.where(item.encloses(places), -away, away))
 
 
-def _lies_on(gap: Line, boundary: tuple[Line, ...]) -> bool:
+def lies_on(gap: Line, boundary: tuple[Line, ...]) -> bool:
     """Whether most of a stretch lies on a boundary."""
     probes = polyline.middles(np.asarray(gap), 8)
     away = np.min([polyline.distances((*curve, curve[0]), probes) for curve in boundary], axis=0)

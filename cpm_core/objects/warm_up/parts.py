@@ -13,6 +13,7 @@ from cpm_core.image.denoising import clean
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.loop_cache.folders import has_loops
+from cpm_core.objects.methods import CONTOUR_METHODS, Start, run_method
 from cpm_core.objects.partition import partition
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.particles.coulomb.mesh_force.plane import mesh_force
@@ -21,7 +22,6 @@ from cpm_core.particles.coverage.plane import cover
 from cpm_core.particles.initialization import circle
 from cpm_core.particles.volume_starts import sphere
 from cpm_core.segmentation.engine import Engine
-from cpm_core.segmentation.methods import CONTOUR_METHODS, Start, run_method
 
 _ROW, _COL = np.indices((32, 32))
 _IMAGE = 255.0 * (np.hypot(_ROW - 15.5, _COL - 15.5) < 9.0)
@@ -56,11 +56,12 @@ def contours_once() -> None:
 
 
 def objects_once() -> None:
-    """Run the loops of the choice of objects: of a first click, of further ones, and of a face that clicks cut."""
+    """Run the loops of the choice of objects: of a first click, of further ones, of a face that clicks cut, of a start."""
     faces = partition(_contours())
     mask = faces.select([(15.0, 15.0)]).mask
     missing, wrong = np.argwhere(~mask)[0], np.argwhere(mask)[-1]
     faces.select([(15.0, 15.0), missing], [wrong, (15.0, 19.0)])
+    faces.select(circle((15.5, 15.5), 5.0))
 
 
 def extras_once() -> None:
@@ -122,7 +123,7 @@ FIRST = (
 
 LATER = (
     Part(objects_once, ("cpm_core.objects.minimum_cut", "cpm_core.objects.candidates.features"), 66),
-    Part(extras_once, ("cpm_core.field.placed_charges", "cpm_core.segmentation.methods.level_sets.motion"), 40),
+    Part(extras_once, ("cpm_core.field.placed_charges", "cpm_core.objects.methods.level_sets.motion"), 40),
 )
 """All else that is done with images."""
 

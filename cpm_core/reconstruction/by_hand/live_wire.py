@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import scipy
-from skimage.graph import MCP_Geometric
+import skimage
 
 from cpm_core.field.scale_field import FAINTEST, ScaleField
 from cpm_core.numerics import polyline
@@ -74,7 +74,7 @@ class LiveWire:
         self.start = start
         self._avoided, self._spared = avoided, (start, *spared)
         self._low, self._high = self._around(np.array(_pixel(start, scale_field.shape)), _MARGIN)
-        self._search: MCP_Geometric | None = None
+        self._search: skimage.graph.MCP_Geometric | None = None
 
     def to(self, place: Position) -> Array:
         """The path from the start to another place, both included, shape (K, 2) [px]."""
@@ -96,14 +96,14 @@ class LiveWire:
         last = np.array(self._field.shape) - 1
         return np.clip(pixel - margin, 0, last), np.clip(pixel + margin, 0, last)
 
-    def _look_around(self, goal: Index) -> MCP_Geometric:
+    def _look_around(self, goal: Index) -> skimage.graph.MCP_Geometric:
         """The costs of all pixels around the start and the goal, and around what was searched before."""
         low, high = self._around(goal, _AHEAD)
         self._low, self._high = np.minimum(self._low, low), np.maximum(self._high, high)
         window = tuple(slice(a, b + 1) for a, b in zip(self._low.tolist(), self._high.tolist(), strict=True))
         costs = 1.0 / (1.0 + _EASE * np.minimum(self._field.edge_map[window] / _strong(self._field, window), 1.0))
         costs[self._blocked(self._low, self._high)] += _BLOCKED
-        search = MCP_Geometric(costs)
+        search = skimage.graph.MCP_Geometric(costs)
         search.find_costs([tuple(np.array(_pixel(self.start, self._field.shape)) - self._low)])
         return search
 

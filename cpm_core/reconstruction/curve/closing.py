@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 import scipy
-from skimage.graph import MCP_Geometric
+import skimage
 
 from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.result import Result
@@ -97,7 +97,7 @@ def _along(contour: Contour, edges: Array) -> Array:
     off = scipy.spatial.cKDTree(guide).query(places)[0]
     costs = 1.0 / (1.0 + _EASE * window / max(contour.strength, 1e-12)) + _LEAVING * off
     start, end = (np.clip(np.rint(place), low, high).astype(int) - low for place in (last, first))
-    search = MCP_Geometric(costs)
+    search = skimage.graph.MCP_Geometric(costs)
     search.find_costs([start], [end])
     path = smoothed(np.array(search.traceback(end), dtype=float) + low, last, first)
     return path if length(path) <= _DETOUR * gap else _straight(contour)

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
+import skimage
 from numpy.typing import NDArray
-from skimage.graph import MCP_Geometric
 
 from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.graph.graph import Graph
@@ -181,7 +181,7 @@ def _between_ends(graph: Graph, grid: _CostGrid, ends: dict[int, Array], longest
         low, high = grid.window(guide, 0.5 * gap + 3.0)
         costs, places = grid.costs(low, high, min(_strength(graph, grid.scale_field, v) for v in (a, b)))
         off = scipy.spatial.cKDTree(guide).query(places)[0]
-        search = MCP_Geometric(costs + _LEAVING * off + grid.obstacles(places, joined))
+        search = skimage.graph.MCP_Geometric(costs + _LEAVING * off + grid.obstacles(places, joined))
         total, path = _cheapest(search, low, joined[0], joined[1:])
         path = smoothed(path, joined[0], joined[1])
         if length(path) <= _DETOUR * gap:
@@ -210,7 +210,7 @@ def _to_sides(graph: Graph, grid: _CostGrid, ends: dict[int, Array], longest: fl
         away = places - place
         forward = away @ direction
         off = np.linalg.norm(away - forward[..., None] * direction, axis=-1)
-        search = MCP_Geometric(costs + _LEAVING * off + _BLOCKED * (forward < -1.0))
+        search = skimage.graph.MCP_Geometric(costs + _LEAVING * off + _BLOCKED * (forward < -1.0))
         total, path = _cheapest(search, low, place, graph.points[near])
         way = _stopped(graph, grid, end, smoothed(path, place, graph.points[near[_nearest(graph, near, path[-1])]]))
         gap = np.inf if way is None else graph.distance(end, way.other)  # it may have stopped at a vertex farther away
@@ -238,7 +238,7 @@ def _nearest(graph: Graph, vertices: NDArray[np.int64], place: Array) -> int:
     return int(np.argmin(np.linalg.norm(graph.points[vertices] - place, axis=1)))
 
 
-def _cheapest(search: MCP_Geometric, low: Array, start: Array, goals: Array) -> tuple[float, Array]:
+def _cheapest(search: skimage.graph.MCP_Geometric, low: Array, start: Array, goals: Array) -> tuple[float, Array]:
     """Cost and pixels of the cheapest path from a position to one of several others."""
     first = tuple(np.rint(start - low).astype(int))
     last = [tuple(goal) for goal in np.rint(goals - low).astype(int)]

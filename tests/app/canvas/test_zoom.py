@@ -74,7 +74,7 @@ def test_the_selection_can_fill_the_canvas_by_key_and_by_a_double_click_in_the_t
     hand.canvas.zoom_to(1.0)
     assert not fills()
     ready.workspace.review.select((item.key,))
-    hand.key(KEY.Key_Z)
+    hand.key(KEY.Key_F, Qt.KeyboardModifier.ShiftModifier)
     assert fills()
     hand.canvas.zoom_to(1.0)
     hand.key(KEY.Key_T, CTRL)

@@ -23,9 +23,9 @@ from app.views.mosaic.methods import CompareDialog
 from cpm_core.contours.ground_truth import truth_of_mask
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.image.image import Image
-from cpm_core.segmentation.methods import CONTOUR_METHODS, Compared, Start, run_method
-from cpm_core.segmentation.methods.compared import FIRST
-from cpm_core.segmentation.methods.level_sets.geodesic import GeodesicSettings
+from cpm_core.objects.methods import CONTOUR_METHODS, Compared, Start, run_method
+from cpm_core.objects.methods.compared import FIRST
+from cpm_core.objects.methods.level_sets.geodesic import GeodesicSettings
 from cpm_core.shapes import Barrier, Stroke
 from cpm_core.shapes.outlines import outlines_of
 from tests.app.conftest import Hand, disc

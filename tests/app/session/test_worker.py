@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import sys
 import threading
 import time
+import weakref
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -326,6 +329,20 @@ def test_placed_charges_act_at_the_next_step_and_of_many_moves_the_last_wins(ben
     bench.worker_thread.post(RunCall(2, Run.go, 1))
     bench.settle()
     assert engine.charges == [charges[-1], ()]
+
+
+def test_garbage_is_found_however_many_volumes_have_been_opened(bench: Bench) -> None:
+    bench.open()
+    bench.worker_thread.post(WarmUp(volumes=True))
+    bench.settle()
+    knot: Any = threading.Event()
+    knot.itself = knot
+    seen = weakref.ref(knot)
+    bench.worker_thread.post(WarmUp(volumes=True))
+    bench.settle()
+    del knot
+    gc.collect()
+    assert seen() is None
 
 
 def test_a_run_that_has_ended_goes_on_when_a_charge_is_placed_and_a_halted_one_does_not(bench: Bench) -> None:

@@ -10,7 +10,9 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
+from app.model.display.space.shown_parts import ShownParts
 from app.views.features.file.open_save import OpenSaveFeature
+from app.views.features.view.space import SpaceFeature
 from app.views.main_window import MainWindow
 from cpm_core.contours.agreement import TOLERANCE
 from tests.app.conftest import Hand
@@ -93,6 +95,16 @@ def test_keys_lead_to_the_differences_one_after_the_other(compared, hand) -> Non
     hand.key(KEY.Key_W, SHIFT)
     following = compared.workspace.truth.verified.differences[1]
     assert compared.session.scene.slices.voxel == tuple(round(at) for at in following.place)
+
+
+def test_space_shows_the_true_surface_while_its_layer_is_shown(compared, hand) -> None:
+    panel = compared.feature(SpaceFeature).panel
+    hand.wait(lambda: panel.contents is not None and len(panel.contents.truth) == 1)
+    (shown,) = panel.contents.truth
+    assert shown.mesh.surface.vertices.shape == compared.session.scene.truth.surface.vertices.shape
+    assert shown in panel.contents.view(ShownParts(objects=False)).objects
+    compared.actions_by_name["layer_truth"].trigger()
+    hand.wait(lambda: panel.contents.truth == ())
 
 
 def test_what_is_no_truth_of_the_volume_is_refused_in_a_sentence(volume, hand, tmp_path) -> None:

@@ -5,19 +5,24 @@ from __future__ import annotations
 import gc
 import itertools
 import threading
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
+import pytest
 from PySide6.QtCore import QCoreApplication, QEvent, Qt
 from pytestqt.qtbot import QtBot
 
 from app.model.document.modes import use_mode
+from app.model.preferences.table import PREFERENCES
 from app.session.session import Session
 from app.session.workspace import Workspace
 from app.views.application import make_application
 from app.views.canvas.canvas_area import FIRST_TOOL
+from app.views.canvas.tools.ringed import RingTool
+from app.views.features.file.start import StartFeature
 from app.views.main_window import MainWindow
 from app.views.panels.item_table.view import ItemTable
+from app.views.window import dialogs
 
 SIZE = 1000, 700
 """Width and height of windows [px]."""
@@ -43,14 +48,26 @@ def is_open(session: Session, path: Path) -> bool:
     return image is not None and image.path == str(path) and not session.opening
 
 
-def begin_anew(window: MainWindow) -> None:
-    """Let a window be as at the beginning, but for what goes with the image when another one is opened."""
+def begin_anew(window: MainWindow, views: dict[str, dict[str, object]]) -> None:
+    """Let a window be as at the beginning, but for what goes with the image when another one is opened.
+
+    The layers are shown as `views` says, by their names.
+    """
+    preferences = window.preferences
+    for preference in PREFERENCES:
+        preferences.choose(preference, preference.default)
+    preferences._settings.clear()
+    for layer in window.canvas_area.canvas.layers:
+        if layer.view_state() != views[layer.name]:
+            layer.use_view_state(views[layer.name])
     for table in window.findChildren(ItemTable):
         table.sortByColumn(0, Qt.SortOrder.AscendingOrder)
     window.panels["contours"].shown.setCurrentIndex(0)
     window.docks.restore()
     for tool in window.canvas_area._tools.values():
         tool.used = False
+        if isinstance(tool, RingTool):
+            tool._chosen = None
     window.session.begin_document(use_mode(window.session.document, "shape"))
     window.actions_by_name[FIRST_TOOL].trigger()
     window.canvas_area.messages.clear()
@@ -84,14 +101,35 @@ class Kept:
 
     workspace: Workspace | None = None
     window: MainWindow | None = None
+    threads: set[threading.Thread] = field(default_factory=set)
+    """Those that ran before the session was made."""
+    views: dict[str, dict[str, object]] = field(default_factory=dict)
+    """How the layers were shown at first, by their names."""
+
+    spoiled: bool = False
+    """Whether a test has failed in the window."""
+
+    def keep(self, window: MainWindow) -> None:
+        """Keep a window that has just been made."""
+        self.window = window
+        self.views = {layer.name: layer.view_state() for layer in window.canvas_area.canvas.layers}
 
     def close(self) -> None:
-        """Close what is kept."""
-        if self.window is not None:
-            close_window(self.window)
-        if self.workspace is not None:
-            close_workspace(self.workspace)
-        self.window = self.workspace = None
+        """Close what is kept, without a question or a picture, and fail when a thread of it runs on."""
+        window, workspace, self.window, self.workspace = self.window, self.workspace, None, None
+        self.spoiled = False
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(dialogs, "ask_about_unsaved", lambda parent, name, lost: "discard")
+            patch.setattr(StartFeature, "_keep_picture", lambda feature: None)
+            if window is not None:
+                close_window(window)
+            if workspace is not None:
+                close_workspace(workspace)
+                fail_for_threads_since(self.threads)
+
+
+KEPT = Kept()
+"""The window that the tests of a folder with the mark `shared_window` share."""
 
 
 def fail_for_threads_since(threads: set[threading.Thread]) -> None:

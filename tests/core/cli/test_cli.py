@@ -50,6 +50,7 @@ def test_run_finds_the_disk_and_tells_it_as_json(disk, command):
         "seconds",
         "bridges",
         "left_out",
+        "not_written",
     ]
     known.append("provenance")
     assert list(facts) == known
@@ -95,7 +96,7 @@ def test_open_contours_that_a_mask_leaves_out_are_told_and_can_be_closed(cut, co
     start, mask, drawing = ("--circle", "14,50,10"), tmp_path / "m.tif", tmp_path / "m.svg"
     status, _, err = command("run", image, *start, "--export", mask)
     assert status == 2  # no contour is closed
-    assert "No contour of cut.png is closed" in err
+    assert "No contour of cut.png is closed" in err and "Add --close" in err
     status, out, err = command("run", image, *start, "--export", drawing, "--json")
     assert (status, err, json.loads(out)["left_out"]) == (0, "", {str(drawing): 0})
     for close in (("--close",), ("--close", "straight")):
@@ -110,14 +111,34 @@ def test_open_contours_that_a_mask_leaves_out_are_told_and_can_be_closed(cut, co
 def test_a_mask_that_would_be_empty_does_not_lose_the_other_files(cut, command, tmp_path):
     image, _ = cut
     mask, drawing, table = tmp_path / "m.png", tmp_path / "m.svg", tmp_path / "m.csv"
-    status, out, err = command("run", image, "--circle", "14,50,10", "--export", drawing, mask, table)
-    assert status == 2
-    assert "m.png was not written: No contour of cut.png is closed" in err
-    assert drawing.exists()
-    assert table.exists()
-    assert not mask.exists()
-    assert "Wrote" in out
-    assert "m.png" not in out
+    run = ("run", image, "--circle", "14,50,10", "--export", drawing, mask, table)
+    status, out, err = command(*run)
+    assert status == 1
+    assert err.startswith(
+        f"cpm: {drawing} and {table} were written, but {mask} was not written: No contour of cut.png "
+    )
+    assert err.endswith("Add --close to close those whose ends are near each other.\n")
+    assert err.count("\n") == 1
+    assert drawing.exists() and table.exists() and not mask.exists()
+    assert "m.svg" in out and "m.png" not in out
+    facts = json.loads(command(*run, "--json")[1])
+    assert facts["left_out"] == {str(drawing): 0, str(table): 0}
+    assert list(facts["not_written"]) == [str(mask)] and facts["not_written"][str(mask)] in err
+
+
+def test_files_that_cannot_be_written_do_not_lose_the_session_of_a_run(cut, command, tmp_path):
+    image, _ = cut
+    mask, other, session = tmp_path / "m.png", tmp_path / "m.tif", tmp_path / "m.cpm"
+    run = ("run", image, "--circle", "14,50,10", "--export", mask, other)
+    status, out, err = command(*run, "--save-session", session)
+    assert status == 1
+    assert err.startswith(
+        f"cpm: {session} was written, but {mask} and {other} were not written: No contour of cut.png "
+    )
+    assert out.splitlines()[-1] == f"Wrote {session}"
+    session.unlink()
+    assert command(*run)[0] == 2
+    assert not any(path.exists() for path in (mask, other))
 
 
 def test_a_mask_with_some_contours_tells_how_many_open_ones_it_lacks(tmp_path, command):

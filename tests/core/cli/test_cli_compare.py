@@ -12,11 +12,11 @@ import tifffile
 
 from cpm_core.formats import load_surface
 from cpm_core.formats.sessions.session_file import SessionFile, load_session, save_session
-from cpm_core.segmentation.methods import CONTOUR_METHODS, Compared, runnable
-from cpm_core.segmentation.methods.compared import FIRST
-from cpm_core.segmentation.methods.level_sets.geodesic import GeodesicSettings
-from cpm_core.segmentation.methods.method import Needed
-from cpm_core.segmentation.methods.regions.grab_cut import GRAB_CUT
+from cpm_core.objects.methods import CONTOUR_METHODS, Compared, runnable
+from cpm_core.objects.methods.compared import FIRST
+from cpm_core.objects.methods.level_sets.geodesic import GeodesicSettings
+from cpm_core.objects.methods.method import Needed
+from cpm_core.objects.methods.regions.grab_cut import GRAB_CUT
 from cpm_core.shapes import Ellipse, Stroke
 
 ROW, COL = np.indices((56, 60))
@@ -119,9 +119,11 @@ def test_one_method_is_written_to_the_very_file(image, command, tmp_path):
 def test_a_method_without_contours_is_said_and_the_others_are_written(image, command, tmp_path):
     options = ("--methods", "snake", "gvf", "--set", "snake.alpha=1", "--export", tmp_path / "a.roi")
     status, out, err = command("compare", image, *CIRCLE, *options)
-    assert status == 0
+    assert status == 1
     assert out.splitlines()[-1] == f"Wrote {tmp_path / 'a.gvf.roi'}"
-    assert "a.snake.roi was not written" in err
+    assert err.startswith(
+        f"cpm: {tmp_path / 'a.gvf.roi'} was written, but {tmp_path / 'a.snake.roi'} was not written: "
+    )
     assert not (tmp_path / "a.snake.roi").exists()
 
 
@@ -289,7 +291,7 @@ def test_what_a_volume_does_not_have_is_refused_in_one_sentence(volume, command,
         ((), "No start is given"),
         (("--circle", "1,2"), '--circle is "1,2" but must be three numbers'),
         (("--polygon", "1,2,3,4,1,2"), "of three different corners at least"),
-        ((*CIRCLE, "--methods", "gfv"), '"gfv" is no method: choose among cpm, snake'),
+        ((*CIRCLE, "--methods", "gfv"), '"gfv" is no method: choose among cpm, object, snake'),
         ((*CIRCLE, "--set", "gac=1"), "must be METHOD.NAME=VALUE"),
         ((*CIRCLE, "--methods", "cpm", "--set", "gac.balloon=1"), "none of the methods compared"),
         ((*CIRCLE, "--set", "gac.baloon=1"), '"baloon" is no setting of gac: choose among balloon'),

@@ -86,6 +86,31 @@ def test_an_output_on_a_full_disk_is_told_in_one_line(disk):
         assert cpm("info", "none.png", stderr=full).returncode == 2
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no device that is always full")
+@pytest.mark.parametrize("asked", [["--help"], ["run", "--help"], ["--version"]])
+def test_help_that_cannot_be_written_is_told_too(asked):
+    with open("/dev/full", "w") as full:  # noqa: PTH123
+        done = cpm(*asked, stdout=full)
+    assert done.returncode == 2
+    assert done.stderr == b"cpm: the output cannot be written: No space left on device.\n"
+
+
+@posix
+@pytest.mark.parametrize("closed", ["0", "1", "2", "012"])
+def test_a_run_needs_no_standard_stream_and_its_files_are_whole(disk, tmp_path, closed):
+    """What libraries write to the number of a closed stream must not get into a file that has taken it."""
+    script = "; ".join(f"os.close({number})" for number in closed)
+    made = ["run", str(disk), "--circle", "32,32,24", "--max-steps", "5", "--export", str(tmp_path / "a.svg"), "--json"]
+    start = [sys.executable, "-P", "-m", "app", *made]
+    begin = f"import os; {script}; os.execv({sys.executable!r}, {start!r})"
+    done = subprocess.run([sys.executable, "-c", begin], capture_output=True, text=True, check=False)
+    assert done.returncode == 0
+    assert (tmp_path / "a.svg").read_text().endswith("</svg>\n")
+    assert (tmp_path / "a.svg").read_text().startswith("<?xml")
+    if "1" not in closed:
+        assert json.loads(done.stdout)["steps"] == 5
+
+
 @posix
 @pytest.mark.parametrize("makes", ["nothing of it", "another error of it"])
 def test_an_interrupt_during_the_start_is_one_line(disk, makes):

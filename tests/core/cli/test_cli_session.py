@@ -473,9 +473,13 @@ def test_an_image_with_open_contours_only_keeps_all_files_that_can_hold_them(com
     PIL.Image.fromarray((220 * (np.hypot(row - 12, col - 50) < 20)).astype(np.uint8)).save(tmp_path / "cut.png")
     save_session(SessionFile(shapes=(Circle((14.0, 50.0), 10.0),)), tmp_path / "a.cpm")
     line = ("batch", tmp_path / "cut.png", "--session", tmp_path / "a.cpm", "--output", tmp_path / "o", "--workers", 1)
-    status, _, err = command(*line)
-    assert status == 0
+    status, out, err = command(*line)
+    assert status == 1
     assert "cut.png: .png was not written: No contour of cut.png is closed" in err
+    assert ", 1 without some files; wrote " in out
+    facts = json.loads(command(*line, "--json")[1])  # done before
+    assert (facts["done"], facts["failed"], facts["lacking_files"]) == (1, 0, 1)
+    assert command(*line)[0] == 1
     (row,) = table(tmp_path / "o")
     assert (row["closed"], row["trouble"], row["files"]) == ("0", "", "cut_contours.svg; cut_contours.csv")
     assert "No contour of cut.png is closed" in row["notes"]

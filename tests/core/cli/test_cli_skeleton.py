@@ -27,7 +27,8 @@ def test_the_skeleton_is_told_as_json(image, command):
     facts = json.loads(out)
     assert (status, err) == (0, "")
     assert list(facts)[3:] == [
-        "contours", "closed", "length", "thickness", "largest_radius", "of", "max_width", "seconds", "provenance"
+        "contours", "closed", "length", "thickness", "largest_radius", "of", "max_width", "seconds", "not_written",
+        "provenance",
     ]  # fmt: skip
     assert (facts["of"], facts["max_width"]) == ("light", 0.0)
     assert facts["thickness"] == pytest.approx(20.0, abs=0.2)
@@ -114,7 +115,16 @@ def test_the_center_lines_of_a_volume_are_told_and_written(volume, command, tmp_
     assert "# SPACE=RAS\n" in (tmp_path / "b.swc").read_text()
     left, right = np.loadtxt(tmp_path / "a.swc"), np.loadtxt(tmp_path / "b.swc")
     np.testing.assert_allclose(right[:, 2:5], left[:, 2:5] * (-1.0, -1.0, 1.0), atol=1e-6)
-    assert list(facts)[3:] == ["contours", "closed", "length", "largest_radius", "unit", "seconds", "provenance"]
+    assert list(facts)[3:] == [
+        "contours",
+        "closed",
+        "length",
+        "largest_radius",
+        "unit",
+        "seconds",
+        "not_written",
+        "provenance",
+    ]
     assert (facts["contours"], facts["closed"]) == (1, 1)
     assert facts["length"] == pytest.approx(2.0 * np.pi * 9.0, rel=0.08)
     assert facts["largest_radius"] == pytest.approx(3.0, abs=0.6)
@@ -131,7 +141,7 @@ BAD = [
     ("skeleton bar.png --export a.svg --beta 1", "--beta"),
     ("skeleton bar.png --export a.xyz", "a.xyz"),
     ("skeleton bar.png --export a.svg bar.png", "overwrite the image"),
-    ("skeleton bar.png --export a.svg a.png --min-length 500", "no skeleton"),
+    ("skeleton bar.png --export a.png a.tif --min-length 500", "no skeleton"),
     ("skeleton ring.tif --volume --export a.svg", "end its name in .swc"),
     ("skeleton flat.png --space RAS", "--space is for center lines in a volume"),
     ("skeleton ring.tif --export a.swc --page 3", "--page is 3"),

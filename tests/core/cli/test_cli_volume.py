@@ -54,6 +54,15 @@ def test_a_surface_is_written_with_as_many_triangles_as_wanted(folder, command, 
     assert err == f"cpm: {left} triangles are left, not 4: with fewer the surface would lose its shape.\n"
 
 
+def test_files_that_need_a_surface_do_not_lose_the_particles_of_a_run_that_finds_none(folder, command, tmp_path):
+    surface, particles = tmp_path / "a.ply", tmp_path / "a.points.csv"
+    far = ("--sphere", "2,2,2,1", "--max-steps", "1", "--export", surface, particles)
+    status, out, err = command("run", folder / "ball.npy", *far, "--json")
+    assert (status, json.loads(out)["faces"]) == (1, 0)
+    assert err.startswith(f"cpm: {particles} was written, but {surface} was not written: ball.npy has no surface")
+    assert particles.exists() and not surface.exists()
+
+
 def test_a_nifti_volume_is_read_with_the_sides_of_its_voxels(folder, command):
     nibabel = pytest.importorskip("nibabel")
     volume = nibabel.Nifti1Image(np.load(folder / "ball.npy"), np.diag([0.5, 0.5, 0.5, 1.0]))

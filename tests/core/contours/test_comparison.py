@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from cpm_core import Contour, compare
 from cpm_core.contours.ground_truth import truth_of_contours, truth_of_mask
 from cpm_core.contours.rasterize import inside
-from cpm_core.segmentation.methods.states import level_contours
+from cpm_core.objects.methods.states import level_contours
 
 from ..scenes import circle_points
 

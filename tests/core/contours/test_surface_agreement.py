@@ -126,6 +126,17 @@ def test_what_is_no_label_volume_is_refused(values, words):
         truth_of_volume(values, (1.0, 1.0, 1.0), None, "a.npy")
 
 
+@pytest.mark.parametrize("value", [-np.inf, np.inf, np.nan, -1, 0.5, 2.0**31])
+@pytest.mark.parametrize("shape", [(), (2, 3, 4)])
+def test_labels_are_numbers_that_count_objects(value, shape):
+    with pytest.raises(ValueError, match="must be whole numbers of at least 0 with three axes"):
+        VolumeTruth(np.full(shape, value))
+
+
+def test_the_largest_label_is_kept():
+    assert VolumeTruth(np.full((2, 3, 4), 2.0**31 - 1)).labels.max() == 2**31 - 1
+
+
 def test_labels_of_other_voxels_and_tolerances_below_zero_are_refused():
     truth = VolumeTruth(ball((15, 15, 16), 6), (1.0, 1.0, 2.0))
     with pytest.raises(ValueError, match="its own volume"):

@@ -273,3 +273,22 @@ def test_a_comment_in_a_nifti_is_as_long_as_the_format_asks():
         (size,) = struct.unpack_from("<i", content, 352)
         (offset,) = struct.unpack_from("<f", content, 108)
         assert size % 16 == 0 and offset == 352 + size
+
+
+def test_files_of_surfaces_tell_it_as_far_as_they_have_room(tmp_path):
+    volume = cpm_core.example("ball")
+    result = cpm_core.segment(volume, cpm_core.sphere((15, 15, 15), 4, 60), cpm_core.PRESETS["volume"], max_steps=40)
+    paths = [tmp_path / f"a{suffix}" for suffix in (".vtk", ".stl", ".points.csv")]
+    export(result, *paths)
+    title = paths[0].read_bytes().split(b"\n")[1].decode()
+    assert f"IMAGE={volume.sha256} METHOD=cpm " in title
+    assert " edge_floor=0.16" in title
+    header = paths[1].read_bytes()[:80].decode()
+    begin = header.rpartition("IMAGE=")[2]
+    assert len(begin) >= 40
+    assert volume.sha256.startswith(begin)
+    rows = list(csv.DictReader(io.StringIO(paths[2].read_text(), newline="")))
+    told = entries_of(facts_of(result))
+    assert {name: rows[0][name] for name in told} == told
+    assert not any(rows[1][name] for name in told)
+    assert np.allclose(load_points(paths[2], axes=3), result.particles, atol=1e-4)

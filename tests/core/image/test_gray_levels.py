@@ -41,12 +41,41 @@ def test_pixels_without_data_are_told_and_make_no_edges(length, value):
     values = DISK.copy()
     values[36:, 30:] = value
     image = Image(values, notes=("first",))
-    assert image.notes == ("first", "216 pixels have no data, and no contours are looked for there.")
+    assert image.notes == ("first", "216 pixels have no data, filled from around: contours there mean nothing.")
     assert np.array_equal(image.values[:36], DISK[:36])
     assert 50 <= image.values.min() <= image.values.max() <= 200
     assert cpm.edge_map(image.values)[34:, 28:].max() < 0.5
     (contour,) = cpm.segment(image, SEEDS).contours
     assert contour.length == pytest.approx(length, abs=0.01)
+
+
+def test_an_object_near_pixels_without_data_has_no_edge_there():
+    rows, cols = np.mgrid[:40, :48]
+    values = 20.0 + 100.0 * (np.hypot(rows - 20, cols - 24) < 10)  # two rows of background before the missing ones
+    image = Image(np.where(rows < 8, NO_DATA, values))
+    assert np.allclose(image.values[:8], 20.0)
+    (contour,) = cpm.segment(image, cpm.circle((20, 24), 14), cpm.Parameters(scales=1)).contours
+    assert contour.points[:, 0].min() > 9.0
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.int32, np.float64])
+def test_what_an_array_masks_has_no_data(kind):
+    values = DISK.astype(kind)
+    masked = np.ma.masked_array(values, np.zeros(DISK.shape, dtype=bool))
+    masked.data[36:, 30:] = 0
+    assert np.array_equal(Image(masked).values, masked.data)
+    masked[36:, 30:] = np.ma.masked
+    image = Image(masked)
+    assert image.notes == ("216 pixels have no data, filled from around: contours there mean nothing.",)
+    assert np.array_equal(image.values, Image(np.where(masked.mask, NO_DATA, DISK)).values)
+    assert np.array_equal(cpm.partition(masked).image.values, image.values)
+    assert "216 pixels have no data" in Image(np.ma.masked_invalid(np.where(masked.mask, np.nan, DISK))).notes[0]
+
+
+def test_a_pixel_has_no_data_where_one_of_its_colors_is_masked():
+    colors = np.ma.masked_array(np.stack([DISK, DISK / 2, DISK / 3], axis=2), False)
+    colors[36:, 30:, 1] = np.ma.masked
+    assert any("216 pixels have no data" in note for note in Image(colors).notes)
 
 
 @settings(max_examples=30, deadline=None)
@@ -61,8 +90,8 @@ def test_what_is_filled_lies_between_the_known_levels(seed, share, shape):
     found, notes = usable(np.where(absent, NO_DATA, values))
     assert np.array_equal(found[~absent], values[~absent])
     assert values[~absent].min() - 1e-9 <= found.min() <= found.max() <= values[~absent].max() + 1e-9
-    assert notes == (f"{absent.sum()} pixel{' has' if absent.sum() == 1 else 's have'} no data, and no contours are "
-                     "looked for there.",)  # fmt: skip
+    assert notes == (f"{absent.sum()} pixel{' has' if absent.sum() == 1 else 's have'} no data, filled from around: "
+                     "contours there mean nothing.",)  # fmt: skip
 
 
 @pytest.mark.parametrize(

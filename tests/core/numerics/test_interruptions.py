@@ -105,7 +105,10 @@ def test_no_loop_gives_a_named_tuple_to_python():
         ast.unparse(call)
         for tree in trees
         for call in ast.walk(tree)
-        if isinstance(call, ast.Call) and ast.unparse(call.func) in making and id(call) not in loops
+        if isinstance(call, ast.Call)
+        and isinstance(call.func, ast.Name)
+        and call.func.id in making
+        and id(call) not in loops
     ]
     assert named, "no class found"
     assert not outside, f"make {outside} from a plain tuple"

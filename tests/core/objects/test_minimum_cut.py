@@ -57,7 +57,8 @@ def test_the_cut_costs_what_the_maximum_flow_carries(graph):
     nodes, source, sink = np.arange(count), np.full(count, count), np.full(count, count + 1)
     rows, cols = np.concatenate([first, second, source, nodes]), np.concatenate([second, first, nodes, sink])
     capacity = np.concatenate([price, price, leaving, entering]).astype(np.int32)
-    network = csr_array((capacity, (rows, cols)), shape=(count + 2, count + 2))
+    places = rows.astype(np.int32), cols.astype(np.int32)  # SciPy 1.13 takes no others
+    network = csr_array((capacity, places), shape=(count + 2, count + 2))
     network.sum_duplicates()
     assert total(graph, cut(graph)) == maximum_flow(network, count, count + 1).flow_value
 

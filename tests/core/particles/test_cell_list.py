@@ -50,9 +50,9 @@ class TestCellList:
             before, cell = end, (*row, col)
             start, end = kernels.row_of_cells(cells, *cell, col)
             assert start == before
-            mine = cells.order[start:end]
+            mine = cells.order[start:end].tolist()
             assert all(own_cell(points[i], size) == cell for i in mine)
-            assert np.all(np.diff(mine) > 0)  # in their order
+            assert mine == sorted(set(mine))  # in their order
         assert end == len(points)
 
     @settings(max_examples=60, deadline=None)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ..kills.command_line import draw_images
 from ..kills.nursery import outcome
-from ..report import Budget, Report
+from ..report import Budget, Report, asked_to_stop, going_on
 from .core import WORKS, Disk
 from .window import trials
 
@@ -27,11 +27,11 @@ def failed(budget: Budget) -> Report:
     draw_images(window)
     seconds = _OF_THE_WINDOW * budget.seconds
     told = outcome(window, trials, window, seconds, 1, budget.seed, busy=seconds)
-    count, failures = told.value if not told.killed else (0, ["the window has died"])
+    count, failures = told.value if not told.killed else (0, [] if asked_to_stop() else ["the window has died"])
     end = time.monotonic() + (1.0 - _OF_THE_WINDOW) * budget.seconds
     disks = {kind: Disk(_new(budget.folder / kind), kind) for kind in WORKS}
     waiting = {kind: drawn.sample(disk.trials(), len(disk.trials())) for kind, disk in disks.items()}
-    while time.monotonic() < end:
+    while going_on(end):
         for kind, disk in disks.items():
             size = drawn.randint(0, _LARGEST)
             planned: list[Callable[[], object]] = [lambda disk=disk, size=size: disk.limited(size)]

@@ -18,6 +18,7 @@ from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.shapes import Circle
 
 from ..kills.windows import opened, until
+from ..report import going_on
 from .core import ERRORS, OLD
 from .injection import Faults, can_fail, injected
 
@@ -50,7 +51,7 @@ def trials(folder: Path, seconds: float, every: int, seed: int) -> tuple[int, li
         ]
         drawn.shuffle(planned)
         for number, error, lasting in planned[::every]:
-            if time.monotonic() > end:
+            if not going_on(end):
                 return count, failures
             count += 1
             try:

@@ -15,7 +15,7 @@ import warnings
 from pathlib import Path
 from random import Random
 
-from ..report import Budget, Report
+from ..report import Budget, Report, asked_to_stop
 from .inputs.mutations import WORDS, mutated
 from .inputs.samples import samples
 from .limits import failure_of, limit_memory
@@ -40,22 +40,34 @@ def part(budget: Budget) -> Report:
     deadline, rounds, inputs = time.monotonic() + budget.seconds, 0, 0
     failures: dict[str, str] = {}
     _write_corpus(budget.folder)
-    while (left := deadline - time.monotonic()) > 1.0:
+    while (left := deadline - time.monotonic()) > 1.0 and not asked_to_stop():
         command = [sys.executable, "-m", __spec__.name, str(budget.folder), str(int(min(left, _ROUND)))]
-        found = subprocess.run([*command, str(budget.seed + rounds)], capture_output=True, text=True, check=False)
+        status, said = _ended([*command, str(budget.seed + rounds)])
         rounds += 1
         told = budget.folder / "told.json"
         if not told.exists():
-            failures["start"] = f"Atheris did not start: {found.stderr.strip().splitlines()[-1:]}"
+            failures["start"] = f"Atheris did not start: {said.strip().splitlines()[-1:]}"
             break
         count, sentences = json.loads(told.read_text())
         told.unlink()
         inputs += count
         for place, sentence in sentences.items():
             failures.setdefault(place, sentence)
-        if found.returncode:
-            failures.setdefault("end", f"the process ended with status {found.returncode}: {found.stderr[-800:]!r}")
+        if status and not asked_to_stop():
+            failures.setdefault("end", f"the process ended with status {status}: {said[-800:]!r}")
     return Report(inputs, failures=tuple(failures.values()))
+
+
+def _ended(command: list[str]) -> tuple[int, str]:
+    """The status with which a process ends, which is told when this one is to stop, and what it said of errors."""
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as child:
+        while True:
+            try:
+                said = child.communicate(timeout=1.0)[1]
+                return child.returncode, said
+            except subprocess.TimeoutExpired:
+                if asked_to_stop():
+                    child.terminate()
 
 
 def _write_corpus(folder: Path) -> None:

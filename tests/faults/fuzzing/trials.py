@@ -5,15 +5,17 @@ from __future__ import annotations
 import faulthandler
 import multiprocessing
 import re
+import signal
 import time
 import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from multiprocessing.connection import Connection
 from pathlib import Path
 from random import Random
 from typing import Any
 
-from ..report import Budget, Report
+from ..report import Budget, Report, asked_to_stop, going_on
 from .limits import failure_of, limit_memory
 
 Trial = Callable[[Random, Path], int]
@@ -21,6 +23,9 @@ Trial = Callable[[Random, Path], int]
 
 _STUCK = 120.0
 """Time on the clock after which a trial is taken for one that never ends [s]."""
+
+_LOOKS_EVERY = 0.5
+"""Time after which is looked whether this process is asked to stop [s]."""
 
 _MEMORY = 12 * 2**30
 _KIND = re.compile(r"^(\w*).*\[(.*)\]$", re.DOTALL)
@@ -42,7 +47,7 @@ def at_length(trial: Trial, budget: Budget, prepare: Callable[[], object] | None
     deadline, number, inputs = time.monotonic() + budget.seconds, 0, 0
     failures: dict[str, str] = {}
     context = multiprocessing.get_context("spawn")
-    while time.monotonic() < deadline:
+    while going_on(deadline):
         ours, theirs = context.Pipe()
         arguments = (theirs, trial, prepare, budget, number, deadline)
         child = context.Process(target=_work, args=arguments)
@@ -52,8 +57,10 @@ def at_length(trial: Trial, budget: Budget, prepare: Callable[[], object] | None
             inputs += count
             if failure:
                 failures.setdefault(_KIND.sub(r"\1 \2", failure), f"trial {number} of seed {budget.seed}: {failure}")
+        if asked_to_stop():
+            child.terminate()
         child.join()
-        if child.exitcode:
+        if child.exitcode and not asked_to_stop():
             number += 1
             failures.setdefault(
                 f"end {child.exitcode}",
@@ -64,18 +71,18 @@ def at_length(trial: Trial, budget: Budget, prepare: Callable[[], object] | None
 
 
 def _told(pipe: Connection) -> Any:
-    """What a process tells until it ends."""
-    while True:
-        try:
-            yield pipe.recv()
-        except EOFError:
-            return
+    """What a process tells until it ends, or is to end."""
+    with suppress(EOFError):
+        while not asked_to_stop():
+            if pipe.poll(_LOOKS_EVERY):
+                yield pipe.recv()
 
 
 def _work(
     pipe: Connection, trial: Trial, prepare: Callable[[], object] | None, budget: Budget, first: int, deadline: float
 ) -> None:
     """Run trials and tell each: its number, its inputs, and what failed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a Ctrl+C is answered by the process that hears of the trials
     limit_memory(_MEMORY)
     warnings.simplefilter("error")  # a warning that nobody expects is trouble that nobody is told of
     if prepare is not None:
@@ -86,8 +93,6 @@ def _work(
         try:
             count, failure = trial(random_of(budget.seed, number), budget.folder), ""
         except BaseException as error:
-            if isinstance(error, KeyboardInterrupt):
-                raise
             count, failure = 1, failure_of(error)
         pipe.send((number, count, failure))
         number += 1

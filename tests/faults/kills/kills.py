@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from ..report import Budget, Report
+from ..report import Budget, Report, going_on
 from .command_line import Batches, Kill, Runs
 from .loops import Loops
 from .nursery import killed_after, killed_before
@@ -31,7 +31,7 @@ def killed(budget: Budget) -> Report:
         for name, victim in victims.items():
             kill, moment = _drawn(name, victim.operations, drawn)
             count += _tried(failures, f"{name}, {moment}", lambda victim=victim, kill=kill: victim.trial(kill))
-            if time.monotonic() > end:
+            if not going_on(end):
                 return Report(count, count, tuple(failures))
         if turn % _LOOPS_EVERY == 0:
             fraction = drawn.random()

@@ -6,12 +6,15 @@ import multiprocessing
 import os
 import signal
 import sys
+import time
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
+
+from ..report import asked_to_stop, stoppable
 
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
@@ -23,6 +26,10 @@ _OPERATIONS = frozenset({"open", "os.rename", "os.remove", "os.mkdir", "os.rmdir
 
 _LONGEST = 120.0
 """A process that goes on for so long beyond what it is told to hangs [s]."""
+
+
+_LOOKS_EVERY = 0.5
+"""Time after which is looked whether this process is asked to stop [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +44,7 @@ class End:
 
 def outcome(folder: Path, function: Callable[..., Any], *arguments: Any, busy: float = 0.0) -> End:
     """Let a process call a function to its end, which is to be busy for so many seconds."""
-    return _whole(_ended(folder, function, arguments, 0, busy + _LONGEST), function)
+    return _whole(_ended(folder, function, arguments, 0, busy + _LONGEST, until_stopped=busy > 0.0), function)
 
 
 def killed_before(operation: int, folder: Path, function: Callable[..., Any], *arguments: Any) -> End:
@@ -58,21 +65,25 @@ def _whole(end: End, function: Callable[..., Any]) -> End:
 
 
 def _ended(
-    folder: Path, function: Callable[..., Any], arguments: tuple[Any, ...], operation: int, seconds: float
+    folder: Path,
+    function: Callable[..., Any],
+    arguments: tuple[Any, ...],
+    operation: int,
+    seconds: float,
+    until_stopped: bool = False,
 ) -> End:
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(_MODULES)
     line, theirs = context.Pipe(duplex=False)
-    process = context.Process(target=_work, args=(theirs, folder, operation, function, arguments))
+    process = context.Process(target=_work, args=(theirs, folder, operation, function, arguments, until_stopped))
     process.start()
     theirs.close()
     told = None
     try:
-        if line.poll(seconds):
-            with suppress(EOFError):  # it has been killed
-                told = line.recv()
-        else:
+        if not _tells(line, seconds, process if until_stopped else None):
             return End(True, late=True)
+        with suppress(EOFError):  # it has been killed
+            told = line.recv()
     finally:
         process.kill()
         process.join()
@@ -80,13 +91,31 @@ def _ended(
     return End(True) if told is None else End(False, *told)
 
 
+def _tells(line: Connection, seconds: float, stopped: multiprocessing.process.BaseProcess | None) -> bool:
+    """Whether a process tells something, or ends, within a time; it is asked to stop when this process is."""
+    end = time.monotonic() + seconds
+    while (left := end - time.monotonic()) > 0.0:
+        if line.poll(min(left, _LOOKS_EVERY)):
+            return True
+        if stopped is not None and asked_to_stop():
+            stopped.terminate()
+            stopped = None
+    return False
+
+
 def _work(
-    line: Connection, folder: Path, operation: int, function: Callable[..., Any], arguments: tuple[Any, ...]
+    line: Connection,
+    folder: Path,
+    operation: int,
+    function: Callable[..., Any],
+    arguments: tuple[Any, ...],
+    until_stopped: bool,
 ) -> None:
     os.setsid()
     operations = _count_operations(folder, operation)
     os.chdir(folder)
-    value = function(*arguments)
+    with stoppable() if until_stopped else nullcontext():
+        value = function(*arguments)
     line.send((value, operations[0]))
     os.kill(os.getpid(), signal.SIGKILL)  # nothing that a normal end would still do
 

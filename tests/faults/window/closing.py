@@ -25,7 +25,7 @@ from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.shapes import Circle
 
 from ..clock import now
-from ..report import Budget, Report
+from ..report import Budget, Report, going_on
 from .delays import Delays
 from .program import IMAGES, await_true, destroyed, discarding, opened, ours, settled, surroundings
 from .watch import ANSWERS_WITHIN, Watch
@@ -164,7 +164,7 @@ def try_closing(
     pairs = list(itertools.product(moments, tasks))
     with surroundings(budget.folder) as images, discarding(), Watch().kept() as watch:
         for moment, task in itertools.chain.from_iterable(itertools.repeat(pairs, 1_000 if rounds is None else rounds)):
-            if time.monotonic() > end:
+            if not going_on(end):
                 break
             tried += 1
             with Delays(f"{budget.seed}:{tried}").injected() as delays:

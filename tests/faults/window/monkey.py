@@ -21,7 +21,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 from app.model.preferences.table import TIMELINE_MEMORY
 from app.session.worker.worker_thread import QUIET
 
-from ..report import Budget, Report
+from ..report import Budget, Report, going_on
 from .gestures import Gesture, Hand
 from .memory import Taken, quarters, still_rising, taken
 from .program import IMAGES, await_true, destroyed, discarding, opened, ours, settled, surroundings
@@ -193,8 +193,8 @@ def play(
     with surroundings(budget.folder) as images, Watch().kept() as watch:
         monkey = Monkey(images, budget.seed, watch)
         checked = 0
-        while time.monotonic() < end and (gestures is None or monkey.made < gestures):
-            monkey.make(between, lambda: time.monotonic() < end)
+        while going_on(end) and (gestures is None or monkey.made < gestures):
+            monkey.make(between, lambda: going_on(end))
             try:
                 broken = monkey.check()
             except TimeoutError as error:
@@ -207,7 +207,8 @@ def play(
             monkey.store_little()
             monkey.tidy()
             measured.append(taken())
-            log.info("%d gestures, %s", monkey.made, measured[-1])
+            mark = measured[-1]
+            log.info("%d gestures: %.0f MiB, %d Qt objects", monkey.made, mark.resident, mark.qt_objects)
         monkey.close()
         failures += watch.troubles
     hours = monkey.made / PER_HOUR

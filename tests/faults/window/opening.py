@@ -15,7 +15,7 @@ from cpm_core.formats.sessions.session_file import load_session
 from ..fuzzing.inputs.session_samples import IMAGE, SAMPLES, SESSION, write_images
 from ..fuzzing.limits import check_sentence
 from ..fuzzing.sessions import damaged
-from ..report import Budget, Report
+from ..report import Budget, Report, going_on
 from .program import await_true, destroyed, discarding, opened, settled, surroundings
 from .watch import Watch
 
@@ -113,7 +113,7 @@ def try_opening(budget: Budget, most: int | None = None, of: Sequence[str] = tup
             failures += [f"the sound session of {image}: {sentence}" for sentence in visitor.look_at(path)]
             visitor.saved(path)
             sound[image] = path.read_bytes()
-        while time.monotonic() < end and (most is None or tried < most):
+        while going_on(end) and (most is None or tried < most):
             tried += 1
             path.write_bytes(damaged(sound[of[tried % len(of)]], Random(f"{budget.seed}/{tried}")))
             try:

@@ -26,7 +26,7 @@ from cpm_core.parameters import Parameters
 from cpm_core.shapes import Circle
 
 from ..clock import now
-from ..report import Budget, Report
+from ..report import Budget, Report, going_on
 from .delays import Delays
 from .program import ours, surroundings
 from .watch import ANSWERS_WITHIN, Watch
@@ -233,7 +233,7 @@ def try_orders(budget: Budget, rows: Iterator[tuple[str, ...]] | None = None) ->
     with surroundings(budget.folder) as images, Watch().kept() as watch:
         draw_small_images(images)
         for row in every_row(budget.seed) if rows is None else rows:
-            if time.monotonic() > end:
+            if not going_on(end):
                 break
             tried += 1
             seed = f"{budget.seed}:{tried}"

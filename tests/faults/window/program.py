@@ -56,8 +56,8 @@ def surroundings(folder: Path) -> Iterator[Path]:
     images.mkdir(exist_ok=True)
     draw_images(images)
     QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, str(folder / "settings"))
-    warm_up()  # with the cache of compiled loops of this computer
     make_application()
+    warm_up()  # with the cache of compiled loops of this computer
     before = Path.cwd()
     with mock.patch.dict(os.environ, {"XDG_CACHE_HOME": str(folder / "cache"), "HOME": str(folder)}):
         os.chdir(folder)

@@ -14,6 +14,7 @@ from app.views.main_window import MainWindow
 from cpm_core.shapes import Circle
 
 from ..kills.windows import opened, until
+from ..report import going_on
 from .raising import Raising
 
 _ERRORS: tuple[Callable[[], Exception], ...] = (
@@ -33,7 +34,7 @@ def trials(folder: Path, seconds: float, least: int, seed: int) -> tuple[int, li
     raising.place()
     calls = {work: _counted(window, folder, work, raising) for work in _WORKS}
     end, count, failures = time.monotonic() + seconds, 0, []
-    while time.monotonic() < end or count < least:
+    while going_on(end) or count < least:
         work = _WORKS[count % len(_WORKS)]
         number, error = drawn.randint(1, calls[work]), drawn.choice(_ERRORS)()
         count += 1

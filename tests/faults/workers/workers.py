@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 from ..kills.command_line import draw_images
 from ..kills.nursery import outcome
-from ..report import Budget, Report
+from ..report import Budget, Report, asked_to_stop, going_on
 from .command_line import Memory, Workers
 from .window import trials
 
@@ -28,10 +28,10 @@ def broken(budget: Budget) -> Report:
     draw_images(folders["window"])
     seconds = _OF_THE_WINDOW * budget.seconds
     told = outcome(folders["window"], trials, folders["window"], seconds, 3, budget.seed, busy=seconds)
-    count, failures = told.value if not told.killed else (0, ["the window has died"])
+    count, failures = told.value if not told.killed else (0, [] if asked_to_stop() else ["the window has died"])
     end = time.monotonic() + (1.0 - _OF_THE_WINDOW) * budget.seconds
     memory, workers = Memory(folders["memory"]), Workers(folders["workers"])
-    while time.monotonic() < end:
+    while going_on(end):
         size, kills, seed = drawn.uniform(0.0, _MOST), drawn.randint(1, 3), drawn.randrange(10**6)
         planned: tuple[Callable[[], object], ...] = (
             lambda size=size: memory.trial(size),

@@ -54,6 +54,8 @@ class Contents:
         Color of each shade.
     objects : tuple of ColoredMesh
         Objects that have been selected, and those that are offered.
+    truth : tuple of ColoredMesh
+        The ground truth, where one is known and shown.
     """
 
     image: Image
@@ -64,6 +66,7 @@ class Contents:
     wires: Wires | None = None
     table: Colors = field(default_factory=lambda: GRAY)
     objects: tuple[ColoredMesh, ...] = ()
+    truth: tuple[ColoredMesh, ...] = ()
 
     def view(self, shown: ShownParts) -> ViewInSpace:
         """The view of the parts that are shown."""
@@ -79,7 +82,7 @@ class Contents:
             self._cut(shown),
             shown.box,
             self.wires,
-            self.objects if shown.objects else (),
+            (*(self.objects if shown.objects else ()), *self.truth),
             directions_of(self.image),
             first_seen(self.image),
         )

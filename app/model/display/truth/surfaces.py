@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Literal
 
 import numpy as np
 
 from app.model.display.truth.differences import Difference
+from app.model.volume.kept_with_surface import kept_with_surface
 from app.model.volume.slices import Slice
 from app.model.volume.surface_section import prepare, section
 from cpm_core.contours.contour import Contour
@@ -18,9 +18,6 @@ from cpm_core.contours.surface import Surface
 from cpm_core.contours.surface.agreement import SurfaceComparison
 from cpm_core.contours.surface.ground_truth import VolumeTruth
 from cpm_core.numerics.types import Array
-
-_KEPT = 16
-"""Number of sections that are kept: those of the slices that are shown."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -90,6 +87,6 @@ def differences_in(apart: Iterable[Apart], here: Slice) -> tuple[Difference, ...
     )
 
 
-@lru_cache(maxsize=_KEPT)
+@kept_with_surface
 def _lines(surface: Surface, here: Slice) -> tuple[Contour, ...]:
     return section(surface, here) if len(surface.faces) else ()

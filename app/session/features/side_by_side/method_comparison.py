@@ -15,7 +15,7 @@ from app.session.tasks.tasks import Task
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.formats.animations.comparison import Tile, write_comparison
 from cpm_core.image.image import Image
-from cpm_core.segmentation.methods import PLACES, Start
+from cpm_core.objects.methods import CONTOUR_METHODS, PLACES, Start
 from cpm_core.shapes import Barrier, Charge, Region
 from cpm_core.shapes.document_shapes import starts_of
 from cpm_core.shapes.outlines import outlines_of
@@ -98,7 +98,7 @@ class MethodComparison(QObject):
         method = document.comparison.methods[place]
         if image is None or not method:
             return
-        ours, channel = method == "cpm", document.parameters.channel
+        ours, channel = CONTOUR_METHODS[method].of_particles, document.parameters.channel
         plain = ours or image.colors is None or channel == "luminance"
         taken = image if plain else Image(image.gray(channel), source=image.source)
         settings = document.parameters if ours else document.comparison.settings_of(method)

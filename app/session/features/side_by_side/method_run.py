@@ -18,7 +18,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array
-from cpm_core.segmentation.methods import CONTOUR_METHODS, Facts, Moment, Start, facts_of, moments
+from cpm_core.objects.methods import CONTOUR_METHODS, Facts, Moment, Start, facts_of, moments
 
 _LEAST_PAUSE, _SHARE = 0.005, 4.0
 """Time after a state that is shown in which none is: at least so long [s], and so many times what showing it took."""

@@ -6,7 +6,6 @@ a module of its own; the worker thread does not know the kinds.
 
 from __future__ import annotations
 
-import gc
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -30,6 +29,7 @@ from app.session.exchange.messages import (
     WentOn,
 )
 from app.session.tasks.tasks import Task
+from app.session.worker.free_memory import keep_loaded
 from app.session.worker.run import Run
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import Mark
@@ -318,8 +318,7 @@ class WarmUp(Command):
                 context.report(Compiling(percent))
 
         (context.core.warm_up_volumes if self.volumes else context.core.warm_up)(context.closing, tell)
-        # What is loaded by now stays; a search through it for garbage would delay the window by several frames.
-        gc.freeze()
+        keep_loaded(self.volumes)
         context.report(WarmedUp())
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from app.model.text.language import tr
+from app.views.canvas.tools.brush import BrushTool
 from app.views.canvas.tools.charge import AttractTool, RepelTool
 from app.views.canvas.tools.contours import ContourTool
 from app.views.canvas.tools.drawn import CircleTool, EllipseTool, PointTool
@@ -69,5 +70,6 @@ TOOLS: tuple[ToolEntry, ...] = (
     _entry(ContourTool, tr("C&ontour tool"), "V", CONTOUR),
     _entry(EditContoursTool, tr("Edit contours by han&d"), "J", CONTOUR),
     _entry(OutlineTool, tr("O&utline tool"), "U", CONTOUR),
+    _entry(BrushTool, tr("Paint objects &with a brush"), "Z", CONTOUR),
 )
 """All tools in the order shown, those of one group next to each other."""

@@ -66,7 +66,7 @@ class LayersFeature(Feature):
                        shortcuts=("Ctrl+1",), tip=tr("Show one pixel of the image on one pixel of the screen."),
                        when=has_image),
             ActionSpec(name="zoom_to_selection", menu="View", text=tr("Zoom to the &selection"),
-                       do=self.context.canvas_area.zoom_to_selection, shortcuts=("Z",),
+                       do=self.context.canvas_area.zoom_to_selection, shortcuts=("Shift+F",),
                        tip=tr("Show the selected contours, objects or shape as large as possible."),
                        when=lambda situation: bool(selected_places(self.context.workspace))),
             ActionSpec(name="zoom_in", menu="View", text=tr("Zoom &in"), do=lambda: canvas.zoom(ZOOM),

@@ -41,7 +41,7 @@ class SpaceFeature(Feature):
         self.panel.view.picked.connect(self._pick)
         self.panel.bar.changed.connect(context.refresh)
         context.canvas_area.level_drag.watch(self.panel.view)
-        for layer in (layers.particles, layers.image, layers.drawing, layers["objects"]):
+        for layer in (layers.particles, layers.image, layers.drawing, layers["objects"], layers["truth"]):
             layer.changed.connect(self._show)
 
     def panels(self) -> Sequence[Panel]:

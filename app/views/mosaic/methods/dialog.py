@@ -30,7 +30,7 @@ from app.views.mosaic.methods.side import Legend, Side
 from app.views.mosaic.methods.transport import Transport
 from app.views.mosaic.run_dialog import RunDialog
 from cpm_core.contours.ground_truth import Truth
-from cpm_core.segmentation.methods import CONTOUR_METHODS, PLACES, Compared, Settings
+from cpm_core.objects.methods import CONTOUR_METHODS, PLACES, Compared, Settings
 from cpm_core.shapes.outlines import outlines_of
 
 _PATIENCE = 300

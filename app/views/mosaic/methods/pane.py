@@ -21,7 +21,7 @@ from app.views.theme import theme
 from app.views.widgets.elided_label import ElidedLabel
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.numerics.types import Array
-from cpm_core.segmentation.methods import CONTOUR_METHODS, Facts
+from cpm_core.objects.methods import CONTOUR_METHODS, Facts
 
 _ABOVE = 10.0
 _DOT = 3.5

@@ -11,8 +11,8 @@ from PySide6.QtWidgets import QDoubleSpinBox, QLabel, QSlider, QVBoxLayout, QWid
 
 from app.model.text.language import from_core
 from app.views.widgets.fields.decimal_field import DecimalField
+from cpm_core.objects.methods import Settings
 from cpm_core.parameters import ParameterInfo
-from cpm_core.segmentation.methods import Settings
 
 _NOTCHES = 200
 

@@ -10,7 +10,7 @@ from app.views.canvas.layers.legend_entry import LegendEntry
 from app.views.canvas.strip.legend import Sample
 from app.views.mosaic.methods.settings_form import SettingsForm
 from app.views.theme import theme
-from cpm_core.segmentation.methods import CONTOUR_METHODS, Compared
+from cpm_core.objects.methods import CONTOUR_METHODS, Compared
 
 WIDTH = 260
 
@@ -50,7 +50,7 @@ class Side(QWidget):
         self.heading.setText(from_core(method.title) if method else "")
         self.about.setText(f"{from_core(method.about)}\n{method.reference}" if method else "")
         ours = tr("These are the parameters of the window: change them there and run again.")
-        own = compared.settings_of(name) if name not in ("", "cpm") else None
+        own = compared.settings_of(name) if method is not None and not method.of_particles else None
         self.form.show_settings(own, ours if name else "")
 
 

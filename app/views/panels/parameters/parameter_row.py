@@ -16,7 +16,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.model.parameters.controls import Control, slider_range
+from app.model.parameters.controls import Control, in_dimension, slider_range
 from app.model.text.language import tr
 from app.model.text.numbers import written
 from app.model.text.wording import FIRST_WORDING, Wording
@@ -85,7 +85,7 @@ class ParameterRow(QWidget):
 
     def __init__(self, control: Control) -> None:
         super().__init__()
-        self.control = control
+        self.control = self._in_image = control
         numeric = control.default if isinstance(control.default, float | int) else None
         self._label = QLabel()
         self.number = Number(control.words)
@@ -119,6 +119,14 @@ class ParameterRow(QWidget):
         default = self.control.default
         same = value == default if isinstance(value, str) or isinstance(default, str) else abs(value - default) < _SAME
         self._restore.setEnabled(not same)
+
+    def use_dimension(self, ndim: int) -> None:
+        """Say what it is in an image, or in a volume, which has three axes."""
+        made = in_dimension(self._in_image, ndim)
+        if made != self.control:
+            self.control = made
+            for widget in (self._label, self.number, self.slider):
+                widget.setToolTip(tip(made))
 
     def show_effect(self, words: str) -> None:
         """Show what the present value changes, below the slider."""

@@ -70,6 +70,7 @@ class ParametersPanel(QWidget):
         contrast = document.image.contrast if document.image else 0.0
         acting = self._show_acting(document)
         for name, row in self.rows.items():
+            row.use_dimension(len(document.image.shape) if document.image else 2)
             row.show_value(value_of(document.parameters, name), contrast)
         self._show_effects()
         if self.explanation.control is not None and self.explanation.control.name not in acting:
@@ -77,7 +78,7 @@ class ParametersPanel(QWidget):
         for name, choice in self.choices.items():
             choice.show_value(str(value_of(document.parameters, name)))
         if self.explanation.control is not None:
-            self._explain(self.explanation.control)
+            self._explain(self.rows[self.explanation.control.name].control)
 
     def _show_acting(self, document: Document) -> frozenset[str]:
         """Show what acts in the mode of a document and hide the rest; to show a row again takes long."""

@@ -127,7 +127,7 @@ class TimelinePanel(QWidget):
         grid = QGridLayout(self)
         grid.setContentsMargins(8, 2, 8, 2)
         grid.setHorizontalSpacing(10)
-        grid.setVerticalSpacing(2)
+        grid.setVerticalSpacing(1)
         grid.addLayout(transport, 0, 0)
         grid.addLayout(step, 1, 0)
         grid.addWidget(scroll, 0, 1, 3, 1)

@@ -56,7 +56,7 @@ def export_stack(
     *paths : path-like
         Files to write. Existing ones are replaced, each as a whole.
     refused : callable, optional
-        Called with each file that there is nothing for, and a sentence; by default that is an error.
+        Called with each file that cannot be written, and why in a sentence; by default that is an error.
 
     Raises
     ------
@@ -84,4 +84,4 @@ def export_stack(
 def _refuse(file: Path, error: ValueError, refused: Callable[[Path, str], object] | None) -> None:
     if refused is None:
         raise error
-    refused(file, f"{file} was not written: {error}")
+    refused(file, str(error))

@@ -12,14 +12,13 @@ from numpy.typing import NDArray
 
 from cpm_core.formats.images import tiff
 from cpm_core.formats.images.choice import FIRST, Choice, series_of
-from cpm_core.formats.images.decoded import Decoded, UnreadableError, from_samples
+from cpm_core.formats.images.decoded import Decoded, UnreadableError
 from cpm_core.formats.images.stacks.stack import Stack, as_planes, check_content, joined, plane_of
 from cpm_core.formats.printable import printable
 
 READS = {".tif": "TIFF image or stack", ".tiff": "TIFF image or stack"}
 
 _PIXEL_AXES = "YXS"
-_RGB = 3
 
 
 def reads(head: bytes, _path: Path) -> bool:
@@ -56,6 +55,9 @@ def stack(path: Path, choice: Choice = FIRST) -> Stack:
         (row, col), unit = tiff.spacing_of(file, keyframe, number)
         depth = tiff.depth_of(file, unit, number)
         size = dict(zip(series.axes, series.shape, strict=True))
+        sides = (int(size["Y"]), int(size["X"]))
+        if tiff.lies_across(keyframe):
+            sides, (row, col) = sides[::-1], (col, row)
     notes = () if choice.series or len(names) == 1 else (f"Only the first of its {len(names)} series was taken.",)
     untold = () if depth or unit is None else ("The distance of its planes is not told; that of its rows was taken.",)
 
@@ -65,7 +67,7 @@ def stack(path: Path, choice: Choice = FIRST) -> Stack:
 
     return Stack(
         name,
-        (pages.numbers.shape[2], int(size["Y"]), int(size["X"])),
+        (pages.numbers.shape[2], *sides),
         take,
         series.dtype.itemsize * float(size.get("S", 1)),
         pages.numbers.shape[0],
@@ -130,12 +132,7 @@ def _taken(file: tifffile.TiffFile, series: tifffile.TiffPageSeries, numbers: ND
         return joined(found)
     axes = "".join(axis for axis in series.axes if axis in _PIXEL_AXES)
     every = series.asarray(maxworkers=1).reshape(-1, *(series.shape[series.axes.index(axis)] for axis in axes))
-    part = every[numbers]
-    if "S" not in axes:
-        return Decoded(part)
-    if axes.index("S") == 0:
-        part = np.moveaxis(part, 1, -1)
-    count, rows, columns, samples = part.shape
-    if samples < _RGB:
-        return Decoded(part[..., 0])
-    return as_planes(from_samples(part[..., :_RGB].reshape(-1, columns, _RGB)), (count, rows, columns))
+    page = series.keyframe
+    assert isinstance(page, tifffile.TiffPage)
+    read = (tiff.turned(page, tiff.pixels(page, plane, page.bitspersample, path.name)) for plane in every[numbers])
+    return joined([as_planes(one, (1, *one.values.shape)) for one in read])

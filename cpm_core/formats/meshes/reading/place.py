@@ -13,7 +13,7 @@ from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array
 
 _SPACE = re.compile(r"\bSPACE\s*[=:]\s*(LPS|RAS)\b")
-_UNIT = re.compile(r"\bUNIT\s*[=:]\s*(\S+)")
+_UNIT = re.compile(r"\bUNIT\s*[=:]\s*([^\s;]+)")
 
 
 @dataclass(frozen=True)

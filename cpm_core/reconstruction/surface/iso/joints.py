@@ -8,6 +8,7 @@ the voxels of the way are raised. The ways make no loop, since each joins two pa
 from __future__ import annotations
 
 import numpy as np
+import skimage
 from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
@@ -136,11 +137,9 @@ def way_between(values: Single, parts: Runs, saddle: Index, one: int, other: int
 
     Voxels up to `reach` from the saddle are looked at.
     """
-    from skimage.graph import MCP_Geometric  # noqa: PLC0415 - loaded when there is something to join
-
     low = np.maximum(saddle - reach, 0)
     passable = values[tuple(slice(a, b) for a, b in zip(low, saddle + reach + 1, strict=True))] >= values[tuple(saddle)]
-    costs = MCP_Geometric(np.where(passable, 1.0, -1.0))
+    costs = skimage.graph.MCP_Geometric(np.where(passable, 1.0, -1.0))
     reached, _ = costs.find_costs([tuple(saddle - low)])
     voxels = np.argwhere(passable)
     part = parts.part_at(voxels + low)

@@ -20,6 +20,9 @@ from cpm_core.reconstruction.surface.iso.sides import FAR
 _FEWEST = 12
 """Least number of particles on a part that a thread begins at."""
 
+_QUARTILE = 0.6744897501960817
+"""Distance from the mean [standard deviations] within which half of normal noise lies."""
+
 _SIGNIFICANT = 3.0
 """Least contrast of a thread, in standard deviations of the noise, everywhere along it."""
 
@@ -104,7 +107,7 @@ def _level_and_noise(background: Single) -> tuple[float, float]:
     if not len(some):
         return 0.0, np.inf
     level = float(np.median(some))
-    return level, float(scipy.stats.median_abs_deviation(some, scale="normal"))
+    return level, float(np.median(np.abs(some - np.median(some))) / _QUARTILE)
 
 
 def _is_thread(outside: Array, surroundings: Surroundings, width: float, background: float, noise: float) -> bool:

@@ -44,7 +44,7 @@ def test_the_center_line_of_a_rod_is_found_and_told(found) -> None:
     (line,) = found.session.scene.skeleton.contours
     assert np.allclose(line.points[:, :2], AT, atol=1.0)
     assert found.session.status.open == 1
-    assert "1 branches" in found.canvas_area.messages.text
+    assert "; branches: 1, length: " in found.canvas_area.messages.text
     assert found.session.status.length == pytest.approx(26.0, abs=6.0)
 
 
@@ -110,3 +110,16 @@ def test_objects_of_a_volume_have_a_skeleton(volume, hand) -> None:
     assert volume.session.document.outlined.objects == (1,)
     assert np.allclose(np.median(volume.session.scene.skeleton.contours[0].points[:, :2], axis=0), AT, atol=1.0)
     assert volume.actions_by_name["image_skeleton"].isEnabled()
+
+
+def test_pruning_is_in_radii_in_a_volume_and_in_pixels_in_an_image(volume, hand, tmp_path) -> None:
+    volume.actions_by_name["mode_skeleton"].trigger()
+    row = volume.panels["parameters"].rows["pruning"]
+    assert row.number.text() == "1.00 r"
+    assert "in radii of what it branches from" in row.number.toolTip()
+    np.save(tmp_path / "plane.npy", np.eye(32) * 200.0)
+    volume.open_image(str(tmp_path / "plane.npy"))
+    hand.wait(lambda: volume.session.document.image.name == "plane.npy")
+    volume.actions_by_name["mode_skeleton"].trigger()
+    assert row.number.text() == "1.00 px"
+    assert "radii" not in row.number.toolTip()

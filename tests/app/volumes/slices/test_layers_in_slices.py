@@ -65,10 +65,10 @@ def test_trails_are_those_of_the_particles_near_the_slice(volume, hand) -> None:
     assert not list(layer.trails), "a trail in another slice is not seen here"
 
 
-def test_z_shows_what_is_selected_in_the_slices_through_its_middle(volume, hand) -> None:
+def test_shift_f_shows_what_is_selected_in_the_slices_through_its_middle(volume, hand) -> None:
     volume.session.edit("draw", lambda document: edits.add_shape(document, Box((2.0, 3.0, 4.0), (8.0, 9.0, 16.0))))
     volume.session.select(0)
-    hand.key(KEY.Key_Z)
+    hand.key(KEY.Key_F, Qt.KeyboardModifier.ShiftModifier)
     assert volume.session.scene.slices.voxel == (5, 6, 10)
     seen = volume.canvas_area.canvas.view.viewRect()
     assert seen.contains(4.0, 3.0)

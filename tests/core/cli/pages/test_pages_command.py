@@ -46,6 +46,16 @@ def test_the_command_finds_what_the_library_finds_to_the_bit(stack, command, tmp
     assert found[0].result.unit == "µm"
 
 
+def test_a_file_that_cannot_hold_what_is_found_does_not_lose_the_others(stack, command, tmp_path):
+    edge = ("--pages", "1", "--circle", "32,22,5", "--min-length", "10000", "--export")
+    status, out, err = command("run", stack, *edge, tmp_path / "a.tif", tmp_path / "a.csv")
+    assert status == 1
+    assert err.startswith(f"cpm: {tmp_path / 'a.csv'} was written, but {tmp_path / 'a.tif'} was not written: ")
+    assert out.splitlines()[-1] == f"Wrote {tmp_path / 'a.csv'}"
+    assert command("run", stack, *edge, tmp_path / "b.tif")[0] == 2
+    assert not (tmp_path / "b.tif").exists()
+
+
 def test_json_is_one_object(stack, command):
     status, out, _ = command("run", stack, "--pages", "2,5-4", "--circle", "32,40,9", "--json")
     facts = json.loads(out)

@@ -1,6 +1,7 @@
-"""The part that a session shows of its file, of other files: ``cpm batch`` and ``cpm run IMAGE --session``."""
+"""The part that a session shows of its file, of other files too: in ``cpm run``, ``batch`` and ``compare``."""
 
 import csv
+import json
 
 import numpy as np
 import PIL.Image
@@ -9,6 +10,7 @@ import tifffile
 
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_session
+from cpm_core.parameters import Parameters
 from cpm_core.shapes import Circle
 
 from .drawn import SHAPE, page
@@ -72,3 +74,60 @@ def test_a_run_on_another_file_takes_the_part_as_well_and_flags_take_its_place(c
     command("run", tmp_path / "other.ome.tif", *flags, "--export", tmp_path / "a.csv")
     command("run", tmp_path / "other.ome.tif", "--session", session, "--time", 1, "--export", tmp_path / "b.csv")
     assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
+
+
+def compared(command, tmp_path, *arguments):
+    """What a method finds, without its time, and the measures of the contour."""
+    table = tmp_path / "found.measures.csv"
+    status, out, err = command("compare", *arguments, "--methods", "gvf", "--json", "--export", table)
+    assert status == 0, err
+    (found,) = json.loads(out)["methods"]
+    with table.open(newline="", encoding="utf-8") as stream:
+        measures = [row.get("net_area_um2", row["net_area_px2"]) for row in csv.DictReader(stream)]
+    return {name: value for name, value in found.items() if name != "seconds"}, measures
+
+
+def test_methods_are_compared_on_the_part_that_the_session_shows(command, session, tmp_path):
+    write(tmp_path / "other.ome.tif")
+    flags = ("--channel", 2, "--time", 2, "--pixel-size", "0.5um", "--circle", "32,66,5")
+    told = compared(command, tmp_path, tmp_path / "own.ome.tif", *flags)
+    assert float(told[1][0]) == pytest.approx(np.pi * 49, rel=0.1)
+    assert compared(command, tmp_path, "--session", session) == told
+    assert compared(command, tmp_path, tmp_path / "other.ome.tif", "--session", session) == told
+
+
+def test_a_flag_takes_the_place_of_the_part_of_a_session_in_a_comparison(command, session, tmp_path):
+    found = [compared(command, tmp_path, "--session", session, *flags) for flags in ((), ("--channel", 1))]
+    assert found[0] != found[1]
+
+
+def painted(path, **colors):
+    """A file with the gray levels of some channels of color."""
+    levels = np.stack([colors.get(name, LEFT) for name in ("red", "green", "blue")], axis=-1)
+    PIL.Image.fromarray(levels.astype(np.uint8)).save(path)
+
+
+@pytest.mark.parametrize("named", ["parameter", "reading"])
+def test_methods_are_compared_on_the_channel_of_a_session(command, tmp_path, named):
+    painted(tmp_path / "a.png", red=RIGHT)
+    PIL.Image.fromarray(RIGHT.astype(np.uint8)).save(tmp_path / "red.png")
+    channel, color = ("red", "luminance") if named == "parameter" else ("luminance", "contrast")
+    image = ImageFile(str(tmp_path / "a.png"), "", SHAPE, reading=Reading(color=color))
+    save_session(SessionFile(image, (INSIDE,), parameters=Parameters(channel=channel)), tmp_path / "red.cpm")
+    alone, _ = compared(command, tmp_path, tmp_path / "red.png", "--circle", "32,66,5")
+    assert compared(command, tmp_path, "--session", tmp_path / "red.cpm")[0] == alone
+
+
+@pytest.mark.parametrize("kept", ["red", "contrast"])
+@pytest.mark.parametrize("name", ["green", "luminance", "contrast"])
+def test_the_channel_of_the_command_line_comes_before_that_of_a_session(command, tmp_path, kept, name):
+    painted(tmp_path / "a.png", red=page((32, 22, 14)), green=page((32, 60, 10)), blue=page((32, 64, 12)))
+    reading = Reading(color="contrast") if kept == "contrast" else Reading()
+    image = ImageFile(str(tmp_path / "a.png"), "", SHAPE, reading=reading)
+    parameters = Parameters(channel="luminance" if kept == "contrast" else kept)
+    save_session(SessionFile(image, (INSIDE,), parameters=parameters), tmp_path / "kept.cpm")
+    found = []
+    for given in ((tmp_path / "a.png", "--circle", "32,66,5"), ("--session", tmp_path / "kept.cpm")):
+        assert command("run", *given, "--channel", name, "--export", tmp_path / "a.csv")[0] == 0
+        found.append((tmp_path / "a.csv").read_text())
+    assert found[0] == found[1]

@@ -231,6 +231,13 @@ def test_a_reader_sees_the_path_and_the_marks_of_medical_formats(tmp_path, monke
 
 SIGNATURES = {
     "CZI": b"ZISRAWFILE" + bytes(30),
+    "HDR": b"#?RADIANCE\n\n",
+    "QOI": b"qoif" + bytes(20),
+    "JPEG XR": b"II\xbc\x01" + bytes(20),
+    "Analyze": b"\x5c\1\0\0" + bytes(344),
+    "NetCDF": b"CDF\2" + bytes(30),
+    "LIF": b"p\0\0\0" + bytes(30),
+    "SVG": b"<svg xmlns='http://www.w3.org/2000/svg'/>",
     "HEIC": b"\0\0\0\x18ftypheic\0\0\0\0",
     "FITS": b"SIMPLE  =                    T",
     "HDF5": b"\x89HDF\r\n\x1a\n" + bytes(30),
@@ -247,6 +254,13 @@ def test_a_sound_file_of_a_kind_that_is_not_read_is_called_by_its_name(tmp_path,
     assert f" {kind} " in report
     assert "damaged" not in report
     assert "save the image or volume that you want as TIFF" in report
+
+
+def test_a_jpeg_without_loss_may_be_sound_and_it_is_said_what_to_do(tmp_path):
+    (tmp_path / "a.jpg").write_bytes(b"\xff\xd8\xff\xc3\0\x0b\x0c\0\x10\0\x10\1\1\x11\0")
+    report = failure_report(tmp_path / "a.jpg")
+    assert "a.jpg is a JPEG of a kind that is not read" in report
+    assert "save it again as TIFF or PNG" in report
 
 
 PACKED = {

@@ -226,3 +226,60 @@ def test_every_packing_kind_and_arrangement_is_read_as_tifffile_does_or_refused_
                     assert read is True or "imagecodecs" in read, (path.name, read)
                     written += 1
     assert written >= (0 if planar and packing in ("lerc", "jpegxl") else 4)
+
+
+@pytest.mark.parametrize("compression", [NONE, LZW])
+@pytest.mark.parametrize("bits", [1, 2, 4, 7, 12])
+def test_where_white_is_zero_fewer_bits_are_inverted_within_their_range(tmp_path, bits, compression):
+    values = RAMP % 2**bits
+    each = (values[..., None] >> np.arange(bits - 1, -1, -1)) & 1
+    content = np.packbits(each.reshape(24, -1).astype(np.uint8), axis=1).tobytes()
+    write(tmp_path / "a.tif", content, values.shape, bits, compression=compression, t262=0)
+    white = 255.0 if bits == 1 else 2.0**bits - 1.0
+    assert np.array_equal(load_image(tmp_path / "a.tif").values, white - values * (255 if bits == 1 else 1))
+
+
+@pytest.mark.parametrize("order", ["<", ">"])
+@pytest.mark.parametrize("compression", [NONE, LZW])
+def test_numbers_of_three_bytes_are_in_the_order_of_the_file(tmp_path, compression, order):
+    values = RAMP * 30_011
+    each = values.astype(order + "u4").view(np.uint8).reshape(24, 20, 4)
+    content = (each[..., :3] if order == "<" else each[..., 1:]).tobytes()
+    write(tmp_path / "a.tif", content, values.shape, 24, compression=compression, order=order)
+    assert np.array_equal(load_image(tmp_path / "a.tif").values, values)
+
+
+def test_opacity_of_twelve_bits_is_full_where_all_are_set(tmp_path):
+    levels = np.stack([RAMP * 8, np.full(RAMP.shape, 4095)], axis=2)
+    each = (levels[..., None] >> np.arange(11, -1, -1)) & 1
+    content = np.packbits(each.reshape(24, -1).astype(np.uint8), axis=1).tobytes()
+    write(tmp_path / "a.tif", content, RAMP.shape, 12, compression=NONE, channels=2, t284=1, t338=2)
+    assert np.array_equal(load_image(tmp_path / "a.tif").values, RAMP * 8)
+
+
+@pytest.mark.parametrize("planes", [1, 2])
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16])
+def test_four_inks_of_any_depth_become_light(tmp_path, kind, planes):
+    white = float(np.iinfo(kind).max)
+    inks = (np.random.default_rng(3).random((12, 10, 4)) * white).astype(kind)
+    stored = inks if planes == 1 else np.ascontiguousarray(np.moveaxis(inks, -1, 0))
+    tifffile.imwrite(tmp_path / "a.tif", stored, photometric="separated", planarconfig=planes, metadata=None)
+    light = white * (1 - inks[..., :3] / white) * (1 - inks[..., 3:] / white)
+    assert np.allclose(load_image(tmp_path / "a.tif").values, light @ WEIGHTS, atol=1.0)
+
+
+def test_colors_that_are_not_read_are_named(tmp_path):
+    tifffile.imwrite(tmp_path / "a.tif", (RAMP * 9).astype(np.uint16), photometric="cfa", metadata=None)
+    with pytest.raises(ValueError, match=r"a\.tif is a TIFF with colors of the kind CFA, .* save it again"):
+        load_image(tmp_path / "a.tif")
+
+
+def test_colors_in_a_file_that_pillow_does_not_know_are_read_or_a_package_is_named(tmp_path):
+    """Pillow reads large TIFFs of one order of bytes alone."""
+    colors = np.stack([RAMP % 120, RAMP % 60 + 100, RAMP // 4], axis=2).astype(np.uint8)
+    pytest.importorskip("imagecodecs")
+    tifffile.imwrite(
+        tmp_path / "a.tif", colors, photometric="rgb", compression="jpeg", byteorder=">", bigtiff=True, metadata=None
+    )
+    tifffile.imwrite(tmp_path / "b.tif", colors, photometric="rgb", compression="jpeg", metadata=None)
+    assert np.abs(load_image(tmp_path / "a.tif").values - load_image(tmp_path / "b.tif").values).max() < 3.0

@@ -55,11 +55,64 @@ def test_one_bit_becomes_black_and_white(tmp_path):
     assert np.array_equal(image.values, 255 * bits)
 
 
-def test_sixteen_bit_colour_says_that_it_lost_depth(tmp_path):
-    values = np.repeat(RAMP[..., np.newaxis] * 271, 3, axis=2)
-    image = load_image(png(tmp_path / "a.png", values.astype(">u2"), colour=2, depth=16))
-    assert np.abs(image.values - values[..., 0] / 257).max() <= 1
-    assert any("cut down to 8" in note for note in image.notes)
+@pytest.mark.parametrize("colour", [2, 4, 6])
+def test_sixteen_bit_colour_keeps_its_depth(tmp_path, colour):
+    """Lower bytes of one color do not get into another, and opacity has 16 bits too."""
+    channels = {2: 3, 4: 2, 6: 4}[colour]
+    values = np.stack([(RAMP * (271 - 31 * channel)) % 65536 for channel in range(channels)], axis=2)
+    image = load_image(png(tmp_path / "a.png", values.astype(">u2"), colour=colour, depth=16))
+    opacity = values[..., -1:] / 65535.0 if channels % 2 == 0 else 1.0
+    shown = values[..., :3] if channels > 2 else values[..., :1]
+    shown = shown * opacity + 65535.0 * (1.0 - opacity)
+    weights = [0.2125, 0.7154, 0.0721] if channels > 2 else [1.0]
+    assert np.allclose(image.values, shown @ weights, atol=1e-6)
+    assert not any("cut down" in note for note in image.notes)
+
+
+def transparent(*level):
+    """PNG chunk that names the gray level or color which is transparent."""
+    data = struct.pack(f">{len(level)}H", *level)
+    return struct.pack(">I", len(data)) + b"tRNS" + data + struct.pack(">I", zlib.crc32(b"tRNS" + data))
+
+
+@pytest.mark.parametrize("depth", [1, 2, 4, 8, 16])
+def test_the_gray_level_that_is_transparent_shows_white_at_every_depth(tmp_path, depth):
+    levels = RAMP[:, :16] % 2**depth
+    each = (levels[..., np.newaxis] >> np.arange(depth - 1, -1, -1)) & 1
+    rows = np.packbits(each.reshape(len(levels), -1).astype(np.uint8), axis=1)
+    hidden = levels[5, 7]
+    image = load_image(png(tmp_path / "a.png", rows, colour=0, depth=depth, extra=transparent(hidden)))
+    white = 65535 if depth == 16 else 255
+    widened = levels * (255 // (2**depth - 1) if depth < 8 else 1)
+    assert np.array_equal(image.values, np.where(levels == hidden, white, widened))
+
+
+def test_the_deep_color_that_is_transparent_shows_white_and_no_other_does(tmp_path):
+    values = np.stack([RAMP * 200, RAMP * 100, RAMP], axis=2)
+    values[3, 4] = values[8, 8] + [0, 0, 1]
+    chunk = transparent(*values[8, 8].tolist())
+    image = load_image(png(tmp_path / "a.png", values.astype(">u2"), colour=2, depth=16, extra=chunk))
+    expected = values @ [0.2125, 0.7154, 0.0721]
+    expected[8, 8] = 65535.0
+    assert np.allclose(image.values, expected)
+
+
+@pytest.mark.parametrize("bits", [4, 8, 12, 16])
+@pytest.mark.parametrize("signed", [False, True])
+def test_jpeg_2000_keeps_the_gray_levels_of_its_depth(tmp_path, bits, signed):
+    codecs = pytest.importorskip("imagecodecs")
+    values = RAMP * 53 % 2**bits - (2 ** (bits - 1) if signed else 0)
+    kind = np.dtype(f"{'i' if signed else 'u'}{1 if bits <= 8 else 2}")
+    packed = codecs.jpeg2k_encode(values.astype(kind), level=0, reversible=True, bitspersample=bits, codecformat="jp2")
+    (tmp_path / "a.jp2").write_bytes(packed)
+    assert np.array_equal(load_image(tmp_path / "a.jp2").values, values)
+
+
+def test_deep_colors_of_jpeg_2000_say_that_they_lost_depth(tmp_path):
+    codecs = pytest.importorskip("imagecodecs")
+    values = np.stack([RAMP * 200, RAMP * 100, RAMP], axis=2).astype(np.uint16)
+    (tmp_path / "a.jp2").write_bytes(codecs.jpeg2k_encode(values, level=0, reversible=True, codecformat="jp2"))
+    assert "Its 16 bits a color were cut down to 8." in load_image(tmp_path / "a.jp2").notes
 
 
 def test_colour_becomes_luminance(tmp_path):

@@ -143,6 +143,30 @@ def test_the_value_that_stands_for_no_data_is_told_and_left_out(tmp_path, kind):
     values[5:, 7:] = -9999
     tifffile.imwrite(tmp_path / "a.tif", values, extratags=[(42113, "s", 0, "-9999", True)])
     image = load_image(tmp_path / "a.tif")
-    assert image.notes == ("91 pixels have no data, and no contours are looked for there.",)
+    assert image.notes == ("91 pixels have no data, filled from around: contours there mean nothing.",)
     assert np.array_equal(image.values[:5], RAMP[:5])
     assert image.values.min() == 0
+
+
+def test_no_data_may_be_told_to_be_no_number_or_one_color(tmp_path):
+    values = RAMP.astype(np.float32)
+    values[5:, 7:] = np.nan
+    tifffile.imwrite(tmp_path / "a.tif", values, extratags=[(42113, "s", 0, "nan", True)])
+    colors = np.stack([RAMP % 99 + 1, RAMP % 50, RAMP % 70 + 9], axis=2).astype(np.uint8)
+    colors[5:, 7:] = 0
+    tifffile.imwrite(tmp_path / "b.tif", colors, photometric="rgb", extratags=[(42113, "s", 0, "0", True)])
+    for name, whole in (("a.tif", RAMP), ("b.tif", colors @ [0.2125, 0.7154, 0.0721])):
+        image = load_image(tmp_path / name)
+        assert "91 pixels have no data, filled from around: contours there mean nothing." in image.notes
+        assert np.allclose(image.values[:5], whole[:5])
+        assert image.values[5:, 7:].min() > 0
+
+
+@pytest.mark.parametrize("factor", [1, 257])
+def test_a_palette_of_eight_bits_in_sixteen_is_as_bright_as_one_of_sixteen(tmp_path, factor):
+    levels = np.arange(256)
+    table = np.stack([levels, 255 - levels, levels // 2])
+    indices = (RAMP % 256).astype(np.uint8)
+    stored = (table * factor).astype(np.uint16)
+    tifffile.imwrite(tmp_path / "a.tif", indices, photometric="palette", colormap=stored, metadata=None)
+    assert np.allclose(load_image(tmp_path / "a.tif").values, table.T[indices] @ [0.2125, 0.7154, 0.0721])

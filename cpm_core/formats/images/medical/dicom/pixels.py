@@ -14,6 +14,7 @@ from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size
 from cpm_core.formats.images.medical.dicom.frame import Frame
 from cpm_core.formats.images.medical.package import package
 from cpm_core.formats.printable import printable
+from cpm_core.image.gray_levels import NO_DATA
 
 # pydicom logs a warning for everything unusual in a file; the user gets one sentence on what matters instead.
 logging.getLogger("pydicom").addHandler(logging.NullHandler())
@@ -51,20 +52,46 @@ def decoded(dataset: Any, frame: Frame) -> Decoded:
     if colors == "PALETTE COLOR":
         pixels = package("pydicom.pixels", f"{name} is a DICOM file")
         table = pixels.apply_color_lut(stored, dataset)
-        bright = table if table.dtype == np.uint8 else (table >> 8).astype(np.uint8)
+        # some programs write eight bits in tables of sixteen
+        bright = table if table.max(initial=0) < 256 else table >> 8
+        bright = bright.astype(np.uint8)
         return from_samples(bright[..., :3])
     if stored.ndim == 3:
-        return from_samples(stored[..., :3])
+        bits = int(dataset.get("BitsStored", 8 * stored.dtype.itemsize))
+        return from_samples(stored[..., :3], white=2.0**bits - 1.0)
     inverted = colors == "MONOCHROME1"
     notes = ("It counts from white to black and was inverted.",) if inverted else ()
     if dataset.get("ModalityLUTSequence"):
         pixels = package("pydicom.pixels", f"{name} is a DICOM file")
         meant = np.asarray(pixels.apply_modality_lut(stored, dataset)).astype(np.float64)
-        return Decoded(meant.max() + meant.min() - meant if inverted else meant, notes=notes)
+        meant = meant.max() + meant.min() - meant if inverted else meant
+        return Decoded(_without_padding(dataset, meant, stored), notes=notes)
     values: NDArray[Any] = _ends(dataset) - stored.astype(np.int64) if inverted else stored
     if (frame.slope, frame.intercept) != (1.0, 0.0):
         values = values * np.float64(frame.slope) + np.float64(frame.intercept)
-    return Decoded(values, notes=notes)
+    return Decoded(_without_padding(dataset, values, stored), notes=notes)
+
+
+def _without_padding(dataset: Any, values: NDArray[Any], stored: NDArray[Any]) -> NDArray[Any]:
+    """Values with `NO_DATA` where a pixel is there but to fill the rectangle, as beyond the circle of a scanner."""
+    first = _padding(dataset, "PixelPaddingValue", "FloatPixelPaddingValue", "DoubleFloatPixelPaddingValue")
+    if first is None:
+        return values
+    last = _padding(dataset, "PixelPaddingRangeLimit", "FloatPixelPaddingRangeLimit")
+    low, high = sorted((first, first if last is None else last))
+    absent = (stored >= low) & (stored <= high)
+    return np.where(absent, np.float64(NO_DATA), values) if absent.any() else values
+
+
+def _padding(dataset: Any, *names: str) -> float | None:
+    """The first of these entries that is there; of numbers with a sign also where it was written without."""
+    told = next((dataset.get(name) for name in names if dataset.get(name) is not None), None)
+    try:
+        value = float(np.frombuffer(told, "<i2")[0] if isinstance(told, bytes) else told)  # type: ignore[arg-type]
+    except (TypeError, ValueError, IndexError):
+        return None
+    bits = int(dataset.get("BitsStored", _BITS))
+    return value - 2.0**bits if int(dataset.get("PixelRepresentation", 0)) and value >= 2.0 ** (bits - 1) else value
 
 
 def _ends(dataset: Any) -> int:

@@ -160,6 +160,43 @@ def test_values_are_rescaled_and_white_is_bright(tmp_path):
     assert np.array_equal(load_image(tmp_path / "c.dcm").values, -1.0 - VALUES[0])
 
 
+@pytest.mark.parametrize("told", [-2000, 63536])  # many programs write the number of 16 bits without its sign
+def test_what_fills_the_rectangle_around_an_image_is_no_data(tmp_path, told):
+    values = VALUES.astype(np.int16)
+    values[:, :2] = -2000
+    values[5] = -2000
+    for number, plane in enumerate(values):
+        position = (0.0, 0.0, 1.0 * number)
+        slice_ = dataset(plane, position, ACROSS, RescaleSlope=2.0, RescaleIntercept=-1024)
+        slice_.add_new(0x00280120, "SS" if told < 0 else "US", told)
+        slice_.save_as(tmp_path / f"{number}.dcm", enforce_file_format=True)
+    image = load_image(tmp_path / "0.dcm")
+    filled = 2 * values.shape[2]
+    assert image.notes == (f"{filled} pixels have no data, filled from around: contours there mean nothing.",)
+    inside = 2.0 * values[0, 2:] - 1024
+    assert np.array_equal(image.values[2:], inside)
+    assert image.values[:2].min() >= inside.min()
+    whole = load_volume(tmp_path)
+    assert whole.values.min() >= (2.0 * VALUES - 1024).min()
+    assert any("have no data" in note for note in whole.notes)
+
+
+def test_colors_of_fewer_bits_than_they_take_are_as_bright_as_they_are(tmp_path):
+    colors = np.stack([VALUES[0] % 4096, VALUES[1] % 4096, VALUES[2] % 4096], axis=2).astype(np.uint16)
+    changes = {
+        "Rows": colors.shape[0],
+        "Columns": colors.shape[1],
+        "BitsStored": 12,
+        "HighBit": 11,
+        "SamplesPerPixel": 3,
+        "PlanarConfiguration": 0,
+    }
+    write_slice(tmp_path / "a.dcm", colors, PhotometricInterpretation="RGB", **changes)
+    image = load_image(tmp_path / "a.dcm")
+    assert image.colors.white == 4095.0
+    assert np.allclose(image.values, colors @ [0.2125, 0.7154, 0.0721])
+
+
 def test_the_size_of_a_pixel_on_the_detector_is_called_that(tmp_path):
     plain = {"ImagePositionPatient": None, "ImageOrientationPatient": None, "PixelSpacing": None}
     write_slice(tmp_path / "a.dcm", VALUES[0], **plain, ImagerPixelSpacing=[0.2, 0.1])

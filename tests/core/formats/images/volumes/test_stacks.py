@@ -1,11 +1,14 @@
 """Stacks of pictures: pages of TIFF with channels and times, frames, arrays, and what is chosen of them."""
 
+import json
+
 import numpy as np
 import PIL.Image
 import pytest
 import tifffile
 
 from cpm_core import load_image, load_volume
+from cpm_core.formats.images.reading import Reading
 
 from .made import VALUES
 
@@ -191,3 +194,13 @@ def test_a_volume_larger_than_memory_is_refused_before_it_is_read(tmp_path, monk
     with pytest.raises(ValueError, match=r"a\.npy has 10 × 12 × 14 px, which need .* make it smaller"):
         load_volume(tmp_path / "a.npy")
     assert load_image(tmp_path / "a.npy").shape == (12, 14)
+
+
+@pytest.mark.parametrize("kind", [np.int64, np.uint8])
+def test_a_part_is_chosen_by_numbers_of_numpy_as_well(tmp_path, kind):
+    imagej(tmp_path / "a.tif")
+    chosen = load_image(tmp_path / "a.tif", page=kind(4), time=kind(3), channel=kind(2))
+    assert np.array_equal(chosen.values, PIXELS[3] + 201)
+    assert np.array_equal(load_volume(tmp_path / "a.tif", time=kind(2)).values, PIXELS + 100)
+    reading = Reading(page=kind(2), spacing=(np.float32(0.5), kind(2)), unit="mm")
+    assert json.loads(json.dumps(reading.arguments)) == {"page": 2, "spacing": [0.5, 2.0], "unit": "mm"}

@@ -1,0 +1,1 @@
+"""What commands take: images and the parts of them that are read, sessions, starts, and ground truths."""

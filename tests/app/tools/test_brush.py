@@ -1,0 +1,191 @@
+"""The brush for objects: what it goes over is added to an object or taken away from it, and nothing else changes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+
+from app.model.document.objects import freeze
+from cpm_core.numerics import polyline
+from cpm_core.objects.segmented.segmented_object import SegmentedObject
+
+pytestmark = pytest.mark.shared_window
+
+KEY, ALT = Qt.Key, Qt.KeyboardModifier.AltModifier
+ROW, COL = np.indices((64, 64))
+PIXELS = np.stack([ROW, COL], axis=-1).reshape(-1, 2).astype(float)
+
+
+@pytest.fixture
+def brush(hand):
+    """The tool in use."""
+    hand.key(KEY.Key_Z)
+    assert hand.canvas.tool.name == "brush"
+    return hand.canvas.tool
+
+
+def items(window) -> tuple[SegmentedObject, ...]:
+    return window.session.document.objects.items
+
+
+def stroke(hand, *places: tuple[float, float], away: bool = False) -> None:
+    """A stroke through places; `away` with Alt held."""
+    modifier = ALT if away else Qt.KeyboardModifier.NoModifier
+    viewport, left = hand.canvas.viewport(), Qt.MouseButton.LeftButton
+    hand.qtbot.mousePress(viewport, left, modifier, hand.at(*places[0]))
+    for place in places[1:]:
+        hand.move(*place)
+    hand.qtbot.mouseRelease(viewport, left, modifier, hand.at(*places[-1]))
+
+
+def near(path: tuple[tuple[float, float], ...]) -> np.ndarray:
+    """Distance of each pixel from a path."""
+    if len(path) == 1:
+        return np.hypot(ROW - path[0][0], COL - path[0][1])
+    return polyline.distances(path, PIXELS).reshape(ROW.shape)
+
+
+def differ(found: np.ndarray, expected: np.ndarray, edge: np.ndarray, tolerance: float = 0.6) -> int:
+    """Pixels in which two masks differ, without those whose center lies at the edge of the brush."""
+    return int(np.count_nonzero((found != expected) & (edge > tolerance)))
+
+
+def test_a_stroke_beside_all_objects_paints_a_new_one_as_wide_as_the_ring(window, hand, brush) -> None:
+    stroke(hand, (30, 20), (30, 30), (30, 40))
+    (item,) = items(window)
+    radius = brush.radius
+    assert item.area == pytest.approx(2 * radius * 20 + math.pi * radius**2, rel=0.02)
+    away = near(((30, 20), (30, 40)))
+    assert differ(item.mask((64, 64)), away <= radius, np.abs(away - radius)) == 0
+    assert window.workspace.object_list.chosen == {item.number}
+    assert window.session.document.shapes == ()
+    assert window.actions_by_name["undo"].text() == "Undo paint object"
+    hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert items(window) == ()
+
+
+def test_a_stroke_from_an_object_adds_to_it_and_leaves_the_rest_of_its_boundary_as_it_was(window, hand, brush) -> None:
+    stroke(hand, (20, 20), (20, 24))
+    (before,) = items(window)
+    stroke(hand, (20, 24), (20, 44))
+    (after,) = items(window)
+    assert after.number == before.number
+    expected = near(((20, 20), (20, 44)))
+    assert differ(after.mask((64, 64)), expected <= brush.radius, np.abs(expected - brush.radius)) == 0
+    far = {corner for corner in before.boundary[0] if corner[1] < 19}
+    assert len(far) > 10
+    assert far <= set(after.boundary[0])
+
+
+def test_with_alt_the_brush_takes_away_makes_holes_and_parts_an_object_in_two(window, hand, brush) -> None:
+    for _ in range(4):
+        hand.key(KEY.Key_Greater)
+    large = brush.radius
+    stroke(hand, (30, 20), (30, 44))
+    for _ in range(8):
+        hand.key(KEY.Key_Less)
+    small = brush.radius
+    assert small < large / 2
+    stroke(hand, (30, 32), away=True)
+    (item,) = items(window)
+    assert len(item.boundary) == 2
+    assert item.area == pytest.approx(2 * large * 24 + math.pi * (large**2 - small**2), rel=0.02)
+    stroke(hand, (15, 32), (45, 32), away=True)
+    (item,) = items(window)
+    assert len(item.outer) == 2
+    whole, cut = near(((30, 20), (30, 44))), near(((15, 32), (45, 32)))
+    edge = np.minimum(np.abs(whole - large), np.abs(cut - small))
+    assert differ(item.mask((64, 64)), (whole <= large) & (cut > small), edge) == 0
+
+
+def test_an_object_that_is_taken_away_whole_is_gone_until_undo(window, hand, brush) -> None:
+    stroke(hand, (30, 30))
+    (item,) = items(window)
+    for _ in range(3):
+        hand.key(KEY.Key_Greater)
+    stroke(hand, (30, 28), (30, 32), away=True)
+    assert items(window) == ()
+    hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert items(window) == (item,)
+
+
+def test_escape_in_a_stroke_brings_the_objects_back(window, hand, brush) -> None:
+    stroke(hand, (20, 20), (20, 30))
+    before = window.session.document
+    hand.press(20, 30)
+    hand.move(40, 30)
+    assert window.session.document != before
+    hand.qtbot.keyClick(hand.canvas, KEY.Key_Escape)
+    hand.release(40, 30)
+    assert items(window) == before.objects.items
+    hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert items(window) == ()
+
+
+def test_of_two_objects_that_the_brush_touches_the_chosen_one_is_painted(window, hand, brush) -> None:
+    stroke(hand, (20, 20))
+    stroke(hand, (20, 32))
+    first, second = items(window)
+    for chosen, other in ((first, second), (second, first)):
+        window.workspace.object_list.choose((chosen.number,))
+        stroke(hand, (20, 26))
+        found = {item.number: item for item in items(window)}
+        assert found[chosen.number].area > chosen.area
+        assert found[other.number] == other
+        hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
+
+
+def test_a_frozen_object_and_an_empty_place_are_not_painted_and_a_word_says_so(window, hand, brush) -> None:
+    stroke(hand, (50, 50), away=True)
+    assert items(window) == ()
+    hand.wait(
+        lambda: window.canvas_area.messages.text == "There is no object under the brush from which it could take away."
+    )
+    stroke(hand, (20, 20))
+    window.session.edit("", lambda document: freeze(document, (1,), True))
+    before = items(window)
+    stroke(hand, (20, 20), (20, 30))
+    assert items(window) == before
+    hand.wait(lambda: "is frozen: release it to paint it" in window.canvas_area.messages.text)
+
+
+def test_what_is_painted_ends_at_the_border_of_the_image(window, hand, brush) -> None:
+    stroke(hand, (30, 2), (30, 1))
+    (item,) = items(window)
+    assert min(corner[1] for curve in item.boundary for corner in curve) == -0.5
+
+
+def test_a_painted_stretch_counts_as_one_that_follows_no_contour(window, hand, brush) -> None:
+    stroke(hand, (30, 20), (30, 40))
+    (item,) = items(window)
+    assert item.bridged() == pytest.approx(item.perimeter())
+    window.session.edit("", _without_gaps)
+    stroke(hand, (30, 40), (30, 46))
+    (item,) = items(window)
+    assert item.bridged() == pytest.approx(2 * 6 + math.pi * brush.radius, rel=0.1)
+
+
+def _without_gaps(document):
+    changed = tuple(replace(item, gaps=()) for item in document.objects.items)
+    return replace(document, objects=replace(document.objects, items=changed))
+
+
+def test_enter_and_arrow_keys_paint_and_with_alt_take_away(window, hand, brush) -> None:
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Return)  # shows the cross-hair
+    hand.key(KEY.Key_Return)
+    for _ in range(5):
+        hand.key(KEY.Key_Right)
+    hand.key(KEY.Key_Return)
+    (item,) = items(window)
+    rows, cols = np.ptp(np.concatenate([np.array(curve) for curve in item.boundary]), axis=0)
+    assert rows == pytest.approx(2 * brush.radius, rel=0.02)
+    assert cols > rows + 2
+    hand.key(KEY.Key_Return, ALT)
+    hand.key(KEY.Key_Return)
+    (less,) = items(window)
+    assert less.area < item.area - 0.9 * math.pi * brush.radius**2 / 2
