@@ -56,7 +56,7 @@ def contours_once() -> None:
 
 
 def objects_once() -> None:
-    """Run the loops of the choice of objects: of a first click, of further ones, of a face that clicks cut, of a start."""
+    """Run the loops of the choice of objects: of clicks, of a face that they cut, of a start."""
     faces = partition(_contours())
     mask = faces.select([(15.0, 15.0)]).mask
     missing, wrong = np.argwhere(~mask)[0], np.argwhere(mask)[-1]

@@ -9,7 +9,7 @@ from skimage.io import imread
 from skimage.transform import resize
 
 _SIDE, _CELLS, _IMAGES_OF_CELLS = 256, 60, 8
-_PLAIN = 60
+_PLAIN = 80
 
 
 def drawn_scenes(folder):
@@ -46,10 +46,11 @@ def _plain(random):
     size = (np.abs((rows - row) / axes[0]) ** power + np.abs((cols - col) / axes[1]) ** power) ** (1 / power)
     mask = size <= 1
     values = 1.0 * mask
-    if random.random() < 0.4:
-        near = ndi.distance_transform_edt(mask) + ndi.distance_transform_edt(~mask)
+    if random.random() < 0.5:
+        near, half = ndi.distance_transform_edt(mask) + ndi.distance_transform_edt(~mask), random.choice([1.0, 2.0])
         turn = np.angle(np.exp(1j * (np.arctan2(rows - row, cols - col) - random.uniform(0, 2 * np.pi))))
-        values = 1.0 * (near <= random.choice([1.0, 2.0])) * (np.abs(turn) > random.choice([0.0, 0.2]))
+        values = 1.0 * (near <= half) * (np.abs(turn) > random.choice([0.0, 0.2, 0.4]))
+        mask &= near > half  # what a line encloses
     values = (
         ndi.gaussian_filter(values, random.choice([0.0, 0.7, 1.5])) * random.choice([-1, 1]) * random.uniform(30, 200)
     )
