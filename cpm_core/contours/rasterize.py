@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import containment, contour_labels
 from cpm_core.numerics.types import Mask
+from cpm_core.parameters.quotation import shown
 
 Labels = NDArray[np.unsignedinteger]
 
@@ -39,6 +40,7 @@ def paint(contours: Sequence[Contour], shape: tuple[int, ...]) -> Labels:
     ndarray of uint16 or uint32, shape `shape`
         Labels, 0 outside every contour; 32 bits where there are more than 65535.
     """
+    check_plane(shape)
     mask = np.zeros(shape, dtype=label_type(len(contours)))
     labels = contour_labels(contours)
     of_group = {contour.group: label for contour, label in zip(contours, labels, strict=True) if label}
@@ -50,6 +52,12 @@ def paint(contours: Sequence[Contour], shape: tuple[int, ...]) -> Labels:
         else:
             mask[inside] = label
     return mask
+
+
+def check_plane(shape: Sequence[int]) -> None:
+    """Refuse a shape but of rows and columns: what fills polygons reads others from places beside them in memory."""
+    if len(shape) != 2:
+        raise ValueError(f"shape of image is {shown(shape)} but must be rows and columns.")
 
 
 def label_type(count: int) -> type[np.unsignedinteger]:

@@ -64,6 +64,11 @@ class ImageReference:
         low, high = image.gray_range
         return cls(path.name, str(path), image.shape, high - low, image.file_sha256, image.spacing, image.unit, reading)
 
+    @property
+    def is_volume(self) -> bool:
+        """Whether it has planes, rows and columns."""
+        return len(self.shape) == 3
+
 
 @dataclass(frozen=True, slots=True)
 class Document:
@@ -158,10 +163,14 @@ class Document:
         return seeds_of(self.shapes, image_seeds)
 
     @property
+    def is_about_volume(self) -> bool:
+        """Whether its image is a volume."""
+        return self.image is not None and self.image.is_volume
+
+    @property
     def nothing_to_start_from(self) -> str:
         """What is said when a run has no start."""
-        volume = self.image is not None and len(self.image.shape) == 3
-        return NOTHING_TO_START_FROM_IN_VOLUME if volume else NOTHING_TO_START_FROM
+        return NOTHING_TO_START_FROM_IN_VOLUME if self.is_about_volume else NOTHING_TO_START_FROM
 
     @property
     def charges(self) -> tuple[PlacedCharge, ...]:

@@ -79,7 +79,7 @@ _WIDTH = "max_width"
 
 def fresh_parameters(mode: Mode, image: ImageReference | None = None) -> Parameters:
     """The parameters with which work in a mode begins, on a volume those for volumes."""
-    return PRESETS["volume" if image is not None and len(image.shape) == 3 else MODES[mode].preset]
+    return PRESETS["volume" if image is not None and image.is_volume else MODES[mode].preset]
 
 
 def suited(parameters: Parameters, image: Image) -> Parameters:

@@ -48,7 +48,7 @@ class Script:
 def script_of(document: Document, session: Path) -> Script:
     """The script of a document on an image; `session` is its session file, which need not be there yet."""
     assert document.image is not None
-    volume = len(document.image.shape) == 3
+    volume = document.image.is_volume
     if document.mode == "skeleton":
         return _of_skeleton(document)
     if document.marks or document.hand_edits or document.objects.barriers:
@@ -92,7 +92,7 @@ def _python(document: Document, volume: bool) -> str:
 
 
 def _python_of_session(session: Path, document: Document) -> str:
-    volume = document.image is not None and len(document.image.shape) == 3
+    volume = document.is_about_volume
     return "\n".join(
         (
             *head(session.name, "from pathlib import Path", ""),
@@ -128,7 +128,7 @@ def _of_skeleton(document: Document) -> Script:
     """The skeleton of the image or volume, or of chosen objects and closed contours, which are written out."""
     image, lines = document.image, document.outlines
     assert image is not None
-    volume = len(image.shape) == 3
+    volume = image.is_volume
     name = f"{Path(image.name).stem}_skeleton.{'swc' if volume else 'svg'}"
     given = changed(document.parameters, PRESETS["volume" if volume else "noisy"])
     of = ("outlines = (", *(f"    {line!r}," for line in lines), ")",
@@ -283,4 +283,4 @@ def _path(path: str) -> str:
 def _result(document: Document) -> str:
     image = document.image
     assert image is not None
-    return f"{Path(image.name).stem}_surface.ply" if len(image.shape) == 3 else f"{Path(image.name).stem}_contours.svg"
+    return f"{Path(image.name).stem}_surface.ply" if image.is_volume else f"{Path(image.name).stem}_contours.svg"

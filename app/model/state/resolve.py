@@ -244,7 +244,7 @@ def _numbers(status: RunStatus, image: ImageReference | None) -> tuple[tuple[str
             tr("How much the particles still move, eq. (23); small at rest."),
         ),
         (tr("Steps/s"), speed, tr("Speed of the run.")),
-        *(in_words(status.surface) if image is not None and len(image.shape) == 3 else _of_contours(status, image)),
+        *(in_words(status.surface) if image is not None and image.is_volume else _of_contours(status, image)),
     )
 
 
@@ -287,7 +287,7 @@ def skeleton_of(polarity: int, width: float) -> str:
 def _length(pixels: float, image: ImageReference | None, decimals: int = 1) -> str:
     if image is None:
         return measured(pixels, (1.0,), None, decimals)
-    sides = (min(image.spacing),) if len(image.shape) == 3 else image.spacing  # lengths are in smallest sides there
+    sides = (min(image.spacing),) if image.is_volume else image.spacing  # lengths are in smallest sides there
     return measured(pixels, sides, image.unit, decimals)
 
 

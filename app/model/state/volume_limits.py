@@ -75,5 +75,4 @@ ICONS_IN_VOLUMES: Mapping[str, str] = MappingProxyType({"ellipse": "box"})
 
 def has_volume(situation: Situation) -> bool:
     """A volume is open."""
-    image = situation.document.image
-    return image is not None and len(image.shape) == 3
+    return situation.document.is_about_volume

@@ -98,7 +98,9 @@ class Editing(SessionSignals):
         self._turn(self._history.go_to(done))
 
     def select(self, index: int | None) -> None:
-        """Select a shape, or none."""
+        """Select a shape, or none; none, too, in place of one that could not be drawn."""
+        if index is not None and index >= len(self.document.shapes):
+            index = None
         if index != self.selected:
             self.show(replace(self.scene, selected=index))
             self.document_changed.emit(self.document)

@@ -7,11 +7,11 @@ from functools import cached_property
 
 import numpy as np
 import scipy
-import skimage
 from numpy.typing import NDArray
 
 from cpm_core.contours.ground_truth import Labels, labels_of
 from cpm_core.contours.surface import Surface
+from cpm_core.contours.surface.of_labels import surface_of_labels
 from cpm_core.numerics.real_numbers import real_numbers, voxel_sides
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import counted, described, sized
@@ -86,20 +86,8 @@ class VolumeTruth:
         """The boundaries of the objects, halfway between voxels unless known; the border of the volume is none."""
         if self.boundary is not None:
             return replace(self.boundary, spacing=self.spacing, unit=self.unit)
-        vertices, faces, count = [np.empty((0, 3))], [np.empty((0, 3), np.int64)], 0
-        boxes = scipy.ndimage.find_objects(self.labels)
-        for label in np.unique(self.labels[self.labels > 0]).tolist():
-            around = tuple(slice(max(side.start - 1, 0), side.stop + 1) for side in boxes[label - 1])
-            inside = self.labels[around] == label
-            if inside.all() or min(inside.shape) < 2:
-                continue
-            found, corners = skimage.measure.marching_cubes(  # type: ignore[no-untyped-call]
-                inside.astype(np.float32), 0.5, gradient_direction="ascent"
-            )[:2]
-            vertices.append(found + [side.start for side in around])
-            faces.append(corners + count)
-            count += len(found)
-        return Surface(np.concatenate(vertices), np.concatenate(faces), self.spacing, self.unit)
+        found = surface_of_labels(self.labels, self.spacing, self.unit, open_border=True)
+        return replace(found, numbers=None)
 
     def __repr__(self) -> str:
         objects = len(np.unique(self.objects[self.objects > 0]))

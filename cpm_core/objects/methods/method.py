@@ -18,6 +18,7 @@ import skimage
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
+from cpm_core.contours.rasterize import check_plane
 from cpm_core.contours.surface import Surface
 from cpm_core.image.image import Image
 from cpm_core.numerics.polyline import resampled
@@ -137,6 +138,8 @@ class Start:
         for *center, radius in self.spheres:
             axes = zip(np.ogrid[tuple(map(slice, shape))], center, self.sides, strict=True)
             found |= sum((side * (at - middle)) ** 2 for at, middle, side in axes) <= radius**2
+        if self.outlines:
+            check_plane(shape)
         masks = (skimage.draw.polygon2mask(shape, outline) for outline in self.outlines)  # type: ignore[no-untyped-call]
         different = {mask.tobytes(): mask for mask in masks}.values()  # a line that is drawn twice bounds no hole
         for mask in sorted(different, key=np.count_nonzero, reverse=True):

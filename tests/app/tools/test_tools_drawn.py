@@ -274,3 +274,16 @@ def test_no_key_is_taken_twice(window) -> None:
     keys += [action.shortcut().toString() for action in window.docks.actions]
     keys = [key for key in keys if key]
     assert sorted(keys) == sorted(set(keys))
+
+
+def test_what_has_not_been_drawn_is_not_selected(window, monkeypatch, hand) -> None:
+    def refuse(*_: object) -> None:
+        raise ValueError("There is no room for more.")
+
+    add(window, Circle((20.0, 20.0), 6.0))
+    window.session.select(0)
+    monkeypatch.setattr(edits, "add_shape", refuse)
+    hand.key(KEY.Key_L)
+    hand.drag((10, 12), (20, 30), (30, 52))
+    assert isinstance(only(window), Circle)
+    assert window.session.selected is None

@@ -9,7 +9,7 @@ import tifffile
 
 from cpm_core import Contour, Result, load_truth
 from cpm_core.contours.ground_truth import truth_of_contours, truth_of_mask
-from cpm_core.contours.rasterize import inside
+from cpm_core.contours.rasterize import inside, paint
 from cpm_core.formats import export
 
 from ..scenes import circle_points
@@ -153,3 +153,9 @@ def test_the_boundary_of_a_large_mask_takes_memory_for_its_pixels_alone():
     tracemalloc.stop()
     assert truth.contours[0].closed
     assert most < 32 * mask.size
+
+
+@pytest.mark.parametrize("shape", [(), (64,), (64, 64, 1)])
+def test_contours_are_painted_on_rows_and_columns_only(shape):
+    with pytest.raises(ValueError, match="but must be rows and columns"):
+        paint([Contour(np.array([[3.0, 3.0], [3.0, 9.0], [9.0, 9.0]]), closed=True)], shape)

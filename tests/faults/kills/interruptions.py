@@ -8,6 +8,7 @@ from __future__ import annotations
 import signal
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -116,7 +117,8 @@ def prepare() -> None:
 
 def interrupted(budget: Budget) -> Report:
     """Interrupt calls until the time is up."""
-    return at_length(trial, budget, prepare)
+    report = at_length(trial, budget, prepare)
+    return replace(report, faults=report.inputs)
 
 
 def trial(random: Random, _folder: Path, count: int = 20) -> int:

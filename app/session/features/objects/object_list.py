@@ -141,7 +141,7 @@ class ObjectList(QObject):
         image, items = self._session.document.image, self.items
         if len(items) < 2 or image is None:
             return
-        if len(image.shape) == 3:
+        if image.is_volume:
             shape = image.shape
             self._merging.ask(lambda: (items, objects.union_of(items, shape)))
             return

@@ -92,7 +92,7 @@ class Tool:
     def volume(self) -> ImageReference | None:
         """The volume that is open; None for an image."""
         image = self._session.document.image
-        return image if image is not None and len(image.shape) == 3 else None
+        return image if image is not None and image.is_volume else None
 
     def flat(self, place: Place) -> Place:
         """A place as (row, col) in the view that the pointer is in."""

@@ -26,6 +26,9 @@ FORMAT = "cpm-pages"
 _MOST_PARTICLES = 10**7
 """Most particles that a page is believed to have had."""
 
+_FARTHEST = 1e100
+"""Distance of a vertex from the first pixel up to which lengths and areas can be computed [px]."""
+
 
 def encode(found: StackResult) -> bytes:
     """Write an object with the stack, its tracks and its pages; `load_stack_result` reads it back.
@@ -99,6 +102,9 @@ def _result_from(plain: Mapping[str, Any]) -> Result:
     shape, particles = tuple(map(int, image["shape"])), int(run["particles"])
     if not (0 <= particles <= _MOST_PARTICLES and min(shape) > 0 and math.prod(shape) <= MAXIMUM_PIXELS):
         raise ValueError("a page is larger than any image")
+    spacing = tuple(map(float, image["spacing"]))
+    if len(shape) != 2 or len(spacing) != 2 or not all(0.0 < side < math.inf for side in spacing):
+        raise ValueError("a page has other axes than an image")
     bridges = [Bridge(_points(one), float(one["length"]), float(one["strength"])) for one in plain["bridges"]]
     return Result(
         np.zeros((particles, 2)),  # only their number is in the file
@@ -108,7 +114,7 @@ def _result_from(plain: Mapping[str, Any]) -> Result:
         bool(run["converged"]),
         str(run["stop_reason"]),
         shape,
-        tuple(map(float, image["spacing"])),
+        spacing,
         image["unit"],
         str(image["name"]),
         tuple(bridges),
@@ -135,8 +141,8 @@ def _contour_from(plain: Mapping[str, Any]) -> Contour:
 
 def _points(plain: Mapping[str, Any]) -> np.ndarray[Any, np.dtype[np.float64]]:
     points = np.array(plain["points"], dtype=np.float64)
-    if points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all():
-        raise ValueError("vertices are not pairs of numbers")
+    if points.ndim != 2 or points.shape[1] != 2 or not (np.abs(points) <= _FARTHEST).all():
+        raise ValueError("vertices are not pairs of numbers that can be measured")
     return points
 
 

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import logging
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
-import scipy
-from numpy.typing import NDArray
 
 from cpm_core.contours.ground_truth import labels_of
 from cpm_core.contours.surface import Surface
+from cpm_core.contours.surface.of_labels import surface_of_labels
 from cpm_core.formats.images.content import content_of
 from cpm_core.formats.images.decoded import UnreadableError
 from cpm_core.formats.masks.label_volume import labels_like
@@ -148,25 +147,3 @@ def _of_labels(file: Path, image: Image | None) -> Surface:
     if values.min() == 0 and values.max() <= _MOST_LABELS and not (values % 1.0).any():
         labels = values.astype(np.int32)
     return surface_of_labels(labels, volume.spacing, volume.unit)
-
-
-def surface_of_labels(labels: NDArray[np.int32], spacing: tuple[float, ...], unit: str | None) -> Surface:
-    """The closed surfaces between the voxels of labels and their neighbors; there must be one label at least.
-
-    With a single label the connected parts are the objects, and none has a number.
-    """
-    from cpm_core.reconstruction.surface.iso.marching import zero_surface  # noqa: PLC0415 - compiles loops
-
-    places, corners, numbers, count = [], [], [], 0
-    parts: Sequence[tuple[slice, ...] | None] = scipy.ndimage.find_objects(labels)
-    for number, part in enumerate(parts, start=1):
-        if part is None:
-            continue
-        inside = np.pad(labels[part] == number, 1).astype(np.float32) - np.float32(0.5)
-        vertices, faces = zero_surface(inside)
-        places.append(vertices + [side.start - 1 for side in part])
-        corners.append(faces + count)
-        numbers.append(np.full(len(faces), number))
-        count += len(vertices)
-    of = np.concatenate(numbers) if len(numbers) > 1 else None
-    return Surface(np.concatenate(places), np.concatenate(corners), spacing, unit, numbers=of)

@@ -11,11 +11,11 @@ import numpy as np
 
 from cpm_core.contours.surface import Surface
 from cpm_core.field.volume.volume_space import pitch_of
+from cpm_core.numerics.marching.zero_surface import zero_surface
 from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.reconstruction.surface.components import Leaving, support, well_supported
 from cpm_core.reconstruction.surface.iso.joints import join
 from cpm_core.reconstruction.surface.iso.local_threshold import Box, Levels, height
-from cpm_core.reconstruction.surface.iso.marching import zero_surface
 from cpm_core.reconstruction.surface.iso.necks import Surroundings
 from cpm_core.reconstruction.surface.iso.sharpened import levels_at, on_ridge, step_width
 from cpm_core.reconstruction.surface.iso.sides import fill_regions

@@ -51,6 +51,31 @@ def test_the_measures_of_all_pages_are_one_table(found, tmp_path):
         assert float(row["contrast"]) > 0.5
 
 
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("shape", []), ("shape", [96]), ("shape", [96, 96, 1]), ("spacing", [1.0]), ("spacing", [1.0, float("nan")])],
+)
+def test_a_page_with_other_axes_than_an_image_is_refused(found, tmp_path, name, value):
+    path = tmp_path / "a.json"
+    export_stack(found, path)
+    plain = json.loads(path.read_text(encoding="utf-8"))
+    plain["pages"][0]["image"][name] = value
+    path.write_text(json.dumps(plain), encoding="utf-8")
+    with pytest.raises(ValueError, match="holds no pages of a stack"):
+        load_stack_result(path)
+
+
+@pytest.mark.parametrize("place", [1e101, -1.7e308, float("inf"), float("nan")])
+def test_vertices_that_cannot_be_measured_are_refused(found, tmp_path, place):
+    path = tmp_path / "a.json"
+    export_stack(found, path)
+    plain = json.loads(path.read_text(encoding="utf-8"))
+    plain["pages"][0]["contours"][0]["points"][0][1] = place
+    path.write_text(json.dumps(plain), encoding="utf-8")
+    with pytest.raises(ValueError, match="holds no pages of a stack"):
+        load_stack_result(path)
+
+
 def test_the_vertices_of_all_pages_are_one_table(found, tmp_path):
     export_stack(found, tmp_path / "a.csv")
     rows = list(csv.DictReader(io.StringIO((tmp_path / "a.csv").read_text(encoding="utf-8"))))

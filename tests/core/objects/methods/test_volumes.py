@@ -91,6 +91,7 @@ def test_the_spheres_of_a_start_may_be_rows_of_an_array():
         (lambda: Start((), spheres=((1, 2, 3),)), "plane, row, column and a radius"),
         (lambda: Start((), spheres=1e300), r"A sphere is 1e\+300 but must be plane, row, column and a radius"),
         (lambda: Start((), spheres=((1, 2, 3, 0),)), "a radius above 0"),
+        (lambda: Start((ring((9, 9), 4.0),)).mask((20,)), r"shape of image is \(20,\) but must be rows and columns"),
         (lambda: next(moments(CONTOUR_METHODS["gvf"], VOLUME, START)), "ball is a volume, but GVF snake is for images"),
         (lambda: next(moments(CONTOUR_METHODS["morph_gac"], VOLUME, Start((ring((9, 9), 4.0),)))), "has 3 axes: give"),
         (lambda: next(moments(CONTOUR_METHODS["morph_gac"], Image(np.eye(9)), START)), "has 2 axes: give"),

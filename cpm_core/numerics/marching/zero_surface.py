@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from cpm_core.numerics.jit import compiled, inlined
+from cpm_core.numerics.marching.cube_table import EDGES, triangles_by_case
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Index, Single
-from cpm_core.reconstruction.surface.iso.cube_table import EDGES, triangles_by_case
 
 _LEAST_PLANES = 8
 """Planes that one thread takes at least."""

@@ -1,0 +1,1 @@
+"""Surfaces through values on a grid: marching cubes whose triangles leave no holes."""
