@@ -59,7 +59,7 @@ def frozen(output: Path, work: Path) -> Path:
         *(part for name in LATE for part in ("--collect-submodules", name)),
         *(part for name in UNSEEN for part in ("--hidden-import", name)),
         *(part for name, module in MEDICAL.items() if _is_there(name) for part in ("--hidden-import", module)),
-        *("--collect-data", "skimage", "--collect-binaries", "imagecodecs"),
+        *("--collect-data", "skimage", "--collect-data", "cpm_core", "--collect-binaries", "imagecodecs"),
         *(part for name in LEFT_OUT for part in ("--exclude-module", name)),
     ]
     if sys.platform in ("win32", "darwin"):

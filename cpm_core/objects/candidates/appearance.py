@@ -33,11 +33,14 @@ class Resolution(NamedTuple):
         Mean gray level of each block.
     bin : ndarray of uint8, shape (h, w)
         Bin of this gray level.
+    strength : ndarray of float32, shape (h, w)
+        Edge strength; of each block of pixels the strongest.
     """
 
     rank: Single
     gray: Single
     bin: Pixels
+    strength: Single
 
 
 class Appearance(NamedTuple):
@@ -72,7 +75,7 @@ def appearance(values: Array, strength: Array) -> Appearance:
         means, strongest = _blocks(gray, stride, np.mean), _blocks(strength, stride, np.max)
         ranks = _ranks(strongest) / strongest.size
         bins = (share(means) * (BINS - 0.01)).astype(np.uint8)
-        found.append(Resolution(ranks.astype(np.float32), means.astype(np.float32), bins))
+        found.append(Resolution(ranks.astype(np.float32), means.astype(np.float32), bins, strongest.astype(np.float32)))
     level = (share(gray) * (LEVELS - 1)).astype(np.int16)
     return Appearance(level, max(float(gray.std()), 1e-300), tuple(found))
 

@@ -13,11 +13,13 @@ import scipy
 
 from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.objects.candidates.appearance import Appearance, log_ratio
+from cpm_core.objects.candidates.description import DESCRIPTION, description
 from cpm_core.objects.candidates.features import OBJECT, change_features, object_features
 from cpm_core.objects.candidates.grids import Box, Grid, grid_over, linked, union, without_holes
-from cpm_core.objects.candidates.kinds import Candidate, Kind, candidates
-from cpm_core.objects.candidates.ranking import CHANGES, FIRST, START, Ranking
+from cpm_core.objects.candidates.kinds import SEVERAL, Candidate, Kind, candidates
+from cpm_core.objects.candidates.ranking import CHANGES, FIRST
 from cpm_core.objects.candidates.situation import Situation
+from cpm_core.objects.candidates.trees import trees
 from cpm_core.objects.clicks import Clicked
 
 _MOST = 0.97
@@ -29,11 +31,16 @@ _HOLES = 0.3, 30.0
 _FIRST = [OBJECT.index(name) for name in ("edge", "weak", "depth", "border", "step")]
 _NOW = [OBJECT.index(name) for name in ("edge", "weak", "contrast", "texture", "border")]
 _MORE = [OBJECT.index(name) for name in ("edge", "weak", "contrast", "border", "roundness", "depth")]
-"""Features of an object that count for a first click; for a change; and those of which the difference counts then."""
+"""Features of an object that count for a first click; for a change; and those of which the difference counts."""
 
+START = (
+    *OBJECT, *DESCRIPTION, "by cut", "by dark", "by bright", "by star", "instability", "support", "share", "size",
+    "fullness",
+)  # fmt: skip
+"""Features of an object after a drawn start; `fullness` is the logarithm of its size over that of the
+drawn circle."""
 
-_SEVERAL = 3
-"""So many first places tell a size: that of the circle with their mean distance from their middle."""
+_START_KINDS = Kind.CUT, Kind.DARK, Kind.BRIGHT, Kind.STAR
 
 _KINDS = Kind.CUT, Kind.DISK, Kind.MARGIN, Kind.LOCAL_CUT, Kind.LOCAL_LEVEL
 
@@ -110,14 +117,17 @@ def _best(situation: Situation) -> Mask:
     if not found:
         before = np.zeros(shape, np.bool_) if situation.chosen is None else situation.chosen
         return _tied(situation, before.copy())
-    scores = _ranking(situation).scores(np.array([each.features for each in found]))
+    scores = scored(situation, np.array([each.features for each in found]))
     return mask_of(situation, found[int(np.argmax(scores))].candidate)
 
 
-def _ranking(situation: Situation) -> Ranking:
+def scored(situation: Situation, features: Array) -> Array:
+    """Scores of candidates by their features, shape (N, K)."""
     if situation.chosen is not None:
-        return CHANGES
-    return START if len(situation.inside) >= _SEVERAL else FIRST
+        return CHANGES.scores(features)
+    if len(situation.inside) >= SEVERAL:
+        return trees("start").scores(features)
+    return FIRST.scores(features)
 
 
 def mask_of(situation: Situation, candidate: Candidate) -> Mask:
@@ -140,11 +150,19 @@ def _first(situation: Situation, candidate: Candidate) -> Array | None:
         return None
     middle = np.rint(situation.inside.mean(axis=0)).astype(np.int64)
     features = object_features(situation.look, grid, mask, middle)
-    known = [float(candidate.kind == Kind.CUT)]
-    if len(situation.inside) >= _SEVERAL:
-        radius = float(np.linalg.norm(situation.inside - middle, axis=1).mean())
-        known += [candidate.instability, np.log(pixels / max(np.pi * radius**2, 1.0))]
-    return np.append(features[_FIRST], known)
+    if len(situation.inside) < SEVERAL:
+        return np.append(features[_FIRST], float(candidate.kind == Kind.CUT))
+    radius = float(np.linalg.norm(situation.inside - middle, axis=1).mean())
+    star = candidate.kind == Kind.STAR
+    return np.concatenate(
+        [
+            features,
+            description(situation.look, grid, mask, middle, situation.strong, radius),
+            [float(candidate.kind == kind) for kind in _START_KINDS],
+            [0.0 if star else candidate.instability, candidate.instability if star else 0.0],
+            np.log([pixels / size, pixels, pixels / max(np.pi * radius**2, 1.0)]),
+        ]
+    )
 
 
 def _next(situation: Situation, candidate: Candidate, before: Array, ratio: Array) -> Array | None:
@@ -166,9 +184,7 @@ def _next(situation: Situation, candidate: Candidate, before: Array, ratio: Arra
     changed = change_features(situation.look, near, change, was, ratio, situation.pixel, situation.adding)
     area = max(situation.area, 1)
     sizes = [np.log(pixels / area), np.log(pixels), float(situation.adding), candidate.instability]
-    kinds = [
-        float(candidate.kind == kind) for kind in (Kind.CUT, Kind.DISK, Kind.MARGIN, Kind.LOCAL_CUT, Kind.LOCAL_LEVEL)
-    ]
+    kinds = [float(candidate.kind == kind) for kind in _KINDS]
     differences = features[_MORE] - before[_MORE]
     return np.concatenate([features[_NOW], differences, changed, sizes, kinds])
 

@@ -55,7 +55,7 @@ def change_features(
 def _part(look: Appearance, grid: Grid) -> tuple[Single, Single, Pixels]:
     rows = slice(grid.top, grid.top + len(grid.rows))
     cols = slice(grid.left, grid.left + len(grid.cols))
-    rank, gray, bins = look.resolutions[grid.scale]
+    rank, gray, bins, _ = look.resolutions[grid.scale]
     # in one piece, whatever the part: a loop is compiled for each layout of an array
     return (
         np.ascontiguousarray(rank[rows, cols]),
@@ -65,37 +65,37 @@ def _part(look: Appearance, grid: Grid) -> tuple[Single, Single, Pixels]:
 
 
 @compiled
-def _distance(mask: Mask, value: bool, distance: Single) -> None:
+def distance(mask: Mask, value: bool, out: Single) -> None:
     """Distance of each point of this value to the nearest of the other, along sides and diagonals."""
     rows, cols = mask.shape
     one = np.float32(1.0)
     for r in range(rows):
         for c in range(cols):
             if mask[r, c] != value:
-                distance[r, c] = np.float32(0.0)
+                out[r, c] = np.float32(0.0)
                 continue
             least = np.float32(1e4)
             if r > 0:
-                least = min(least, distance[r - 1, c] + one)
+                least = min(least, out[r - 1, c] + one)
                 if c > 0:
-                    least = min(least, distance[r - 1, c - 1] + _DIAGONAL)
+                    least = min(least, out[r - 1, c - 1] + _DIAGONAL)
                 if c < cols - 1:
-                    least = min(least, distance[r - 1, c + 1] + _DIAGONAL)
+                    least = min(least, out[r - 1, c + 1] + _DIAGONAL)
             if c > 0:
-                least = min(least, distance[r, c - 1] + one)
-            distance[r, c] = least
+                least = min(least, out[r, c - 1] + one)
+            out[r, c] = least
     for r in range(rows - 1, -1, -1):
         for c in range(cols - 1, -1, -1):
-            least = distance[r, c]
+            least = out[r, c]
             if r < rows - 1:
-                least = min(least, distance[r + 1, c] + one)
+                least = min(least, out[r + 1, c] + one)
                 if c > 0:
-                    least = min(least, distance[r + 1, c - 1] + _DIAGONAL)
+                    least = min(least, out[r + 1, c - 1] + _DIAGONAL)
                 if c < cols - 1:
-                    least = min(least, distance[r + 1, c + 1] + _DIAGONAL)
+                    least = min(least, out[r + 1, c + 1] + _DIAGONAL)
             if c < cols - 1:
-                least = min(least, distance[r, c + 1] + one)
-            distance[r, c] = least
+                least = min(least, out[r, c + 1] + one)
+            out[r, c] = least
 
 
 @compiled
@@ -104,8 +104,8 @@ def _object(
 ) -> None:
     rows, cols = mask.shape
     depth, away = np.empty((rows, cols), np.float32), np.empty((rows, cols), np.float32)
-    _distance(mask, True, depth)
-    _distance(mask, False, away)
+    distance(mask, True, depth)
+    distance(mask, False, away)
     border = _end_at_border(mask, at_border, depth)
     inner, around = np.zeros(3), np.zeros(3)
     ranks, deep, deepest = 0.0, np.zeros(2), np.float32(0.0)
@@ -192,8 +192,8 @@ def _change(
 ) -> None:
     rows, cols = change.shape
     depth, away = np.empty((rows, cols), np.float32), np.empty((rows, cols), np.float32)
-    _distance(change, True, depth)
-    _distance(change, False, away)
+    distance(change, True, depth)
+    distance(change, False, away)
     inner, beyond, behind = np.zeros(3), np.zeros(3), np.zeros(3)
     likeness, deepest = 0.0, np.float32(0.0)
     for r in range(rows):

@@ -19,6 +19,7 @@ from cpm_core.objects.candidates.appearance import LEVELS
 from cpm_core.objects.candidates.flooding import flood
 from cpm_core.objects.candidates.grids import Box, union
 from cpm_core.objects.candidates.situation import Situation
+from cpm_core.objects.candidates.stars import Star, stars
 from cpm_core.objects.faces.basins import Labels
 from cpm_core.objects.minimum_cut import FreePart, minimum_cut
 
@@ -39,6 +40,17 @@ _MARGIN = 8.0
 a margin."""
 
 
+SEVERAL = 3
+"""So many first places tell a size: that of the circle with their mean distance from their middle."""
+
+_LEAST_RADIUS, _MOST_OF_IMAGE, _DRAWN, _STARS = 2.0, 0.6, (0.8, 9.0), 3
+"""Least radius of a star [px], the largest as a fraction of the image's longer side, both in radii of a drawn circle;
+and the number of stars that are light, and of those that are dark."""
+
+_CLEAR = 0.25
+"""Least support of a star: where one was the best candidate, 99 of 100 had more."""
+
+
 class Kind(IntEnum):
     """Where a candidate comes from."""
 
@@ -49,6 +61,7 @@ class Kind(IntEnum):
     MARGIN = 4
     LOCAL_CUT = 5
     LOCAL_LEVEL = 6
+    STAR = 7
 
 
 class Candidate(NamedTuple):
@@ -80,6 +93,8 @@ def candidates(situation: Situation) -> Iterator[Candidate]:
     if situation.chosen is None:
         yield from _floods(situation, 1.06, 36)
         yield from _cuts(situation, _FIRST_BALLOONS)
+        if len(situation.inside) >= SEVERAL:
+            yield from _stars(situation)
         return
     yield from _floods(situation, 1.12, 12)
     yield from _disks(situation)
@@ -102,6 +117,22 @@ def _floods(situation: Situation, growth: float, most: int) -> Iterator[Candidat
                 return np.asarray(place[rows[:, None], cols] < count)
 
             yield Candidate(kind, situation.chosen is None, box, within, instability)
+
+
+def _stars(situation: Situation) -> Iterator[Candidate]:
+    """Smooth lines around a drawn circle along the clearest steps of gray levels."""
+    middle = situation.inside.mean(axis=0)
+    radius = float(np.linalg.norm(situation.inside - middle, axis=1).mean())
+    least = max(_DRAWN[0] * radius, _LEAST_RADIUS)
+    most = min(_DRAWN[1] * radius, _MOST_OF_IMAGE * max(situation.look.level.shape))
+    allowed = situation.allowed
+    found = stars(situation.look, (float(middle[0]), float(middle[1])), (least, most), _STARS)
+    for star in (each for each in found if each.support >= _CLEAR):
+
+        def within(rows: Index, cols: Index, star: Star = star) -> Mask:
+            return np.asarray(star.within(rows, cols) & allowed[rows[:, None], cols])
+
+        yield Candidate(Kind.STAR, True, _within_image(star.box, situation), within, star.support)
 
 
 def _disks(situation: Situation) -> Iterator[Candidate]:

@@ -2,7 +2,8 @@
 
 The weights were fitted to the candidates around clicks of a simulated person in 26 photographs, ultrasound images and
 micrographs in which people had outlined 103 objects: the expected overlap with the outline was maximized, the candidate
-being drawn with the probability ``exp(score) / sum(exp(score))``. `tests/benchmarks/fit_ranking.py` fits them again.
+being drawn with the probability ``exp(score) / sum(exp(score))``. `tests/benchmarks/ranking/fit_ranking.py` fits them
+again.
 """
 
 from __future__ import annotations
@@ -44,18 +45,6 @@ FIRST = Ranking({
     "by cut": (0.209, 0.406, 0.219),
 })  # fmt: skip
 """For the object around a first click."""
-
-START = Ranking({
-    "edge": (0.826, 0.135, 0.695),
-    "weak": (0.240, 0.254, -0.548),
-    "depth": (0.658, 0.267, 0.765),
-    "border": (0.136, 0.172, -0.105),
-    "step": (0.238, 0.913, 0.389),
-    "by cut": (0.250, 0.433, 0.296),
-    "instability": (0.406, 0.748, 0.050),
-    "fullness": (3.685, 1.954, -0.758),
-})  # fmt: skip
-"""For the object around a drawn start, or around several places given at once."""
 
 CHANGES = Ranking({
     "edge": (0.863, 0.136, 0.465),

@@ -155,7 +155,7 @@ def _stitched(curves: Sequence[Array], boundary: Sequence[Line], brush: _Brush) 
             used.add(at)
             stretches.append(along)
         found.append(np.concatenate(stretches))
-    return [*found, *(former[at] for at in sorted(kept | (passed - used)))]
+    return [*found, *(former[at] for at in sorted((kept | passed) - used))]
 
 
 def _parted(curve: Array, far: Mask) -> list[tuple[Array, bool]]:

@@ -56,11 +56,12 @@ def contours_once() -> None:
 
 
 def objects_once() -> None:
-    """Run the loops of the choice of objects: of a first click, of further ones, and of a face that clicks cut."""
+    """Run the loops of the choice of objects: of clicks, of a face that they cut, of a start."""
     faces = partition(_contours())
     mask = faces.select([(15.0, 15.0)]).mask
     missing, wrong = np.argwhere(~mask)[0], np.argwhere(mask)[-1]
     faces.select([(15.0, 15.0), missing], [wrong, (15.0, 19.0)])
+    faces.select(circle((15.5, 15.5), 5.0))
 
 
 def extras_once() -> None:
@@ -121,7 +122,7 @@ FIRST = (
 """What a first run on an image needs."""
 
 LATER = (
-    Part(objects_once, ("cpm_core.objects.minimum_cut", "cpm_core.objects.candidates.features"), 55),
+    Part(objects_once, ("cpm_core.objects.minimum_cut", "cpm_core.objects.candidates.features"), 66),
     Part(extras_once, ("cpm_core.field.placed_charges", "cpm_core.objects.methods.level_sets.motion"), 40),
 )
 """All else that is done with images."""
