@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import itertools
 import threading
 from collections.abc import Callable, Generator, Iterable, Iterator
 from pathlib import Path
@@ -33,6 +34,10 @@ from tests.app.window.windows import (
 )
 
 SIDE = 64
+
+_tests = itertools.count(1)
+_COLLECTED_EVERY = 20
+"""Number of tests after which garbage is collected, which takes as long as the quickest of them."""
 
 T = TypeVar("T")
 
@@ -115,6 +120,14 @@ def garbage_is_collected_by_hand() -> Iterator[None]:
     gc.disable()
     yield
     gc.enable()
+
+
+@pytest.fixture(autouse=True)
+def garbage_is_collected_now_and_then() -> Iterator[None]:
+    """Collect garbage between two tests: what gathers in a shared window makes each later search for it longer."""
+    yield
+    if next(_tests) % _COLLECTED_EVERY == 0:
+        gc.collect()
 
 
 @pytest.fixture(autouse=True)

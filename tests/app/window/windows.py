@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import gc
-import itertools
 import threading
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -27,9 +25,6 @@ from app.views.window import dialogs
 SIZE = 1000, 700
 """Width and height of windows [px]."""
 
-_sessions = itertools.count(1)
-_COLLECTED_EVERY = 10
-"""Number of sessions after which garbage is collected, which takes as long as to make one session."""
 
 
 def new_window(qtbot: QtBot, workspace: Workspace) -> MainWindow:
@@ -91,8 +86,6 @@ def close_workspace(workspace: Workspace) -> None:
     workspace.close()
     workspace.session.deleteLater()
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
-    if next(_sessions) % _COLLECTED_EVERY == 0:
-        gc.collect()
 
 
 @dataclass
