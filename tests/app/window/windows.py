@@ -26,7 +26,6 @@ SIZE = 1000, 700
 """Width and height of windows [px]."""
 
 
-
 def new_window(qtbot: QtBot, workspace: Workspace) -> MainWindow:
     """A window without an image."""
     make_application()
