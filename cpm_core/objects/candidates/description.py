@@ -11,7 +11,7 @@ import numpy as np
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask, Pixels, Single
 from cpm_core.objects.candidates.appearance import BINS, Appearance
-from cpm_core.objects.candidates.features import distance
+from cpm_core.objects.candidates.features import along_boundary, distance
 from cpm_core.objects.candidates.grids import Grid
 
 DESCRIPTION = (
@@ -107,21 +107,7 @@ def _describe(
 
 @compiled
 def _edges(mask: Mask, strength: Single, strong: float, found: Array) -> None:
-    rows, cols = mask.shape
-    boundary, total, faint = 0.0, 0.0, 0.0
-    for r in range(rows):
-        for c in range(cols):
-            if not mask[r, c]:
-                continue
-            strongest, outer = strength[r, c], 0
-            for k in range(4):
-                y, x = r + (k == 0) - (k == 1), c + (k == 2) - (k == 3)
-                if 0 <= y < rows and 0 <= x < cols and not mask[y, x]:
-                    strongest, outer = max(strongest, strength[y, x]), outer + 1
-            if outer:
-                boundary += 1.0
-                total += strongest
-                faint += strongest < _FAINT * strong
+    boundary, total, faint = along_boundary(mask, strength, _FAINT * strong)
     found[0] = np.log(total / max(boundary, 1.0) / strong + 0.02)
     found[1] = faint / max(boundary, 1.0)
 

@@ -23,7 +23,7 @@ CHANGE = (
 vanishes; share of the new one; contrast to what is beyond the one and the other; mean logarithm of the likelihood ratio
 of its gray levels, positive if they belong to where they come; logarithm of its depth [px]; and of its deviation."""
 
-_WEAK = np.float32(0.75)
+_WEAK = 0.75
 _NEAR, _FAR = np.float32(1.2), np.float32(4.5)
 """What is around a region lies between these distances [points of the grid]."""
 
@@ -124,7 +124,7 @@ def _object(
         found[k] = 0.0
     if inner[0] == 0.0:
         return
-    boundary, edges, weak = _boundary(mask, rank)
+    boundary, edges, weak = along_boundary(mask, rank, _WEAK)
     mean, spread = _moments(inner)
     other, other_spread = (mean, spread) if around[0] <= 3.0 else _moments(around)
     step, perimeter = abs(mean - other), boundary + border + 1e-9
@@ -155,8 +155,8 @@ def _end_at_border(mask: Mask, at_border: Mask, depth: Single) -> float:
 
 
 @compiled
-def _boundary(mask: Mask, rank: Single) -> tuple[float, float, float]:
-    """Points of a mask beside others; the sum of the strongest rank at each; and the number of weak ones."""
+def along_boundary(mask: Mask, rank: Single, weakest: float) -> tuple[float, float, float]:
+    """Points of a mask beside others; the sum of the strongest rank at each; and the number of those below another."""
     rows, cols = mask.shape
     boundary, edges, weak = 0.0, 0.0, 0.0
     for r in range(rows):
@@ -171,7 +171,7 @@ def _boundary(mask: Mask, rank: Single) -> tuple[float, float, float]:
             if outer:
                 boundary += 1.0
                 edges += strongest
-                weak += strongest < _WEAK
+                weak += strongest < weakest
     return boundary, edges, weak
 
 
