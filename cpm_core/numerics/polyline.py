@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import operator
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -100,6 +100,14 @@ def distances(path: Array | Sequence[Position], positions: Array) -> Array:
         return np.asarray(np.min(away, axis=0))
     sides = np.concatenate([corners[:-1], corners[1:]], axis=1)
     return nearest_distances(np.ascontiguousarray(positions, dtype=float), sides)
+
+
+def distances_from_closed(curves: Iterable[Sequence[Position]], positions: Array) -> Array:
+    """Distances of positions, shape (N, 2), from the nearest of closed curves, one or more, shape (N,).
+
+    The first corner of a curve is not repeated at its end.
+    """
+    return np.asarray(np.min([distances((*curve, curve[0]), positions) for curve in curves], axis=0))
 
 
 def inside(path: Array | Sequence[Position], positions: Array) -> Mask:

@@ -83,8 +83,7 @@ class PaintedArea:
             beyond = np.maximum(beyond, np.maximum(low, high).max(axis=1))
         exact, away = np.abs(beyond) <= band, level.ravel().copy()
         if self.boundary:
-            edges = [polyline.distances((*curve, curve[0]), places[exact]) for curve in self.boundary]
-            away[exact] = np.copysign(np.min(edges, axis=0), away[exact])
+            away[exact] = np.copysign(polyline.distances_from_closed(self.boundary, places[exact]), away[exact])
         else:
             away[exact] = _BAND
         return np.asarray(np.minimum(away, beyond) if adds else np.maximum(away, -beyond)).reshape(level.shape)

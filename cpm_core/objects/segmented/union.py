@@ -74,14 +74,14 @@ def union(first: SegmentedObject, second: SegmentedObject, shape: tuple[int, ...
 
 def _signed(item: SegmentedObject, places: Array) -> Array:
     """Distance of places, shape (N, 2), from the boundary of an object, negative inside, shape (N,) [px]."""
-    away = np.min([polyline.distances((*curve, curve[0]), places) for curve in item.boundary], axis=0)
+    away = polyline.distances_from_closed(item.boundary, places)
     return np.asarray(np.where(item.encloses(places), -away, away))
 
 
 def lies_on(gap: Line, boundary: tuple[Line, ...]) -> bool:
     """Whether most of a stretch lies on a boundary."""
     probes = polyline.middles(np.asarray(gap), 8)
-    away = np.min([polyline.distances((*curve, curve[0]), probes) for curve in boundary], axis=0)
+    away = polyline.distances_from_closed(boundary, probes)
     return bool(np.median(away) <= _NEAR)
 
 

@@ -100,6 +100,4 @@ class ObjectBrush:
 
 def _touches(item: SegmentedObject, way: Array, radius: float) -> bool:
     """Whether a disk touches an object at one of some places, shape (N, 2)."""
-    if item.encloses(way).any():
-        return True
-    return any(polyline.distances((*curve, curve[0]), way).min() < radius for curve in item.boundary)
+    return bool(item.encloses(way).any() or (polyline.distances_from_closed(item.boundary, way) < radius).any())
