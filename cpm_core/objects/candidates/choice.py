@@ -40,6 +40,8 @@ START = (
 """Features of an object after a drawn start; `fullness` is the logarithm of its size over that of the
 drawn circle."""
 
+_FULL, _BEYOND = 4.0, 3.0
+"""Fullness above which an object is far larger than what was drawn, and what each unit beyond costs."""
 _START_KINDS = Kind.CUT, Kind.DARK, Kind.BRIGHT, Kind.STAR
 
 _KINDS = Kind.CUT, Kind.DISK, Kind.MARGIN, Kind.LOCAL_CUT, Kind.LOCAL_LEVEL
@@ -122,11 +124,15 @@ def _best(situation: Situation) -> Mask:
 
 
 def scored(situation: Situation, features: Array) -> Array:
-    """Scores of candidates by their features, shape (N, K)."""
+    """Scores of candidates by their features, shape (N, K).
+
+    Of objects that are far larger than what was drawn the trees have seen few: there the smaller one is meant.
+    """
     if situation.chosen is not None:
         return CHANGES.scores(features)
     if len(situation.inside) >= SEVERAL:
-        return trees("start").scores(features)
+        beyond = np.maximum(features[:, START.index("fullness")] - _FULL, 0.0)
+        return trees("start").scores(features) - _BEYOND * beyond
     return FIRST.scores(features)
 
 

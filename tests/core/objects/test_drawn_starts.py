@@ -1,5 +1,7 @@
 """What a drawn start means: smooth lines against true outlines, descriptions against scipy, trees against recursion."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import scipy.ndimage as ndi
@@ -11,7 +13,7 @@ from scipy.spatial import ConvexHull
 from cpm_core import circle, partition
 from cpm_core.field.edge_map import edge_map
 from cpm_core.objects.candidates.appearance import appearance
-from cpm_core.objects.candidates.choice import START
+from cpm_core.objects.candidates.choice import START, scored
 from cpm_core.objects.candidates.description import DESCRIPTION, description
 from cpm_core.objects.candidates.grids import box_of, grid_over
 from cpm_core.objects.candidates.stars import stars
@@ -133,3 +135,12 @@ def test_a_circle_in_a_noisy_disk_with_a_streak_gives_the_disk():
     shade = ndi.gaussian_filter(np.maximum(1.0 * mask, 0.6 * streak), 1.0)
     values = 160.0 - 100.0 * shade + np.random.default_rng(4).normal(0.0, 12.0, mask.shape)
     assert overlap(partition(values).select(circle((48, 44), 9)).mask, mask) > 0.85
+
+
+def test_among_objects_far_larger_than_the_start_the_smaller_one_is_meant():
+    drawn = SimpleNamespace(chosen=None, inside=circle((32, 32), 8))
+    features = np.zeros((3, len(START)))
+    features[:, -1] = 10.0, 11.0, 13.0  # beyond all that trees tell apart
+    first, second, third = scored(drawn, features)
+    assert first - second > 1.0
+    assert second - third == pytest.approx(2.0 * (first - second))
