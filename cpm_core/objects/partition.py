@@ -28,6 +28,7 @@ from cpm_core.objects.candidates.appearance import Appearance, appearance
 from cpm_core.objects.candidates.choice import chosen
 from cpm_core.objects.clicks import as_places, clicked
 from cpm_core.objects.faces.basins import Labels
+from cpm_core.objects.faces.closed_regions import ClosedRegions
 from cpm_core.objects.faces.faces import Faces, Ground, find_faces, ground
 from cpm_core.objects.faces.space import VolumePartition
 from cpm_core.objects.outline.outline import SMOOTHING, outlines
@@ -158,8 +159,13 @@ class Partition(Pictured):
         """
         within, beyond = as_places(inside), as_places(outside)
         before = previous if previous is not None else self._answers.nearest(within, beyond)
+        closed = None
+        if before is None or not before.mask.any():
+            closed = self._closed.around(within)
         if not len(beyond) and (before is None or not before.mask.any()):
-            thing = thing_within(self.values, within, ~self._ground.interest)
+            thing = closed
+            if thing is None:
+                thing = thing_within(self.values, within, ~self._ground.interest)
             if thing is not None and thing.any():
                 selection = self.selection_of(thing, within)
                 self._answers.remember(selection)
@@ -169,8 +175,8 @@ class Partition(Pictured):
         found = clicked(self._faces, self._ground, meant, beyond, newer)
         mask = np.zeros(self.shape, np.bool_)
         if len(found.within):
-            former = None if before is None else before.mask
-            mask = chosen(self._look, found, self._ground.strong, former)
+            former = closed if before is None or closed is not None else before.mask
+            mask = chosen(self._look, found, self._ground.strong, former, self._closed)
         selection = self.selection_of(mask, within, beyond, found.remark)
         if selection.only_places and not selection.remark:
             selection = replace(selection, remark=_NOTHING)
@@ -200,6 +206,11 @@ class Partition(Pictured):
     @cached_property
     def _faces(self) -> Faces:
         return find_faces(self._ground)
+
+    @cached_property
+    def _closed(self) -> ClosedRegions:
+        free = self.regions is None or not (self.regions.interest or self.regions.barriers)
+        return ClosedRegions(self.contours if free else (), self.values, self._ground.strength)
 
     @cached_property
     def _look(self) -> Appearance:

@@ -21,6 +21,7 @@ from cpm_core.objects.candidates.ranking import CHANGES, FIRST
 from cpm_core.objects.candidates.situation import Situation
 from cpm_core.objects.candidates.trees import trees
 from cpm_core.objects.clicks import Clicked
+from cpm_core.objects.faces.closed_regions import ClosedRegions
 
 _MOST = 0.97
 """Share of the image above which a region is no object."""
@@ -73,7 +74,7 @@ def described(situation: Situation) -> list[Described]:
     return found
 
 
-def chosen(look: Appearance, clicks: Clicked, strong: float, before: Mask | None) -> Mask:
+def chosen(look: Appearance, clicks: Clicked, strong: float, before: Mask | None, closed: ClosedRegions) -> Mask:
     """The object that clicks mean.
 
     Parameters
@@ -86,6 +87,8 @@ def chosen(look: Appearance, clicks: Clicked, strong: float, before: Mask | None
         Edge strength that counts as strong.
     before : ndarray of bool, shape (H, W), or None
         The object that some of these clicks have chosen, if that is known.
+    closed : ClosedRegions
+        Regions that are certain: where they say what a click means, no candidate does.
 
     Returns
     -------
@@ -103,7 +106,9 @@ def chosen(look: Appearance, clicks: Clicked, strong: float, before: Mask | None
             return mask
         numbers = np.flatnonzero(wrong)
         worst = int(numbers[np.argmax(_depths(mask, every[numbers]))]) if len(numbers) > 1 else int(numbers[0])
-        mask = _best(Situation(look, clicks, strong, every[worst], bool(meant[worst]), mask))
+        adds = bool(meant[worst])
+        certain = closed.changed(mask, every[worst], adds, outside if adds else inside)
+        mask = certain if certain is not None else _best(Situation(look, clicks, strong, every[worst], adds, mask))
 
 
 def _depths(mask: Mask, pixels: Index) -> Array:

@@ -1,6 +1,7 @@
 """How a start reaches each edge of an image: on free flight, beyond a weak edge, over a junction, or not at all.
 
-- On flight it reaches the edges that bound what it lies in, or what it has been drawn around (`bounding`).
+- On flight it reaches the edges that bound what it lies in, or what it has been drawn around (`bounding`), and all
+  those around the region that holds most of it, where they are beyond doubt (`certain`).
 - Beyond a weak edge a particle coasts as far as friction lets it: ``w2 / beta^2``, the distance in which the speed
   ``w2 / beta`` of free flight is lost.
 - Over junctions a front creeps along every edge that is connected to one already reached. Repulsion drives it against
@@ -22,6 +23,8 @@ from cpm_core.numerics.reproducible.gaussian import gaussian_filter
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters import UNLIMITED_REACH, Parameters
 from cpm_core.segmentation.reach.bounding import Bounds, bounds_of
+from cpm_core.segmentation.reach.certain import certain_edges
+from cpm_core.segmentation.reach.drawn_area import drawn_area
 
 WAYS: tuple[Reached, ...] = ("", "flight", "weak", "junction", "launched")
 """Ways by their numbers in a `ReachMap`."""
@@ -102,6 +105,7 @@ def reach_map(scale_field: ScaleField, start: Array, closed: Mask, parameters: P
     if bounds is None:
         return None
     ridge = _ridge(scale_field)
+    certain = certain_edges(scale_field.edge_map, ridge, drawn_area(start, ridge.shape))
     if not bounds.boundary.any():
         return None
     away = scipy.ndimage.distance_transform_edt(~bounds.boundary)
@@ -113,7 +117,8 @@ def reach_map(scale_field: ScaleField, start: Array, closed: Mask, parameters: P
     ridge[ridge] = scale_field.edge_map[ridge] >= parameters.weakest_edge * _first_met(
         scale_field.edge_map, bounds, flight, ridge
     )
-    flight &= ridge
+    ridge |= certain
+    flight = (flight & ridge) | certain
     coasted = ridge & (away <= parameters.w2 / max(parameters.beta, _LEAST_BETA) ** 2) & ~flight
     if not (flight | coasted).any():
         return None

@@ -1,0 +1,93 @@
+"""What particles have closed beyond doubt is offered exactly; what is doubtful is left to others."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cpm_core.objects.partition import partition
+from cpm_core.parameters import PRESETS
+from cpm_core.particles.initialization import circle
+from cpm_core.segmentation.reach.certain import is_certain
+from cpm_core.segmentation.segment import segment
+
+ROW, COL = np.indices((112, 120)).astype(float)
+
+
+def disk(center, radius):
+    return np.clip(radius + 0.5 - np.hypot(ROW - center[0], COL - center[1]), 0.0, 1.0)
+
+
+def box(top, left, bottom, right):
+    return ((top < ROW) & (bottom > ROW) & (left < COL) & (right > COL)).astype(float)
+
+
+def noisy(image, deviation=8.0):
+    return image + np.random.default_rng(3).normal(0.0, deviation, image.shape)
+
+
+RING = disk((56, 60), 40) - disk((50, 64), 14)
+U = box(14.5, 20.5, 98.5, 98.5) - box(14.5, 46.5, 70.5, 72.5)
+
+
+PARTITION = partition(noisy(200.0 * RING))
+SHAPE = PRESETS["shape"]
+
+
+def dice(one, other):
+    return 2 * np.count_nonzero(one & other) / (np.count_nonzero(one) + np.count_nonzero(other))
+
+
+@pytest.mark.parametrize(
+    ("shape", "start"),
+    [(RING, circle((84, 60), 7)), (RING, circle((92, 60), 9)), (U, circle((60, 33), 8)), (U, circle((60, 24), 9))],
+    ids=["in a ring", "across a ring", "in a U", "across a U"],
+)
+def test_an_object_that_particles_close_from_a_circle_is_offered_exactly(shape, start):
+    chosen = partition(segment(noisy(200.0 * shape), start, SHAPE)).select(start)
+    assert dice(chosen.mask, shape > 0.5) > 0.985
+    assert not chosen.gaps
+
+
+def test_a_region_inside_is_a_hole_if_the_image_changes_the_same_way_as_around_the_object_and_else_a_part():
+    dark, bright = partition(200.0 * RING), partition(100.0 * disk((56, 60), 40) + 100.0 * disk((50, 64), 14))
+    assert dice(dark.select([(84, 60)]).mask, RING > 0.5) > 0.985
+    assert dice(bright.select([(84, 60)]).mask, disk((56, 60), 40) > 0.5) > 0.985
+    assert dice(bright.select([(50, 64)]).mask, disk((50, 64), 14) > 0.5) > 0.97
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.lists(st.tuples(st.integers(0, 111), st.integers(0, 119)), min_size=1, max_size=6, unique=True))
+def test_a_further_click_that_is_right_never_makes_the_object_worse(places):
+    truth, selection = RING > 0.5, PARTITION.select([(84, 60)])
+    inside, outside, before = [(84.0, 60.0)], [], dice(selection.mask, truth)
+    for place in places:
+        (inside if truth[place] else outside).append(place)
+        selection = PARTITION.select(inside, outside, previous=selection)
+        assert dice(selection.mask, truth) >= before
+        before = dice(selection.mask, truth)
+
+
+def test_a_click_in_another_closed_object_adds_just_that_one_and_outside_takes_just_that_one_away():
+    one, other = disk((30, 30), 16), disk((80, 84), 22)
+    cut = partition(noisy(180.0 * (one + other)))
+    first = cut.select([(30, 30)])
+    both = cut.select([(30, 30), (80, 84)], previous=first)
+    assert dice(first.mask, one > 0.5) > 0.985
+    assert dice(both.mask, one + other > 0.5) > 0.985
+    assert cut.select([(30, 30)], [(84, 80)], previous=both).same(first)
+
+
+def test_an_edge_is_certain_only_if_it_is_strong_all_along_and_nothing_inside_is_like_it():
+    along, inside = np.full(100, 30.0), np.linspace(0.0, 5.0, 400)
+    assert is_certain(along, inside)
+    assert not is_certain(along, 3.0 * inside)
+    assert not is_certain(np.where(np.arange(100) < 20, 6.0, along), inside / 5)
+    assert not is_certain(along, np.empty(0))
+
+
+def test_a_start_across_the_boundary_of_an_object_traces_all_of_it_and_nothing_of_its_neighbor():
+    object_, neighbor = disk((56, 36), 26), disk((56, 92), 22)
+    result = segment(noisy(200.0 * (object_ + neighbor)), circle((56, 18), 13), SHAPE)
+    assert [contour.closed for contour in result.contours] == [True]
+    assert abs(result.contours[0].area - np.pi * 26**2) < 0.01 * np.pi * 26**2
