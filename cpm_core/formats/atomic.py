@@ -94,6 +94,12 @@ def draft_of(path: Path) -> Iterator[Path]:
                 draft.unlink()
 
 
+def append(path: Path, content: bytes) -> None:
+    """Append to a file, whose reader ignores an end that is cut short; ValueError when it cannot be written."""
+    with _failures_told(path), path.open("ab") as stream:
+        stream.write(content)
+
+
 def check_place(file: Path) -> None:
     """Check in advance whether a file could be written to a path.
 

@@ -88,7 +88,8 @@ class Batch:
         """What is left to do."""
 
     def rows(self, results: Generator[Done]) -> Iterator[tuple[int, Row]]:
-        """Write the files of each image that is done, and tell it with its number; the table is whole at the end."""
+        """Write the files and the row of each image as it is done, and yield it; at the end the table is in order."""
+        self.summary.write()
         try:
             with closing(results):
                 for done in results:

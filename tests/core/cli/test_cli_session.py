@@ -451,6 +451,60 @@ def test_a_second_batch_does_only_what_is_not_done_in_the_same_way(command, sess
     assert table(out)[:2] == rows and len(table(out)) == 3
 
 
+def test_a_batch_that_is_killed_at_any_image_keeps_all_that_were_finished(
+    command, session, tmp_path, monkeypatch, counted_jobs
+):
+    """A copy of the folder at the beginning of each image is what a process that is killed there leaves behind."""
+    images = [tmp_path / f"{number}.npy" for number in range(6)]
+    for number, image in enumerate(images):
+        np.save(image, np.pad(np.full((20, 20 + number), 200.0), 20, constant_values=20.0))
+    line = ("batch", *images, "--session", session, "--workers", 1, "--max-steps", 2, "--export", "svg")
+    counting = workers.do
+
+    def copying(job):
+        shutil.copytree(tmp_path / "whole", tmp_path / f"killed {job.number}")
+        return counting(job)
+
+    monkeypatch.setattr(workers, "do", copying)
+    assert command(*line, "--output", tmp_path / "whole")[0] == 0
+    monkeypatch.setattr(workers, "do", counting)
+    for number in range(6):
+        counted_jobs.clear()
+        assert command(*line, "--output", tmp_path / f"killed {number}")[0] == 0
+        assert counted_jobs == [image.name for image in images[number:]]
+        assert [Path(row["image"]) for row in table(tmp_path / f"killed {number}")] == images
+
+
+def test_a_row_that_a_kill_cuts_short_is_that_of_an_image_not_done(command, session, disks, tmp_path, counted_jobs):
+    other, out = tmp_path / "other.png", tmp_path / "o"
+    shutil.copy(disks, other)
+    line = (
+        "batch",
+        disks,
+        other,
+        "--session",
+        session,
+        "--output",
+        out,
+        "--max-steps",
+        2,
+        "--export",
+        "svg",
+        "--workers",
+        1,
+    )
+    command(*line)
+    whole = (out / "summary.csv").read_bytes()
+    for cut in (2, 40, len(whole.splitlines()[-1])):
+        counted_jobs.clear()
+        (out / "summary.csv").write_bytes(whole[:-cut])
+        assert command(*line)[0] == 0
+        assert counted_jobs == ["other.png"]
+        assert [row["files"] for row in table(out)] == [
+            row["files"] for row in csv.DictReader(whole.decode().split("\n"))
+        ]
+
+
 def test_a_batch_of_images_of_the_same_name_overwrites_nothing_of_an_earlier_one(command, session, disks, tmp_path):
     out, again = tmp_path / "o", tmp_path / "again" / "disks.png"
     again.parent.mkdir()
