@@ -10,6 +10,7 @@ from pathlib import Path
 from cpm_core.cli.batch.jobs import Done, Job
 from cpm_core.cli.batch.summary import Row, Summary, now
 from cpm_core.formats.atomic import write_together
+from cpm_core.formats.interrupts import interrupts_put_off
 from cpm_core.formats.printable import printable
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.parameters import Parameters
@@ -93,8 +94,9 @@ class Batch:
         try:
             with closing(results):
                 for done in results:
-                    row = self._written(done)
-                    self.summary.add(done.number, row)
+                    with interrupts_put_off():  # files without their row would be made again
+                        row = self._written(done)
+                        self.summary.add(done.number, row)
                     yield done.number, row
         finally:
             self.summary.write()

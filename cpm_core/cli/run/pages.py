@@ -14,7 +14,7 @@ from typing import Any
 from cpm_core.cli.arguments import notes_on
 from cpm_core.cli.inputs.named_files import check_kept
 from cpm_core.cli.outcome import IN_PART, Files, outcome_of, print_json
-from cpm_core.cli.terminal import Count, announce_compilation, counted, say, written
+from cpm_core.cli.terminal import Count, announce_compilation, counted, say
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats import load_pages
 from cpm_core.formats.contours.pages.files import check_stack_export, export_stack, stack_suffix_of
@@ -140,8 +140,7 @@ def run_pages(arguments: argparse.Namespace, order: StackRun) -> int:
     with files.writing(*arguments.export):
         export_stack(whole, *arguments.export, refused=files.refuse)
     files.check()
-    with written("the files were written before" if files.written else ""):
-        _report(whole, files, time.perf_counter() - began, as_json=arguments.json)
+    _report(whole, files, time.perf_counter() - began, as_json=arguments.json)
     return files.status() or (IN_PART if len(whole.results) < len(found) else 0)
 
 

@@ -26,11 +26,12 @@ import pytest
 
 import cpm_core
 from cpm_core import Parameters, load_image, segment, uniform_grid
-from cpm_core.cli.batch import workers
+from cpm_core.cli.batch import batch, workers
 from cpm_core.cli.batch.jobs import Done, Job, do
 from cpm_core.contours.features import contour_features
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark, anchor, described
+from cpm_core.formats.atomic import write_together
 from cpm_core.formats.fingerprint import fingerprint
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
 from cpm_core.numerics import parallel
@@ -473,6 +474,20 @@ def test_a_batch_that_is_killed_at_any_image_keeps_all_that_were_finished(
         assert command(*line, "--output", tmp_path / f"killed {number}")[0] == 0
         assert counted_jobs == [image.name for image in images[number:]]
         assert [Path(row["image"]) for row in table(tmp_path / f"killed {number}")] == images
+
+
+def test_an_interrupt_between_files_and_row_waits_for_the_row(
+    command, session, disks, tmp_path, monkeypatch, interrupts_heeded
+):
+    def interrupted(files):
+        write_together(files)
+        signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(batch, "write_together", interrupted)
+    line = ("batch", disks, disks, "--session", session, "--output", tmp_path / "o", "--export", "svg")
+    status, _, err = command(*line, "--workers", 1, "--max-steps", 2)
+    assert (status, [row["files"] for row in table(tmp_path / "o")]) == (130, ["disks_contours.svg"])
+    assert "interrupted; 1 of 2 images were done, and their files are complete; the same command does the" in err
 
 
 def test_a_row_that_a_kill_cuts_short_is_that_of_an_image_not_done(command, session, disks, tmp_path, counted_jobs):
