@@ -19,6 +19,7 @@ from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats import load_pages
 from cpm_core.formats.contours.pages.files import check_stack_export, export_stack, stack_suffix_of
 from cpm_core.formats.contours.pages.stack_json import load_stack_result
+from cpm_core.formats.fingerprint import differ
 from cpm_core.formats.images.stacks.pages import Pages
 from cpm_core.formats.printable import printable
 from cpm_core.image.image import Image
@@ -180,7 +181,7 @@ def _known(arguments: argparse.Namespace, order: StackRun, pages: Pages, numbers
     for _, result in earlier.results:
         made = result.provenance
         wanted = {name: getattr(order.parameters, name) for name in made.parameters if name != "scales"}
-        if made.sha256 != pages.sha256 or any(made.parameters[name] != value for name, value in wanted.items()):
+        if differ(made.sha256, pages.sha256) or any(made.parameters[name] != value for name, value in wanted.items()):
             raise ValueError(f"{path} was made of another stack, or with other parameters: leave --resume out.")
     same = takewhile(lambda pair: pair[0].number == pair[1], zip(earlier.pages, numbers, strict=False))
     known = tuple(page for page, _ in same)
