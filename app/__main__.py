@@ -37,7 +37,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         _end_at_once_if_interrupted()
         return _run(list(sys.argv[1:] if argv is None else argv))
     except KeyboardInterrupt:
-        print("cpm: interrupted; nothing was written.", file=sys.stderr)
+        print("cpm: interrupted.", file=sys.stderr)  # again, or as the window opens
         return INTERRUPTED
     finally:
         _interrupt_as_usual()

@@ -26,6 +26,7 @@ from app.session.tasks.opening import Opener, Wanted
 from app.session.worker.commands.run import Copy, Export, RunCall, WarmUp
 from app.session.worker.commands.stored_runs import RestoreRuns, RunsRestored
 from app.session.worker.run import Run
+from cpm_core.formats.fingerprint import differ
 from cpm_core.formats.images import resolution
 from cpm_core.formats.images.reading import DEFAULT, Reading
 from cpm_core.parameters import Parameters
@@ -180,7 +181,7 @@ class Session(RunControl):
         if opened.saved is None or not opened.saved.file.runs or image is None:
             return
         known = opened.saved.file.image
-        if known is not None and known.sha256 and known.sha256 != opened.sha256:
+        if known is not None and known.sha256 and differ(known.sha256, opened.sha256):
             return  # the notes tell that the image has changed
         self._progress.busy("restoring", tr("Bringing back the runs…"))
         self.post(RunCall(None, Run.place, self._image_generation, self.document.charges))

@@ -20,7 +20,8 @@ from cpm_core.cli.help.mistyped import with_suggestion
 from cpm_core.cli.inputs.image_files import use_files
 from cpm_core.cli.run import command as run_command
 from cpm_core.cli.skeleton import command as skeleton_command
-from cpm_core.cli.terminal import drop_output, say, take_any_character
+from cpm_core.cli.terminal import counted, drop_output, say, take_any_character
+from cpm_core.formats.atomic import written_files
 from cpm_core.formats.provenance import VERSION
 
 _MODULES = (
@@ -90,34 +91,41 @@ def main(argv: Sequence[str] | None = None) -> int:
     -------
     int
         Exit status: 0 on success, 1 when only some of several images, pages or files were done, 2 on bad input (one
-        line on standard error; nothing is written), 130 when interrupted, 141 when nobody reads the output any more.
+        line on standard error; nothing is written), 130 when interrupted (one line that says what was written), 141
+        when nobody reads the output any more.
     """
     take_any_character()
-    try:
+    with written_files() as written:
         try:
-            arguments = parser().parse_args(argv)
-            use_files(arguments)
-            command: Callable[[argparse.Namespace], int | None] = arguments.command
-            return command(arguments) or 0
-        finally:
-            if sys.stdout is not None:
-                sys.stdout.flush()
-    except ValueError as error:
-        say(f"cpm: {error}")
-        return BAD_INPUT
-    except MemoryError:
-        say("cpm: there is not enough memory for this: use a smaller image or fewer particles.")
-        return BAD_INPUT
-    except KeyboardInterrupt as interrupt:
-        say(f"cpm: interrupted; {str(interrupt) or 'nothing was written'}.")
-        return INTERRUPTED
-    except BrokenPipeError:
-        drop_output()
-        return NOBODY_READS
-    except OSError as error:
-        drop_output()
-        say(f"cpm: the output cannot be written: {error.strerror or error}.")
-        return BAD_INPUT
+            return _run(argv)
+        except ValueError as error:
+            say(f"cpm: {error}")
+            return BAD_INPUT
+        except MemoryError:
+            say("cpm: there is not enough memory for this: use a smaller image or fewer particles.")
+            return BAD_INPUT
+        except KeyboardInterrupt as interrupt:
+            files = f"{counted(len(written), 'file')} {'was' if len(written) == 1 else 'were'} written before"
+            say(f"cpm: interrupted; {str(interrupt) or (files if written else 'nothing was written')}.")
+            return INTERRUPTED
+        except BrokenPipeError:
+            drop_output()
+            return NOBODY_READS
+        except OSError as error:
+            drop_output()
+            say(f"cpm: the output cannot be written: {error.strerror or error}.")
+            return BAD_INPUT
+
+
+def _run(argv: Sequence[str] | None) -> int:
+    try:
+        arguments = parser().parse_args(argv)
+        use_files(arguments)
+        command: Callable[[argparse.Namespace], int | None] = arguments.command
+        return command(arguments) or 0
+    finally:
+        if sys.stdout is not None:
+            sys.stdout.flush()
 
 
 def parser() -> argparse.ArgumentParser:

@@ -23,15 +23,6 @@ def counted(number: int, noun: str) -> str:
     return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
-@contextmanager
-def written(what: str) -> Iterator[None]:
-    """Let an interrupt within the block say that the work had been done; `what` says it in words."""
-    try:
-        yield
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt(what) from None
-
-
 def say(sentence: str) -> None:
     """Print a sentence to standard error, if anybody reads it."""
     with suppress(OSError, ValueError):

@@ -6,19 +6,33 @@ import contextlib
 import hashlib
 import os
 import secrets
-import signal
 import stat
 import time
 from collections.abc import Iterator, Sequence
+from contextvars import ContextVar
 from pathlib import Path
 
-from cpm_core.formats.interrupts import interrupts_handled
+from cpm_core.formats.interrupts import interrupts_put_off
 
 _DRAFT = ".cpm-"
 """Beginning of the name of a draft."""
 
 _ABANDONED = 600.0
 """Age of a draft that nobody writes any more [s]: its writer was killed."""
+
+_WRITTEN: ContextVar[set[Path] | None] = ContextVar("written", default=None)
+"""Where files are noted that are written; see `written_files`."""
+
+
+@contextlib.contextmanager
+def written_files() -> Iterator[set[Path]]:
+    """Yield a set to which each file is added that is written in the block, whatever interrupts it afterwards."""
+    written: set[Path] = set()
+    token = _WRITTEN.set(written)
+    try:
+        yield written
+    finally:
+        _WRITTEN.reset(token)
 
 
 def write_together(contents: Sequence[tuple[Path, bytes]]) -> None:
@@ -48,9 +62,9 @@ def write_together(contents: Sequence[tuple[Path, bytes]]) -> None:
                 stream.write(content)
                 stream.flush()  # what is still in the buffer would not be brought to the disk
                 _finish(stream.fileno(), target)
-        with _interrupts_put_off(len(moves)):
+        with interrupts_put_off():
             for draft, target in moves:
-                draft.replace(target)
+                _move(draft, target)
                 moved += 1
     except OSError as error:
         target = moves[moved if moved else -1][1]
@@ -88,10 +102,17 @@ def draft_of(path: Path) -> Iterator[Path]:
             yield draft
             with draft.open("rb+") as stream:
                 _finish(stream.fileno(), target)
-            draft.replace(target)
+            with interrupts_put_off():
+                _move(draft, target)
         finally:
             with contextlib.suppress(OSError):
                 draft.unlink()
+
+
+def append(path: Path, content: bytes) -> None:
+    """Append to a file, whose reader ignores an end that is cut short; ValueError when it cannot be written."""
+    with _failures_told(path), path.open("ab") as stream:
+        stream.write(content)
 
 
 def check_place(file: Path) -> None:
@@ -161,15 +182,9 @@ def _finish(descriptor: int, target: Path) -> None:
     os.fsync(descriptor)
 
 
-@contextlib.contextmanager
-def _interrupts_put_off(count: int) -> Iterator[None]:
-    """Let Ctrl+C wait until the end of the block, which moves `count` files; the interrupt then says so."""
-    if not callable(signal.getsignal(signal.SIGINT)):  # ignored, or not of Python
-        yield
-        return
-    came: list[int] = []
-    with interrupts_handled(lambda number, _: came.append(number)):
-        yield
-    if came:
-        files = "the file was" if count == 1 else f"all {count} files were"
-        raise KeyboardInterrupt(f"{files} written before")
+def _move(draft: Path, target: Path) -> None:
+    """Let a draft take the place of its target, and note that."""
+    draft.replace(target)
+    written = _WRITTEN.get()
+    if written is not None:
+        written.add(target)

@@ -3,28 +3,47 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
-_PART = 2**22
+_PART = 2**20
 """Bytes that are read at once."""
+
+_LARGEST = 2**30
+"""Bytes of the largest file that is read as a whole: some seconds."""
+
+_SAMPLES = 64
+"""Parts of a larger file that are read."""
+
+_SAMPLED = "sampled:"
+"""Begins the fingerprint of a larger file."""
 
 
 def fingerprint(path: Path, go_on: Callable[[], object] | None = None) -> str:
     """Hash of a file (SHA-256), 64 hexadecimal digits.
 
-    `go_on` is called between the parts of a long file, and may raise to stop. ValueError when the file cannot be read.
+    Of a file above 1 GiB it is the hash of its size and of parts of it, the first and the last among them, after
+    "sampled:". `go_on` is called between the parts of a file, and may raise to stop. ValueError when the file cannot be
+    read.
     """
-    found = hashlib.sha256()
+    found, kind = hashlib.sha256(), ""
     try:
         with path.open("rb") as stream:
-            while part := stream.read(_PART):
-                found.update(part)
+            size = stream.seek(0, os.SEEK_END)
+            starts: Iterable[int] = range(0, size, _PART)
+            if size > _LARGEST:
+                kind = _SAMPLED
+                found.update(b"%d\n" % size)
+                starts = (number * (size - _PART) // (_SAMPLES - 1) for number in range(_SAMPLES))
+            for start in starts:
+                stream.seek(start)
+                found.update(stream.read(_PART))
                 if go_on is not None:
                     go_on()
     except OSError as error:
         raise ValueError(f"{path} cannot be read: {error.strerror or error}.") from error
-    return found.hexdigest()
+    return f"{kind}{found.hexdigest()}"
 
 
 def fingerprint_if_read(path: Path, go_on: Callable[[], object] | None = None) -> str:
@@ -33,3 +52,11 @@ def fingerprint_if_read(path: Path, go_on: Callable[[], object] | None = None) -
         return fingerprint(path, go_on)
     except ValueError:
         return ""
+
+
+def differ(known: str, found: str) -> bool:
+    """Whether a fingerprint that is known shows that a file with another one is not the same.
+
+    That of a whole large file, which earlier versions made, cannot be compared with that of its parts.
+    """
+    return known != found and found.startswith(_SAMPLED) <= known.startswith(_SAMPLED)

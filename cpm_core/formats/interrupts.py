@@ -20,3 +20,17 @@ def interrupts_handled(handler: Callable[[int, FrameType | None], object] | sign
         yield
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+@contextmanager
+def interrupts_put_off() -> Iterator[None]:
+    """Let Ctrl+C wait until the end of the block, and then have the effect that it would have had."""
+    before = signal.getsignal(signal.SIGINT)
+    if not callable(before):  # ignored, or not of Python
+        yield
+        return
+    came: list[tuple[int, FrameType | None]] = []
+    with interrupts_handled(lambda *told: came.append(told)):
+        yield
+    if came:
+        before(*came[0])

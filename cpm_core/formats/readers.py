@@ -38,6 +38,9 @@ from cpm_core.parameters.quotation import shown
 class Reader(Protocol):
     """Interface of a module that reads images."""
 
+    FORMAT: str
+    """Name of the format of all its files; empty where it reads several, or none."""
+
     READS: dict[str, str]
     """Suffix -> what such a file is."""
 
@@ -278,8 +281,12 @@ def _read(file: Path, do: Callable[[Reader], Any]) -> Any:
         raise ValueError(f"{file.name} does not fit into memory: crop it or make it smaller first.") from None
     except Exception as error:  # decoders raise exceptions of any kind on damaged files
         _LOG.info("%s: %s: %s", file, type(error).__name__, error)
+        named = (other.FORMAT for other in _READERS if file.name.lower().endswith(tuple(other.READS)))
+        kind = reader.FORMAT or next(named, "")
         raise ValueError(
-            f"{file.name} is damaged, cut short or of an unknown kind: get a sound copy of it, "
+            f"{file.name} is a damaged {kind} file: get a sound copy of it, or save it again."
+            if kind
+            else f"{file.name} is damaged, cut short or of an unknown kind: get a sound copy of it, "
             "or save it again as PNG or TIFF."
         ) from error
 

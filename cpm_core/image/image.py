@@ -51,7 +51,7 @@ class Image(Pictured):
     colors : Colors, optional
         Colors of the pixels, for display; None for a gray image.
     file_sha256 : str, optional
-        Hash of the bytes of its file; empty for an image that is not from a file.
+        Hash of its file, as `fingerprint` makes it; empty for an image that is not from a file.
     geometry : Geometry, optional
         Where it lies in space; None where that is not known. What is written lies there as well.
     color : {"luminance", "red", "green", "blue", "contrast"}, optional

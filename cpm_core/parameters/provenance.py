@@ -28,7 +28,7 @@ class Provenance:
     steered : bool
         Whether parameters, charges, regions or particles were changed during the run.
     sha256 : str
-        Hash of the image, 64 hexadecimal digits; empty where it is not known.
+        Hash of the image; that of a file as `fingerprint` makes it, empty where it is not known.
     of_file : bool
         Whether that is the hash of the bytes of its file, not of an array; see `Image.sha256`.
     """

@@ -10,6 +10,7 @@ from pathlib import Path
 from cpm_core.cli.batch.jobs import Done, Job
 from cpm_core.cli.batch.summary import Row, Summary, now
 from cpm_core.formats.atomic import write_together
+from cpm_core.formats.interrupts import interrupts_put_off
 from cpm_core.formats.printable import printable
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.parameters import Parameters
@@ -88,12 +89,14 @@ class Batch:
         """What is left to do."""
 
     def rows(self, results: Generator[Done]) -> Iterator[tuple[int, Row]]:
-        """Write the files of each image that is done, and tell it with its number; the table is whole at the end."""
+        """Write the files and the row of each image as it is done, and yield it; at the end the table is in order."""
+        self.summary.write()
         try:
             with closing(results):
                 for done in results:
-                    row = self._written(done)
-                    self.summary.add(done.number, row)
+                    with interrupts_put_off():  # files without their row would be made again
+                        row = self._written(done)
+                        self.summary.add(done.number, row)
                     yield done.number, row
         finally:
             self.summary.write()

@@ -14,7 +14,7 @@ from cpm_core.cli.batch.summary import NAME, Row
 from cpm_core.cli.batch.workers import elsewhere, here
 from cpm_core.cli.inputs.numbers import as_number
 from cpm_core.cli.outcome import IN_PART, print_json
-from cpm_core.cli.terminal import Count, announce_compilation, counted, written
+from cpm_core.cli.terminal import Count, announce_compilation, counted
 from cpm_core.formats import READABLE, WRITABLE
 from cpm_core.formats.fingerprint import fingerprint
 from cpm_core.formats.printable import printable
@@ -89,21 +89,20 @@ def _batch(arguments: argparse.Namespace) -> int:
     if batch.known:
         print(f"cpm: {counted(len(batch.known), 'image')} done before; --again does them again.", file=sys.stderr)
     jobs, images = batch.jobs, counted(len(order.images), "image")
-    announce_compilation()
-    results = elsewhere(jobs, arguments.scheduler) if arguments.scheduler else here(jobs, workers)
-    began, progress = time.perf_counter(), Count(len(jobs))
     try:
-        with progress:
+        announce_compilation()
+        results = elsewhere(jobs, arguments.scheduler) if arguments.scheduler else here(jobs, workers)
+        began = time.perf_counter()
+        with Count(len(jobs)) as progress:
             for number, row in batch.rows(results):
                 progress.advance()
                 for sentence in filter(None, (row.trouble, *row.notes)):
                     progress.message(printable(f"cpm: {order.images[number]}: {sentence}"))
+        rows = list(batch.summary.rows.values())
+        _report(rows, order, time.perf_counter() - began, as_json=arguments.json)
     except KeyboardInterrupt:
         finished = f"{len(batch.summary.rows)} of {images} were done, and their files are complete"
         raise KeyboardInterrupt(f"{finished}; the same command does the others") from None
-    rows = list(batch.summary.rows.values())
-    with written(f"all {images} were done"):
-        _report(rows, order, time.perf_counter() - began, as_json=arguments.json)
     return IN_PART if any(row.trouble or _lacks_files(row, order) for row in rows) else 0
 
 

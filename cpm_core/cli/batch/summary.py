@@ -9,16 +9,13 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from cpm_core.formats.atomic import write_together
+from cpm_core.formats.atomic import append, write_together
 from cpm_core.formats.fingerprint import fingerprint_if_read
 from cpm_core.formats.printable import cell, printable, text_of_cell
 from cpm_core.formats.provenance import VERSION
 
 NAME = "summary.csv"
 """Name of the table in the folder of a batch."""
-
-_EVERY = 2.0
-"""Least time between two writings of the table [s], so that little is lost when the program is killed."""
 
 _SEPARATOR = "; "
 _FACTS = ("contours", "closed", "particles", "steps", "converged", "stop_reason", "seconds")
@@ -39,6 +36,9 @@ _COLUMNS = (
     "version",
     "finished",
 )
+
+
+_HEADER = f"{','.join(_COLUMNS)}\n".encode()
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +85,7 @@ def now() -> str:
 
 
 class Summary:
-    """The table of a folder, with the rows of earlier batches; it is written as a whole.
+    """The table of a folder, with the rows of earlier batches; each new row is appended as soon as it is there.
 
     Parameters
     ----------
@@ -105,7 +105,6 @@ class Summary:
         self._images = images
         self._earlier = _rows(self._path)
         self._rows: dict[int, Row] = {}
-        self._due = 0.0
 
     def done(self, session_sha256: str, settings: str) -> dict[int, Row]:
         """Rows of the images that an earlier batch has done in the same way, by their number, and adopts them.
@@ -141,17 +140,15 @@ class Summary:
             self.write()
 
     def add(self, number: int, row: Row) -> None:
-        """Add the row of an image, and write the table from time to time."""
+        """Add the row of an image to the table, which has been written before."""
         self._rows[number] = row
-        if time.monotonic() >= self._due:
-            self.write()
+        append(self._path, _lines([row]))
 
     def write(self) -> None:
-        """Write the table: the rows of this batch, and earlier ones of other images."""
+        """Write the whole table: the rows of this batch in its order, and earlier ones of other images."""
         own = {printable(self._images[number]) for number in self._rows}
         rows = [row for row in self._earlier if row.image not in own]
-        write_together([(self._path, _table([*rows, *(self._rows[number] for number in sorted(self._rows))]))])
-        self._due = time.monotonic() + _EVERY
+        write_together([(self._path, _HEADER + _lines([*rows, *self.rows.values()]))])
 
     @property
     def rows(self) -> dict[int, Row]:
@@ -165,7 +162,8 @@ class Summary:
 def _rows(path: Path) -> list[Row]:
     """Rows of a table; none where there is no table yet."""
     try:
-        text = path.read_text("utf-8")
+        content = path.read_bytes()
+        text = content[: content.rfind(b"\n") + 1].decode()  # a row that was cut short is that of an image not done
     except FileNotFoundError:
         return []
     except OSError as error:
@@ -191,10 +189,9 @@ def _row(line: dict[str, str]) -> Row:
     return Row(facts=facts, **lists, **others)  # type: ignore[arg-type]  # the names are those of the columns
 
 
-def _table(rows: Sequence[Row]) -> bytes:
+def _lines(rows: Iterable[Row]) -> bytes:
     text = io.StringIO()
     table = csv.DictWriter(text, _COLUMNS, restval="", lineterminator="\n")
-    table.writeheader()
     for row in rows:
         lists = {"files": _SEPARATOR.join(row.files), "notes": _SEPARATOR.join(row.notes)}
         plain = {name: getattr(row, name) for name in _COLUMNS if name not in (*_FACTS, *lists)}

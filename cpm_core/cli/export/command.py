@@ -11,7 +11,7 @@ from cpm_core.cli.export.files import of_file
 from cpm_core.cli.export.sessions import of_session
 from cpm_core.cli.inputs.numbers import as_number
 from cpm_core.cli.outcome import Files, tell
-from cpm_core.cli.terminal import counted, say, written
+from cpm_core.cli.terminal import counted, say
 from cpm_core.contours.result import Result
 from cpm_core.formats import (
     CONTOURS_READABLE,
@@ -78,8 +78,7 @@ def _export(arguments: argparse.Namespace) -> int:
     missing = {path: left_out(result, suffix_of(path), outlines=arguments.outlines) for path in files.written}
     told, line = _told(result, source)
     facts = {"source": str(source), "left_out": missing, "not_written": files.refused, **told}
-    with written("the files were written before"):
-        tell("export", facts, [line], files.written, as_json=arguments.json)
+    tell("export", facts, [line], files.written, as_json=arguments.json)
     return files.status()
 
 

@@ -38,7 +38,7 @@ from cpm_core.cli.run.objects import add_objects, check_objects, choose, facts_o
 from cpm_core.cli.run.pages import StackRun, add_pages, check_pages, run_pages
 from cpm_core.cli.run.saved_session import check_save, save
 from cpm_core.cli.run.volume import run_volume
-from cpm_core.cli.terminal import announce_compilation, counted, progress_line, written
+from cpm_core.cli.terminal import announce_compilation, counted, progress_line
 from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply
@@ -205,8 +205,7 @@ def _run_image(
     if any(left_out(shown, suffix_of(path)) for path in files.refused):
         files.advice = _CLOSE
     files.check()
-    with written("the files were written before" if files.written else ""):
-        _report(result, chosen, seconds, shown, files, agreement(shown, truth), arguments)
+    _report(result, chosen, seconds, shown, files, agreement(shown, truth), arguments)
     return files.status()
 
 

@@ -14,11 +14,12 @@ from typing import Any
 from cpm_core.cli.arguments import notes_on
 from cpm_core.cli.inputs.named_files import check_kept
 from cpm_core.cli.outcome import IN_PART, Files, outcome_of, print_json
-from cpm_core.cli.terminal import Count, announce_compilation, counted, say, written
+from cpm_core.cli.terminal import Count, announce_compilation, counted, say
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats import load_pages
 from cpm_core.formats.contours.pages.files import check_stack_export, export_stack, stack_suffix_of
 from cpm_core.formats.contours.pages.stack_json import load_stack_result
+from cpm_core.formats.fingerprint import differ
 from cpm_core.formats.images.stacks.pages import Pages
 from cpm_core.formats.printable import printable
 from cpm_core.image.image import Image
@@ -140,8 +141,7 @@ def run_pages(arguments: argparse.Namespace, order: StackRun) -> int:
     with files.writing(*arguments.export):
         export_stack(whole, *arguments.export, refused=files.refuse)
     files.check()
-    with written("the files were written before" if files.written else ""):
-        _report(whole, files, time.perf_counter() - began, as_json=arguments.json)
+    _report(whole, files, time.perf_counter() - began, as_json=arguments.json)
     return files.status() or (IN_PART if len(whole.results) < len(found) else 0)
 
 
@@ -181,7 +181,7 @@ def _known(arguments: argparse.Namespace, order: StackRun, pages: Pages, numbers
     for _, result in earlier.results:
         made = result.provenance
         wanted = {name: getattr(order.parameters, name) for name in made.parameters if name != "scales"}
-        if made.sha256 != pages.sha256 or any(made.parameters[name] != value for name, value in wanted.items()):
+        if differ(made.sha256, pages.sha256) or any(made.parameters[name] != value for name, value in wanted.items()):
             raise ValueError(f"{path} was made of another stack, or with other parameters: leave --resume out.")
     same = takewhile(lambda pair: pair[0].number == pair[1], zip(earlier.pages, numbers, strict=False))
     known = tuple(page for page, _ in same)

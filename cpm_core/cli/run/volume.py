@@ -20,7 +20,7 @@ from cpm_core.cli.inputs.truth import volume_truth_for
 from cpm_core.cli.outcome import Files, tell
 from cpm_core.cli.place import facts_on, lines_on
 from cpm_core.cli.run.agreement import agreement, sentence_on
-from cpm_core.cli.terminal import announce_compilation, counted, progress_line, say, written
+from cpm_core.cli.terminal import announce_compilation, counted, progress_line, say
 from cpm_core.contours.result import Result
 from cpm_core.formats import FOR_VOLUMES, load_volume, suffix_of
 from cpm_core.formats.contours.points_csv import load_points
@@ -86,8 +86,7 @@ def run_volume(arguments: argparse.Namespace, session: SessionFile) -> int:
     files = Files()
     files.export(result, arguments.export, image=path, space=arguments.space or "LPS")
     files.check()
-    with written("the files were written before" if files.written else ""):
-        _report(result, seconds, files, agreement(result, truth), arguments)
+    _report(result, seconds, files, agreement(result, truth), arguments)
     return files.status()
 
 

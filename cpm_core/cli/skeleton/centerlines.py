@@ -8,7 +8,7 @@ import time
 from cpm_core.cli.arguments import check_exports, parameters_of
 from cpm_core.cli.inputs.part import part_of_volume
 from cpm_core.cli.outcome import Files, tell
-from cpm_core.cli.terminal import announce_compilation, counted, say, written
+from cpm_core.cli.terminal import announce_compilation, counted, say
 from cpm_core.formats import FOR_CENTERLINES, load_volume, suffix_of
 from cpm_core.formats.provenance import ENTRY, facts_on
 from cpm_core.medial_axis.skeletonize import skeleton
@@ -36,8 +36,7 @@ def find_centerlines(arguments: argparse.Namespace) -> int:
     files = Files()
     files.export(found, arguments.export, space=arguments.space or "LPS")
     files.check()
-    with written("the files were written before" if files.written else ""):
-        _report(found, seconds, files, as_json=arguments.json)
+    _report(found, seconds, files, as_json=arguments.json)
     return files.status()
 
 

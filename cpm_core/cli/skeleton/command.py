@@ -19,7 +19,7 @@ from cpm_core.cli.arguments import (
 from cpm_core.cli.inputs.part import add_part, part_of
 from cpm_core.cli.outcome import Files, tell
 from cpm_core.cli.skeleton.centerlines import find_centerlines
-from cpm_core.cli.terminal import announce_compilation, counted, written
+from cpm_core.cli.terminal import announce_compilation, counted
 from cpm_core.formats import FOR_CENTERLINES, load_image, suffix_of
 from cpm_core.formats.provenance import ENTRY, facts_of
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -91,8 +91,7 @@ def _skeleton(arguments: argparse.Namespace) -> int:
     files = Files()
     files.export(found, arguments.export)
     files.check()
-    with written("the files were written before" if files.written else ""):
-        _report(found, seconds, files, as_json=arguments.json)
+    _report(found, seconds, files, as_json=arguments.json)
     return files.status()
 
 

@@ -9,6 +9,7 @@ from cpm_core.formats.images.choice import FIRST, Choice
 from cpm_core.formats.images.decoded import Decoded, UnreadableError
 from cpm_core.formats.images.stacks.stack import Stack
 
+FORMAT = ""
 READS: dict[str, str] = {}
 
 _SIGNATURES: tuple[tuple[int, tuple[bytes, ...], str], ...] = (
@@ -23,6 +24,7 @@ _SIGNATURES: tuple[tuple[int, tuple[bytes, ...], str], ...] = (
     (0, (b"\x89HDF\r\n\x1a\n",), "an HDF5 file"),
     (0, (b"MATLAB 5.0 MAT-file",), "a MATLAB file"),
     (0, (b"PK\x03\x04",), "an archive of files (ZIP)"),
+    (0, (b"%PDF-",), "a PDF document"),
     (0, (b"8BPS",), "a Photoshop picture"),
     (0, (b"v/1\x01",), "an OpenEXR picture"),
     (0, (b"\0\0\0\x0cJXL \r\n\x87\n", b"\xff\x0a"), "a JPEG XL picture"),

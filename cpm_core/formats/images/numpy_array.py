@@ -16,6 +16,7 @@ from cpm_core.formats.images.stacks.stack import Stack, as_planes, check_content
 from cpm_core.formats.printable import printable
 from cpm_core.image.image import MINIMUM_SIDE
 
+FORMAT = "NumPy"
 READS = {".npy": "NumPy array", ".npz": "archive of NumPy arrays"}
 
 _ARCHIVE = b"PK\x03\x04"

@@ -75,10 +75,7 @@ def opened(path: Path) -> Iterator[PIL.Image.Image]:
                 f"{path.name} is a JPEG of a kind that is not read (of 12 bits, or without loss), or is damaged: save "
                 "it again as TIFF or PNG."
             ) from None
-        raise UnreadableError(
-            f"{path.name} is not an image of a known kind, or its beginning is damaged: choose a sound PNG, TIFF or "
-            "JPEG file."
-        ) from None
+        raise
     except PIL.Image.DecompressionBombError:
         raise UnreadableError(f"{path.name} has far too many pixels: crop it or make it smaller first.") from None
 

@@ -16,7 +16,7 @@ from cpm_core.contours.contour import present_names
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark
 from cpm_core.formats.atomic import check_place, write_together
-from cpm_core.formats.fingerprint import fingerprint_if_read
+from cpm_core.formats.fingerprint import differ, fingerprint_if_read
 from cpm_core.formats.images.reading import DEFAULT, Reading
 from cpm_core.formats.provenance import PROGRAM
 from cpm_core.formats.sessions.beside_document import TruthFile, beside_document, place_to_plain
@@ -60,7 +60,7 @@ class ImageFile:
     path : str
         Its file; a relative path starts at the folder of the session file.
     sha256 : str
-        Hash of that file, 64 hexadecimal digits; empty where it is not known.
+        Hash of that file, as `fingerprint` makes it; empty where it is not known.
     shape : tuple of int
         (rows, cols), or (planes, rows, cols); empty where it is not known.
     elsewhere : tuple of str
@@ -295,7 +295,7 @@ def find_image(
     for candidate in candidates:
         if _is_file(candidate):
             found = candidate.resolve()
-            if image.sha256 and fingerprint_if_read(found, go_on) != image.sha256:
+            if image.sha256 and differ(image.sha256, fingerprint_if_read(found, go_on)):
                 return found, (f"{found.name} has changed since the session was saved: shapes may be misplaced.",)
             return found, ()
     looked = " or ".join(str(candidate) for candidate in candidates)
@@ -309,7 +309,7 @@ def _image(plain: object) -> ImageFile:
     sha256 = _text_of(given.get("sha256", ""), "sha256 of image").lower()
     if not path or "\0" in path + absolute:
         raise ValueError(f"path of image is {shown(path)} but must name a file.")
-    if sha256 and not re.fullmatch("[0-9a-f]{64}", sha256):
+    if sha256 and not re.fullmatch("(sampled:)?[0-9a-f]{64}", sha256):
         raise ValueError(f"sha256 of image is {shown(sha256)} but must be 64 hexadecimal digits.")
     shape = given.get("shape", [])
     listed = shape if isinstance(shape, list) else [0]

@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import PIL.Image
@@ -13,6 +14,7 @@ import pytest
 
 import cpm_core
 import cpm_core.cli
+from app import __main__ as program
 from cpm_core.formats.sessions.session_file import SessionFile, save_session
 from cpm_core.shapes import Circle
 
@@ -135,13 +137,31 @@ def test_an_interrupt_during_the_start_is_one_line(disk, makes):
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "cpm: interrupted; nothing was written.\n")
 
 
-def test_an_interrupt_after_the_files_are_written_says_so(disk, command, tmp_path, monkeypatch):
+@pytest.mark.parametrize(
+    ("place", "files"),
+    [
+        ("cpm_core.cli.run.command.segment", "nothing was"),
+        ("cpm_core.formats.atomic.Path.unlink", "2 files were"),
+        ("cpm_core.cli.run.command.save", "2 files were"),
+        ("cpm_core.cli.run.command._report", "3 files were"),
+        ("cpm_core.cli.outcome.Files.status", "3 files were"),
+    ],
+)
+def test_an_interrupt_says_how_many_files_were_written(disk, command, tmp_path, monkeypatch, place, files):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("cpm_core.cli.run.command._report", interrupted)
-    status, _, err = command("run", disk, "--circle", "20,20,8", "--max-steps", 5, "--export", tmp_path / "a.csv")
-    assert (status, err) == (130, "cpm: interrupted; the files were written before.\n")
+    monkeypatch.setattr(place, interrupted)
+    exports = ("--export", tmp_path / "a.csv", tmp_path / "a.svg", "--save-session", tmp_path / "a.cpm")
+    status, _, err = command("run", disk, "--circle", "20,20,8", "--max-steps", 5, *exports)
+    assert (status, err) == (130, f"cpm: interrupted; {files} written{' before' if files[0].isdigit() else ''}.\n")
+    assert len(list(tmp_path.glob("a.*"))) == (int(files[0]) if files[0].isdigit() else 0)
+
+
+def test_a_second_interrupt_says_nothing_of_files(capsys, monkeypatch):
+    monkeypatch.setattr(cpm_core.cli, "say", Mock(side_effect=KeyboardInterrupt))
+    assert program.main(["run"]) == 130
+    assert capsys.readouterr().err == "cpm: interrupted.\n"
 
 
 def test_the_version_is_told(capsys):

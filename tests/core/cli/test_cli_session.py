@@ -26,11 +26,12 @@ import pytest
 
 import cpm_core
 from cpm_core import Parameters, load_image, segment, uniform_grid
-from cpm_core.cli.batch import workers
+from cpm_core.cli.batch import batch, workers
 from cpm_core.cli.batch.jobs import Done, Job, do
 from cpm_core.contours.features import contour_features
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark, anchor, described
+from cpm_core.formats.atomic import write_together
 from cpm_core.formats.fingerprint import fingerprint
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
 from cpm_core.numerics import parallel
@@ -449,6 +450,74 @@ def test_a_second_batch_does_only_what_is_not_done_in_the_same_way(command, sess
     rows = table(out)
     assert command("batch", other, *line[3:], *short)[0] == 0  # rows of other images stay
     assert table(out)[:2] == rows and len(table(out)) == 3
+
+
+def test_a_batch_that_is_killed_at_any_image_keeps_all_that_were_finished(
+    command, session, tmp_path, monkeypatch, counted_jobs
+):
+    """A copy of the folder at the beginning of each image is what a process that is killed there leaves behind."""
+    images = [tmp_path / f"{number}.npy" for number in range(6)]
+    for number, image in enumerate(images):
+        np.save(image, np.pad(np.full((20, 20 + number), 200.0), 20, constant_values=20.0))
+    line = ("batch", *images, "--session", session, "--workers", 1, "--max-steps", 2, "--export", "svg")
+    counting = workers.do
+
+    def copying(job):
+        shutil.copytree(tmp_path / "whole", tmp_path / f"killed {job.number}")
+        return counting(job)
+
+    monkeypatch.setattr(workers, "do", copying)
+    assert command(*line, "--output", tmp_path / "whole")[0] == 0
+    monkeypatch.setattr(workers, "do", counting)
+    for number in range(6):
+        counted_jobs.clear()
+        assert command(*line, "--output", tmp_path / f"killed {number}")[0] == 0
+        assert counted_jobs == [image.name for image in images[number:]]
+        assert [Path(row["image"]) for row in table(tmp_path / f"killed {number}")] == images
+
+
+def test_an_interrupt_between_files_and_row_waits_for_the_row(
+    command, session, disks, tmp_path, monkeypatch, interrupts_heeded
+):
+    def interrupted(files):
+        write_together(files)
+        signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(batch, "write_together", interrupted)
+    line = ("batch", disks, disks, "--session", session, "--output", tmp_path / "o", "--export", "svg")
+    status, _, err = command(*line, "--workers", 1, "--max-steps", 2)
+    assert (status, [row["files"] for row in table(tmp_path / "o")]) == (130, ["disks_contours.svg"])
+    assert "interrupted; 1 of 2 images were done, and their files are complete; the same command does the" in err
+
+
+def test_a_row_that_a_kill_cuts_short_is_that_of_an_image_not_done(command, session, disks, tmp_path, counted_jobs):
+    other, out = tmp_path / "other.png", tmp_path / "o"
+    shutil.copy(disks, other)
+    line = (
+        "batch",
+        disks,
+        other,
+        "--session",
+        session,
+        "--output",
+        out,
+        "--max-steps",
+        2,
+        "--export",
+        "svg",
+        "--workers",
+        1,
+    )
+    command(*line)
+    whole = (out / "summary.csv").read_bytes()
+    for cut in (2, 40, len(whole.splitlines()[-1])):
+        counted_jobs.clear()
+        (out / "summary.csv").write_bytes(whole[:-cut])
+        assert command(*line)[0] == 0
+        assert counted_jobs == ["other.png"]
+        assert [row["files"] for row in table(out)] == [
+            row["files"] for row in csv.DictReader(whole.decode().split("\n"))
+        ]
 
 
 def test_a_batch_of_images_of_the_same_name_overwrites_nothing_of_an_earlier_one(command, session, disks, tmp_path):

@@ -115,7 +115,7 @@ def test_a_surface_is_compared_with_a_label_volume(folder, command):
         (("ball.npy", *SPHERE, "--max-gap", "5"), "max_gap is 5 but has no meaning in a volume"),
         (("plane.npy", *SPHERE), "has the shape (20, 20)"),
         (("two.npz", *SPHERE), "holds 2 images and volumes"),
-        (("bad.tif", *SPHERE), "is damaged"),
+        (("bad.tif", *SPHERE), "is a damaged TIFF file"),
         (("none.npy", *SPHERE), "does not exist"),
         (("flat.png", *SPHERE), "flat.png has the shape (20, 20)"),
         (("ball.npy", "--volume"), "No start is given: add --sphere"),

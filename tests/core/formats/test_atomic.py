@@ -139,7 +139,7 @@ def test_all_of_the_content_is_on_the_disk_before_it_replaces_the_old(tmp_path, 
 
 
 @posix
-def test_an_interrupt_while_files_are_moved_waits_until_all_are_and_says_so(tmp_path, interrupts_heeded):
+def test_an_interrupt_while_files_are_moved_waits_until_all_are(tmp_path, interrupts_heeded):
     program = (
         "import os, signal, sys\n"
         "from pathlib import Path\n"
@@ -151,8 +151,7 @@ def test_an_interrupt_while_files_are_moved_waits_until_all_are_and_says_so(tmp_
         "Path.replace = slow\n"
         "try:\n"
         "    write_together([(Path(name), b'new') for name in sys.argv[1:]])\n"
-        "except KeyboardInterrupt as interrupt:\n"
-        "    print(interrupt)\n"
+        "except KeyboardInterrupt:\n"
         "    sys.exit(signal.getsignal(signal.SIGINT) is not signal.default_int_handler)\n"
     )
     names = [f"{number}.svg" for number in range(7)]
@@ -161,7 +160,7 @@ def test_an_interrupt_while_files_are_moved_waits_until_all_are_and_says_so(tmp_
         [sys.executable, "-c", program, *names],
         cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(root)}, capture_output=True, text=True, check=False,
     )  # fmt: skip
-    assert (done.returncode, done.stdout, done.stderr) == (0, "all 7 files were written before\n", "")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
     assert names_in(tmp_path) == names
 
 

@@ -110,6 +110,9 @@ class Batches:
         done = {
             row["image"]: row["files"].split("; ") for row in self._rows() if f"max_steps={steps}" in row["settings"]
         }
+        new = [self._made[steps][name] == content for name, content in contents(self._out, self._made[2]).items()]
+        finished = sum(map(all, zip(*[iter(new)] * len(_SUFFIXES), strict=True)))
+        assert len(done) >= finished - 1, f"{finished} images were finished, but {len(done)} are known"
         before = {name: (self._out / name).stat().st_mtime_ns for names in done.values() for name in names}
         age(drafts(self._out))
         for each in (steps, other) if same_first else (other, steps):

@@ -69,17 +69,19 @@ def _unpacked(file: Path, offset: int, needed: int, packing: Packing) -> bytearr
 
     with file.open("rb") as stream:
         stream.seek(offset)
-        unpacker, part = opened(), stream.read(_PART)
-        while part and len(found) < needed:
-            found += unpacker.decompress(part, needed - len(found))
+        unpacker, part, ended = opened(), stream.read(_PART), False
+        while part and len(found) < needed + (not ended):  # the sum at the end shows whether the values are sound
+            found += unpacker.decompress(part, needed + 1 - len(found))
+            ended = unpacker.eof
             part = unpacker.unconsumed_tail if packing == "deflate" else b""
-            if unpacker.eof:  # there may be several packed parts one behind the other
+            if ended:  # there may be several packed parts one behind the other
                 part = unpacker.unused_data
                 unpacker = opened()
             if not part:
                 part = stream.read(_PART)
-    if len(found) < needed:
+    if len(found) < needed + (not ended):
         raise EOFError(f"{file.name} names more bytes than it has.")
+    del found[needed:]
     return found
 
 

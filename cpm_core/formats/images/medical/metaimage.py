@@ -15,6 +15,7 @@ from cpm_core.formats.images.stacks.stack import Stack, as_planes, plane_of
 from cpm_core.formats.printable import printable
 from cpm_core.image.geometry import Geometry, from_affine
 
+FORMAT = "MetaImage"
 READS = {".mha": "MetaImage volume", ".mhd": "MetaImage volume of two files"}
 
 _BEGINNINGS = (b"ObjectType", b"NDims", b"ObjectSubType", b"Comment")

@@ -21,10 +21,14 @@ from cpm_core.formats.printable import printable
 from cpm_core.image.geometry import Geometry, from_affine
 from cpm_core.parameters.quotation import shown
 
+FORMAT = "NIfTI"
 READS = {".nii": "NIfTI volume", ".nii.gz": "the same, compressed", ".hdr": "NIfTI volume of two files"}
 
 _GZIP = b"\x1f\x8b"
 _FIRST_VERSION, _SECOND_VERSION = (b"n+1\0", b"ni1\0"), (b"n+2\0\r\n\x1a\n", b"ni2\0\r\n\x1a\n")
+_LENGTHS = (b"\x5c\1\0\0", b"\0\0\1\x5c", b"\x1c\2\0\0", b"\0\0\2\x1c")
+"""First bytes of a header, which are its length, of both versions in both orders of bytes."""
+
 # nibabel prints a line for everything unusual in a header; the user gets one sentence on what matters instead.
 logging.getLogger("nibabel.global").setLevel(logging.CRITICAL + 1)
 
@@ -35,8 +39,12 @@ _UNITS = {"mm": "mm", "micron": "µm", "meter": "m"}
 
 
 def reads(head: bytes, path: Path) -> bool:
-    """Whether the first bytes of a file, unpacked if they are packed, are those of a NIfTI volume."""
-    return _version(head, path) is not None
+    """Whether the first bytes of a file, unpacked if they are packed, are those of a NIfTI volume.
+
+    In a file that is named as one, those that packed files and Analyze volumes share with it are enough.
+    """
+    named = path.name.lower().endswith((".nii", ".nii.gz"))
+    return _version(head, path) is not None or (named and head.startswith((_GZIP, *_LENGTHS)))
 
 
 def read(path: Path, choice: Choice = FIRST) -> Decoded:
@@ -131,9 +139,11 @@ def _opened(path: Path) -> Iterator[Any]:
         head = stream.read(352)
         stream.seek(0)
         version = _version(head, path)
+        if version is None:
+            raise ValueError("it has no mark of the format")
         pair = head[345:346] == b"i" if version == 1 else head[5:6] == b"i"
         kind = {(1, False): "Nifti1Image", (1, True): "Nifti1Pair", (2, False): "Nifti2Image", (2, True): "Nifti2Pair"}
-        reader = getattr(nibabel, kind[version or 1, pair])
+        reader = getattr(nibabel, kind[version, pair])
         if pair:
             yield reader.from_filename(path)
         else:

@@ -19,6 +19,7 @@ from cpm_core.formats.printable import printable
 from cpm_core.image.geometry import Convention, Geometry, from_affine
 from cpm_core.parameters.quotation import shown
 
+FORMAT = "NRRD"
 READS = {".nrrd": "NRRD volume", ".nhdr": "NRRD volume of two files"}
 
 _MAGIC = b"NRRD000"

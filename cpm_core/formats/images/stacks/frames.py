@@ -11,6 +11,7 @@ from cpm_core.formats.images.decoded import Decoded
 from cpm_core.formats.images.stacks.stack import Stack, as_planes, plane_of
 from cpm_core.formats.printable import printable
 
+FORMAT = ""
 READS = raster.READS
 
 

@@ -16,6 +16,7 @@ from cpm_core.formats.images.decoded import Decoded, UnreadableError
 from cpm_core.formats.images.stacks.stack import Stack, as_planes, check_content, joined, plane_of
 from cpm_core.formats.printable import printable
 
+FORMAT = "TIFF"
 READS = {".tif": "TIFF image or stack", ".tiff": "TIFF image or stack"}
 
 _PIXEL_AXES = "YXS"

@@ -73,13 +73,17 @@ def test_an_empty_file(tmp_path):
     assert "is empty" in failure_report(tmp_path / "empty.png")
 
 
-@pytest.mark.parametrize(
-    "content", [b"hello", b"\0" * 5000, "naïve text\n".encode() * 50, b"%PDF-1.4", b"%!PS-Adobe-3.0"]
-)
+@pytest.mark.parametrize("content", [b"hello", b"\0" * 5000, "naïve text\n".encode() * 50, b"%!PS-Adobe-3.0"])
 @pytest.mark.parametrize("name", ["notes.txt", "notes.png", "notes"])
 def test_a_file_that_is_no_image(tmp_path, content, name):
     (tmp_path / name).write_bytes(content)
-    assert "is not an image of a known kind" in failure_report(tmp_path / name)
+    assert "of an unknown kind" in failure_report(tmp_path / name)
+
+
+@pytest.mark.parametrize("name", ["paper.pdf", "scan.png", "scan.nii"])
+def test_a_document_is_called_what_it_is_whatever_its_name(tmp_path, name):
+    (tmp_path / name).write_bytes(b"%PDF-1.7\n%\xe2\xe3\n" + bytes(2000))
+    assert "is a PDF document, and CPM does not read those" in failure_report(tmp_path / name)
 
 
 def test_an_image_of_one_pixel(tmp_path):
@@ -201,7 +205,7 @@ def test_a_damaged_tiff_takes_no_memory(tmp_path, widths, length, count):
     path = tmp_path / "damaged.tif"
     path.write_bytes(struct.pack("<2sHIH", b"II", 42, 8, len(tags)) + entries + bytes(400))
     tracemalloc.start()
-    with pytest.raises(ValueError, match=r"damaged\.tif is damaged"):
+    with pytest.raises(ValueError, match=r"damaged\.tif is a damaged TIFF file"):
         load_image(path)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()

@@ -5,8 +5,10 @@ import gzip
 import io
 import os
 import struct
+import sys
 import tracemalloc
 import zipfile
+import zlib
 
 import numpy as np
 import pytest
@@ -78,12 +80,80 @@ def test_a_packed_volume_whose_sum_is_wrong_is_damaged(tmp_path):
     content = bytearray(gzip.compress(nifti(), mtime=0))
     content[-8] ^= 1
     (tmp_path / "wrong.nii.gz").write_bytes(content)
-    assert "is damaged" in refusal(tmp_path / "wrong.nii.gz")
+    assert "is a damaged NIfTI file" in refusal(tmp_path / "wrong.nii.gz")
+
+
+def flipped(content, place):
+    return bytes((*content[:place], content[place] ^ 0xFF, *content[place + 1 :]))
+
+
+def nrrd(packed):
+    content = VOLUME.tobytes()
+    head = f"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 11 10 9\nencoding: {'gzip' if packed else 'raw'}\n\n"
+    return head.encode() + (gzip.compress(content, mtime=0) if packed else content)
+
+
+DAMAGES = {
+    "nothing but the length of the header": lambda content: content[:4],
+    "cut in the header": lambda content: content[: min(len(content) // 2, 40)],
+    "cut in the values": lambda content: content[: len(content) * 9 // 10],
+    "cut in the last bytes": lambda content: content[:-2],
+    "another mark": lambda content: flipped(content, 344 if len(content) > 1300 else 0),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+@pytest.mark.parametrize(
+    ("name", "kind", "sound"),
+    [
+        ("a.nii", "NIfTI", lambda: bytes(nifti())),
+        ("a.nii.gz", "NIfTI", lambda: gzip.compress(nifti(), mtime=0)),
+        ("a.nrrd", "NRRD", lambda: nrrd(packed=False)),
+        ("b.nrrd", "NRRD", lambda: nrrd(packed=True)),
+    ],
+)
+def test_a_damaged_volume_is_called_what_it_is(tmp_path, damage, name, kind, sound):
+    if kind == "NRRD":
+        pytest.importorskip("nrrd")
+    (tmp_path / name).write_bytes(sound())
+    assert np.array_equal(load_volume(tmp_path / name).values, VOLUME)
+    (tmp_path / name).write_bytes(DAMAGES[damage](sound()))
+    assert f"{name} is a damaged {kind} file" in refusal(tmp_path / name)
+
+
+def test_a_header_without_all_its_values_beside_it_is_called_what_it_is(tmp_path):
+    pytest.importorskip("nrrd")
+    head = nrrd(packed=False)[: -VOLUME.size].replace(b"\n\n", b"\ndata file: a.raw\n\n")
+    (tmp_path / "a.nhdr").write_bytes(head)
+    (tmp_path / "a.raw").write_bytes(VOLUME.tobytes())
+    assert np.array_equal(load_volume(tmp_path / "a.nhdr").values, VOLUME)
+    (tmp_path / "a.raw").write_bytes(VOLUME.tobytes()[:-1])
+    assert "a.nhdr is a damaged NRRD file" in refusal(tmp_path / "a.nhdr")
+    (tmp_path / "a.nhdr").write_bytes(head[:30])
+    assert "a.nhdr is a damaged NRRD file" in refusal(tmp_path / "a.nhdr")
+
+
+def test_packed_values_that_a_flipped_bit_changes_are_damaged(tmp_path):
+    pytest.importorskip("nrrd")
+    content = VOLUME.tobytes()
+    stored = zlib.compressobj(0, wbits=31)  # as it is, so that only the sum shows what has changed
+    whole = nrrd(packed=True).partition(b"\n\n")[0] + b"\n\n" + stored.compress(content) + stored.flush()
+    (tmp_path / "a.nrrd").write_bytes(flipped(whole, len(whole) // 2))
+    assert "a.nrrd is a damaged NRRD file" in refusal(tmp_path / "a.nrrd")
+
+
+@pytest.mark.parametrize(("name", "missing"), [("a.nii", "nibabel"), ("a.nrrd", "nrrd")])
+def test_a_volume_whose_package_is_missing_says_how_to_install_it(tmp_path, monkeypatch, name, missing):
+    content = nrrd(packed=False) if missing == "nrrd" else bytes(nifti())
+    monkeypatch.setitem(sys.modules, missing, None)
+    for damaged in (content, content[:-9]):
+        (tmp_path / name).write_bytes(damaged)
+        assert f"which needs the package {missing}: install it" in refusal(tmp_path / name)
 
 
 def test_a_packed_file_that_cannot_be_unpacked_is_refused(tmp_path):
     (tmp_path / "packed.nii.gz").write_bytes(b"\x1f\x8b\x08" + bytes(7) + b"\xff" * 400)
-    refusal(tmp_path / "packed.nii.gz")
+    assert "packed.nii.gz is a damaged NIfTI file" in refusal(tmp_path / "packed.nii.gz")
 
 
 def of_much():
@@ -105,7 +175,7 @@ def of_much():
 def test_a_volume_that_names_more_values_than_it_has_is_damaged_and_takes_no_memory(tmp_path, suffix, content):
     path = tmp_path / f"large{suffix}"
     path.write_bytes(content())
-    assert "is damaged" in refusal(path)
+    assert "is a damaged " in refusal(path)
 
 
 def test_a_tiff_of_countless_samples_in_each_pixel_is_damaged(tmp_path):
@@ -116,7 +186,7 @@ def test_a_tiff_of_countless_samples_in_each_pixel_is_damaged(tmp_path):
         at = file.pages.first.tags["SamplesPerPixel"].offset + 8
     struct.pack_into("<H", damaged, at, 65281)
     path.write_bytes(damaged)
-    with pytest.raises(ValueError, match="is damaged"):
+    with pytest.raises(ValueError, match="is a damaged TIFF file"):
         load_image(path)
 
 
@@ -131,7 +201,7 @@ def test_a_tiff_of_countless_planes_is_damaged_and_takes_no_memory(tmp_path):
     struct.pack_into("<HII", damaged, at + 2, 4, 1, 2**31 - 17)
     path.write_bytes(damaged)
     tracemalloc.start()
-    with pytest.raises(ValueError, match="is damaged"):
+    with pytest.raises(ValueError, match="is a damaged TIFF file"):
         load_volume(path)
     most = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()

@@ -18,6 +18,7 @@ from cpm_core.formats.images.stacks.stack import Stack, as_planes, check_content
 from cpm_core.formats.printable import printable
 from cpm_core.parameters.quotation import shown
 
+FORMAT = "DICOM"
 READS = {".dcm": "DICOM image, or a folder with the slices of a series", ".dicom": "the same", ".ima": "the same"}
 
 FOLDER = bytes(128) + b"DICM"

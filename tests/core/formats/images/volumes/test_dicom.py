@@ -289,7 +289,7 @@ def test_packed_pixels_of_another_size_than_the_header_says_are_refused(tmp_path
     found, _ = of_twelve_bits(pytest.importorskip("imagecodecs"))
     found.Rows = 11
     found.save_as(tmp_path / "a.dcm")
-    with pytest.raises(ValueError, match="is damaged"):
+    with pytest.raises(ValueError, match="is a damaged DICOM file"):
         load_image(tmp_path / "a.dcm")
 
 

@@ -1,0 +1,90 @@
+"""Fingerprints: what changes in a file changes its hash, and no file takes minutes."""
+
+import hashlib
+import os
+import shutil
+
+import pytest
+
+import cpm_core.formats.fingerprint as module
+from cpm_core.formats.fingerprint import differ, fingerprint
+from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, find_image, load_session, save_session
+
+LARGEST = 2**30
+
+
+def sparse(path, size):
+    """A file that takes no room on the disk."""
+    path.touch()
+    os.truncate(path, size)
+    return path
+
+
+def write_at(path, place, content):
+    with path.open("r+b") as stream:
+        stream.seek(place)
+        stream.write(content)
+
+
+@pytest.mark.parametrize("size", [0, 1, 2**20, 2**20 + 1, 5 * 2**20])
+def test_the_hash_of_a_file_is_that_of_all_its_bytes(tmp_path, size):
+    content = os.urandom(size)
+    (tmp_path / "a").write_bytes(content)
+    assert fingerprint(tmp_path / "a") == hashlib.sha256(content).hexdigest()
+
+
+def test_of_a_file_of_any_size_at_most_a_gibibyte_is_read(tmp_path, monkeypatch):
+    parts = []
+    for size in (LARGEST, LARGEST + 1, 200 * LARGEST):
+        parts.append([])
+        with monkeypatch.context() as patched:
+            patched.setattr(module.hashlib, "sha256", lambda: hashlib.new("md5"))
+            fingerprint(sparse(tmp_path / "a", size), lambda: parts[-1].append(1))
+    assert [len(part) for part in parts] == [1024, 64, 64]
+
+
+@pytest.mark.parametrize("place", ["first", "middle", "last"])
+def test_a_large_file_is_known_again_and_its_changes_are_seen(tmp_path, monkeypatch, place):
+    monkeypatch.setattr(module, "_LARGEST", 2**20)
+    path = tmp_path / "a"
+    path.write_bytes(os.urandom(3 * 2**20 + 5))
+    before = fingerprint(path)
+    assert before.startswith("sampled:")
+    shutil.move(path, tmp_path / "b")
+    assert fingerprint(tmp_path / "b") == before
+    size = (tmp_path / "b").stat().st_size
+    write_at(tmp_path / "b", {"first": 0, "middle": size // 2, "last": size - 9}[place], b"other one")
+    assert differ(before, fingerprint(tmp_path / "b"))
+
+
+def test_a_large_file_of_the_same_parts_but_another_length_has_changed(tmp_path):
+    one, other = (fingerprint(sparse(tmp_path / "a", size)) for size in (2 * LARGEST, 3 * LARGEST))
+    assert differ(one, other)
+
+
+def test_a_session_recognizes_its_large_image_by_its_hash_and_by_that_of_an_earlier_version(tmp_path):
+    image = sparse(tmp_path / "huge.npy", 2 * LARGEST)
+    for known in (fingerprint(image), "0" * 64):
+        save_session(SessionFile(ImageFile(str(image), known, (10, 20))), tmp_path / "a.cpm")
+        reference = load_session(tmp_path / "a.cpm").image
+        assert reference.sha256 == known
+        assert find_image(reference, tmp_path) == (image, ())
+    save_session(SessionFile(ImageFile(str(image), fingerprint(image), (10, 20))), tmp_path / "a.cpm")
+    write_at(image, 0, b"changed")
+    _, (note,) = find_image(load_session(tmp_path / "a.cpm").image, tmp_path)
+    assert "has changed since" in note
+
+
+@pytest.mark.parametrize(
+    ("known", "found", "differs"),
+    [
+        ("1" * 64, "1" * 64, False),
+        ("1" * 64, "2" * 64, True),
+        ("1" * 64, "sampled:" + "2" * 64, False),
+        ("sampled:" + "1" * 64, "2" * 64, True),
+        ("sampled:" + "1" * 64, "sampled:" + "2" * 64, True),
+        ("1" * 64, "", True),
+    ],
+)
+def test_only_hashes_of_the_same_kind_are_compared_and_no_file_shrinks_unseen(known, found, differs):
+    assert differ(known, found) is differs
