@@ -2,6 +2,7 @@
 
 import ast
 import re
+import shutil
 import subprocess
 import sys
 from collections import defaultdict
@@ -335,11 +336,11 @@ def test_the_rooms_of_the_core_stand_on_those_before_them():
 
 
 def test_the_top_level_holds_what_it_should_and_nothing_else():
-    if (ROOT / ".git").exists():
+    if (ROOT / ".git").exists() and shutil.which("git"):
         listing = ["git", "ls-files", "--cached", "--others", "--exclude-standard"]
         files = subprocess.run(listing, cwd=ROOT, capture_output=True, text=True, check=True).stdout.splitlines()
         names = {file.split("/")[0] for file in files}
-    else:  # an unpacked archive; environments and build products may lie beside the source
+    else:  # environments and build products may lie next to the source
         names = {path.name for path in ROOT.iterdir()} - {"build", "dist", "venv", "__pycache__", "PKG-INFO"}
     visible = {name for name in names if not name.startswith(".")}
     assert visible == {

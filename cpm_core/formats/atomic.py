@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import hashlib
 import os
 import secrets
@@ -56,7 +57,7 @@ def write_together(contents: Sequence[tuple[Path, bytes]]) -> None:
         for path, content in contents:
             with _failures_told(path):
                 target = path.resolve()
-            draft = _draft_beside(target)
+                draft = _draft_beside(target)
             moves.append((draft, target))
             with draft.open("xb") as stream:
                 stream.write(content)
@@ -156,7 +157,9 @@ def _check_target(target: Path) -> os.stat_result | None:
     """What is known of a target that exists; ValueError when it must not be replaced."""
     try:
         known = target.stat()
-    except OSError:
+    except OSError as error:
+        if error.errno == errno.ELOOP:  # newer releases of Python resolve links in a circle without an error
+            raise
         return None
     if not stat.S_ISREG(known.st_mode):
         raise ValueError(f"{target} is not an ordinary file and is not replaced: name another one.")
