@@ -24,6 +24,9 @@ from cpm_core.segmentation.reach.drawn_area import drawn_area
 _LEAST_PLACES = 8
 """Fewer places are clicks; more are a drawn shape, which counts as a whole."""
 
+_MOST = 0.5
+"""Share of a start above which it lies in a region, and of a contour above which it lies in another one."""
+
 _AT_CONTOUR = 2
 """Distance from a certain contour up to which a place is at odds with the contour rather than beyond it [px]."""
 
@@ -34,18 +37,27 @@ class ClosedRegion:
 
     Attributes
     ----------
-    filled : ndarray of bool, shape (H, W)
+    box : tuple of slice
+        Rows and columns of the image that hold it and some pixels around it.
+    filled : ndarray of bool, shape of the box
         Pixels whose centers lie inside the contour.
-    mask : ndarray of bool, shape (H, W)
-        The same without its holes: the certain regions in it whose edge rises the same way, as from the region to what
-        is around it. One that rises the other way, such as a nucleus in a cell, is a part.
+    mask : ndarray of bool, shape of the box
+        The same without its holes: the certain regions in it whose edge rises the other way, as that of a hole does.
+        One that rises the same way, such as a nucleus in a cell, is a part.
     rises : bool
         Whether the image gets brighter outward across the contour.
     """
 
+    box: tuple[slice, slice]
     filled: Mask
     mask: Mask
     rises: bool
+
+    def share(self, pixels: Index, *, filled: bool = False) -> float:
+        """Share of some pixels, shape (N, 2), that lie in it, or in it with its holes."""
+        place = pixels - (self.box[0].start, self.box[1].start)
+        place = place[((place >= 0) & (place < self.mask.shape)).all(axis=1)]
+        return float(np.count_nonzero((self.filled if filled else self.mask)[tuple(place.T)])) / len(pixels)
 
 
 class ClosedRegions:
@@ -74,10 +86,10 @@ class ClosedRegions:
             return None
         found = np.zeros(self._values.shape, np.bool_)
         for piece in self._pieces(places):
-            region = next((region for region in self._over(piece.mean(axis=0)) if _holds(region.mask, piece)), None)
+            region = next((region for region in self._over(piece.mean(axis=0)) if region.share(piece) > _MOST), None)
             if region is None:
                 return None
-            found |= region.mask
+            found[region.box] |= region.mask
         return found
 
     def changed(self, mask: Mask, pixel: Index, adds: bool, kept: Index) -> Mask | None:
@@ -94,17 +106,22 @@ class ClosedRegions:
         kept : ndarray of int64, shape (N, 2)
             Places of the other kind, which must not change sides.
         """
-        near = tuple(slice(max(at - _AT_CONTOUR, 0), at + _AT_CONTOUR + 1) for at in pixel.tolist())
+        steps = np.stack(np.meshgrid(*2 * [np.arange(-_AT_CONTOUR, _AT_CONTOUR + 1)]), axis=-1).reshape(-1, 2)
+        near = np.clip(pixel + steps, 0, np.array(mask.shape) - 1)
+        if 0.0 < mask[tuple(near.T)].mean() < 1.0 and any(
+            0.0 < region.share(near, filled=True) < 1.0 for region in self._over(pixel, _AT_CONTOUR)
+        ):
+            changed = mask.copy()
+            changed[tuple(pixel)] = adds
+            return changed
         for region in self._over(pixel):
-            if not region.filled[near].all() and mask[near].any() and not mask[near].all():
-                return _flipped(mask, pixel)
-            changed = (mask | region.mask) if adds else (mask & ~region.filled)
-            decided = changed[tuple(pixel)] == adds and changed.any() and not (changed != mask)[tuple(kept.T)].any()
-            if decided:
-                return np.asarray(changed)
-        for region in self._beside(pixel):
-            if region.filled[near].any() and mask[near].any() and not mask[near].all():
-                return _flipped(mask, pixel)
+            changed = mask.copy()
+            if adds:
+                changed[region.box] |= region.mask
+            else:
+                changed[region.box] &= ~region.filled
+            if changed[tuple(pixel)] == adds and changed.any() and not (changed != mask)[tuple(kept.T)].any():
+                return changed
         return None
 
     def _pieces(self, places: Array) -> Iterator[Index]:
@@ -117,16 +134,10 @@ class ClosedRegions:
         for number in range(1, count + 1):
             yield np.argwhere(labels == number)
 
-    def _over(self, place: Array | Index) -> Iterator[ClosedRegion]:
-        """The certain regions whose box holds a place, the smallest first."""
-        return self._certain((self._boxes[:, 0] <= place) & (place <= self._boxes[:, 1]))
-
-    def _beside(self, pixel: Index) -> Iterator[ClosedRegion]:
-        """The certain regions whose box comes near to a pixel."""
-        return self._certain((self._boxes[:, 0] - _AT_CONTOUR <= pixel) & (pixel <= self._boxes[:, 1] + _AT_CONTOUR))
-
-    def _certain(self, candidates: Mask) -> Iterator[ClosedRegion]:
-        for index in np.flatnonzero(candidates.all(axis=1)).tolist():
+    def _over(self, place: Array | Index, margin: float = 0.0) -> Iterator[ClosedRegion]:
+        """The certain regions whose box, widened by a margin, holds a place; the smallest first."""
+        low, high = self._boxes[:, 0] - margin, self._boxes[:, 1] + margin
+        for index in np.flatnonzero(((low <= place) & (place <= high)).all(axis=1)).tolist():
             region = self._region(index)
             if region is not None:
                 yield region
@@ -149,62 +160,35 @@ class ClosedRegions:
         return np.flatnonzero(inside).tolist()
 
     def _made(self, contour: Contour, within: Sequence[int]) -> ClosedRegion | None:
-        shape = self._values.shape
-        filled = np.zeros(shape, np.bool_)
-        rows, cols = contour.points.T
-        filled[skimage.draw.polygon(rows, cols, shape)] = True  # type: ignore[no-untyped-call]
-        if not filled.any():
+        margin = int(MARGIN) + 1
+        low = np.maximum(np.floor(contour.box[0]).astype(int) - margin, 0)
+        high = np.minimum(np.ceil(contour.box[1]).astype(int) + margin + 1, self._values.shape)
+        box = slice(int(low[0]), int(high[0])), slice(int(low[1]), int(high[1]))
+        strength, values = self._strength[box], self._values[box]
+        filled, off = np.zeros(strength.shape, np.bool_), np.ones(strength.shape, np.bool_)
+        rows, cols = (contour.points - low).T
+        filled[skimage.draw.polygon(rows, cols, filled.shape)] = True  # type: ignore[no-untyped-call]
+        off[_pixels(contour, low, off.shape)] = False
+        at_contour = scipy.ndimage.distance_transform_edt(off) <= MARGIN
+        if not (at_contour & filled).any() or not (at_contour & ~filled).any():
             return None
-        box = scipy.ndimage.find_objects(filled.view(np.uint8))[0]
-        off = np.ones(filled[box].shape, np.bool_)
-        _mark(off, contour, box)
-        mask, rises, others = filled.copy(), self._rises(contour, filled), []
+        rises = bool(values[at_contour & ~filled].mean() > values[at_contour & filled].mean())
+        mask = filled.copy()
         for index in within:
-            if not _holds(filled, _pixels(self._contours[index], shape)):
-                continue
-            inner = self._region(index)
+            place = _pixels(self._contours[index], low, off.shape)
+            inner = self._region(index) if filled[place].mean() > _MOST else None
             if inner is not None:
-                others.append(inner)
-                _mark(off, self._contours[index], box)
-        away = scipy.ndimage.distance_transform_edt(off)
-        inside = self._strength[box][filled[box] & (away > MARGIN)]
+                off[place] = False
+                if inner.rises != rises:
+                    top, left = inner.box[0].start - low[0], inner.box[1].start - low[1]
+                    part = mask[top : top + inner.filled.shape[0], left : left + inner.filled.shape[1]]
+                    part &= ~inner.filled
+        inside = strength[filled & (scipy.ndimage.distance_transform_edt(off) > MARGIN)]
         along = interpolate(self._strength[None], polyline.sampled(contour.path, 0.5))[:, 0]
-        if not is_certain(along, inside):
-            return None
-        for inner in others:
-            if inner.rises != rises:  # outward of the hole lies the region
-                mask &= ~inner.filled
-        return ClosedRegion(filled, mask, rises)
-
-    def _rises(self, contour: Contour, filled: Mask) -> bool:
-        """Whether the image is brighter outside of a contour than inside, next to it."""
-        pixels = np.zeros_like(filled)
-        pixels[tuple(_pixels(contour, filled.shape).T)] = True
-        near = scipy.ndimage.binary_dilation(pixels, iterations=int(MARGIN))
-        inside, outside = self._values[near & filled], self._values[near & ~filled]
-        return bool(inside.size and outside.size and outside.mean() > inside.mean())
+        return ClosedRegion(box, filled, mask, rises) if is_certain(along, inside) else None
 
 
-def _holds(mask: Mask, pixels: Index) -> bool:
-    """Whether more than half of some pixels, shape (N, 2), lie in a mask."""
-    return bool(mask[tuple(pixels.T)].mean() > 0.5)
-
-
-def _pixels(contour: Contour, shape: tuple[int, ...]) -> Index:
-    """Pixels that a contour runs through, shape (N, 2)."""
-    points = polyline.sampled(contour.path, 0.5)
-    return np.rint(np.clip(points, 0, np.array(shape) - 1)).astype(np.int64)
-
-
-def _mark(off: Mask, contour: Contour, box: tuple[slice, ...]) -> None:
-    """Mark where a contour runs in a box by False."""
-    corner = np.array([side.start for side in box])
-    place = np.clip(np.rint(polyline.sampled(contour.path, 0.5)).astype(np.int64) - corner, 0, np.array(off.shape) - 1)
-    off[tuple(place.T)] = False
-
-
-def _flipped(mask: Mask, pixel: Index) -> Mask:
-    """A mask in which one pixel has changed sides."""
-    changed = mask.copy()
-    changed[tuple(pixel)] = ~changed[tuple(pixel)]
-    return changed
+def _pixels(contour: Contour, corner: Index, shape: tuple[int, ...]) -> tuple[Index, ...]:
+    """Rows and columns of the pixels that a contour runs through, in a box of some shape at a corner."""
+    points = np.rint(polyline.sampled(contour.path, 0.5)).astype(np.int64) - corner
+    return tuple(np.clip(points, 0, np.array(shape) - 1).T)
