@@ -282,11 +282,12 @@ def _read(file: Path, do: Callable[[Reader], Any]) -> Any:
     except Exception as error:  # decoders raise exceptions of any kind on damaged files
         _LOG.info("%s: %s: %s", file, type(error).__name__, error)
         named = (other.FORMAT for other in _READERS if file.name.lower().endswith(tuple(other.READS)))
-        kind = reader.FORMAT or next(named, "")
+        if kind := reader.FORMAT or next(named, ""):
+            raise ValueError(
+                f"{file.name} is a damaged {kind} file: get a sound copy of it, or save it again."
+            ) from error
         raise ValueError(
-            f"{file.name} is a damaged {kind} file: get a sound copy of it, or save it again."
-            if kind
-            else f"{file.name} is damaged, cut short or of an unknown kind: get a sound copy of it, "
+            f"{file.name} is damaged, cut short or of an unknown kind: get a sound copy of it, "
             "or save it again as PNG or TIFF."
         ) from error
 

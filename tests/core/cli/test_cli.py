@@ -298,7 +298,7 @@ BAD = [
     ("run disk.png --export out.svg --auto magic", "magic"),
     ("run none.png --export out.svg --circle 40,50,12", "does not exist"),
     ("run . --export out.svg --circle 40,50,12", "is a folder"),
-    ("run text.png --export out.svg --circle 40,50,12", "not an image"),
+    ("run text.png --export out.svg --circle 40,50,12", "of an unknown kind"),
     ("run dot.png --export out.svg --circle 40,50,12", "1 x 1 px"),
     ("run flat.png --export out.svg --circle 20,20,9", "constant"),
     ("run nan.npy --export out.svg --circle 40,50,12", "NaN"),
@@ -315,7 +315,7 @@ BAD = [
     ("run disk.png --circle 40,50,12 --export out.svg --barrier 5,5,5,nan", "barrier 1"),
     ("info", "IMAGE"),
     ("info none.png", "does not exist"),
-    ("info text.png --json", "not an image"),
+    ("info text.png --json", "of an unknown kind"),
 ]
 
 
