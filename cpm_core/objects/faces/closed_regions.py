@@ -42,8 +42,8 @@ class ClosedRegion:
     filled : ndarray of bool, shape of the box
         Pixels whose centers lie inside the contour.
     mask : ndarray of bool, shape of the box
-        The same without its holes: the certain regions in it whose edge rises the other way, as that of a hole does.
-        One that rises the same way, such as a nucleus in a cell, is a part.
+        The same without its holes: the certain regions directly in it whose edge rises the other way, as that of a hole
+        does. One that rises the same way, such as a nucleus in a cell, is a part.
     rises : bool
         Whether the image gets brighter outward across the contour.
     """
@@ -173,16 +173,17 @@ class ClosedRegions:
         if not (at_contour & filled).any() or not (at_contour & ~filled).any():
             return None
         rises = bool(values[at_contour & ~filled].mean() > values[at_contour & filled].mean())
-        mask = filled.copy()
-        for index in within:
+        mask, known = filled.copy(), np.zeros_like(filled)
+        for index in reversed(within):  # the largest first: what lies in a hole or a part goes with it
             place = _pixels(self._contours[index], low, off.shape)
             inner = self._region(index) if filled[place].mean() > _MOST else None
             if inner is not None:
                 off[place] = False
-                if inner.rises != rises:
-                    top, left = inner.box[0].start - low[0], inner.box[1].start - low[1]
-                    part = mask[top : top + inner.filled.shape[0], left : left + inner.filled.shape[1]]
-                    part &= ~inner.filled
+                top, left = inner.box[0].start - low[0], inner.box[1].start - low[1]
+                part = slice(top, top + inner.filled.shape[0]), slice(left, left + inner.filled.shape[1])
+                if inner.rises != rises and not (known[part] & inner.filled).any():
+                    mask[part] &= ~inner.filled
+                known[part] |= inner.filled
         inside = strength[filled & (scipy.ndimage.distance_transform_edt(off) > MARGIN)]
         along = interpolate(self._strength[None], polyline.sampled(contour.path, 0.5))[:, 0]
         return ClosedRegion(box, filled, mask, rises) if is_certain(along, inside) else None
