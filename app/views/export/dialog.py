@@ -143,7 +143,8 @@ class ExportDialog(QDialog):
         given = Given(result, session.document, self._selected, session.image)
         for source in SOURCES:
             found, button = source.of(given), self.sources[source.name]
-            count = len(found.contours) if found is not None else 0
+            contours = found.contours if found is not None else ()
+            count = len({one.group for one in contours} if source.name == "objects" else contours)
             button.setText(f"{source.title} ({count})")
             button.setEnabled(count > 0)
         self._form.setRowVisible(0, not isinstance(self._whole, Skeleton))

@@ -24,7 +24,7 @@ from tests.app.volumes.conftest import SHAPE, Button, press, release
 
 pytestmark = pytest.mark.shared_window
 
-KEY, ALT = Qt.Key, Qt.KeyboardModifier.AltModifier
+KEY, SHIFT = Qt.Key, Qt.KeyboardModifier.ShiftModifier
 ONE, OTHER, RADIUS = (11.0, 8.0, 9.0), (12.0, 18.0, 22.0), 5.5
 
 
@@ -118,7 +118,7 @@ def test_clicks_in_slices_add_bodies_and_take_them_away(found, hand) -> None:
     found.workspace.slices.at(round(ONE[0]))
     click(hand, ONE[1:])
     assert selection.proposals[0].selection.volume == pytest.approx(2 * BALL, rel=0.08)
-    click(hand, OTHER[1:], ALT)
+    click(hand, OTHER[1:], SHIFT)
     assert selection.proposals[0].selection.holds(np.array([ONE, OTHER])).tolist() == [True, False]
     hand.key(KEY.Key_Backspace)
     settle(hand)
