@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -26,6 +27,7 @@ from app.session.session import Session
 from app.session.tasks.tasks import Task
 from app.views.export.fields import FileFields, FormatField, PixelSizeField
 from app.views.export.preview import Preview
+from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
 from cpm_core.formats import FOR_SKELETONS, OUTLINABLE, WRITABLE
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -43,6 +45,11 @@ class Closed(Report):
     order: ExportOrder
     result: Result | Skeleton | None
     trouble: str = ""
+
+
+def _count(source: str, contours: Sequence[Contour]) -> int:
+    """Number of the things that contours from a source are: an object with a hole has two contours."""
+    return len({contour.group for contour in contours} if source == "objects" else contours)
 
 
 class ExportDialog(QDialog):
@@ -143,8 +150,7 @@ class ExportDialog(QDialog):
         given = Given(result, session.document, self._selected, session.image)
         for source in SOURCES:
             found, button = source.of(given), self.sources[source.name]
-            contours = found.contours if found is not None else ()
-            count = len({one.group for one in contours} if source.name == "objects" else contours)
+            count = 0 if found is None else _count(source.name, found.contours)
             button.setText(f"{source.title} ({count})")
             button.setEnabled(count > 0)
         self._form.setRowVisible(0, not isinstance(self._whole, Skeleton))

@@ -85,7 +85,8 @@ def test_an_output_on_a_full_disk_is_told_in_one_line(disk):
     with open("/dev/full", "w") as full:  # noqa: PTH123
         done = cpm("info", disk, stdout=full)
         assert (done.returncode, done.stderr) == (2, b"cpm: the output cannot be written: No space left on device.\n")
-        assert cpm("info", "none.png", stderr=full).returncode == 2
+        # some releases of Python end with 120 when standard error cannot be flushed at the end
+        assert cpm("info", "none.png", stderr=full).returncode in (2, 120)
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no device that is always full")
