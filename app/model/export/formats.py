@@ -58,6 +58,7 @@ _OF_VOLUMES = (
     Format(".nii", tr("NIfTI"), tr("Label volumes")),
     Format(".tif", tr("TIFF stack"), tr("Label volumes")),
     Format(".points.csv", tr("CSV, one row per particle"), tr("Particles")),
+    Format(".swc", tr("SWC, a tree of points with radii"), tr("Center lines")),
 )
 
 _SAME = {".tiff": ".tif"}
@@ -79,7 +80,7 @@ def formats_of_volumes() -> tuple[Format, ...]:
     """All formats in which the result of a volume can be written, in groups; new ones are last."""
     known = {one.suffix for one in _OF_VOLUMES} | _SAME.keys()
     others = (Format(suffix, from_core(text), _OTHERS) for suffix, text in FOR_VOLUMES.items() if suffix not in known)
-    return (*(one for one in _OF_VOLUMES if one.suffix in FOR_VOLUMES), *others)
+    return (*_OF_VOLUMES, *others)
 
 
 def listed(suffix: str) -> str:

@@ -42,7 +42,7 @@ class SurfaceDialog(QDialog):
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(tr("Export center lines") if lines else tr("Export surface"))
         self._formats = FOR_CENTERLINES if lines else FOR_VOLUMES
-        self.format = FormatField(FOR_CENTERLINES) if lines else FormatField(FOR_VOLUMES, formats_of_volumes())
+        self.format = FormatField(self._formats, formats_of_volumes())
         self.file = FileFields(place.parent, place.name, path)
         self.source = QComboBox()
         self.source.setAccessibleName(tr("What"))
