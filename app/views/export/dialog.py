@@ -143,7 +143,7 @@ class ExportDialog(QDialog):
         given = Given(result, session.document, self._selected, session.image)
         for source in SOURCES:
             found, button = source.of(given), self.sources[source.name]
-            count = len(found.contours) if found is not None else 0
+            count = _count(found, source.name)
             button.setText(f"{source.title} ({count})")
             button.setEnabled(count > 0)
         self._form.setRowVisible(0, not isinstance(self._whole, Skeleton))
@@ -252,6 +252,12 @@ def _make_room_for_sentences(*labels: QLabel) -> None:
         label.setWordWrap(True)
         label.setMinimumSize(_WIDTH, 3 * label.fontMetrics().lineSpacing())
         label.setAlignment(Qt.AlignmentFlag.AlignTop)
+
+
+def _count(found: Result | None, source: str) -> int:
+    """How many objects, or contours, there are to write."""
+    contours = found.contours if found is not None else ()
+    return len({one.group for one in contours} if source == "objects" else contours)
 
 
 def _words(result: Result | Skeleton, counts: Account, order: ExportOrder) -> str:

@@ -277,19 +277,20 @@ def test_every_format_is_offered_once_with_images_first() -> None:
 def test_objects_are_offered_and_written_without_a_run(window, hand, tmp_path) -> None:
     session = window.session
     square = ((4.0, 4.0), (4.0, 20.0), (20.0, 20.0), (20.0, 4.0))
-    item = SegmentedObject(number=7, clicks=(), boundary=(square,), gaps=(), confidence=1.0, strength=1.0, name="cell")
+    both = (square, ((8.0, 8.0), (12.0, 8.0), (12.0, 12.0), (8.0, 12.0)))
+    item = SegmentedObject(number=7, clicks=(), boundary=both, gaps=(), confidence=1.0, strength=1.0, name="cell")
     session.edit("take", lambda document: replace(document, objects=replace(document.objects, items=(item,))))
     dialog = asked(hand, window)
     assert [name for name, button in dialog.sources.items() if button.isEnabled()] == ["objects"]
     assert dialog.order.source == "objects"
+    assert "(1)" in dialog.sources["objects"].text()
     assert dialog.counts.text() == "Writes 1 object."
     type_into(hand, dialog.file.folder, str(tmp_path))
     type_into(hand, dialog.file.name, "objects.json")
     content = json.loads(write(hand, window, dialog).read_text(encoding="utf-8"))
     assert content["provenance"]["method"] == "objects"
     assert content["provenance"]["image"]["sha256"] == session.document.image.sha256
-    (contour,) = content["contours"]
-    assert (contour["name"], contour["closed"]) == ("cell", True)
+    assert [(contour["name"], contour["closed"]) for contour in content["contours"]] == [("cell", True)] * 2
     dialog = asked(hand, window)
     type_into(hand, dialog.file.name, "objects.figure.png")
     with PIL.Image.open(write(hand, window, dialog)) as figure:
