@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from PySide6.QtWidgets import QMainWindow, QToolBar, QToolButton, QWidget
+from PySide6.QtWidgets import QLineEdit, QMainWindow, QToolButton, QWidget
 
 from app.model.text.language import tr
 from app.session.session import Session
@@ -18,20 +18,21 @@ def stops(window: QMainWindow, session: Session, reveal: Callable[[str], None]) 
     return (
         Stop(
             tr("Open an image"),
-            tr("Open your own image, or drop a file on the window. Or go on with the image that is open."),
+            tr("Open your own image, or drop a file on the window. Or continue with the image that is open."),
             doings.button("open"),
             doings.another_image,
         ),
         Stop(
-            tr("Draw where to start"),
-            tr("Drag a circle in or around an object. The other tools beside the image draw strokes, points and more."),
-            lambda: window.findChild(QToolBar, "palette"),
-            doings.more_shapes,
+            tr("Select an object"),
+            tr("Choose the tool Objects ({key:objects}) and click in an object. Click to add, Shift-click to remove. "
+               "Enter accepts it and asks for its name; Enter again leaves it without one."),
+            doings.button("objects"),
+            doings.more_objects,
         ),
         Stop(
-            tr("Run"),
-            tr("Press {key:run}. Particles move to the edges and repel each other along them until they come to "
-               "rest."),
+            tr("Or draw and run"),
+            tr("Drag a circle ({key:circle}) in or around an object, unless there is one, and press {key:run}. "
+               "Particles find the edges and follow them, and what they enclose is offered as an object."),
             doings.button("primary"),
             lambda: doings.has_run,
             doings.run,
@@ -61,7 +62,7 @@ class _Doings:
         self._reveal = reveal
 
     def button(self, name: str) -> Callable[[], QWidget | None]:
-        """A button of the tool bar."""
+        """A button of the tool bar or of the palette."""
 
         def seen() -> QWidget | None:
             found = self._window.findChild(QToolButton, name)
@@ -82,16 +83,19 @@ class _Doings:
 
         return is_opened
 
-    def more_shapes(self) -> Callable[[], bool]:
-        """Whether a shape is drawn from now on."""
-        before = len(self._session.document.shapes)
-        return lambda: len(self._session.document.shapes) > before
+    def more_objects(self) -> Callable[[], bool]:
+        """Whether an object is accepted, and named or not, from now on."""
+        before = len(self._session.document.objects.items)
+        return lambda: len(self._session.document.objects.items) > before and not self._typing()
 
     def other_parameters(self) -> Callable[[], bool]:
         """Whether a parameter is changed from now on."""
         self._reveal("parameters")
         before = self._session.document.parameters
         return lambda: self._session.document.parameters != before
+
+    def _typing(self) -> bool:
+        return isinstance(self._window.focusWidget(), QLineEdit)
 
     def run(self) -> None:
         """Run, where there is something to start from."""
