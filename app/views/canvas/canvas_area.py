@@ -29,9 +29,7 @@ from cpm_core.numerics.types import Place, Position
 from cpm_core.shapes import Circle, Shape, Sphere
 
 FIRST_TOOL = "circle"
-OFFERED = tr(
-    "Enter takes the object around the start, the tool Objects ({key:objects}) corrects it, {key:escape} drops it."
-)
+OFFERED = tr("Enter accepts what was found, the tool Objects ({key:objects}) corrects it, {key:escape} discards it.")
 
 _ARROWS = {
     Qt.Key.Key_Up: (-1.0, 0.0),

@@ -36,7 +36,7 @@ _POINTER: KeyTable = (
     ((tr("wheel"),), tr("zoom")),
     (("Shift",), tr("circle; eight directions")),
     (("Ctrl",), tr("ellipse from its center")),
-    (("Alt",), tr("cut a contour; not part of the object")),
+    ((tr("Shift-click"),), tr("cut a contour; remove from the object")),
 )
 _IMAGE: KeyTable = (
     (("Enter",), tr("show the cross-hair")),
@@ -46,7 +46,7 @@ _IMAGE: KeyTable = (
     (("Enter", "Enter"), tr("end a path")),
     (("Backspace",), tr("remove the last corner")),
     (("{key:escape}",), tr("cancel")),
-    (("Enter",), tr("take the object that is offered; name it")),
+    (("Enter",), tr("accept the object that is offered; rename it")),
     (("1 … 9",), tr("class of the object")),
     (("<", ">"), tr("size of shape or ring, strength, spacing")),
 )

@@ -14,7 +14,7 @@ from app.model.text.language import tr
 from app.model.volume.shape_wires import wires
 from app.session.features.objects.object_selection import ObjectSelection
 from app.session.session import Session
-from app.views.canvas.tools.objects import NOT_INSIDE
+from app.views.canvas.tools.tool import TAKING_AWAY
 from app.views.volume.space_view import SpaceView
 from cpm_core.image.image import Image
 from cpm_core.numerics.segments import distances_to_segments
@@ -63,7 +63,7 @@ class SpaceHand(QObject):
         self._session.select(len(self._session.document.shapes) - 1)
 
     def select(self, selection: ObjectSelection, at: Place) -> None:
-        """Say that the body behind a place on something seen belongs to the object; with Alt or Shift, not.
+        """Say that the body behind a place on something seen belongs to the object; with Shift, not.
 
         Where none lies behind it, the place itself is meant.
         """
@@ -74,7 +74,7 @@ class SpaceHand(QObject):
         places = np.array(at) + np.outer((0.0, *_BEHIND), way)
         within = partition.bodies_at(places) > 0 if isinstance(partition, VolumePartition) else np.zeros(len(places))
         place = places[1 + int(np.argmax(within[1:]))] if np.any(within[1:]) else places[0]
-        inside = not QGuiApplication.keyboardModifiers() & NOT_INSIDE
+        inside = not QGuiApplication.keyboardModifiers() & TAKING_AWAY
         selection.click((tuple(place.tolist()),), inside)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:

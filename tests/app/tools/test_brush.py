@@ -15,7 +15,7 @@ from cpm_core.objects.segmented.segmented_object import SegmentedObject
 
 pytestmark = pytest.mark.shared_window
 
-KEY, ALT = Qt.Key, Qt.KeyboardModifier.AltModifier
+KEY, SHIFT = Qt.Key, Qt.KeyboardModifier.ShiftModifier
 ROW, COL = np.indices((64, 64))
 PIXELS = np.stack([ROW, COL], axis=-1).reshape(-1, 2).astype(float)
 
@@ -33,8 +33,8 @@ def items(window) -> tuple[SegmentedObject, ...]:
 
 
 def stroke(hand, *places: tuple[float, float], away: bool = False) -> None:
-    """A stroke through places; `away` with Alt held."""
-    modifier = ALT if away else Qt.KeyboardModifier.NoModifier
+    """A stroke through places; `away` with Shift held."""
+    modifier = SHIFT if away else Qt.KeyboardModifier.NoModifier
     viewport, left = hand.canvas.viewport(), Qt.MouseButton.LeftButton
     hand.qtbot.mousePress(viewport, left, modifier, hand.at(*places[0]))
     for place in places[1:]:
@@ -185,7 +185,7 @@ def test_enter_and_arrow_keys_paint_and_with_alt_take_away(window, hand, brush) 
     rows, cols = np.ptp(np.concatenate([np.array(curve) for curve in item.boundary]), axis=0)
     assert rows == pytest.approx(2 * brush.radius, rel=0.02)
     assert cols > rows + 2
-    hand.key(KEY.Key_Return, ALT)
+    hand.key(KEY.Key_Return, SHIFT)
     hand.key(KEY.Key_Return)
     (less,) = items(window)
     assert less.area < item.area - 0.9 * math.pi * brush.radius**2 / 2

@@ -1,4 +1,4 @@
-"""The contour tool: clicks, frames and strokes select contours; Shift adds, Alt removes, Esc cancels."""
+"""The contour tool: clicks, frames and strokes select contours; Shift adds, Ctrl removes, Esc cancels."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ from tests.app.conftest import Hand
 pytestmark = pytest.mark.shared_window
 
 KEY, LEFT = Qt.Key, Qt.MouseButton.LeftButton
-SHIFT, ALT, NONE = Qt.KeyboardModifier.ShiftModifier, Qt.KeyboardModifier.AltModifier, Qt.KeyboardModifier.NoModifier
+SHIFT, CONTROL = Qt.KeyboardModifier.ShiftModifier, Qt.KeyboardModifier.ControlModifier
+ALT, NONE = Qt.KeyboardModifier.AltModifier, Qt.KeyboardModifier.NoModifier
 PLACES = [(20, 20), (20, 60), (20, 100), (60, 20), (60, 60), (60, 100)]
 
 
@@ -70,12 +71,13 @@ def selected(window: MainWindow) -> set[tuple[int, int]]:
     return {min(PLACES, key=lambda place: float(np.hypot(*(center - place)))) for center in centers}
 
 
-def test_a_frame_selects_what_lies_in_it_shift_adds_and_alt_removes(found, hand) -> None:
+@pytest.mark.parametrize("removing", [CONTROL, ALT])
+def test_a_frame_selects_what_lies_in_it_shift_adds_and_ctrl_or_alt_removes(found, hand, removing) -> None:
     drag(hand, (3.0, 3.0), (40.0, 80.0))
     assert selected(found) == {(20, 20), (20, 60)}
     drag(hand, (40.0, 80.0), (3.0, 118.0), held=SHIFT)
     assert selected(found) == {(20, 20), (20, 60), (20, 100)}
-    drag(hand, (3.0, 40.0), (40.0, 80.0), held=ALT)
+    drag(hand, (3.0, 40.0), (40.0, 80.0), held=removing)
     assert selected(found) == {(20, 20), (20, 100)}
     drag(hand, (40.0, 3.0), (80.0, 40.0))
     assert selected(found) == {(60, 20)}
@@ -92,16 +94,17 @@ def test_a_contour_belongs_to_a_frame_that_holds_half_of_it(found, hand) -> None
 def test_a_drag_from_a_contour_selects_all_that_it_crosses(found, hand) -> None:
     drag(hand, (20.0, 31.0), (20.0, 60.0), (60.0, 60.0))
     assert selected(found) == {(20, 20), (20, 60), (60, 60)}
-    drag(hand, (60.0, 49.0), (60.0, 60.0), held=ALT)
+    drag(hand, (60.0, 49.0), (60.0, 60.0), held=CONTROL)
     assert selected(found) == {(20, 20), (20, 60)}
     drag(hand, (60.0, 89.0), (60.0, 96.0), held=SHIFT)
     assert selected(found) == {(20, 20), (20, 60), (60, 100)}
 
 
-def test_a_click_with_alt_removes_a_contour_and_one_beside_all_of_them_clears_the_selection(found, hand) -> None:
+@pytest.mark.parametrize("removing", [CONTROL, ALT])
+def test_a_click_removes_a_contour_and_one_away_from_all_of_them_clears_the_selection(found, hand, removing) -> None:
     drag(hand, (3.0, 3.0), (80.0, 118.0))
     assert len(selected(found)) == 6
-    drag(hand, (20.0, 31.0), held=ALT)
+    drag(hand, (20.0, 31.0), held=removing)
     assert selected(found) == {*PLACES} - {(20, 20)}
     drag(hand, (40.0, 40.0), held=SHIFT)
     assert len(selected(found)) == 5

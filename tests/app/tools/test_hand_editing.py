@@ -21,6 +21,7 @@ from tests.app.conftest import Hand
 pytestmark = pytest.mark.shared_window
 
 KEY, ALT, SHIFT = Qt.Key, Qt.KeyboardModifier.AltModifier, Qt.KeyboardModifier.ShiftModifier
+CONTROL = Qt.KeyboardModifier.ControlModifier
 CENTER, RADIUS = (32.0, 32.0), 18.0
 AREA = math.pi * RADIUS**2
 
@@ -98,11 +99,11 @@ def test_shift_c_closes_the_selected_contour(gap, hand) -> None:
 
 
 def test_shift_j_joins_the_selected_contours(gap, hand) -> None:
-    hand.qtbot.mouseClick(hand.canvas.viewport(), Qt.MouseButton.LeftButton, ALT, hand.at(*at(math.pi)))
+    hand.qtbot.mouseClick(hand.canvas.viewport(), Qt.MouseButton.LeftButton, SHIFT, hand.at(*at(math.pi)))
     settle(gap, hand)
     assert len(contours(gap)) == 2
     hand.click(*at(2.0))
-    hand.qtbot.mouseClick(hand.canvas.viewport(), Qt.MouseButton.LeftButton, SHIFT, hand.at(*at(-2.0)))
+    hand.qtbot.mouseClick(hand.canvas.viewport(), Qt.MouseButton.LeftButton, CONTROL, hand.at(*at(-2.0)))
     assert len(gap.workspace.review.selected) == 2
     hand.key(KEY.Key_J, SHIFT)
     settle(gap, hand)
@@ -122,8 +123,10 @@ def test_undo_takes_edits_back_one_by_one_and_redo_brings_them_again(gap, hand) 
     assert len(contours(gap)) == 1
 
 
-def test_a_click_with_alt_cuts_and_shift_x_cuts_at_the_mark(outlined, hand) -> None:
-    hand.qtbot.mouseClick(hand.canvas.viewport(), Qt.MouseButton.LeftButton, ALT, hand.at(*at(1.0)))
+@pytest.mark.parametrize("held", [SHIFT, ALT])
+def test_a_click_with_shift_or_alt_cuts_and_shift_x_cuts_at_the_mark(outlined, hand, held) -> None:
+    assert "Shift-click to cut" in outlined.canvas_area.strip.hint.text()
+    hand.qtbot.mouseClick(hand.canvas.viewport(), Qt.MouseButton.LeftButton, held, hand.at(*at(1.0)))
     settle(outlined, hand)
     (one,) = contours(outlined)
     assert not one.closed and np.linalg.norm(one.points[[0, -1]] - at(1.0), axis=1).max() < 1.0
@@ -172,7 +175,7 @@ def test_escape_gives_a_drag_up_and_removes_marks(gap, hand) -> None:
 
 def test_the_end_of_a_contour_cannot_be_cut(gap, hand) -> None:
     edits = gap.session.document.hand_edits
-    hand.qtbot.mouseClick(hand.canvas.viewport(), Qt.MouseButton.LeftButton, ALT, hand.at(*at(0.5)))
+    hand.qtbot.mouseClick(hand.canvas.viewport(), Qt.MouseButton.LeftButton, SHIFT, hand.at(*at(0.5)))
     assert gap.session.document.hand_edits == edits
     assert "cannot be cut at its end" in gap.canvas_area.messages.text
 

@@ -21,6 +21,7 @@ pytestmark = pytest.mark.shared_window
 
 KEY, NONE = Qt.Key, Qt.KeyboardModifier.NoModifier
 ALT, CONTROL = Qt.KeyboardModifier.AltModifier, Qt.KeyboardModifier.ControlModifier
+SHIFT = Qt.KeyboardModifier.ShiftModifier
 SMALL, LARGE = ((18.0, 18.0), 9.0), ((43.0, 42.0), 12.0)
 
 
@@ -128,10 +129,12 @@ def test_undo_takes_one_click_back_and_redo_repeats_it(window, hand, objects) ->
     np.testing.assert_array_equal(offered(objects), one)
 
 
-def test_a_click_with_alt_says_what_does_not_belong_to_the_object(window, hand, objects) -> None:
+@pytest.mark.parametrize("held", [SHIFT, ALT])
+def test_a_click_with_shift_or_alt_removes_what_does_not_belong_to_the_object(window, hand, objects, held) -> None:
     click(hand, 18, 18)
     click(hand, 43, 42)
-    click(hand, 43, 40, ALT)
+    assert "Shift-click to remove" in window.canvas_area.strip.hint.text()
+    click(hand, 43, 40, held)
     assert [said.inside for said in window.session.document.objects.clicks] == [True, True, False]
     assert not offered(objects)[43, 40]
     assert offered(objects)[18, 18]
@@ -231,7 +234,7 @@ def test_objects_are_selected_by_keys_alone(window, hand, objects) -> None:
     crosshair.move(18.0 - crosshair.at[0], 18.0 - crosshair.at[1])
     hand.key(KEY.Key_Return)
     crosshair.move(43.0 - 18.0, 42.0 - 18.0)
-    hand.key(KEY.Key_Return, ALT)
+    hand.key(KEY.Key_Return, SHIFT)
     hand.wait(lambda: objects.idle and bool(objects.proposals))
     clicks = window.session.document.objects.clicks
     assert clicks == (Click(((18.0, 18.0),)), Click(((43.0, 42.0),), inside=False))
@@ -247,7 +250,7 @@ def test_who_draws_a_circle_in_an_object_and_runs_gets_it_offered_and_enter_take
     hand.wait_for_phase("finished")
     hand.wait(lambda: bool(selection.proposals))
     assert overlap(offered(selection), disk(*SMALL)) > 0.9
-    assert "Enter takes the object" in window.canvas_area.hint.text()
+    assert "Enter accepts what was found" in window.canvas_area.hint.text()
     hand.key(KEY.Key_Return)
     (item,) = taken(window)
     assert overlap(item.mask((64, 64)), disk(*SMALL)) > 0.9
@@ -448,5 +451,5 @@ def test_a_click_that_changes_nothing_says_so(window, hand, objects) -> None:
     assert not any("changes nothing" in words for words in said)
     click(hand, LARGE[0][0] + 3.0, LARGE[0][1])
     hand.wait(lambda: any("belongs to the object already" in words for words in said))
-    click(hand, 5.0, 58.0, ALT)
+    click(hand, 5.0, 58.0, SHIFT)
     hand.wait(lambda: any("does not belong to the object" in words for words in said))

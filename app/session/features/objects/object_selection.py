@@ -164,7 +164,7 @@ class ObjectSelection(QObject):
         """Make objects of the proposals."""
         offered = [each for each in self.proposals if each.selection.found]
         if not offered:
-            self._session.say(tr("There is nothing to take: click in an object first."))
+            self._session.say(tr("There is nothing to accept: click in an object first."))
             return
         before = {item.number for item in self._session.document.objects.items}
         taken = [(each.selection, each.clicks, each.number) for each in offered]

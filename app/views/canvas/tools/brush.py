@@ -8,22 +8,21 @@ from PySide6.QtCore import Qt
 
 from app.model.text.language import tr
 from app.session.features.objects.object_brush import ObjectBrush
-from app.views.canvas.tools.objects import NOT_INSIDE
 from app.views.canvas.tools.ringed import RingTool
-from app.views.canvas.tools.tool import ToolContext
+from app.views.canvas.tools.tool import TAKING_AWAY, ToolContext
 from app.views.theme import theme
 from cpm_core.numerics.types import Place, Position
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects
 
 
 class BrushTool(RingTool):
-    """Adds what the ring goes over to an object; with Alt, or Shift, takes it away."""
+    """Adds what the ring goes over to an object; with Shift takes it away."""
 
     name = "brush"
-    tip = tr("Drag to paint an object, with Alt to take away from it; < and > change the brush.")
+    tip = tr("Drag to paint an object, Shift-drag to erase it; < and > change the brush.")
     color: str = theme.RESTING
-    guidance = tr("Drag from an object to add to it, with Alt to take away, elsewhere for a new one; < and > resize.")
-    by_keys = tr("Enter begins to paint, Alt+Enter to take away, arrow keys continue, Enter ends; < and > resize.")
+    guidance = tr("Drag from an object to add to it, Shift-drag to erase it, elsewhere for a new one; < and > resize.")
+    by_keys = tr("Enter begins to paint, Shift+Enter to erase, arrow keys continue, Enter ends; < and > resize.")
 
     def __init__(self, context: ToolContext) -> None:
         super().__init__(context)
@@ -32,10 +31,10 @@ class BrushTool(RingTool):
         self._objects: SegmentedObjects | None = None
 
     def bend(self, modifiers: Qt.KeyboardModifier) -> None:
-        """With Alt or Shift, the next stroke takes away."""
+        """With Shift, the next stroke takes away."""
         if self._brush.painting:
             return
-        self._adds = not modifiers & NOT_INSIDE
+        self._adds = not modifiers & TAKING_AWAY
         self.color = theme.RESTING if self._adds else theme.BARRIER
         if self._at is not None:
             self.hover(self._at)

@@ -14,7 +14,7 @@ from app.views.theme import theme
 from cpm_core.numerics.types import Position
 
 _ADDING = Qt.KeyboardModifier.ShiftModifier | Qt.KeyboardModifier.ControlModifier
-_REMOVING = Qt.KeyboardModifier.AltModifier
+_REMOVING = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.AltModifier
 _MOST_STEPS = 200
 """Most places along one move of the pointer at which contours are looked for."""
 
@@ -22,8 +22,8 @@ _MOST_STEPS = 200
 class ContourTool(Tool):
     """Selects contours by a click, by a frame that is dragged from an empty place, or by a drag from one across others.
 
-    With Shift or Ctrl they are added to the selection, with Alt removed from it; a
-    click with Shift or Ctrl removes a contour that is selected.
+    A frame with Shift adds to the selection, one with Ctrl removes from it. A click or a stroke with either of them
+    removes what it meets if it begins on a selected contour, and adds it otherwise.
     """
 
     name = "contours"
@@ -52,12 +52,12 @@ class ContourTool(Tool):
     def advice(self) -> str:
         """What can be done with contours."""
         if self._corner is not None or self._last is not None:
-            return with_keys(tr("Shift adds to the selection, Alt removes from it; {key:escape} cancels."))
+            return with_keys(tr("Shift adds to the selection, Ctrl removes from it; {key:escape} cancels."))
         if self._review.selected:
             return with_keys(
                 tr(
                     "{key:reject} rejects, {key:keep} keeps, Enter names; Shift adds to the selection, "
-                    "Alt removes from it."
+                    "Ctrl removes from it."
                 )
             )
         return tr("Click a contour to select it, or drag a frame around several.") if self._review.items else ""
@@ -65,12 +65,12 @@ class ContourTool(Tool):
     def press(self, at: Position, reach: float) -> None:
         """Select the contour under the pointer, or begin a frame."""
         key = self._review.under(at, reach)
-        self._before, self._reach, self._removes = self._review.selected, reach, bool(self._held & _REMOVING)
+        self._before, self._reach = self._review.selected, reach
         if key is None:
             self._corner, self._found = at, frozenset()
             return
         self._last, self._found = at, frozenset((key,))
-        self._removes = self._removes or (bool(self._held & _ADDING) and key in self._before)
+        self._removes = key in self._before if self._held & _ADDING else bool(self._held & _REMOVING)
         self._show()
 
     def drag(self, at: Position) -> None:
@@ -92,7 +92,7 @@ class ContourTool(Tool):
         self._end()
 
     def bend(self, modifiers: Qt.KeyboardModifier) -> None:
-        """With Shift or Ctrl contours are added to the selection, with Alt removed."""
+        """Remember the modifier keys: Shift adds to the selection, Ctrl removes from it."""
         self._held = modifiers
 
     def cancel(self) -> None:

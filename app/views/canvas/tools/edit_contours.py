@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt
 
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
-from app.views.canvas.tools.tool import Cursor, Tool, ToolContext
+from app.views.canvas.tools.tool import TAKING_AWAY, Cursor, Tool, ToolContext
 from app.views.theme import theme
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.numerics.types import Array, Position
@@ -19,13 +19,13 @@ _STILL = 0.5
 
 
 class EditContoursTool(Tool):
-    """Drags ends and stretches of contours; clicks mark places on them, with Alt they cut.
+    """Drags ends and stretches of contours; clicks mark places on them, with Shift they cut.
 
     What a release would do is drawn as a preview.
     """
 
     name = "edit_contours"
-    tip = tr("Drag an end of a contour to another end to join them, or a stretch to where it belongs; Alt-click cuts.")
+    tip = tr("Drag an end of a contour to another end to join them, or a stretch to move it; Shift-click cuts.")
     by_keys = tr("Enter picks up, arrow keys move, Enter puts down; twice on one place marks it.")
 
     def __init__(self, context: ToolContext) -> None:
@@ -66,10 +66,10 @@ class EditContoursTool(Tool):
             )
         if not self._review.items:
             return tr("There are no contours to edit yet: let the particles run, or draw one with the outline tool.")
-        return tr("Drag an end to another end, or drag a stretch. Click marks a place, Alt-click cuts.")
+        return tr("Drag an end to another end, or drag a stretch. Click to mark a place, Shift-click to cut.")
 
     def bend(self, modifiers: Qt.KeyboardModifier) -> None:
-        """Remember the modifier keys: Alt cuts, Shift bends without snapping or selects more."""
+        """Remember the modifier keys: in a click Shift cuts and Ctrl selects more, in a drag Shift bends freely."""
         self._modifiers = modifiers
 
     def press(self, at: Position, reach: float) -> None:
@@ -141,9 +141,9 @@ class EditContoursTool(Tool):
             self._review.select(())
             return
         key = self._editing.key_of(held)
-        if self._modifiers & Qt.KeyboardModifier.AltModifier:
+        if self._modifiers & TAKING_AWAY:
             self._editing.cut(held)
-        elif self._modifiers & (Qt.KeyboardModifier.ShiftModifier | Qt.KeyboardModifier.ControlModifier):
+        elif self._modifiers & Qt.KeyboardModifier.ControlModifier:
             self._review.select(self._review.selected ^ {key} if key is not None else self._review.selected)
         else:
             if key is not None:

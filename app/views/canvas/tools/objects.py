@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt
 
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
-from app.views.canvas.tools.tool import Cursor, Tool, ToolContext
+from app.views.canvas.tools.tool import TAKING_AWAY, Cursor, Tool, ToolContext
 from app.views.theme import theme
 from cpm_core.numerics.types import Place
 
@@ -18,20 +18,17 @@ _APART = 3.0
 _MOST = 200
 """Largest number of places of a stroke; a longer one is thinned out."""
 
-NOT_INSIDE = Qt.KeyboardModifier.AltModifier | Qt.KeyboardModifier.ShiftModifier
-"""Keys with which a click says what does not belong to the object."""
-
 
 class ObjectTool(Tool):
-    """Selects the object under the pointer; with Alt, or Shift, a click says what does not belong to it.
+    """Selects the object under the pointer; with Shift a click says what does not belong to it.
 
-    A stroke says the same of all that it crosses. Enter takes the object; a click on an object that has been taken
+    A stroke says the same of all that it crosses. Enter accepts the object; a click on an accepted object
     changes it.
     """
 
     name = "objects"
-    tip = tr("Click in an object to select it, Alt-click on what does not belong to it; Enter takes it.")
-    by_keys = tr("Enter clicks, Alt+Enter says what does not belong to the object; Ctrl+Enter takes it.")
+    tip = tr("Click in an object to select it, Shift-click to remove what does not belong to it; Enter accepts it.")
+    by_keys = tr("Enter clicks, Shift+Enter removes what does not belong to the object; Ctrl+Enter accepts it.")
     clicks = True
     lasting = True
 
@@ -58,18 +55,13 @@ class ObjectTool(Tool):
                 return tr("Let a run find the surface first: objects are the bodies that it encloses.")
             return ""
         if self._selection.selecting:
-            return with_keys(
-                tr("Click what is missing, Alt-click what is too much. Enter takes it, {key:escape} drops it.")
-            )
+            return with_keys(tr("Click to add, Shift-click to remove. Enter accepts, {key:escape} cancels."))
         if self._selection.proposals:
             return with_keys(
-                tr(
-                    "Enter takes what was found around the start; click and Alt-click correct it, "
-                    "{key:escape} drops it."
-                )
+                tr("Enter accepts what was found. Click to add, Shift-click to remove, {key:escape} discards it.")
             )
         if self._list.chosen:
-            return tr("Enter names it, 1 to 9 set its class, Delete removes it. Click in the next object.")
+            return tr("Enter: rename · 1-9: class · Delete: remove. Click in the next object.")
         return tr("Click in an object, or drag across it.")
 
     def set_in_use(self, in_use: bool) -> None:
@@ -77,8 +69,8 @@ class ObjectTool(Tool):
         self._selection.set_in_use(in_use)
 
     def bend(self, modifiers: Qt.KeyboardModifier) -> None:
-        """With Alt or Shift, a click says what does not belong to the object."""
-        self._inside = not modifiers & NOT_INSIDE
+        """With Shift, a click says what does not belong to the object."""
+        self._inside = not modifiers & TAKING_AWAY
 
     def press(self, at: Place, reach: float) -> None:
         """Begin a click or a stroke, or change the object under the pointer if none is being selected."""

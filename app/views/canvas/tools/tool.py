@@ -24,6 +24,9 @@ from cpm_core.shapes import Shape
 
 Cursor = Qt.CursorShape
 
+TAKING_AWAY = Qt.KeyboardModifier.ShiftModifier | Qt.KeyboardModifier.AltModifier
+"""Keys with which a click cuts or takes away; window managers on Linux keep clicks with Alt for themselves."""
+
 _gestures = itertools.count()
 
 

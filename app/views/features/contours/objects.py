@@ -49,8 +49,9 @@ class ObjectsFeature(Feature):
         table = ActionSpec(name="object_table", menu="Objects", text=tr("&Table of objects"),
                            do=lambda: self.context.areas().enter("objects"), shortcuts=("Ctrl+Shift+O",),
                            tip=tr("Show the classes and the measures of the objects."))  # fmt: skip
-        take = ActionSpec(name="take_object", menu="Objects", text=tr("T&ake what is offered"), do=self._selection.take,
-                          tip=tr("Make an object of what is offered; Enter does the same on the image."), gap=True,
+        take = ActionSpec(name="take_object", menu="Objects", text=tr("&Accept what is offered"),
+                          do=self._selection.take, gap=True,
+                          tip=tr("Make an object of what is offered; Enter does the same on the image."),
                           when=lambda situation: bool(self._selection.proposals))  # fmt: skip
         change = ActionSpec(name="change_object", menu="Objects", text=tr("&Change by clicks"), do=self._change,
                             tip=tr("Select the object again, beginning with what it is."), when=self._one)  # fmt: skip

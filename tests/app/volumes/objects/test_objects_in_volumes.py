@@ -24,7 +24,7 @@ from tests.app.volumes.conftest import SHAPE, Button, press, release
 
 pytestmark = pytest.mark.shared_window
 
-KEY, ALT = Qt.Key, Qt.KeyboardModifier.AltModifier
+KEY, SHIFT = Qt.Key, Qt.KeyboardModifier.ShiftModifier
 ONE, OTHER, RADIUS = (11.0, 8.0, 9.0), (12.0, 18.0, 22.0), 5.5
 
 
@@ -118,7 +118,7 @@ def test_clicks_in_slices_add_bodies_and_take_them_away(found, hand) -> None:
     found.workspace.slices.at(round(ONE[0]))
     click(hand, ONE[1:])
     assert selection.proposals[0].selection.volume == pytest.approx(2 * BALL, rel=0.08)
-    click(hand, OTHER[1:], ALT)
+    click(hand, OTHER[1:], SHIFT)
     assert selection.proposals[0].selection.holds(np.array([ONE, OTHER])).tolist() == [True, False]
     hand.key(KEY.Key_Backspace)
     settle(hand)
@@ -155,7 +155,11 @@ def test_a_click_on_the_surface_in_space_selects_the_body_behind_it(found, hand)
     hand.wait(lambda: view.idle and view._frame is not None)
     beside = np.array([OTHER]) + 5.0 * view.camera.axes[0]  # off the lines of the start in it
     seen = view.camera.seen(beside, view.room)[0] / view.devicePixelRatioF()
-    hand.qtbot.mouseClick(view, Button.LeftButton, pos=QPoint(round(seen[0]), round(seen[1])))
+    at = QPoint(round(seen[0]), round(seen[1]))
+    hand.qtbot.mouseClick(view, Button.LeftButton, SHIFT, at)
+    assert [said.inside for said in found.session.document.objects.clicks] == [False]
+    found.workspace.object_selection.drop()
+    hand.qtbot.mouseClick(view, Button.LeftButton, pos=at)
     settle(hand)
     take(hand)
     assert bodies(found) == pytest.approx([BALL], rel=0.08)
