@@ -44,8 +44,8 @@ _FIRST = Page(
                 "open contours are orange.")),
         Step(tr("<b>Steer</b>: every slider acts at the next step. The illustration below the sliders shows its "
                 "effect.")),
-        Step(tr("<b>Select</b> objects: {objects}, then click in one; Alt-click what does not belong to it, and press "
-                "Enter to take it. {object_table} lists them.")),
+        Step(tr("<b>Select</b> objects: {objects}, then click in one. Click to add, Shift-click to remove, and press "
+                "Enter to accept. {object_table} lists them.")),
         Step(tr("<b>Export</b> the contours: {export}. A preview shows what the chosen format holds and what it leaves "
                 "out.")),
     ),
@@ -82,14 +82,14 @@ _NUCLEI = Page(
     (
         Step(tr("<a href='sample:nuclei.png'>Open the nuclei</a>. No drawing is needed: the mode is automatic, and the "
                 "particles start at the centers of regions enclosed by edges (menu Draw)."), "nuclei_start.jpg"),
-        Step(tr("{run}. Each nucleus gets a closed contour, even the faint ones. The panel Run shows their number."),
-             "nuclei_end.jpg"),
-        Step(tr("Nuclei that touch share one contour, because there is no edge between them. Draw a barrier across, "
-                "and run again: each nucleus gets its own contour, which may be open at the barrier.")),
+        Step(tr("{run}. Each nucleus gets a closed contour, even the faint ones; two that touch share one. The panel "
+                "Run shows the number of contours."), "nuclei_end.jpg"),
+        Step(tr("To separate two that touch, draw a barrier between them: {barrier}. The run continues at once, and "
+                "each nucleus gets its own contour, which may be open at the barrier.")),
         Step(tr("Raise {=min_length}: the smallest nuclei disappear at once, without another run; below the slider "
                 "their number is counted. Lower it, and they are back.")),
-        Step(tr("{export}, as a PNG mask: each nucleus has its own number, ready for measurements. Nuclei at the "
-                "border are open; the dialog counts them and can close them.")),
+        Step(tr("{export}, as a PNG mask: each nucleus has its own number, ready for measurements. The dialog "
+                "counts open contours, as those at the barrier, and can close them.")),
     ),
     (tr("For your own image: choose {mode_automatic} and run. If texture inside the nuclei is found, raise "
         "{=smoothing} or {=edge_floor}."),),
@@ -133,8 +133,8 @@ _VESSELS = Page(
                 "piece. In the slices its section is drawn as a line."), "vessels_end.jpg"),
         Step(tr("Lower the opacity above the view in space, or cut the surface open with the list beside it, to look "
                 "inside.")),
-        Step(tr("To take single vessels or measure them, choose the tool {objects} and click in one, in a slice or in "
-                "space; Enter takes it, and the table of objects tells its volume.")),
+        Step(tr("Enter accepts the tree as an object, and {object_table} shows its volume. {objects} selects any other "
+                "body by a click, in a slice or in space.")),
         Step(tr("{mode_skeleton} and {run} find the center lines of the vessels and how thick they are, in the whole "
                 "volume or, with {object_skeleton}, in objects.")),
         Step(tr("{export}: the surface (PLY, STL) in the unit of the file, for a printer or another program. "
@@ -220,11 +220,11 @@ _FURTHER = Page(
            "a frame or a stroke. {load_truth} measures the agreement with a ground truth, and shows the "
            "differences."),
         tr("<b>Mend by hand.</b> {edit_contours}: drag an end of a contour to another end to join them along the edge, "
-           "drag a stretch to where it belongs, Alt-click to cut. {close_contours} closes the selected contours. "
+           "drag a stretch to where it belongs, Shift-click to cut. {close_contours} closes the selected contours. "
            "{outline} draws a contour that follows the edges from click to click. All of this stays through further "
            "runs."),
-        tr("<b>Paint.</b> {brush}: drag from an object to add to it, with Alt to take away from it, elsewhere for a "
-           "new one. It needs no edge."),
+        tr("<b>Paint.</b> {brush}: drag from an object to add to it, Shift-drag to erase it, drag elsewhere for a new "
+           "one. It needs no edge."),
         tr("<b>Find values.</b> {mosaic} compares runs with several values of two parameters."),
         tr("<b>Compare.</b> {wipe} shows two branches, or a result and the ground truth, on both sides of a divider "
            "that you can drag. {keep_result} keeps a result to compare later ones with it. {compare_methods} runs "
