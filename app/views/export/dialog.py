@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -27,7 +26,6 @@ from app.session.session import Session
 from app.session.tasks.tasks import Task
 from app.views.export.fields import FileFields, FormatField, PixelSizeField
 from app.views.export.preview import Preview
-from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
 from cpm_core.formats import FOR_SKELETONS, OUTLINABLE, WRITABLE
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -45,11 +43,6 @@ class Closed(Report):
     order: ExportOrder
     result: Result | Skeleton | None
     trouble: str = ""
-
-
-def _count(source: str, contours: Sequence[Contour]) -> int:
-    """Number of the things that contours from a source are: an object with a hole has two contours."""
-    return len({contour.group for contour in contours} if source == "objects" else contours)
 
 
 class ExportDialog(QDialog):
@@ -150,7 +143,7 @@ class ExportDialog(QDialog):
         given = Given(result, session.document, self._selected, session.image)
         for source in SOURCES:
             found, button = source.of(given), self.sources[source.name]
-            count = 0 if found is None else _count(source.name, found.contours)
+            count = _count(found, source.name)
             button.setText(f"{source.title} ({count})")
             button.setEnabled(count > 0)
         self._form.setRowVisible(0, not isinstance(self._whole, Skeleton))
@@ -259,6 +252,12 @@ def _make_room_for_sentences(*labels: QLabel) -> None:
         label.setWordWrap(True)
         label.setMinimumSize(_WIDTH, 3 * label.fontMetrics().lineSpacing())
         label.setAlignment(Qt.AlignmentFlag.AlignTop)
+
+
+def _count(found: Result | None, source: str) -> int:
+    """How many objects, or contours, there are to write."""
+    contours = found.contours if found is not None else ()
+    return len({one.group for one in contours} if source == "objects" else contours)
 
 
 def _words(result: Result | Skeleton, counts: Account, order: ExportOrder) -> str:

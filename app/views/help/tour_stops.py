@@ -32,7 +32,7 @@ def stops(window: QMainWindow, session: Session, reveal: Callable[[str], None]) 
         Stop(
             tr("Or draw and run"),
             tr("Drag a circle ({key:circle}) in or around an object, unless there is one, and press {key:run}. "
-               "Particles find the edges and follow them, and what they enclose is offered as an object."),
+               "Particles find the edges and follow them until they come to rest."),
             doings.button("primary"),
             lambda: doings.has_run,
             doings.run,

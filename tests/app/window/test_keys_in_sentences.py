@@ -31,7 +31,7 @@ FIXED = (
     r"Enter or Esc (in a field )?gives it back", r"or Esc closes this sheet", r"Esc ends the comparison",
     r"press Space to enlarge", r"Enlarge \(Space\)",
     # While corners, marks or objects are there, the canvas itself takes these.
-    r"Backspace (removes|takes back|takes the last)", r"Delete removes (the stretch|it\. Click)",
+    r"Backspace (removes|takes back|takes the last)", r"Delete(:| removes the stretch)",
     # Words, names and measures.
     r"^&?(Delete|Space|Menu)\b", r"A\. C\.", r"\bF \{f\}", r"^F$", r"^U shape$", r"whole U\b", r"in space",
 )  # fmt: skip
@@ -48,7 +48,7 @@ ALIKE = r"Ctrl\+\w|\(F\d+\)"
 """How they write them in all languages."""
 ALIKE_FIXED = (
     r"Enter oder Esc gibt", r"Enter oder Esc in einem Feld", r"oder Esc schließt diese", r"Esc beendet den Vergleich",
-    r"Leertaste vergrößert", r"Vergrößern \(Leertaste\)", r"Entf löscht (den Abschnitt|es\.)", r"Alt\+Enter",
+    r"Leertaste vergrößert", r"Vergrößern \(Leertaste\)", r"Entf löscht den Abschnitt", r"Umschalt\+Enter",
     r"Strg\+Enter", r"Welche Seite an jedem Rand.*",
 )  # fmt: skip
 
@@ -64,7 +64,7 @@ def pattern_of(key: str) -> str:
     """How a sentence says a key: a letter or sign by itself only in parentheses or before a verb."""
     if len(key) == 1:
         return rf"\({re.escape(key)}\)" + (rf"|(?<![\w.“]){key} [a-z]+s\b" if key.isalpha() and key not in "AI" else "")
-    return WORDS.get(key, rf"(?<![\w+])(?<!Alt-){re.escape(key)}(?![\w+])")
+    return WORDS.get(key, rf"(?<![\w+]){re.escape(key)}(?![\w+])")
 
 
 def without(said: str, fixed: tuple[str, ...]) -> str:

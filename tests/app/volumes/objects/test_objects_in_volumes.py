@@ -155,7 +155,11 @@ def test_a_click_on_the_surface_in_space_selects_the_body_behind_it(found, hand)
     hand.wait(lambda: view.idle and view._frame is not None)
     beside = np.array([OTHER]) + 5.0 * view.camera.axes[0]  # off the lines of the start in it
     seen = view.camera.seen(beside, view.room)[0] / view.devicePixelRatioF()
-    hand.qtbot.mouseClick(view, Button.LeftButton, pos=QPoint(round(seen[0]), round(seen[1])))
+    at = QPoint(round(seen[0]), round(seen[1]))
+    hand.qtbot.mouseClick(view, Button.LeftButton, SHIFT, at)
+    assert [said.inside for said in found.session.document.objects.clicks] == [False]
+    found.workspace.object_selection.drop()
+    hand.qtbot.mouseClick(view, Button.LeftButton, pos=at)
     settle(hand)
     take(hand)
     assert bodies(found) == pytest.approx([BALL], rel=0.08)
