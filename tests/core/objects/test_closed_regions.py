@@ -81,7 +81,7 @@ def test_a_click_in_another_closed_object_adds_just_that_one_and_outside_takes_j
 def test_an_edge_is_certain_only_if_it_is_strong_all_along_and_nothing_inside_is_like_it():
     along, inside = np.full(100, 30.0), np.linspace(0.0, 5.0, 400)
     assert is_certain(along, inside)
-    assert not is_certain(along, 3.0 * inside)
+    assert not is_certain(along, 7.0 * inside)
     assert not is_certain(np.where(np.arange(100) < 20, 6.0, along), inside / 5)
     assert not is_certain(along, np.empty(0))
 
