@@ -1,7 +1,8 @@
 """Closed regions: what a contour encloses that particles have closed, and about which the image leaves no doubt.
 
 Particles close contours around objects, but also around flecks of texture. A closed contour is an object as it is, with
-its holes, where it is certain (`segmentation.reach.certain`). Then nothing has to be guessed.
+its holes, where it is certain (`segmentation.reach.certain`): then nothing has to be guessed. That particles at rest
+have closed it is evidence too, so it need only be stronger than what it encloses, by whatever factor.
 """
 
 from __future__ import annotations
