@@ -100,7 +100,7 @@ def test_frames_show_where_the_particles_of_their_step_are(rested, hand, tmp_pat
 
 def test_hidden_layers_are_not_in_the_frames(rested, hand, tmp_path) -> None:
     path = tmp_path / "bare.png"
-    for name in ("particles", "contours", "drawing"):
+    for name in ("particles", "contours", "objects", "drawing"):  # an object is offered in the color of contours
         rested.canvas_area.canvas.layers[name].set_shown(False)
     write(rested, hand, path, (6,))
     pixels = picture(path)
