@@ -32,7 +32,8 @@ def source(handed_out, tmp_path_factory):
     (found,) = handed_out.glob("*.tar.gz")
     folder = tmp_path_factory.mktemp("source")
     with tarfile.open(found) as archive:
-        archive.extractall(folder, filter="data")
+        archive.extraction_filter = getattr(tarfile, "data_filter", None)  # early releases of Python 3.11 have none
+        archive.extractall(folder)
     return next(folder.iterdir())
 
 
