@@ -105,8 +105,10 @@ def midway(stand: Stand) -> None:
 
 
 def rest(stand: Stand) -> None:
-    """The whole U found."""
+    """The whole U found, and offered as the object."""
+    selection = stand.window.workspace.object_selection
     stand.run()
+    wait(lambda: selection.idle and bool(selection.proposals))
     stand.take("rest")
 
 
