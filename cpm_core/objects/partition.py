@@ -159,14 +159,12 @@ class Partition(Pictured):
         """
         within, beyond = as_places(inside), as_places(outside)
         before = previous if previous is not None else self._answers.nearest(within, beyond)
-        closed = None
-        if before is None or not before.mask.any():
-            closed = self._closed.around(within)
-        if not len(beyond) and (before is None or not before.mask.any()):
-            thing = closed
-            if thing is None:
+        former = before.mask if before is not None and before.mask.any() else None
+        if former is None:
+            former = thing = self._closed.around(within)
+            if thing is None and not len(beyond):
                 thing = thing_within(self.values, within, ~self._ground.interest)
-            if thing is not None and thing.any():
+            if thing is not None and thing.any() and not len(beyond):
                 selection = self.selection_of(thing, within)
                 self._answers.remember(selection)
                 return selection
@@ -175,7 +173,6 @@ class Partition(Pictured):
         found = clicked(self._faces, self._ground, meant, beyond, newer)
         mask = np.zeros(self.shape, np.bool_)
         if len(found.within):
-            former = closed if before is None or closed is not None else before.mask
             mask = chosen(self._look, found, self._ground.strong, former, self._closed)
         selection = self.selection_of(mask, within, beyond, found.remark)
         if selection.only_places and not selection.remark:

@@ -20,10 +20,7 @@ from cpm_core.field.interpolation import interpolate
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.segmentation.reach.certain import MARGIN, is_certain
-from cpm_core.segmentation.reach.drawn_area import drawn_area
-
-_LEAST_PLACES = 8
-"""Fewer places are clicks; more are a drawn shape, which counts as a whole."""
+from cpm_core.segmentation.reach.drawn_area import LEAST_PLACES, drawn_area
 
 _MOST = 0.5
 """Share of a start above which it lies in a region, and of a contour above which it lies in another one."""
@@ -121,14 +118,15 @@ class ClosedRegions:
                 changed[region.box] |= region.mask
             else:
                 changed[region.box] &= ~region.filled
-            if changed[tuple(pixel)] == adds and changed.any() and not (changed != mask)[tuple(kept.T)].any():
+            stays = np.array_equal(changed[tuple(kept.T)], mask[tuple(kept.T)])
+            if changed[tuple(pixel)] == adds and stays and changed.any():
                 return changed
         return None
 
     def _pieces(self, places: Array) -> Iterator[Index]:
         """The pixels of each connected piece of a start, each of shape (N, 2)."""
         shape = self._values.shape
-        if len(places) < _LEAST_PLACES:
+        if len(places) < LEAST_PLACES:
             yield from np.rint(np.clip(places, 0, np.array(shape) - 1)).astype(np.int64)[:, None]
             return
         labels, count = scipy.ndimage.label(drawn_area(places, shape), np.ones((3, 3), bool))

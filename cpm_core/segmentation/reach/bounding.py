@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from cpm_core.field.edge_map import background_strength, gradient, magnitude
 from cpm_core.field.scale_field import WEAKEST_EDGE
 from cpm_core.numerics.types import Array, Mask
-from cpm_core.segmentation.reach.drawn_area import drawn_area, hollow_part, radius_of
+from cpm_core.segmentation.reach.drawn_area import LEAST_PLACES, drawn_area, hollow_part, radius_of
 from cpm_core.segmentation.reach.surrounded import surrounded
 
 Labels = NDArray[np.int32]
@@ -55,9 +55,6 @@ _LEAST_AT_LINE = 1.5
 _EVERYWHERE = 0.5
 """Fraction of the image that a start covers at most, if it is not one from everywhere."""
 
-_LEAST_PLACES = 8
-"""Fewer places are not drawn around anything."""
-
 _LEAST_BETA = 0.01
 """Damping that counts where there is less."""
 
@@ -73,6 +70,8 @@ class Bounds(NamedTuple):
 
     Attributes
     ----------
+    area : ndarray of bool, shape (H, W)
+        What the start covers.
     boundary : ndarray of bool, shape (H, W)
         Pixels beside it, on both sides.
     inside : ndarray of bool, shape (H, W)
@@ -85,6 +84,7 @@ class Bounds(NamedTuple):
         Whether a piece of the start has been drawn around a thing.
     """
 
+    area: Mask
     boundary: Mask
     inside: Mask
     sigma: float
@@ -114,7 +114,7 @@ def thing_within(values: Array, places: Array, closed: Mask) -> Mask | None:
 
     `closed` is as for `bounds_of`.
     """
-    if len(places) < _LEAST_PLACES:
+    if len(places) < LEAST_PLACES:
         return None
     area, hollow = _drawn(places, values.shape)
     bounds = _bounds_of(values, area, hollow, closed, _BETA) if hollow.any() else None
@@ -156,7 +156,7 @@ def _bounds(values: Array, area: Mask, hollow: Mask, closed: Mask, beta: float) 
     else:
         inside = own[labels]
     whole = touched.shape[1] == len(np.unique(touched[0])) > 0
-    return Bounds(beside, inside, sigma, whole, bool(things.any()))
+    return Bounds(area, beside, inside, sigma, whole, bool(things.any()))
 
 
 def _bounded(strength: Array, pieces: Labels, shut: Mask, beta: float) -> tuple[Labels, Labels]:

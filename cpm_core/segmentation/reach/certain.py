@@ -17,7 +17,8 @@ _ALONE = 3.0
 MARGIN = 3.0
 """Distance from an edge up to which the edge strength is its own [px]."""
 
-_AROUND = np.ones((3, 3), np.bool_)
+_AROUND, _BESIDE = np.ones((3, 3), np.bool_), 2
+"""Neighbors of a pixel; and the distance from a region up to which a ridge is part of the edges around it [px]."""
 
 
 def is_certain(along: Array, inside: Array, stronger: float = 1.0) -> bool:
@@ -60,23 +61,31 @@ def certain_edges(strength: Array, ridge: Mask, area: Mask) -> Mask:
         Pixels of the ridges around the region and its holes; none where it is not certain, or reaches the border of the
         image.
     """
-    none = np.zeros_like(ridge)
+    found = np.zeros_like(ridge)
     regions, _ = scipy.ndimage.label(~scipy.ndimage.binary_dilation(ridge, _AROUND))
     held = np.bincount(regions[area])
     held[:1] = 0
     if not held.any() or 2 * held.max() <= np.count_nonzero(area):
-        return none
-    region = regions == held.argmax()
-    if np.concatenate([region[[0, -1]].ravel(), region[:, [0, -1]].ravel()]).any():
-        return none
-    beside = ridge & scipy.ndimage.binary_dilation(region, _AROUND, 2)
+        return found
+    number = int(held.argmax())
+    sides = scipy.ndimage.find_objects(regions, number)[number - 1]
+    if any(side.start == 0 or side.stop == length for side, length in zip(sides, ridge.shape, strict=True)):
+        return found
+    box = tuple(slice(max(side.start - _BESIDE, 0), side.stop + _BESIDE) for side in sides)
+    found[box] = _edges_around(strength[box], ridge[box], regions[box] == number)
+    return found
+
+
+def _edges_around(strength: Array, ridge: Mask, region: Mask) -> Mask:
+    """The edges around a region, pixels of a ridge, if they are certain."""
+    beside = ridge & scipy.ndimage.binary_dilation(region, _AROUND, _BESIDE)
     filled = np.asarray(scipy.ndimage.binary_fill_holes(region))
     depth = scipy.ndimage.distance_transform_edt(filled)
     outer = beside & (depth == 0.0)
     holes = _holes(strength, beside, filled & ~region)
     away = np.minimum(depth, scipy.ndimage.distance_transform_edt(~holes)) if holes.any() else depth
     if not is_certain(strength[outer], strength[away > MARGIN], _ALONE):
-        return none
+        return np.zeros_like(ridge)
     return np.asarray(outer | (beside & (strength > _EVEN * np.median(strength[outer]))))
 
 

@@ -21,6 +21,9 @@ _LEAST_LINK = 2.0
 _HOLLOW = 3.0
 """Multiple of that distance from all particles beyond which a place is enclosed rather than covered."""
 
+LEAST_PLACES = 8
+"""Places from which they are a drawn shape; fewer are clicks, and are drawn around nothing."""
+
 _WITHIN = 0.8
 """Share of a part between a row of particles and the border of the image that lies in the hull of an enclosed one."""
 

@@ -24,7 +24,6 @@ from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters import UNLIMITED_REACH, Parameters
 from cpm_core.segmentation.reach.bounding import Bounds, bounds_of
 from cpm_core.segmentation.reach.certain import certain_edges
-from cpm_core.segmentation.reach.drawn_area import drawn_area
 
 WAYS: tuple[Reached, ...] = ("", "flight", "weak", "junction", "launched")
 """Ways by their numbers in a `ReachMap`."""
@@ -105,9 +104,9 @@ def reach_map(scale_field: ScaleField, start: Array, closed: Mask, parameters: P
     if bounds is None:
         return None
     ridge = _ridge(scale_field)
-    certain = certain_edges(scale_field.edge_map, ridge, drawn_area(start, ridge.shape))
     if not bounds.boundary.any():
         return None
+    certain = certain_edges(scale_field.edge_map, ridge, bounds.area)
     away = scipy.ndimage.distance_transform_edt(~bounds.boundary)
     beside = away <= _BESIDE + bounds.sigma
     if bounds.whole and parameters.weakest_edge > 0.0:

@@ -70,7 +70,7 @@ def _unpacked(file: Path, offset: int, needed: int, packing: Packing) -> bytearr
     with file.open("rb") as stream:
         stream.seek(offset)
         unpacker, part, ended = opened(), stream.read(_PART), False
-        while part and len(found) < needed + (not ended):  # the sum at the end shows whether the values are sound
+        while part and len(found) < needed + (not ended):  # the checksum at the end shows whether the values are sound
             found += unpacker.decompress(part, needed + 1 - len(found))
             ended = unpacker.eof
             part = unpacker.unconsumed_tail if packing == "deflate" else b""
