@@ -207,7 +207,7 @@ class Partition(Pictured):
     @cached_property
     def _closed(self) -> ClosedRegions:
         free = self.regions is None or not (self.regions.interest or self.regions.barriers)
-        return ClosedRegions(self.contours if free else (), self.values, self._ground.strength)
+        return ClosedRegions(self.contours if free else (), self.values, edge_map(self.values, "auto"))
 
     @cached_property
     def _look(self) -> Appearance:

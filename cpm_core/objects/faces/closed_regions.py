@@ -1,8 +1,7 @@
 """Closed regions: what a contour encloses that particles have closed, and about which the image leaves no doubt.
 
 Particles close contours around objects, but also around flecks of texture. A closed contour is an object as it is, with
-its holes, where it is certain (`segmentation.reach.certain`): then nothing has to be guessed. That particles at rest
-have closed it is evidence too, so it need only be stronger than what it encloses, by whatever factor.
+its holes, where it is certain (`segmentation.reach.certain`): then nothing has to be guessed.
 """
 
 from __future__ import annotations
@@ -66,7 +65,7 @@ class ClosedRegions:
     contours : sequence of Contour
         Contours; open ones enclose nothing.
     values, strength : ndarray, shape (H, W)
-        Image, and its edge map.
+        Image, and its edge map, smooth enough that noise is no evidence against a contour.
     """
 
     def __init__(self, contours: Sequence[Contour], values: Array, strength: Array) -> None:

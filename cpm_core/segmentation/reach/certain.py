@@ -1,4 +1,4 @@
-"""Edges that are beyond doubt: about as strong all along, and stronger than whatever they enclose."""
+"""Edges that are beyond doubt: about as strong all along, and much stronger than whatever they enclose."""
 
 from __future__ import annotations
 
@@ -7,12 +7,9 @@ import scipy
 
 from cpm_core.numerics.types import Array, Mask
 
-_NEARLY, _EVEN = 5.0, 0.5
-"""Percentage of an edge, and of what it encloses, that may be otherwise; and the least strength of its weak stretches,
-in multiples of its median: a weaker one is an edge within something larger."""
-
-_ALONE = 3.0
-"""How much stronger an edge must be than what it encloses where no particles have closed a contour along it yet."""
+_NEARLY, _STRONGER, _EVEN = 5.0, 3.0, 0.5
+"""Percentage of an edge, and of what it encloses, that may be otherwise; how much stronger the edge must be; and the
+least strength of its weak stretches, in multiples of its median: a weaker one is an edge within something larger."""
 
 MARGIN = 3.0
 """Distance from an edge up to which the edge strength is its own [px]."""
@@ -21,7 +18,7 @@ _AROUND, _BESIDE = np.ones((3, 3), np.bool_), 2
 """Neighbors of a pixel; and the distance from a region up to which a ridge is part of the edges around it [px]."""
 
 
-def is_certain(along: Array, inside: Array, stronger: float = 1.0) -> bool:
+def is_certain(along: Array, inside: Array) -> bool:
     """Whether the image leaves no doubt about a closed edge.
 
     Parameters
@@ -31,13 +28,11 @@ def is_certain(along: Array, inside: Array, stronger: float = 1.0) -> bool:
     inside : ndarray, shape (M,)
         Edge strength of the pixels that it encloses, farther than `MARGIN` from it. Without any it is a detail, about
         which nothing is certain.
-    stronger : float
-        How much stronger nearly all of the edge must be than nearly all that it encloses.
     """
     if not along.size or not inside.size:
         return False
     weak, usual = np.percentile(along, [_NEARLY, 50.0])
-    return bool(weak > max(stronger * np.percentile(inside, 100.0 - _NEARLY), _EVEN * usual))
+    return bool(weak > max(_STRONGER * np.percentile(inside, 100.0 - _NEARLY), _EVEN * usual))
 
 
 def certain_edges(strength: Array, ridge: Mask, area: Mask) -> Mask:
@@ -84,7 +79,7 @@ def _edges_around(strength: Array, ridge: Mask, region: Mask) -> Mask:
     outer = beside & (depth == 0.0)
     holes = _holes(strength, beside, filled & ~region)
     away = np.minimum(depth, scipy.ndimage.distance_transform_edt(~holes)) if holes.any() else depth
-    if not is_certain(strength[outer], strength[away > MARGIN], _ALONE):
+    if not is_certain(strength[outer], strength[away > MARGIN]):
         return np.zeros_like(ridge)
     return np.asarray(outer | (beside & (strength > _EVEN * np.median(strength[outer]))))
 
@@ -98,6 +93,6 @@ def _holes(strength: Array, ridge: Mask, islands: Mask) -> Mask:
         depth = scipy.ndimage.distance_transform_edt(island)[1:-1, 1:-1]
         edge = ridge[box] & (depth > 0.0)
         within = (depth > MARGIN) & (scipy.ndimage.distance_transform_edt(~edge) > MARGIN)
-        if is_certain(strength[box][edge], strength[box][within], _ALONE):
+        if is_certain(strength[box][edge], strength[box][within]):
             found[box] |= edge
     return found
