@@ -1,11 +1,10 @@
-"""The architecture: what may import what, what a module may be called, and how large a thing may grow."""
+"""The architecture: what may import what, and what a module may be called."""
 
 import ast
 import re
 import shutil
 import subprocess
 import sys
-from collections import defaultdict
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -28,15 +27,6 @@ LATE_LIBRARIES = {
     "cpm_core.cli.batch.workers": {"distributed"},
 }
 """What these modules import as well, and only where it is needed: inside functions, and for types."""
-
-LONGEST_MODULE, LONGEST_CLASS, LONGEST_FUNCTION = 350, 200, 50
-MOST_ENTRIES = 14
-"""Modules and folders that a folder may hold; a newcomer should take them in at one look."""
-
-LONGER = {
-    "cpm_core.dynamics.integrator.plane._move": "one loop over all particles; parted, it takes 40 % longer",
-}
-"""What may be longer, and why; at most ten."""
 
 FLOORS = (
     "cpm_core.parameters",
@@ -109,15 +99,12 @@ class Module(NamedTuple):
 
     imported: list  # dotted names, wherever in it
     imported_at_once: list
-    sizes: list  # (dotted name, lines without examples, how many they may be) of itself, its classes and functions
 
 
 @cache
 def module(path):
-    source, name = path.read_text(encoding="utf-8"), module_name(path)
-    tree, shorter = ast.parse(source), EXAMPLES.sub("", source)
-    imported = [imports(tree, name, path.name == "__init__.py", at_once) for at_once in (False, True)]
-    return Module(*imported, sizes(tree if shorter == source else ast.parse(shorter), name, shorter.count("\n")))
+    tree, name = ast.parse(path.read_text(encoding="utf-8")), module_name(path)
+    return Module(*(imports(tree, name, path.name == "__init__.py", at_once) for at_once in (False, True)))
 
 
 def rules_broken(name, imported):
@@ -225,49 +212,6 @@ def test_no_part_of_a_large_library_is_named_where_a_module_is_loaded():
 def test_no_module_is_a_box_for_odds_and_ends():
     boxes = {"utils", "util", "utilities", "helpers", "helper", "common", "misc", "tools_"}
     assert [path for path in SOURCES if path.stem in boxes] == []
-
-
-EXAMPLES = re.compile(r"\n *Examples\n *-{8}\n(?:(?! *\"{3}).*\n)*")
-"""The section with examples at the end of a docstring."""
-
-
-def sizes(tree, name, lines):
-    """Dotted names of a module, its classes and functions, their lines and how many these may be."""
-    found = [(name, lines, LONGEST_MODULE)]
-    for node in statements(tree):
-        if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
-            most = LONGEST_CLASS if isinstance(node, ast.ClassDef) else LONGEST_FUNCTION
-            found.append((f"{name}.{node.name}", node.end_lineno - node.lineno + 1, most))
-    return found
-
-
-def too_long():
-    return {name: lines for path in SOURCES for name, lines, most in module(path).sizes if lines > most}
-
-
-def test_modules_classes_and_functions_stay_small():
-    assert {name: lines for name, lines in too_long().items() if name not in LONGER} == {}
-
-
-def test_examples_do_not_count_as_lines_of_code():
-    source = 'def f():\n    """Do.\n\n    Examples\n    --------\n    >>> f()\n    1\n    """\n    return 1\n'
-    assert EXAMPLES.sub("", source) == 'def f():\n    """Do.\n    """\n    return 1\n'
-
-
-def test_what_may_be_longer_is_longer_and_rare():
-    assert set(LONGER) == set(too_long())
-    assert len(LONGER) <= 10
-
-
-def test_a_folder_can_be_taken_in_at_one_look():
-    entries = defaultdict(set)
-    for package in ("cpm_core", "app", "tests"):
-        for path in (ROOT / package).rglob("*.py"):
-            parts = path.relative_to(ROOT).parts
-            for depth in range(1, len(parts)):
-                entries["/".join(parts[:depth])].add(parts[depth])
-    found = {folder: names - {"__init__.py", "conftest.py"} for folder, names in entries.items()}
-    assert {folder: sorted(names) for folder, names in found.items() if len(names) > MOST_ENTRIES} == {}
 
 
 def circles(arrows):
