@@ -34,7 +34,7 @@ def place(tmp_path, monkeypatch):
 
 
 def test_presets_and_formats_are_named():
-    assert all(f"`{name}`" in TEXT for name in PRESETS)
+    assert all(f"`{name}`" in PAGES["docs/parameters.md"] for name in PRESETS)
     assert all(f"`{suffix}`" in FORMATS.split("## What is written")[1] for suffix in WRITABLE)
     names = {
         "PNG": ".png",
