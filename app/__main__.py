@@ -9,7 +9,7 @@ from collections.abc import Sequence
 CANNOT_OPEN = 2
 INTERRUPTED = 130
 
-_COMMANDS = frozenset({"run", "info", "batch", "skeleton", "compare", "bench", "figures", "export", "completion"})
+_COMMANDS = frozenset({"run", "info", "batch", "skeleton", "compare", "bench", "export", "completion"})
 
 _QT = frozenset({"PySide6", "shiboken6", "pyqtgraph"})
 

@@ -21,7 +21,6 @@ FORBIDDEN = {"cpm_core": QT, "app.model": QT, "app.session": WIDGETS}
 CORE_LIBRARIES = {"numpy", "scipy", "skimage", "numba", "llvmlite", "PIL", "tifffile", "roifile"}
 
 LATE_LIBRARIES = {
-    "cpm_core.cli.figures.plotting": {"matplotlib"},
     "cpm_core.image.drawing.axes": {"matplotlib"},
     "cpm_core.formats.animations.mp4": {"imageio_ffmpeg"},
     "cpm_core.cli.batch.workers": {"distributed"},

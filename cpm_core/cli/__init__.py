@@ -8,12 +8,10 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
-from cpm_core.cli import info
+from cpm_core.cli import bench, info
 from cpm_core.cli.batch import command as batch_command
-from cpm_core.cli.bench import command as bench_command
 from cpm_core.cli.compare import command as compare_command
 from cpm_core.cli.export import command as export_command
-from cpm_core.cli.figures import command as figures_command
 from cpm_core.cli.help import completion
 from cpm_core.cli.help.examples import is_examples, text_of
 from cpm_core.cli.help.mistyped import with_suggestion
@@ -31,8 +29,7 @@ _MODULES = (
     skeleton_command,
     compare_command,
     info,
-    figures_command,
-    bench_command,
+    bench,
     completion,
 )
 """A module for each command, in the order of the help."""

@@ -3,8 +3,8 @@
 import pytest
 
 from cpm_core import coulomb_force
-from cpm_core.cli.bench.coulomb import all_pairs, coulomb_error
-from cpm_core.cli.bench.scenes import along_curves
+from tests.benchmarks.speed.coulomb import all_pairs, coulomb_error
+from tests.benchmarks.speed.scenes import along_curves
 
 
 @pytest.mark.parametrize("count", [1_000, 4_000, 16_000, 64_000])

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from cpm_core import PRESETS, Engine, edge_map, electric_field
-from cpm_core.cli.bench.scenes import HAND, objects
 from cpm_core.field.convolution import convolved_field
+from tests.benchmarks.speed.scenes import HAND, objects
 
 
 @pytest.mark.parametrize("side", [256, 512, 1024])

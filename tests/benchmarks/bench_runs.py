@@ -4,7 +4,7 @@ import subprocess
 import sys
 
 from cpm_core import PRESETS, circle, segment, uniform_grid
-from cpm_core.cli.bench.scenes import HAND, objects, one_object
+from tests.benchmarks.speed.scenes import HAND, objects, one_object
 
 
 def test_run_that_starts_everywhere(benchmark, timed):

@@ -4,8 +4,8 @@ import pytest
 from scipy.spatial import Delaunay
 
 from cpm_core import Parameters, reconstruct_curve
-from cpm_core.cli.bench.scenes import along_curves
-from cpm_core.cli.bench.steps import SIDES, under_way
+from tests.benchmarks.speed.scenes import along_curves
+from tests.benchmarks.speed.steps import SIDES, under_way
 
 ONE_SCALE = Parameters(scales=1)
 

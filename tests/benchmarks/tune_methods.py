@@ -3,7 +3,7 @@
 ``python tests/benchmarks/tune_methods.py [NAME ...]`` prints, for each method, the settings with the highest mean F:
 each parameter in turn takes each value of its list while the others stay, and the best is kept; then all of them once
 more, until nothing becomes better, three times at most. It begins with the defaults. The images are every second trial
-of ``cpm bench --claims``, and a drawn horse and three coins of scikit-image, from inside and from around. The other
+of the claims, and a drawn horse and three coins of scikit-image, from inside and from around. The other
 trials take no part; the mean F of the defaults and of what was found is printed for them as well, and what was found
 becomes the default where it is no worse on them. The charged particles are searched in the same way. It takes an hour
 or two of one core, a quarter of an hour of them for Chan-Vese; each better setting is told on the way.
@@ -16,14 +16,14 @@ import numpy as np
 import scipy
 import skimage
 
-from cpm_core.cli.compare.claims import OURS, OURS_SETTINGS
-from cpm_core.cli.compare.trials import Trial, trials
 from cpm_core.contours.agreement import agreement
 from cpm_core.contours.contour import Contour
 from cpm_core.image.image import Image
 from cpm_core.objects.methods import CONTOUR_METHODS, Start, run_method, runnable
 from cpm_core.objects.methods.states import level_contours
 from cpm_core.shapes import Circle
+from tests.benchmarks.claims.claims import OURS, OURS_SETTINGS
+from tests.benchmarks.claims.trials import Trial, trials
 
 SEARCHED = {
     "cpm": {

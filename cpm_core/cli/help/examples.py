@@ -31,10 +31,6 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("what a file holds", "cpm info stack.tif"),
         ("all images of a folder, for a script", "cpm info images --json"),
     ),
-    "figures": (
-        ("all figures of the publication", "cpm figures --output figures"),
-        ("one of them", "cpm figures --output figures --only fig05"),
-    ),
     "bench": (
         ("how fast it is here", "cpm bench"),
         ("the same in a few seconds, for a script", "cpm bench --quick --json"),

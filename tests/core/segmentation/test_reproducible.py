@@ -64,7 +64,7 @@ def test_only_what_no_contour_depends_on_may_reorder_its_sums():
         if "import reordered" in path.read_text(encoding="utf-8")
     }
     allowed = {f"particles/coulomb/{name}.py" for name in ("direct_sum", "expansions", "fast_multipole", "space")}
-    assert reordering == {*allowed, "cli/bench/coulomb.py"}
+    assert reordering == allowed
     forces = "coulomb_force import coulomb_force"
     using = {path for path in MODULES.rglob("*.py") if forces in path.read_text(encoding="utf-8")}
-    assert {Path(path).relative_to(MODULES).parts[:2] for path in using} == {("__init__.py",), ("cli", "bench")}
+    assert {Path(path).relative_to(MODULES).parts[:2] for path in using} == {("__init__.py",)}

@@ -66,7 +66,7 @@ _VALUES: dict[str, tuple[str, ...]] = {
 }
 """Values of options; those that are not named have their choices, or else numbers."""
 
-_LONG = {"bench", "figures"}
+_LONG = {"bench"}
 """Commands that take long whatever they are told."""
 
 

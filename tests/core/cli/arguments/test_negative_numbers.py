@@ -12,7 +12,7 @@ from cpm_core import cli
 COMMANDS = next(
     action.choices for action in cli.parser()._actions if isinstance(action, argparse._SubParsersAction)
 )  # fmt: skip
-NEEDED = {"batch": ["--session=s", "--output=o"], "export": ["--to=a.svg"], "figures": ["--output=o"]}
+NEEDED = {"batch": ["--session=s", "--output=o"], "export": ["--to=a.svg"]}
 TAKING = [
     (name, option)
     for name, parser in COMMANDS.items()
@@ -25,7 +25,7 @@ TAKING = [
 def read(name, *given):
     """What a command line says, or how it is refused."""
     parser = COMMANDS[name]
-    named = [] if name in ("bench", "figures", "completion") else ["a.png"]
+    named = [] if name in ("bench", "completion") else ["a.png"]
     try:
         return vars(parser.parse_args([*named, *NEEDED.get(name, ()), *given]))
     except ValueError as error:

@@ -3,11 +3,11 @@
 import numpy as np
 import scipy
 
-from cpm_core.cli.figures.outlines import polygon
-from cpm_core.cli.figures.scenes import closed, paint
 from cpm_core.contours.ground_truth import truth_of_contours, truth_of_mask
 from cpm_core.image.image import Image
 from cpm_core.objects.methods import Start
+from docs.gallery.outlines import polygon
+from docs.gallery.scenes import closed, paint
 
 SIZE = (96, 96)
 MIDDLE = (48.0, 48.0)

@@ -76,8 +76,8 @@ from PySide6.QtWidgets import QApplication
 from app.views.mosaic.methods.pane import Pane
 from app.views.mosaic.methods.side import Side
 from cpm_core import cli
-from cpm_core.cli.compare.claims import scores
-from cpm_core.cli.compare.trials import trials
+from tests.benchmarks.claims.claims import scores
+from tests.benchmarks.claims.trials import trials
 from cpm_core.formats.sessions.session_file import SessionFile, load_session, save_session
 from cpm_core.objects.methods import CONTOUR_METHODS, Compared
 

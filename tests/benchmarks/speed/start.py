@@ -9,7 +9,7 @@ import sys
 import tempfile
 from collections.abc import Iterator, Mapping
 
-from cpm_core.cli.bench.measurement import Measurement, Patience
+from tests.benchmarks.speed.measurement import Measurement, Patience
 
 _IMPORT = "import cpm_core"
 _LIBRARIES = "import numba, numpy, scipy.ndimage, scipy.spatial, skimage"

@@ -7,16 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cpm_core.cli.figures.outlines import Distance, Rings, coverage, ellipse, limb, rings, union
-from cpm_core.cli.figures.pages import Page, Picture
-from cpm_core.cli.figures.runs import Facts
-from cpm_core.cli.figures.scenes import blurred, closed, grain, paint, texture
-from cpm_core.cli.figures.silhouettes import SIDE, hand
 from cpm_core.contours.agreement import agreement
 from cpm_core.contours.contour import Contour
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeleton_method import plane_skeleton
 from cpm_core.numerics.types import Array
+from docs.gallery.outlines import Distance, Rings, coverage, ellipse, limb, rings, union
+from docs.gallery.pages import Page, Picture
+from docs.gallery.runs import Facts
+from docs.gallery.scenes import blurred, closed, grain, paint, texture
+from docs.gallery.silhouettes import SIDE, hand
 
 _SIZE = (SIDE, SIDE)
 _TOLERANCE = 1.0

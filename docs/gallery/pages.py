@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from cpm_core.cli.figures.runs import Facts
 from cpm_core.contours.contour import Contour
 from cpm_core.numerics.types import Array
+from docs.gallery.runs import Facts
 
 
 @dataclass(frozen=True, eq=False)

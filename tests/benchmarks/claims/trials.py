@@ -7,15 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cpm_core.cli.figures import silhouettes
-from cpm_core.cli.figures.outlines import polygon, round_ring
-from cpm_core.cli.figures.scenes import Scene, binary, blurred, closed, grain, paint
-from cpm_core.cli.figures.studies import gaussian, salt_and_pepper
 from cpm_core.contours.contour import Contour
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array
 from cpm_core.objects.methods import Start
 from cpm_core.shapes import Circle
+from docs.gallery import silhouettes
+from docs.gallery.outlines import polygon, round_ring
+from docs.gallery.scenes import Scene, binary, blurred, closed, grain, paint
+from docs.gallery.studies import gaussian, salt_and_pepper
 
 Place = tuple[float, float]
 

@@ -1,15 +1,13 @@
-"""The benchmark of the claims on the terminal: a line for each trial, then each claim with its figures."""
+"""``python -m tests.benchmarks.claims``: a line for each trial, then each claim with its figures."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict
 
-from cpm_core.cli.compare.claims import GOOD, TIME, Score, Verdict, scores, taking_part, verdicts
-from cpm_core.cli.compare.trials import Trial
-from cpm_core.cli.outcome import print_json
 from cpm_core.objects.methods import CONTOUR_METHODS
 from cpm_core.objects.warm_up import warm_up
+from tests.benchmarks.claims.claims import TIME, Score, Verdict, scores, taking_part, verdicts
+from tests.benchmarks.claims.trials import Trial
 
 SEARCHED = (
     "Settings: those of the charged particles are the publication's, with the smoothing chosen by the noise. Those of "
@@ -32,14 +30,9 @@ _SHORT = {
 }
 
 
-def report_claims(*, as_json: bool) -> None:
+def main() -> None:
     """Run all methods on all trials, and print what follows for each claim."""
     warm_up()
-    if as_json:
-        found = scores()
-        plain = {"scores": [asdict(one) for one in found], "claims": [asdict(one) for one in verdicts(found)]}
-        print_json("bench", {**plain, "good": GOOD, "settings": SEARCHED})
-        return
     print(SEARCHED)
     for method in CONTOUR_METHODS.values():
         if method.missing:
@@ -82,3 +75,7 @@ def _title(name: str) -> str:
 
 def _short(name: str) -> str:
     return _SHORT.get(name, name[: _NUMBER - 1])
+
+
+if __name__ == "__main__":
+    main()

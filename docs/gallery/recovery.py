@@ -8,10 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core.cli.figures import silhouettes
-from cpm_core.cli.figures.pages import Page, Panel, Picture, Stairs
-from cpm_core.cli.figures.runs import Moment, Run, run
-from cpm_core.cli.figures.scenes import Scene
 from cpm_core.contours.agreement import agreement, recovered
 from cpm_core.dynamics.time_step.plane import populated
 from cpm_core.field.scale_field import ScaleField
@@ -20,6 +16,10 @@ from cpm_core.particles.state import State
 from cpm_core.reconstruction import reconstruct_curve
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.laws import plane
+from docs.gallery import silhouettes
+from docs.gallery.pages import Page, Panel, Picture, Stairs
+from docs.gallery.runs import Moment, Run, run
+from docs.gallery.scenes import Scene
 
 BETAS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.4, 2.0, 3.0, 4.0)
 """Dampings of the series under Fig. 10."""

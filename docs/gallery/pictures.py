@@ -8,7 +8,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from cpm_core.cli.figures.outlines import (
+from cpm_core.contours.contour import Contour
+from cpm_core.numerics.types import Array
+from cpm_core.parameters import PRESETS, Parameters
+from cpm_core.particles.initialization import circle, gradient_threshold, uniform_grid
+from docs.gallery.outlines import (
     Rings,
     blended,
     coverage,
@@ -20,11 +24,7 @@ from cpm_core.cli.figures.outlines import (
     stroke,
     union,
 )
-from cpm_core.cli.figures.scenes import Scene, Size, blurred, closed, grain, paint, texture
-from cpm_core.contours.contour import Contour
-from cpm_core.numerics.types import Array
-from cpm_core.parameters import PRESETS, Parameters
-from cpm_core.particles.initialization import circle, gradient_threshold, uniform_grid
+from docs.gallery.scenes import Scene, Size, blurred, closed, grain, paint, texture
 
 Bone = tuple[tuple[float, float], tuple[float, float], float]
 

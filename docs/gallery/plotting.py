@@ -10,7 +10,6 @@ import PIL.Image
 import scipy
 from numpy.typing import NDArray
 
-from cpm_core.cli.figures.pages import Map, Page, Panel, Picture, Stairs
 from cpm_core.image.drawing.axes import (
     require_matplotlib,
     show_curves,
@@ -21,6 +20,7 @@ from cpm_core.image.drawing.axes import (
 )
 from cpm_core.image.drawing.palette import CLOSED, FIELD, HALO, JUNCTION, OPEN, PARTICLE
 from cpm_core.numerics.types import Array
+from docs.gallery.pages import Map, Page, Panel, Picture, Stairs
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -10,8 +10,6 @@ from math import log
 import numpy as np
 import skimage
 
-from cpm_core.cli.bench.measurement import TOO_LONG, Measurement, Patience, seconds_of
-from cpm_core.cli.bench.scenes import HAND, objects, one_object, ring
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import most_scales
 from cpm_core.numerics.types import Array
@@ -19,6 +17,8 @@ from cpm_core.parameters import PRESETS
 from cpm_core.particles.initialization import circle, uniform_grid
 from cpm_core.particles.volume_starts import sphere
 from cpm_core.segmentation.segment import segment
+from tests.benchmarks.speed.measurement import TOO_LONG, Measurement, Patience, seconds_of
+from tests.benchmarks.speed.scenes import HAND, objects, one_object, ring
 
 _RADIUS, _AROUND, _SNAKE = 12.0, 33.0, 200
 """Radius of the circle inside one object, and of that around it from which a snake starts [px]; points of the snake."""

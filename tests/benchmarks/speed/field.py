@@ -9,14 +9,14 @@ from functools import partial
 import numpy as np
 import scipy
 
-from cpm_core.cli.bench.measurement import Measurement, Patience, milliseconds_of
-from cpm_core.cli.bench.scenes import HAND, objects
 from cpm_core.field.convolution import convolved_field
 from cpm_core.field.edge_map import edge_map
 from cpm_core.field.electric_field import electric_field
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import PRESETS
 from cpm_core.segmentation.engine import Engine
+from tests.benchmarks.speed.measurement import Measurement, Patience, milliseconds_of
+from tests.benchmarks.speed.scenes import HAND, objects
 
 _PLACES = 20
 """Pixels at which the field is compared with eq. (8)."""

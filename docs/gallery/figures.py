@@ -10,12 +10,12 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from cpm_core.cli.figures import pictures, recovery, silhouettes, skeletons, studies
-from cpm_core.cli.figures.pages import Page
-from cpm_core.cli.figures.plotting import draw
-from cpm_core.cli.figures.recovery import from_start_to_result
 from cpm_core.formats.atomic import write_together
 from cpm_core.image.drawing.axes import require_matplotlib
+from docs.gallery import pictures, recovery, silhouettes, skeletons, studies
+from docs.gallery.pages import Page
+from docs.gallery.plotting import draw
+from docs.gallery.recovery import from_start_to_result
 
 INDEX, MEASURED = "README.md", "figures.json"
 
@@ -193,7 +193,7 @@ def _index(entries: Mapping[str, Any]) -> str:
         "*mean distance* the average symmetric distance of both; *closed contours* counts the true closed contours "
         "that were recovered as one closed contour.",
         "",
-        f"`cpm figures --output DIR` repeats all of it; `{MEASURED}` holds every number.",
+        f"`python -m docs.gallery --output DIR` repeats all of it; `{MEASURED}` holds every number.",
     ]
     for name, entry in entries.items():
         lines += ["", f"## {entry['title']}", "", f"{entry['about']} Measured: {entry['measured']}.", ""]

@@ -8,14 +8,14 @@ from functools import partial
 
 import scipy
 
-from cpm_core.cli.bench.measurement import Measurement, Patience, milliseconds_of
-from cpm_core.cli.bench.scenes import HAND, along_curves, objects
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.particles.coulomb.coulomb_force import coulomb_force
 from cpm_core.particles.initialization import uniform_grid
 from cpm_core.particles.state import State
 from cpm_core.reconstruction import reconstruct_curve
 from cpm_core.segmentation.engine import Engine
+from tests.benchmarks.speed.measurement import Measurement, Patience, milliseconds_of
+from tests.benchmarks.speed.scenes import HAND, along_curves, objects
 
 _WARM_UP = 60
 """Steps before the time is taken, after which most particles are on an edge and few are at rest."""

@@ -7,14 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from cpm_core.cli.figures import silhouettes
-from cpm_core.cli.figures.pages import Map, Page, Panel, Picture
-from cpm_core.cli.figures.recovery import outcome, start
-from cpm_core.cli.figures.runs import Run, run
-from cpm_core.cli.figures.scenes import Scene, grain
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.segmentation.engine import Engine
+from docs.gallery import silhouettes
+from docs.gallery.pages import Map, Page, Panel, Picture
+from docs.gallery.recovery import outcome, start
+from docs.gallery.runs import Run, run
+from docs.gallery.scenes import Scene, grain
 
 RATIOS = (0.05, 0.3, 0.6, 0.9, 0.99)
 ANNEALINGS = (0.0, 0.9, 0.97, 0.99, 1.0)

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy
 
-from cpm_core.cli.figures.outlines import Rings, coverage
 from cpm_core.contours.contour import Contour
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
+from docs.gallery.outlines import Rings, coverage
 
 Size = tuple[int, int]
 Layer = tuple[Rings, float]

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cpm_core.cli.figures.scenes import Scene
 from cpm_core.contours.agreement import Agreement, agreement, recovered
 from cpm_core.contours.contour import Contour
 from cpm_core.numerics.types import Array
 from cpm_core.particles.state import State
 from cpm_core.segmentation.engine import Engine
+from docs.gallery.scenes import Scene
 
 Facts = Mapping[str, object]
 """Measured values by name, as they are written to a JSON file."""

@@ -1,16 +1,14 @@
 """The benchmark of the claims: its trials, what it makes of scores, and what it prints."""
 
-import json
 from itertools import islice
 
 import numpy as np
 import pytest
 
-from cpm_core.cli.bench import command as bench_command
-from cpm_core.cli.compare import report
-from cpm_core.cli.compare.claims import CLAIMS, GOOD, TIME, Score, scores, verdicts
-from cpm_core.cli.compare.trials import CONCAVITIES, STARTS, trials
 from cpm_core.contours.rasterize import inside
+from tests.benchmarks.claims import __main__ as report
+from tests.benchmarks.claims.claims import CLAIMS, GOOD, TIME, Score, scores, verdicts
+from tests.benchmarks.claims.trials import CONCAVITIES, STARTS, trials
 
 
 def of(method, f, seconds, claim=STARTS):
@@ -76,25 +74,10 @@ def quick(monkeypatch):
     )
 
 
-def test_each_claim_is_printed_with_who_won(quick, command):
-    status, out, _ = command("bench", "--claims")
-    assert status == 0
+def test_each_claim_is_printed_with_who_won(quick, capsys):
+    report.main()
+    out = capsys.readouterr().out
     assert report.SEARCHED in out
     assert "start inside" in out
     assert f"Claim: {STARTS}. Confirmed. Best: Charged particles" in out
     assert f"Claim: {TIME}. " in out
-
-
-def test_claims_are_told_as_json(quick, command):
-    status, out, _ = command("bench", "--claims", "--json")
-    told = json.loads(out)
-    assert status == 0
-    assert [claim["claim"] for claim in told["claims"]] == [STARTS, TIME]
-    assert {score["method"] for score in told["scores"]} == {"cpm", "random_walker"}
-
-
-def test_claims_take_no_image_of_their_own(command):
-    assert bench_command.report_claims is report.report_claims
-    status, out, err = command("bench", "--claims", "--quick")
-    assert (status, out) == (2, "")
-    assert "leave out --image and --quick" in err

@@ -8,11 +8,11 @@ from math import log
 
 import numpy as np
 
-from cpm_core.cli.bench.measurement import Measurement, Patience, milliseconds_of
-from cpm_core.cli.bench.scenes import along_curves
 from cpm_core.numerics.jit import reordered
 from cpm_core.numerics.types import Array
 from cpm_core.particles.coulomb.coulomb_force import coulomb_force
+from tests.benchmarks.speed.measurement import Measurement, Patience, milliseconds_of
+from tests.benchmarks.speed.scenes import along_curves
 
 _COUNTS = (1_000, 4_000, 16_000, 64_000, 256_000)
 _MOST_PAIRS = 16_000

@@ -6,10 +6,10 @@ import statistics
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from cpm_core.cli.compare.trials import CONCAVITIES, LEAKS, NOISE, STARTS, TOPOLOGY, Trial, trials
 from cpm_core.contours.agreement import agreement
 from cpm_core.objects.methods import CONTOUR_METHODS, run_method, runnable
 from cpm_core.parameters import PRESETS
+from tests.benchmarks.claims.trials import CONCAVITIES, LEAKS, NOISE, STARTS, TOPOLOGY, Trial, trials
 
 OURS = "cpm"
 OURS_SETTINGS = PRESETS["noisy"]

@@ -6,15 +6,15 @@ import platform
 from collections.abc import Iterator
 from importlib.metadata import version
 
-from cpm_core.cli.bench.coulomb import coulomb_forces
-from cpm_core.cli.bench.field import fields
-from cpm_core.cli.bench.measurement import Measurement, Patience
-from cpm_core.cli.bench.runs import whole_runs
-from cpm_core.cli.bench.start import starts
-from cpm_core.cli.bench.steps import reconstructions, steps
 from cpm_core.image.image import Image
 from cpm_core.numerics.parallel import cores
 from cpm_core.objects.warm_up import warm_up
+from tests.benchmarks.speed.coulomb import coulomb_forces
+from tests.benchmarks.speed.field import fields
+from tests.benchmarks.speed.measurement import Measurement, Patience
+from tests.benchmarks.speed.runs import whole_runs
+from tests.benchmarks.speed.start import starts
+from tests.benchmarks.speed.steps import reconstructions, steps
 
 
 def measurements(patience: Patience, image: Image | None = None) -> Iterator[Measurement]:

@@ -6,7 +6,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from cpm_core.cli.figures.outlines import (
+from cpm_core.contours.contour import Contour
+from cpm_core.parameters import Parameters
+from cpm_core.particles.initialization import circle
+from docs.gallery.outlines import (
     Rings,
     blended,
     curve,
@@ -20,10 +23,7 @@ from cpm_core.cli.figures.outlines import (
     union,
     without,
 )
-from cpm_core.cli.figures.scenes import Scene, binary, closed, grain, paint
-from cpm_core.contours.contour import Contour
-from cpm_core.parameters import Parameters
-from cpm_core.particles.initialization import circle
+from docs.gallery.scenes import Scene, binary, closed, grain, paint
 
 SIDE = 144
 SIZE = (SIDE, SIDE)

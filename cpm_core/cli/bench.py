@@ -1,0 +1,87 @@
+"""``cpm bench``: measures how long whole runs and their parts take on this machine."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import platform
+import time
+from collections.abc import Callable, Iterator
+from importlib.metadata import version
+from statistics import median
+from typing import Any
+
+import numpy as np
+
+from cpm_core.cli.arguments import add_json
+from cpm_core.cli.outcome import print_json
+from cpm_core.numerics.types import Array
+from cpm_core.parameters import PRESETS
+from cpm_core.particles.initialization import circle, uniform_grid
+from cpm_core.segmentation.engine import Engine
+from cpm_core.segmentation.segment import segment
+
+_PITCH = 64
+"""Distance between the centers of neighboring disks of the scene [px]."""
+
+
+def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add this command to those of the command line."""
+    parser = commands.add_parser("bench", help="measure how fast it is here", allow_abbrev=False)
+    parser.set_defaults(command=_bench)
+    parser.description = (
+        "Measure how long whole runs and their parts take on your machine, on a scene of disks. Each time is a median "
+        "of several, without compilation."
+    )
+    parser.add_argument("--quick", action="store_true", help="a smaller scene, measured once")
+    add_json(parser)
+
+
+def _bench(arguments: argparse.Namespace) -> None:
+    began = time.perf_counter()
+    machine = {
+        "cores": os.cpu_count(),
+        "processor": platform.machine(),
+        "system": platform.system(),
+        "python": platform.python_version(),
+        **{name: version(name) for name in ("numpy", "scipy", "scikit-image", "numba")},
+    }
+    values, repeats = _scene(2 if arguments.quick else 6), 1 if arguments.quick else 5
+    rows: list[dict[str, Any]] = []
+    for what, work in _tasks(values):
+        work()  # compiles
+        rows.append({"what": what, "value": 1e3 * median(_seconds(work) for _ in range(repeats)), "unit": "ms"})
+        if not arguments.json:
+            print(f"{what:44}{rows[-1]['value']:10.1f} ms", flush=True)
+    if arguments.json:
+        facts = {"machine": machine, "quick": arguments.quick, "seconds": time.perf_counter() - began}
+        print_json("bench", facts | {"measurements": rows})
+    else:
+        print(", ".join(f"{name} {value}" for name, value in machine.items()))
+
+
+def _scene(side: int) -> Array:
+    """Gray levels of side x side bright disks on a noisy background."""
+    row, col = np.indices((side * _PITCH, side * _PITCH)) % _PITCH - _PITCH / 2
+    disks = np.clip(20.5 - np.hypot(row, col), 0.0, 1.0)
+    return np.asarray(50.0 + 150.0 * disks + np.random.default_rng(0).normal(0.0, 2.0, disks.shape))
+
+
+def _tasks(values: Array) -> Iterator[tuple[str, Callable[[], object]]]:
+    """What is measured, and a function that does it once."""
+    size, automatic = " x ".join(map(str, values.shape)), PRESETS["automatic"]
+    grid = uniform_grid(values.shape)
+    yield f"{size} px, starts everywhere", lambda: segment(values, grid, automatic)
+    yield f"{size} px, circle in one object", lambda: segment(values, circle((_PITCH / 2, _PITCH / 2), 12.0))
+    yield f"{size} px, all fields", lambda: Engine(values, automatic)
+    engine = Engine(values, automatic)
+    state = engine.start(grid)
+    for _ in range(50):
+        state = engine.step(state, automatic)
+    yield f"{size} px, one step of {state.count} particles", lambda: engine.step(state, automatic)
+
+
+def _seconds(work: Callable[[], object]) -> float:
+    began = time.perf_counter()
+    work()
+    return time.perf_counter() - began
