@@ -26,7 +26,6 @@ from app.views.features.file.folder import FolderFeature
 from app.views.features.file.importing import ImportFeature
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.file.recovery import RecoveryFeature
-from app.views.features.file.script import ScriptFeature
 from app.views.features.file.start import StartFeature
 from app.views.features.run.parameters import ParametersFeature
 from app.views.features.run.run_control import RunControlFeature
@@ -168,7 +167,6 @@ class MainWindow(QMainWindow):
         self.feature(RecoveryFeature).keep(files.document_file)
         self.feature(FolderFeature).keep(files.document_file)
         self.feature(PagesFeature).keep(files.document_file)
-        self.feature(ScriptFeature).keep(files.document_file)
         self.feature(StartFeature).keep(files)
 
     def _keep_tool(self) -> None:

@@ -83,8 +83,6 @@ ROWS = (
         f"{_CLI}/test_cli_session.py::test_a_batch_does_to_each_image_what_a_run_does_and_reports_a_bad_one"),
     Row("A command line for scripts, with JSON", "`cpm run --json`",
         f"{_CLI}/test_cli.py::test_run_finds_the_disk_and_tells_it_as_json"),
-    Row("What was done in the window, as a script", "File, Workflow as a script",
-        "tests/app/features/test_script.py::test_every_sample_has_a_script_without_a_session"),
     Row("It installs as a wheel that runs outside its checkout", "`pip install`, `pipx`, `uvx`",
         "tests/packages/test_distributions.py::test_the_window_of_the_wheel_finds_its_pictures_samples_and_languages"),
     Row("A library, with an example for every name", "`import cpm_core`",
@@ -96,7 +94,7 @@ ROWS = (
     Row("It installs from stated dependencies, under licenses that allow any use", "`pyproject.toml`",
         "tests/supply/test_requirements.py::test_nothing_that_is_installed_for_the_program_is_under_the_gpl_alone"),
 )  # fmt: skip
-"""The expectations, 38 in number."""
+"""The expectations, 37 in number."""
 
 
 def table() -> str:

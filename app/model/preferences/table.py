@@ -42,9 +42,6 @@ WORDING = Choice(
     name="parameters/wording", page="general", label=tr("Labels"), default=FIRST_WORDING,
     ways={"name": tr("Names of parameters first"), "symbol": tr("Symbols of parameters first")},
 )  # fmt: skip
-MOTION = Flag(
-    name="motion", page="general", label=tr("Illustrations"), default=True, text=tr("Animate the illustrations")
-)
 
 CONTOUR_WIDTH = Number(
     name="canvas/contour_width", page="appearance", label=tr("Width of contours"), default=2.0, low=0.5, high=5.0,
@@ -119,7 +116,6 @@ PREFERENCES: tuple[Preference[Any], ...] = (
     THEME,
     UNIT,
     WORDING,
-    MOTION,
     CONTOUR_WIDTH,
     SHAPE_WIDTH,
     POINT_SIZE,

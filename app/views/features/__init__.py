@@ -21,7 +21,6 @@ from app.views.features.file.large_image import LargeImageFeature
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.features.file.preferences import PreferencesFeature
 from app.views.features.file.recovery import RecoveryFeature
-from app.views.features.file.script import ScriptFeature
 from app.views.features.file.stack import StackFeature
 from app.views.features.file.start import StartFeature
 from app.views.features.help.help import HelpFeature
@@ -48,7 +47,6 @@ FEATURES: tuple[type[Feature], ...] = (
     FolderFeature,
     ExportFeature,
     BatchFeature,
-    ScriptFeature,
     RecoveryFeature,
     AnimationFeature,
     UndoSelectionFeature,

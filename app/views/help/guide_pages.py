@@ -42,8 +42,7 @@ _FIRST = Page(
                 "Or choose {mode_automatic}, which needs no drawing.")),
         Step(tr("<b>Run</b>: {run}. Particles are yellow while they move and green at rest; closed contours are blue, "
                 "open contours are orange.")),
-        Step(tr("<b>Steer</b>: every slider acts at the next step. The illustration below the sliders shows its "
-                "effect.")),
+        Step(tr("<b>Steer</b>: every slider acts at the next step.")),
         Step(tr("<b>Select</b> objects: {objects}, then click in one. Click to add, Shift-click to remove, and press "
                 "Enter to accept. {object_table} lists them.")),
         Step(tr("<b>Export</b> the contours: {export}. A preview shows what the chosen format holds and what it leaves "

@@ -12,7 +12,6 @@ from PySide6.QtCore import QTimer, Signal
 
 from app.model.display.page_rows import PageRow, page_rows
 from app.model.document.saving import to_file
-from app.model.export.stack_script import DrawnPages
 from app.model.text.language import tr
 from app.session.core_functions import Core
 from app.session.document.undo_history import Change, History
@@ -168,21 +167,6 @@ class StackPages(Paging):
         self.result, self.rows = result, rows
         self._found |= {page.number: page.result for page in result.pages if page.result and page.number != self.number}
         self.found.emit()
-
-    @property
-    def drawn(self) -> DrawnPages | None:
-        """What is drawn on the pages, once pages have been run; None where there is nothing to tell."""
-        if self._file is None or self.result is None or not self.result.results:
-            return None
-        kept = {**self._kept, self.number: self._here(self._file)}
-        drawn = {number: page for number, page in sorted(kept.items()) if page.document.starts}
-        if not drawn:
-            return None
-        first, source = min(drawn), self._source
-        own = {number: page.document for number, page in drawn.items() if number > first and page.own_start}
-        reading = dict(source.reading.arguments)
-        reading.pop("channel" if source.by_channel else "page", None)
-        return DrawnPages(source.path, reading, self.count, self.following, first, drawn[first].document, own)
 
     # Files
 

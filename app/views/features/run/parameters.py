@@ -8,7 +8,7 @@ from functools import partial
 from PySide6.QtWidgets import QMenu
 
 from app.model.parameters.choices import CHANNEL
-from app.model.preferences.table import MOTION, WORDING
+from app.model.preferences.table import WORDING
 from app.model.state.situation import Situation
 from app.model.text.language import tr
 from app.model.text.wording import Wording, wording_called
@@ -36,20 +36,14 @@ class ParametersFeature(Feature):
         self.preset_files = PresetFiles(context, store)
         self.panel = ParametersPanel(context.session, self.preset_files.gallery)
         context.preferences.follow(WORDING, lambda: self.panel.use_wording(self._wording))
-        context.preferences.follow(MOTION, lambda: self.panel.explanation.illustration.set_animated(self._animated))
         # The actions must show the preferences.
         context.preferences.changed.connect(self._refresh)
 
     def action_specs(self) -> Sequence[ActionSpec | Submenu]:
-        """Presets, labels of parameters, animation of illustrations."""
-        context = self.context
+        """Presets, channels, and labels of parameters."""
         presets = Submenu(name="presets", menu="Run", text=tr("&Preset"), fill=self.preset_files.fill, gap=True)
-        motion = ActionSpec(name="motion", menu="View", text=tr("Ani&mated illustrations"),
-                            do=lambda: context.preferences.choose(MOTION, not self._animated),
-                            tip=tr("Animate the illustrations of the parameters."), group=STATE,
-                            checked=self._animated, holds=lambda _: self._animated)  # fmt: skip
         channels = Submenu(name="channels", menu="Run", text=tr("C&hannel"), fill=self.fill_channels)
-        return (presets, channels, *self._wordings(), motion)
+        return (presets, channels, *self._wordings())
 
     def panels(self) -> Sequence[Panel]:
         """The sliders."""
@@ -75,10 +69,6 @@ class ParametersFeature(Feature):
     def _wording(self) -> Wording:
         return wording_called(self.context.preferences.value(WORDING))
 
-    @property
-    def _animated(self) -> bool:
-        return self.context.preferences.value(MOTION)
-
     def _wordings(self) -> list[ActionSpec]:
         choose = self.context.preferences.choose
         return [
@@ -91,5 +81,5 @@ class ParametersFeature(Feature):
         return name == self._wording
 
     def _refresh(self, key: str) -> None:
-        if key in (WORDING.name, MOTION.name):
+        if key == WORDING.name:
             self.context.refresh()

@@ -1,1 +1,1 @@
-"""The panel of parameters: one slider each, explained in words and by an illustration."""
+"""The panel of parameters: one slider eachand explained in words."""

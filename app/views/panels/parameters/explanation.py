@@ -5,13 +5,10 @@ from __future__ import annotations
 from typing import Literal
 
 from PySide6.QtCore import QSize, Qt
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QLabel, QSizePolicy, QVBoxLayout, QWidget
 
 from app.model.parameters.controls import Control
 from app.model.text.wording import FIRST_WORDING, Wording
-from app.views.panels.parameters.illustration import Illustration
-
-_FULL_CONTRAST = 255.0
 
 Form = Literal["full", "brief", "hidden"]
 """How much of an explanation is shown."""
@@ -29,7 +26,7 @@ def form_in(height: int) -> Form:
 
 
 class Explanation(QWidget):
-    """The illustration with symbol, name and range beside it, and below the meaning and effect of the parameter.
+    """Symbol, name and range of a parameter, and below them its meaning and effect.
 
     In a low window only its name and effect are shown, or nothing; the rest is in the tooltip of its row.
     """
@@ -38,7 +35,6 @@ class Explanation(QWidget):
         super().__init__()
         self.setObjectName("explanation")
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
-        self.illustration = Illustration()
         self._control: Control | None = None
         self._wording: Wording = FIRST_WORDING
         self._form: Form = "full"
@@ -49,14 +45,10 @@ class Explanation(QWidget):
             label.setAlignment(Qt.AlignmentFlag.AlignTop | Qt.AlignmentFlag.AlignLeft)
             label.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Expanding)
         self.body.setObjectName("dim")
-        above = QHBoxLayout()
-        above.setSpacing(10)
-        above.addWidget(self.illustration, alignment=Qt.AlignmentFlag.AlignTop)
-        above.addWidget(self.head, 1)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 8, 0, 2)
         layout.setSpacing(4)
-        layout.addLayout(above)
+        layout.addWidget(self.head)
         layout.addWidget(self.body, 1)
         self.setFixedHeight(self.height_of(self._form))
 
@@ -65,14 +57,11 @@ class Explanation(QWidget):
         """The control that is explained."""
         return self._control
 
-    def explain(self, control: Control, value: float | str, contrast: float) -> None:
-        """Explain a control at its value; gray levels are scaled by the contrast of the image."""
+    def explain(self, control: Control) -> None:
+        """Explain a control."""
         if control is not self._control:
             self._control = control
             self._write()
-        if control.in_gray_levels and not isinstance(value, str) and contrast > 0:
-            value = value * _FULL_CONTRAST / contrast
-        self.illustration.show_control(control.name, value)
 
     def use_wording(self, wording: Wording) -> None:
         """Put the name first, or the symbol."""
@@ -89,7 +78,7 @@ class Explanation(QWidget):
     def height_of(self, form: Form) -> int:
         """Height of a form: that of the longest explanation, so that the layout stays the same for all of them."""
         line = self.fontMetrics().lineSpacing()
-        return {"full": self.illustration.height() + 9 * line + 14, "brief": 7 * line + 10, "hidden": 0}[form]
+        return {"full": 13 * line + 14, "brief": 7 * line + 10, "hidden": 0}[form]
 
     def _fix_height(self) -> None:
         self.setVisible(self._form != "hidden")

@@ -198,6 +198,4 @@ class ParametersPanel(QWidget):
         return (self.rows[name] if name in self.rows else self.choices[name]).control.title
 
     def _explain(self, control: Control) -> None:
-        document = self._session.document
-        contrast = document.image.contrast if document.image else 0.0
-        self.explanation.explain(control, value_of(document.parameters, control.name), contrast)
+        self.explanation.explain(control)
