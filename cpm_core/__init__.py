@@ -73,7 +73,6 @@ found; a `ScaleField` holds the fields of one scale.
 from cpm_core.contours.agreement import Comparison, compare
 from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.ground_truth import Truth
-from cpm_core.contours.learning import teach
 from cpm_core.contours.measurements import containment, measure
 from cpm_core.contours.measurements.table import Table
 from cpm_core.contours.result import Result
@@ -221,7 +220,6 @@ __all__ = [
     "sphere",
     "strip",
     "stroke",
-    "teach",
     "uniform_grid",
     "write_animation",
     "write_figure",

@@ -6,12 +6,8 @@ that of an animation, draws another scene: ``dataclasses.replace(session.scene, 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
-
-import numpy as np
 
 from app.model.display.display_image import DisplayImage
 from app.model.display.truth.differences import Difference
@@ -29,7 +25,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.measurements import Measures
 from cpm_core.contours.result import Result
-from cpm_core.contours.review import Mark, ReviewedContour, learned, reviewed
+from cpm_core.contours.review import Mark, ReviewedContour, reviewed
 from cpm_core.contours.surface.ground_truth import VolumeTruth
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -62,46 +58,21 @@ class ReviewedContours:
     """The contours of a reconstruction, longest first, with their marks.
 
     `tracked` is the reconstruction, None while there is none, and `result` the same with kept contours that it lacks,
-    and with rejected ones. `features` describe the contours of the reconstruction for learning, `chances` are the
-    probabilities by key that they count, as learned from verdicts, perhaps on an earlier reconstruction; both are empty
-    where nothing is learned.
+    and with rejected ones.
     """
 
     items: tuple[Item, ...] = ()
     tracked: TrackedContours | None = None
     result: Result | None = None
-    features: Array | None = None
-    chances: Mapping[int, float] = field(default_factory=dict)
 
     @staticmethod
-    def of(
-        tracked: TrackedContours | None,
-        marks: tuple[Mark, ...],
-        learning: bool = False,
-        features: Array | None = None,
-        known: Mapping[int, float] = MappingProxyType({}),
-    ) -> ReviewedContours:
-        """Attach marks to the contours that they were made on, and sort the others by what they teach when `learning`.
-
-        Without `features` the probabilities stay as they are `known`, by key.
-        """
+    def of(tracked: TrackedContours | None, marks: tuple[Mark, ...]) -> ReviewedContours:
+        """Attach marks to the contours that they were made on."""
         if tracked is None:
             return NO_CONTOURS
-        chances = known if learning else {}
-        if learning and features is not None:
-            found = learned(marks, tracked.result.contours, features)
-            chances = {} if found is None else dict(zip(tracked.keys, found.tolist(), strict=True))
         whole = tracked.keeping(marks)
-        each = np.array([chances.get(key, math.nan) for key in whole.keys])
-        items = zip(whole.keys, reviewed(whole.result.contours, marks, each), whole.measures, strict=True)
-        return ReviewedContours(tuple(Item(*one) for one in items), tracked, whole.result, features, chances)
-
-    def features_of(self, key: int) -> tuple[float, ...]:
-        """Features of the contour of a key; empty where they are not known."""
-        if self.tracked is None or self.features is None or key not in self.tracked.keys:
-            return ()
-        row = tuple(self.features[self.tracked.keys.index(key)].tolist())
-        return row if all(map(math.isfinite, row)) else ()
+        items = zip(whole.keys, reviewed(whole.result.contours, marks), whole.measures, strict=True)
+        return ReviewedContours(tuple(Item(*one) for one in items), tracked, whole.result)
 
 
 NO_CONTOURS = ReviewedContours()

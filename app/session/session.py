@@ -119,15 +119,13 @@ class Session(RunControl):
         self.attempt(EXPORTING)
         task = self.tasks.begin(tr("Writing {name}…").format(name=path.name))
         scene, document = self.scene, self.document
-        order = order or ExportOrder()
-        learned = sum(item.reviewed.left_out for item in scene.contours.items) if order.source == "all" else 0
-        self.post(Export(task, scene.reconstruction, document.marks, document.learning, path, order, document, learned))
+        self.post(Export(task, scene.reconstruction, document.marks, path, order or ExportOrder(), document))
 
     def copy_contours(self, suffix: str) -> None:
         """Prepare the contours that are shown for the clipboard, as a file with this suffix would hold them."""
         self.attempt(EXPORTING)
         task = self.tasks.begin(tr("Copying contours…"))
-        self.post(Copy(task, self.scene.reconstruction, self.document.marks, self.document.learning, suffix))
+        self.post(Copy(task, self.scene.reconstruction, self.document.marks, suffix))
 
     def warm_up(self) -> None:
         """Compile or load the kernels ahead of the first step."""

@@ -115,8 +115,7 @@ class Progress:
                 width=result.width,
                 polarity=result.polarity,
             )
-        document, before = self._session.scene.document, self._session.scene.contours
-        reviewed = ReviewedContours.of(found.tracked, document.marks, document.learning, known=before.chances)
+        reviewed = ReviewedContours.of(found.tracked, self._session.scene.document.marks)
         self._show(reconstruction=found, contours=reviewed)
         self._session.show_status()
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from app.session.core_functions import Core
-from app.session.features.contour_learning import ContourLearning
 from app.session.features.contour_review import ContourReview
 from app.session.features.hand_editing import HandEditing
 from app.session.features.image_batch import ImageBatch
@@ -27,7 +26,6 @@ class Workspace:
     def __init__(self, core: Core | None = None) -> None:
         self.session = Session(core)
         self.review = ContourReview(self.session)
-        self.learning = ContourLearning(self.session, self.review)
         self.hand_editing = HandEditing(self.session, self.review)
         self.truth = GroundTruth(self.session, self.review)
         self.object_list = ObjectList(self.session)
@@ -47,7 +45,6 @@ class Workspace:
         """Stop everything and wait for the threads to end."""
         self.pages.close()
         self.comparison.close()
-        self.learning.close()
         self.truth.close()
         self.object_list.close()
         self.object_selection.close()

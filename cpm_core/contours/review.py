@@ -17,8 +17,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour, check_name
-from cpm_core.contours.features import contour_features, usable
-from cpm_core.contours.learning import Examples, left_out, probabilities
 from cpm_core.contours.result import Result, remaining
 from cpm_core.numerics import polyline
 from cpm_core.numerics.segments import distances_to_segments
@@ -67,9 +65,6 @@ class Mark:
         Name, or empty.
     color : str
         Color, ``"#rrggbb"``; empty for the default color.
-    features : tuple of float
-        Features of the contour when it was judged, from which others are learned, see `contour_features`; empty where
-        they are not known.
     outline : Outline
         Where a kept contour ran.
 
@@ -83,7 +78,6 @@ class Mark:
     verdict: Verdict = ""
     name: str = ""
     color: str = ""
-    features: tuple[float, ...] = ()
     outline: Outline = Outline()
 
     def __post_init__(self) -> None:
@@ -118,14 +112,11 @@ class ReviewedContour:
         None without a mark.
     index : int
         Index among the contours of the reconstruction.
-    probability : float or None
-        Probability that it counts, as learned from verdicts on other contours; None where nothing is learned.
     """
 
     contour: Contour
     mark: Mark | None
     index: int
-    probability: float | None = None
 
     @property
     def verdict(self) -> Verdict:
@@ -133,35 +124,19 @@ class ReviewedContour:
         return self.mark.verdict if self.mark else ""
 
     @property
-    def left_out(self) -> bool:
-        """Whether it is left out because it resembles rejected ones; never a contour with a mark."""
-        return self.mark is None and self.probability is not None and bool(left_out(np.array(self.probability)))
-
-    @property
     def rejected(self) -> bool:
-        """Whether it is left out of exports, by its verdict or because it resembles rejected ones."""
-        return self.verdict == "rejected" or self.left_out
+        """Whether it is left out of exports."""
+        return self.verdict == "rejected"
 
 
-def reviewed(
-    contours: Sequence[Contour], marks: Sequence[Mark], probability: Array | None = None
-) -> tuple[ReviewedContour, ...]:
-    """Each contour with its mark, in order; the marks may be from an earlier reconstruction.
-
-    `probability` has for each contour the one that it counts, as learned from verdicts, NaN where there is none.
-    """
+def reviewed(contours: Sequence[Contour], marks: Sequence[Mark]) -> tuple[ReviewedContour, ...]:
+    """Each contour with its mark, in order; the marks may be from an earlier reconstruction."""
     owner = attached(contours, [mark.anchor for mark in marks])
     by_contour = {contour: mark for contour, mark in zip(owner, marks, strict=True) if contour is not None}
-    chances = [None] * len(contours) if probability is None else probability.tolist()
-    return tuple(
-        _reviewed(contour, by_contour.get(index), index, chance)
-        for index, (contour, chance) in enumerate(zip(contours, chances, strict=True))
-    )
+    return tuple(_reviewed(contour, by_contour.get(index), index) for index, contour in enumerate(contours))
 
 
-def apply(
-    result: Result, marks: Sequence[Mark], *, learning: bool = False, found: Sequence[Contour] | None = None
-) -> Result:
+def apply(result: Result, marks: Sequence[Mark]) -> Result:
     """The result without rejected contours, and with names and colors.
 
     Parameters
@@ -170,10 +145,6 @@ def apply(
         Outcome of a run.
     marks : sequence of Mark
         Marks of its contours.
-    learning : bool
-        Whether contours without a mark are left out as well if they resemble rejected ones more than kept ones.
-    found : sequence of Contour, optional
-        The contours of the run, whose features are compared, where the result holds kept ones in place of some.
 
     Returns
     -------
@@ -182,45 +153,9 @@ def apply(
     """
     if not marks:
         return result
-    probability = None
-    if learning:
-        among = result.contours if found is None else found
-        chances = learned(marks, among)
-        known = {} if chances is None else dict(zip(among, chances.tolist(), strict=True))
-        probability = np.array([known.get(contour, math.nan) for contour in result.contours])
-    every = reviewed(result.contours, marks, probability)
+    every = reviewed(result.contours, marks)
     named = replace(result, contours=tuple(one.contour for one in every))
     return remaining(named, [not one.rejected for one in every])
-
-
-def examples_of(marks: Sequence[Mark]) -> Examples:
-    """The contours that were kept or rejected, as far as their features are known."""
-    judged = [mark for mark in marks if mark.verdict]
-    return Examples.of([mark.features for mark in judged], [mark.verdict == "kept" for mark in judged])
-
-
-def learned(marks: Sequence[Mark], contours: Sequence[Contour], features: Array | None = None) -> Array | None:
-    """Probability that each contour counts, as learned from marks, shape (N,); None if they teach nothing.
-
-    The features of the contours are measured unless they are given.
-    """
-    if not any(mark.verdict for mark in marks):
-        return None
-    features = contour_features(contours) if features is None else features
-    examples = examples_of(described(marks, contours, features))
-    return probabilities(examples, features) if len(examples) else None
-
-
-def described(marks: Sequence[Mark], contours: Sequence[Contour], features: Array) -> tuple[Mark, ...]:
-    """Marks with the features of their contours, where they have a verdict and no features yet."""
-    owner = attached(contours, [mark.anchor for mark in marks])
-    known = usable(features)
-    return tuple(
-        replace(mark, features=tuple(features[index].tolist()))
-        if index is not None and known[index] and mark.verdict and not mark.features
-        else mark
-        for mark, index in zip(marks, owner, strict=True)
-    )
 
 
 def attached(contours: Sequence[Contour], anchors: Sequence[Position], reach: float = REACH) -> list[int | None]:
@@ -312,7 +247,7 @@ def anchor(contours: Sequence[Contour], index: int) -> Position:
     return row, col
 
 
-def _reviewed(contour: Contour, mark: Mark | None, index: int, chance: float | None) -> ReviewedContour:
+def _reviewed(contour: Contour, mark: Mark | None, index: int) -> ReviewedContour:
     if mark is not None and (mark.name, mark.color) != (contour.name, contour.color):
         contour = replace(contour, name=mark.name or contour.name, color=mark.color or contour.color)
-    return ReviewedContour(contour, mark, index, chance if chance is not None and math.isfinite(chance) else None)
+    return ReviewedContour(contour, mark, index)

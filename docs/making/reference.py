@@ -26,7 +26,7 @@ GROUPS: dict[str, tuple[str, tuple[str, ...]]] = {
         "What is found, and how it is measured",
         ("Result", "Contour", "Bridge", "Surface", "Table", "measure", "containment", "reconstruct_curve",
          "reconstruct_surface", "compare", "Comparison", "Truth", "load_truth", "compare_surface",
-         "SurfaceComparison", "VolumeTruth", "load_volume_truth", "teach"),
+         "SurfaceComparison", "VolumeTruth", "load_volume_truth"),
     ),
     "objects": (
         "Objects chosen by places",

@@ -84,8 +84,6 @@ class Document:
         Parameters of the model.
     marks : tuple of Mark
         Review of contours.
-    learning : bool
-        Whether contours that resemble rejected ones more than kept ones are left out.
     mode : {"shape", "automatic", "skeleton"}
         Purpose of the run.
     hand_edits : tuple of HandEdit
@@ -102,7 +100,6 @@ class Document:
     shapes: tuple[Shape, ...] = ()
     parameters: Parameters = PRESETS["shape"]
     marks: tuple[Mark, ...] = ()
-    learning: bool = False
     mode: Mode = "shape"
     hand_edits: tuple[HandEdit, ...] = ()
     objects: SegmentedObjects = field(default_factory=SegmentedObjects)

@@ -14,12 +14,11 @@ from cpm_core.numerics.types import Position
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Target:
-    """A contour to mark: its mark so far, the place (row, col) [px] of its first mark, where it runs, its features."""
+    """A contour to mark: its mark so far, the place (row, col) [px] of its first mark, where it runs."""
 
     mark: Mark | None
     anchor: Position
     contour: Contour | None = None
-    features: tuple[float, ...] = ()
 
     @property
     def outline(self) -> Outline:
@@ -51,16 +50,6 @@ def clear_marks(document: Document) -> Document:
     return replace(document, marks=())
 
 
-def learn(document: Document, marks: tuple[Mark, ...]) -> Document:
-    """The document that sorts contours by its verdicts; `marks` are its own with the features of their contours."""
-    return replace(document, marks=marks, learning=True)
-
-
-def stop_learning(document: Document) -> Document:
-    """The document that sorts contours no longer."""
-    return replace(document, learning=False)
-
-
 def _amended(document: Document, targets: Iterable[Target], amend: Callable[[Mark, Target], Mark]) -> Document:
     """The document with some marks changed, new ones last, and without empty ones."""
     marks = list(document.marks)
@@ -68,5 +57,5 @@ def _amended(document: Document, targets: Iterable[Target], amend: Callable[[Mar
         if target.mark is not None and target.mark in marks:
             marks[marks.index(target.mark)] = amend(target.mark, target)
         else:
-            marks.append(amend(Mark(target.anchor, features=target.features), target))
+            marks.append(amend(Mark(target.anchor), target))
     return replace(document, marks=tuple(mark for mark in marks if not mark.says_nothing))

@@ -61,8 +61,8 @@ class Source:
 def _all(given: Given) -> Result | None:
     if given.result is None:
         return None
-    marks, found = given.document.marks, given.result.contours
-    return apply(with_kept(given.result, marks), marks, learning=given.document.learning, found=found)
+    marks = given.document.marks
+    return apply(with_kept(given.result, marks), marks)
 
 
 def _kept(given: Given) -> Result | None:
@@ -181,7 +181,7 @@ def closed(result: Result | Skeleton, order: ExportOrder, image: Image, paramete
 class Account:
     """How many contours are written and left out, and how many of those written were open and have been closed.
 
-    `learned` is the number of those that are left out because they resemble rejected ones. `objects` is the number of
+    `objects` is the number of
     objects whose boundaries the contours are, 0 for other contours. `triangles` is the number of those of the
     surface that a run in a volume has found, 0 for an image.
     """
@@ -189,14 +189,11 @@ class Account:
     written: int
     left_out: int
     bridged: int
-    learned: int = 0
     objects: int = 0
     triangles: int = 0
 
 
-def account(
-    before: Result | Skeleton, after: Result | Skeleton, suffix: str, order: ExportOrder, learned: int = 0
-) -> Account:
+def account(before: Result | Skeleton, after: Result | Skeleton, suffix: str, order: ExportOrder) -> Account:
     """What a file with a suffix holds of a result `before` and `after` open contours were closed."""
     missing = left_out(after, suffix, outlines=order.outlines)
     bridged = sum(one.closed for one in after.contours) - sum(one.closed for one in before.contours)
@@ -206,7 +203,7 @@ def account(
     triangles = 0 if surface is None else len(surface.faces)
     if surface is not None and surface.numbers is not None:
         objects = len(set(surface.numbers.tolist()))
-    return Account(len(after.contours) - missing, missing, bridged, learned, objects, triangles)
+    return Account(len(after.contours) - missing, missing, bridged, objects, triangles)
 
 
 def in_words(counts: Account) -> str:
@@ -223,6 +220,4 @@ def in_words(counts: Account) -> str:
         parts.append(tr("{count} of them closed for the export").format(count=counts.bridged))
     if counts.left_out:
         parts.append(tr("{count} open ones left out").format(count=counts.left_out))
-    if counts.learned:
-        parts.append(tr("{count} left out as learned").format(count=counts.learned))
     return ", ".join(parts)

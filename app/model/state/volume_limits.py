@@ -19,7 +19,7 @@ NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
     {
         **dict.fromkeys(
             ("contours", "edit_contours", "outline", "close_contours", "join_contours", "cut_contour",
-             "contour_skeleton", "next_contour", "all_contours", "other_contours", "learn", "doubtful_contour",
+             "contour_skeleton", "next_contour", "all_contours", "other_contours",
              "show_rejected"), _CONTOUR),
         "brush": _BRUSH,
         "objects_alike": _ALIKE,

@@ -160,10 +160,8 @@ class Editing(SessionSignals):
         if selected is not None and selected >= len(document.shapes):
             selected = None
         contours = scene.contours
-        if (document.marks, document.learning) != (before.marks, before.learning):
-            contours = ReviewedContours.of(
-                contours.tracked, document.marks, document.learning, contours.features, contours.chances
-            )
+        if document.marks != before.marks:
+            contours = ReviewedContours.of(contours.tracked, document.marks)
         self._scene = replace(scene, document=document, selected=selected, contours=contours)
         self._follow(before, document, complete)
         self.scene_changed.emit()

@@ -145,9 +145,9 @@ class ContourReview(QObject):
 
     def _target(self, item: Item) -> Target:
         assert self.result is not None
-        mark, contours = item.reviewed.mark, self._session.scene.contours
+        mark = item.reviewed.mark
         place = mark.anchor if mark else anchor(self.result.contours, item.reviewed.index)
-        return Target(mark, place, item.contour, contours.features_of(item.key))
+        return Target(mark, place, item.contour)
 
     def _follow(self) -> None:
         contours = self._session.scene.contours

@@ -227,9 +227,7 @@ class ExportDialog(QDialog):
                 self._enable(report.trouble)
 
     def _show(self, before: Result | Skeleton, after: Result | Skeleton, order: ExportOrder) -> None:
-        items = self._session.scene.contours.items if order.source == "all" else ()
-        learned = sum(item.reviewed.left_out for item in items)
-        counts = account(before, after, self.format.suffix, order, learned)
+        counts = account(before, after, self.format.suffix, order)
         masked = counts.left_out > 0
         written = [one for one in after.contours if one.closed or not masked]
         left = [one for one in after.contours if not one.closed and masked]

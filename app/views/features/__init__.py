@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from app.views.features.contours.contours import ContoursFeature
 from app.views.features.contours.hand_editing import HandEditingFeature
-from app.views.features.contours.learning import LearningFeature
 from app.views.features.contours.objects import ObjectsFeature
 from app.views.features.contours.skeletons import SkeletonsFeature
 from app.views.features.contours.truth import TruthFeature
@@ -63,7 +62,6 @@ FEATURES: tuple[type[Feature], ...] = (
     StackFeature,
     PixelSizeFeature,
     ContoursFeature,
-    LearningFeature,
     HandEditingFeature,
     TruthFeature,
     ObjectsFeature,

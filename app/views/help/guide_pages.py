@@ -215,9 +215,8 @@ _FURTHER = Page(
         tr("<b>Understand.</b> The panel Layers shows the edge map, the potential, the field and more; {layer_forces} "
            "shows the forces on a particle."),
         tr("<b>Review.</b> {contour_table} lists the contours; {reject} excludes contours from exports, {keep} keeps "
-           "them through all sliders and runs, {learn} sorts the others like them. The contour tool selects several by "
-           "a frame or a stroke. {load_truth} measures the agreement with a ground truth, and shows the "
-           "differences."),
+           "them through all sliders and runs. The contour tool selects several by a frame or a stroke. {load_truth} "
+           "measures the agreement with a ground truth, and shows the differences."),
         tr("<b>Mend by hand.</b> {edit_contours}: drag an end of a contour to another end to join them along the edge, "
            "drag a stretch to where it belongs, Shift-click to cut. {close_contours} closes the selected contours. "
            "{outline} draws a contour that follows the edges from click to click. All of this stays through further "

@@ -66,7 +66,7 @@ def do(job: Job) -> Done:
             charges=charges_of(shapes),
         )
         edited = with_hand_edits(found, image, parameters, job.session.hand_edits)
-        result = apply(with_shapes(edited, shapes), job.session.marks, learning=job.session.learning)
+        result = apply(with_shapes(edited, shapes), job.session.marks)
         facts = outcome_of(result, time.perf_counter() - began)
         files, notes = _files(result, job.suffixes)
         return Done(job.number, facts, files, notes=(*notes_on(image, parameters), *small, *notes), sha256=image.sha256)

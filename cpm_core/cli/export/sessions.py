@@ -40,7 +40,7 @@ def of_session(source: Path, arguments: argparse.Namespace) -> tuple[Result, str
     result = _found(replace(session, parameters=parameters), image, source)
     edited = with_hand_edits(with_shapes(result, session.shapes), image, parameters, session.hand_edits)
     whole = with_kept(edited, session.marks)
-    return apply(whole, session.marks, learning=session.learning, found=edited.contours), str(path)
+    return apply(whole, session.marks), str(path)
 
 
 def _found(session: SessionFile, image: Image, source: Path) -> Result:

@@ -216,7 +216,7 @@ def _edited(
     own = arguments.image is None  # kept contours belong to the image of the session
     edited = with_hand_edits(found, image, parameters, session.hand_edits)
     whole = with_kept(edited, session.marks) if own else edited
-    result = apply(whole, session.marks, learning=session.learning, found=edited.contours)
+    result = apply(whole, session.marks)
     if arguments.close is None:
         return result
     edges = edge_map(image.gray(parameters.channel), parameters.smoothing) if arguments.close == "edges" else None

@@ -44,7 +44,7 @@ def with_run(session: SessionFile, recorder: Recorder) -> SessionFile:
     regions = regions_of(session.shapes, session.objects.barriers)
     action: dict[str, Any] = {"step": {}, "charges": [to_plain(charge) for charge in charges_of(session.shapes)]}
     action |= regions_to_plain(regions)
-    bare = replace(session, image=None, marks=(), learning=False, view={}, extra={}, hand_edits=(), runs={}, truth=None)
+    bare = replace(session, image=None, marks=(), view={}, extra={}, hand_edits=(), runs={}, truth=None)
     branch = {
         "number": _BRANCH,
         "name": "Run 1",

@@ -29,7 +29,6 @@ from cpm_core.formats.sessions.plain_values import (
     shape_from_plain,
     shape_to_plain,
     to_plain,
-    true_or_false,
 )
 from cpm_core.formats.sessions.session_json import MARK, VERSION, Plain, parsed, text_of
 from cpm_core.medial_axis.outlines import Outlined
@@ -44,7 +43,7 @@ SUFFIX = ".cpm"
 """Ending of the name of a session file."""
 
 _KNOWN = (
-    *(MARK, "program", "image", "shapes", "parameters", "marks", "learning", "mode"),
+    *(MARK, "program", "image", "shapes", "parameters", "marks", "mode"),
     *("objects", "outlined", "view", "hand_edits", "runs", "truth", "pages", "comparison"),
 )
 _LARGEST = 64 * 2**20
@@ -90,8 +89,6 @@ class SessionFile:
         Parameters of the run.
     marks : tuple of Mark
         Review of the contours.
-    learning : bool
-        Whether contours that resemble rejected ones are left out.
     mode : str
         Mode of the window; empty for the default.
     objects : SegmentedObjects
@@ -120,7 +117,6 @@ class SessionFile:
     shapes: tuple[Shape, ...] = ()
     parameters: Parameters = field(default_factory=Parameters)
     marks: tuple[Mark, ...] = ()
-    learning: bool = False
     mode: str = ""
     objects: SegmentedObjects = field(default_factory=SegmentedObjects)
     outlined: Outlined = field(default_factory=Outlined)
@@ -169,8 +165,7 @@ def encode(session: SessionFile, folder: Path) -> bytes:
         plain["image"] = _image_to_plain(session.image, folder)
     plain["shapes"] = [shape_to_plain(shape) for shape in session.shapes]
     plain["parameters"] = to_plain(session.parameters)
-    plain["marks"] = [_mark_to_plain(mark) for mark in session.marks]
-    plain |= {"learning": True} if session.learning else {}
+    plain["marks"] = [to_plain(mark) for mark in session.marks]
     if session.hand_edits:
         plain["hand_edits"] = [to_plain(edit) for edit in session.hand_edits]
     if session.comparison != Compared():
@@ -234,7 +229,6 @@ def decode(content: bytes, name: str) -> SessionFile:
             shapes=shapes,
             parameters=parameters,
             marks=tuple(_mark(mark, f"mark {index}") for index, mark in _listed(plain, "marks")),
-            learning=true_or_false(plain.get("learning", False), "learning"),
             mode=_text_of(plain.get("mode", ""), "mode"),
             objects=from_plain(SegmentedObjects, plain.get("objects", {}), "objects"),
             outlined=from_plain(Outlined, plain.get("outlined", {}), "outlined"),
@@ -255,14 +249,6 @@ def decode(content: bytes, name: str) -> SessionFile:
 
 def _mark(plain: object, where: str) -> Mark:
     return from_plain(Mark, present_names(mapping(plain, where)), where)
-
-
-def _mark_to_plain(mark: Mark) -> dict[str, Any]:
-    """A mark as plain JSON, which earlier versions can read unless it teaches others."""
-    plain: dict[str, Any] = to_plain(mark)
-    if not mark.features:
-        del plain["features"]
-    return plain
 
 
 def find_image(

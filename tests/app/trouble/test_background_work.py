@@ -10,7 +10,7 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.session.exchange.contour_tracking import ContourTracker
-from app.session.features import contour_learning, truth_comparison
+from app.session.features import truth_comparison
 from app.session.features.latest import Latest
 from app.session.worker import overlays, reconstruction
 from app.session.worker.commands.forces import Probe
@@ -134,18 +134,6 @@ def found(ready, hand):
     hand.wait_for_phase("finished")
     hand.wait(lambda: bool(ready.session.scene.contours.items) and ready.session.idle)
     return ready
-
-
-def test_learning_that_fails_is_said_and_can_be_begun_again(found, hand, monkeypatch) -> None:
-    learning = found.workspace.learning
-    with monkeypatch.context() as broken:
-        broken.setattr(contour_learning, "contour_features", raising(ValueError("No features.")))
-        learning.switch()
-        hand.wait(lambda: said(found) == "No features.")
-    hand.wait(lambda: learning.idle)
-    assert not learning.on
-    learning.switch()
-    hand.wait(lambda: learning.on)
 
 
 def test_a_comparison_with_the_truth_that_fails_shows_no_figures_of_other_contours(

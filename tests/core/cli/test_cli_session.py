@@ -25,12 +25,11 @@ import PIL.Image
 import pytest
 
 import cpm_core
-from cpm_core import Parameters, load_image, segment, uniform_grid
+from cpm_core import Parameters, load_image
 from cpm_core.cli.batch import batch, workers
 from cpm_core.cli.batch.jobs import Done, Job, do
-from cpm_core.contours.features import contour_features
 from cpm_core.contours.hand_edits import HandEdit
-from cpm_core.contours.review import Mark, anchor, described
+from cpm_core.contours.review import Mark
 from cpm_core.formats.atomic import write_together
 from cpm_core.formats.fingerprint import fingerprint
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
@@ -115,33 +114,6 @@ def test_a_contour_that_was_rejected_is_not_written_and_one_that_was_named_is(co
     _, out, _ = command("run", "--session", path, "--export", tmp_path / "a.geojson", "--json")
     assert facts(out)["contours"] == 1
     assert "right" in (tmp_path / "a.geojson").read_text()
-
-
-def test_what_was_learned_on_one_image_sorts_the_contours_of_another(command, tmp_path):
-    row, col = np.indices((90, 150))
-    values = np.full(row.shape, 60.0)
-    for place, gray in ((20, 240), (60, 160), (100, 240)):
-        values[np.hypot(row - 25, col - place) < 12] = gray
-        values[np.hypot(row - 65, col - place - 20) < 12] = gray
-    PIL.Image.fromarray(values.astype(np.uint8)).save(tmp_path / "one.png")
-    PIL.Image.fromarray(values[::-1, ::-1].astype(np.uint8)).save(tmp_path / "two.png")
-    found = segment(values, uniform_grid(values.shape), Parameters(scales=2))
-    features = contour_features(found.contours)
-    bright = [index for index, contour in enumerate(found.contours) if contour.strength > 50]
-    dim = [index for index in range(len(found.contours)) if index not in bright]
-    assert (len(bright), len(dim)) == (4, 2)
-    judged = [(bright[0], "kept"), (dim[0], "rejected")]
-    marks = described([Mark(anchor(found.contours, i), verdict) for i, verdict in judged], found.contours, features)
-    file = SessionFile(shapes=(Everywhere("grid"),), parameters=Parameters(scales=2), marks=marks, learning=True)
-    away = tuple(replace(mark, anchor=(-100.0, -100.0)) for mark in marks)
-    save_session(replace(file, marks=away), tmp_path / "learned.cpm")
-    images = (tmp_path / "one.png", tmp_path / "two.png")
-    where = ("--output", tmp_path / "out", "--export", "csv", "--workers", 1, "--json")
-    _, out, _ = command("batch", *images, "--session", tmp_path / "learned.cpm", *where)
-    assert [image["contours"] for image in facts(out)["images"]] == [4, 4]
-    save_session(replace(file, marks=away, learning=False), tmp_path / "learned.cpm")
-    _, out, _ = command("batch", *images, "--session", tmp_path / "learned.cpm", *where)
-    assert [image["contours"] for image in facts(out)["images"]] == [6, 6]
 
 
 def test_what_a_person_should_know_of_a_session_is_told_beside_the_result(command, session, disks):

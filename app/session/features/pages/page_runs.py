@@ -118,7 +118,7 @@ def _run(document: Document, image: Image, core: Core, task: Task) -> tuple[Resu
             scales.append((state.step, state.scale))
     found = method.result(state, document.parameters)
     assert isinstance(found, Result)
-    chosen = apply(with_kept(found, document.marks), document.marks, learning=document.learning, found=found.contours)
+    chosen = apply(with_kept(found, document.marks), document.marks)
     return chosen, _Runs(document, method, state, tuple(scales))
 
 

@@ -142,7 +142,7 @@ class StackPages(Paging):
         if shown is not self._seen:
             self._seen = shown
             document = scene.document
-            self._found[self.number] = apply(shown, document.marks, learning=document.learning)
+            self._found[self.number] = apply(shown, document.marks)
             self._link_soon()
 
     def _link_soon(self) -> None:

@@ -155,4 +155,4 @@ class _Runs:
             state = engine.step(state, parameters, document.charges)
         found = engine.result(state, parameters)
         whole = with_kept(found, document.marks)
-        return apply(whole, document.marks, learning=document.learning, found=found.contours)
+        return apply(whole, document.marks)

@@ -197,7 +197,7 @@ class FindSeeds(Command):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Deliver(Command):
-    """Write the contours that are seen, without those rejected or left out as learned, to a file or to the clipboard.
+    """Write the contours that are seen, without those rejected, to a file or to the clipboard.
 
     During a run these are the contours `shown` in the window; of a paused run they are those of its last state, which
     the window shows as soon as they are made.
@@ -206,7 +206,6 @@ class Deliver(Command):
     task: Task
     shown: Reconstruction | None = None
     marks: tuple[Mark, ...] = ()
-    learning: bool = False
 
     def execute(self, context: CommandContext) -> None:
         """Write the contours, unless the task has been cancelled."""
@@ -228,7 +227,7 @@ class Deliver(Command):
 
     def chosen(self, context: CommandContext, result: Result | Skeleton | None) -> Result | Skeleton:
         """What is written: all but the rejected contours."""
-        return chosen(result, Document(marks=self.marks, learning=self.learning), ExportOrder())
+        return chosen(result, Document(marks=self.marks), ExportOrder())
 
     def deliver(self, context: CommandContext, result: Result | Skeleton) -> None:
         """Write the contours."""
@@ -242,8 +241,6 @@ class Export(Deliver):
     path: Path = Path()
     order: ExportOrder = field(default_factory=ExportOrder)
     document: Document | None = None
-    learned: int = 0
-    """Number of contours that are left out as learned."""
 
     @property
     def needs_run(self) -> bool:
@@ -254,7 +251,7 @@ class Export(Deliver):
         """What was ordered."""
         method = context.run.method
         image = None if method is None else method.image
-        return chosen(result, self.document or Document(marks=self.marks, learning=self.learning), self.order, image)
+        return chosen(result, self.document or Document(marks=self.marks), self.order, image)
 
     def deliver(self, context: CommandContext, result: Result | Skeleton) -> None:
         """Write the contours, and tell what the file holds and what not."""
@@ -270,7 +267,7 @@ class Export(Deliver):
         if self.document is not None and self.document.image is not None:
             settings["image"] = self.document.image.path
         context.core.export(whole, self.path, **settings)
-        context.report(Exported(self.path, account(result, whole, suffix_of(self.path), self.order, self.learned)))
+        context.report(Exported(self.path, account(result, whole, suffix_of(self.path), self.order)))
 
     def failure_report(self, error: Exception) -> Report:
         """Nothing has been written."""

@@ -14,7 +14,6 @@ from app.session.worker.commands.run import Command
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.coordinates import image_rectangle
 from app.views.canvas.image_view import ImageView
-from cpm_core.contours.features import contour_features
 from cpm_core.numerics.types import Pixels
 
 NARROWEST, WIDEST = 64, 3840
@@ -79,9 +78,7 @@ class FrameRenderer:
     def draw(self, taken: FrameTaken) -> Pixels:
         """Draw a moment as RGB values, shape (H, W, 3)."""
         tracked = taken.contours.tracked if taken.contours is not None else None
-        document = self._scene.document
-        found = tracked.result.contours if tracked is not None and document.learning else ()
-        contours = ReviewedContours.of(tracked, document.marks, document.learning, contour_features(found))
+        contours = ReviewedContours.of(tracked, self._scene.document.marks)
         scene = replace(self._scene, snapshot=taken.moment, reconstruction=taken.contours, contours=contours)
         self._view.draw(replace(scene, compared=taken.compared))
         picture = QImage(*self._size, QImage.Format.Format_RGB32)

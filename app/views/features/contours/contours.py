@@ -42,8 +42,6 @@ class ContoursFeature(Feature):
         self._review.selection_changed.connect(context.refresh)
         self.panel.buttons["keep"].clicked.connect(lambda: self._review.judge("kept"))
         self.panel.buttons["reject"].clicked.connect(lambda: self._review.judge("rejected"))
-        self.panel.buttons["learn"].clicked.connect(context.workspace.learning.switch)
-        self.panel.buttons["doubtful"].clicked.connect(context.workspace.learning.select_most_doubtful)
         self.panel.buttons["name"].clicked.connect(self.panel.table.name_selected)
 
     def action_specs(self) -> Sequence[ActionSpec | Submenu]:

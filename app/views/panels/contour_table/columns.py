@@ -11,8 +11,6 @@ from app.views.panels.item_table.columns import Column, number_text, place
 from cpm_core.contours.contour import Reached
 
 VERDICTS = {"kept": tr("✓ kept"), "rejected": tr("✗ rejected"), "": "–"}
-LEFT_OUT = tr("✗ as learned")
-"""Verdict that is shown for a contour that resembles rejected ones."""
 REACHED: Mapping[Reached, str] = {
     "flight": tr("in free flight"), "weak": tr("beyond a weak edge"), "junction": tr("over a junction"),
     "launched": tr("inserted elsewhere"), "": "–",
@@ -23,12 +21,7 @@ _ORDER = {"kept": 0, "": 1, "rejected": 3}
 
 
 def _verdict(item: Item) -> str:
-    return LEFT_OUT if item.reviewed.left_out else VERDICTS[item.reviewed.verdict]
-
-
-def _likely(item: Item) -> str:
-    chance = item.reviewed.probability
-    return "–" if chance is None else f"{chance:.0%}"
+    return VERDICTS[item.reviewed.verdict]
 
 
 def _ends(item: Item) -> str:
@@ -52,9 +45,9 @@ COLUMNS: tuple[Column[Item], ...] = (
     Column("name", tr("Name"), tr("Name and color; double-click or press {key:name_contour} to rename."),
            lambda i: i.contour.name, lambda i: i.contour.name.casefold() or "\uffff", "left ventricle", False),
     Column("verdict", tr("Verdict"),
-           tr("{key:keep} keeps, {key:reject} rejects. Kept contours stay through sliders and runs; those rejected or "
-              "left out as learned are not exported."),
-           _verdict, lambda i: 2 if i.reviewed.left_out else _ORDER[i.reviewed.verdict], "✗ as learned", False),
+           tr("{key:keep} keeps, {key:reject} rejects. Kept contours stay through sliders and runs; rejected "
+              "ones are not exported."),
+           _verdict, lambda i: _ORDER[i.reviewed.verdict], "✗ rejected", False),
     Column("kind", tr("Kind"), tr("Closed, or open with two ends."),
            lambda i: tr("closed") if i.contour.closed else tr("open"), lambda i: float(not i.contour.closed), "closed",
            False),
@@ -72,8 +65,6 @@ COLUMNS: tuple[Column[Item], ...] = (
            lambda i: i.measures.junctions, "0"),
     Column("contrast", tr("Contrast"), tr("Contrast between both sides, 0 to 1; measured at rest."),
            _contrast, lambda i: -1.0 if i.measures.contrast is None else i.measures.contrast, "0.00"),
-    Column("likely", tr("Likely"), tr("Probability that it counts, as learned from kept and rejected contours."),
-           _likely, lambda i: -1.0 if i.reviewed.probability is None else i.reviewed.probability, "100%"),
     Column("by_hand", tr("By hand [{unit}]"), tr("Length that was drawn by hand."),
            lambda i: number_text(_by_hand(i)) if i.contour.by_hand else "–", _by_hand, "000.0", power=1),
     Column("reached", tr("Reached"), tr("How particles came to it: in free flight from the start, beyond a weak edge, "

@@ -106,15 +106,13 @@ class ContourPanel(QWidget):
         for threshold in self.thresholds.values():
             sliders.addWidget(threshold)
         column.addLayout(sliders)
-        pairs = (QHBoxLayout(), QHBoxLayout(), QHBoxLayout())
+        pairs = (QHBoxLayout(), QHBoxLayout())
         rows.setSpacing(4)
         names = (
             ("keep", tr("✓ Keep")),
             ("reject", tr("✗ Reject")),
             ("name", tr("Name…")),
             ("colour", tr("Color")),
-            ("learn", tr("Learn")),
-            ("doubtful", tr("Most doubtful")),
         )
         for place, (name, text) in enumerate(names):
             button = self.buttons[name] = QToolButton()
@@ -124,9 +122,6 @@ class ContourPanel(QWidget):
         for pair in pairs:
             pair.setSpacing(4)
             rows.addLayout(pair)
-        self.buttons["learn"].setCheckable(True)
-        self.buttons["learn"].setToolTip(tr("Leave out contours that resemble rejected ones more than kept ones."))
-        self.buttons["doubtful"].setToolTip(tr("Select the contour whose verdict helps most to learn from."))
         self.buttons["colour"].setMenu(self._colors)
         self.buttons["colour"].setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         self.buttons["colour"].setToolTip(tr("Set the color of the selected contours."))
@@ -157,13 +152,9 @@ class ContourPanel(QWidget):
             return tr("No contours yet. Start the run.")
         closed = sum(item.contour.closed for item in items)
         rejected = sum(item.reviewed.verdict == "rejected" for item in items)
-        left_out = sum(item.reviewed.left_out for item in items)
         kept = sum(item.reviewed.verdict == "kept" for item in items)
         summary = tr("{closed} closed, {open} open; {kept} kept, {rejected} rejected, {undecided} undecided.")
-        if self._session.document.learning:
-            summary += " " + tr("{left_out} of these are left out as learned.")
         return summary.format(
-            left_out=left_out,
             closed=closed,
             open=len(items) - closed,
             kept=kept,
@@ -172,9 +163,5 @@ class ContourPanel(QWidget):
         )
 
     def _enable(self) -> None:
-        document, selected = self._session.document, bool(self._review.selected)
-        judged = document.learning or any(mark.verdict for mark in document.marks)
-        enabled = {"learn": judged, "doubtful": bool(self._review.items)}
-        for name, button in self.buttons.items():
-            button.setEnabled(enabled.get(name, selected))
-        self.buttons["learn"].setChecked(document.learning)
+        for button in self.buttons.values():
+            button.setEnabled(bool(self._review.selected))

@@ -23,7 +23,7 @@ THINGS: Mapping[str, tuple[str, ...]] = {
     "particles": (*_RUN, "", "timeline_back", "timeline_forward", "timeline_first", "timeline_last", "",
                   "layer_particles", "layer_trails", "layer_forces"),
     "contour": ("keep", "reject", "name_contour", "colors", "", "close_contours", "join_contours", "cut_contour",
-                "delete_stretch", "", "contour_skeleton", "doubtful_contour", "", "contour_table", "export"),
+                "delete_stretch", "", "contour_skeleton", "", "contour_table", "export"),
     "object": ("name_object", "object_class", "object_color", "", "change_object", "fit_objects", "objects_alike",
                "merge_objects", "", "freeze_object", "hide_object", "", "object_start", "object_region",
                "object_barrier", "object_skeleton", "", "delete_object", "object_table", "export"),

@@ -116,7 +116,6 @@ marks = st.builds(
     st.sampled_from(get_args(Verdict)),
     st.text(),
     st.just("") | st.from_regex("#[0-9a-f]{6}", fullmatch=True),
-    st.lists(numbers, max_size=3).map(tuple),
 )
 places = st.tuples(numbers, numbers)
 lines = st.lists(places, min_size=2, max_size=4).map(tuple)
@@ -140,7 +139,6 @@ sessions = st.builds(
     shapes=drawings.map(tuple),
     parameters=parameters(),
     marks=st.lists(marks, max_size=3).map(tuple),
-    learning=st.booleans(),
     hand_edits=st.lists(hand_edits, max_size=3).map(tuple),
     mode=st.text(),
     view=mappings,
@@ -316,7 +314,6 @@ def test_nothing_is_lost_of_a_file_that_cannot_be_written(tmp_path: Path, monkey
         (b'{"cpm-session": 1, "image": {"path": "a", "sha256": "xyz"}}', "hexadecimal"),
         (b'{"cpm-session": 1, "image": {"path": "a", "shape": [0, 3]}}', "rows and columns"),
         (b'{"cpm-session": 1, "view": 3}', "view is 3"),
-        (b'{"cpm-session": 1, "learning": 1}', "learning is 1 but must be true or false"),
         (b'{"cpm-session": 1, "marks": [3]}', "mark 1 is 3"),
         (b'{"cpm-session": 1, "marks": [{"anchor": [1, 2], "verdict": "good"}]}', '"good" but must be one of'),
         (b'{"cpm-session": 1, "marks": [{"anchor": [1, 2], "colour": "red"}]}', "#rrggbb"),

@@ -98,7 +98,7 @@ def sample(folder: Path) -> dict[str, Any]:
         parameters=Parameters(scales=2, smoothing="auto", max_gap=4.0),
         marks=(
             Mark((20.0, 9.0), "kept", "cell", "#e69f00", outline=Outline(_BOX, True, 3.0, 1)),
-            Mark((9.0, 20.0), "rejected", features=(0.5,) * 8),
+            Mark((9.0, 20.0), "rejected"),
         ),
         hand_edits=(HandEdit(removed=((9.0, 20.0),)), HandEdit(added=_BOX, closed=True), HandEdit(added=_BOX[:2])),
         mode="contours",
