@@ -8,12 +8,12 @@ from __future__ import annotations
 from typing import Any, Literal
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from cpm_core.image.denoising import Cleaned, clean, noise_level
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.real_numbers import checked_number, grid_of_numbers, real_numbers
-from cpm_core.numerics.reproducible.gaussian import gaussian_filter1d
 from cpm_core.numerics.types import Array
 
 _DEVIATIONS = 4.0
@@ -77,7 +77,7 @@ def smoothed_along(
 
     def work(first: int, end: int) -> None:
         part = (slice(None),) * other + (slice(first, end),)
-        gaussian_filter1d(values[part], sigma, axis, output=out[part])
+        scipy.ndimage.gaussian_filter1d(values[part], sigma, axis, output=out[part], mode="nearest")
 
     lines = values.shape[other]
     share(work, lines, _WORTH_A_THREAD * lines // values.size + 1)

@@ -7,8 +7,8 @@ their center, so that a mirrored or turned image has a mirrored or turned pyrami
 from __future__ import annotations
 
 import numpy as np
+import scipy
 
-from cpm_core.numerics.reproducible.gaussian import gaussian_filter
 from cpm_core.numerics.types import Array
 
 LEAST_SIDE = 8
@@ -44,7 +44,7 @@ def pyramid(values: Array, scales: int) -> tuple[Array, ...]:
         raise ValueError(f"scales is {scales} but must be from 1 to {most} for an image of {size} pixels.")
     images = [values]
     for _ in range(scales - 1):
-        fine = gaussian_filter(images[-1], _REDUCTION_SMOOTHING)
+        fine = scipy.ndimage.gaussian_filter(images[-1], _REDUCTION_SMOOTHING, mode="nearest")
         for axis in range(fine.ndim):
             across = (slice(None),) * axis
             even, odd = fine[(*across, slice(0, None, 2))], fine[(*across, slice(1, None, 2))]

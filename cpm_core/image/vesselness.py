@@ -10,7 +10,6 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
-from cpm_core.numerics.reproducible.gaussian import gaussian_filter
 from cpm_core.numerics.types import Array
 
 _SIGMAS = (1.0, 2.0, 4.0)
@@ -50,7 +49,7 @@ def _curvatures(values: Array, sigma: float) -> tuple[Array, Array]:
     largest, since the curvature of a tube is high in both directions across it.
     """
     axes = values.ndim
-    smooth = gaussian_filter(values, sigma)
+    smooth = scipy.ndimage.gaussian_filter(values, sigma, mode="nearest")
     hessian = np.empty((*values.shape, axes, axes))
     for i in range(axes):
         hessian[..., i, i] = scipy.ndimage.correlate1d(smooth, (1.0, -2.0, 1.0), i, mode="nearest")

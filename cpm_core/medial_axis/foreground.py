@@ -10,7 +10,6 @@ from cpm_core.medial_axis.blur_correction import step_height, step_width
 from cpm_core.medial_axis.boundary import Boundary
 from cpm_core.medial_axis.medial_axis import Axis
 from cpm_core.medial_axis.pruning import parts
-from cpm_core.numerics.reproducible.gaussian import gaussian_filter
 from cpm_core.numerics.types import Array
 
 _CLEAR, _MIDDLE = 2.5, 0.5
@@ -55,7 +54,7 @@ def within_objects(axis: Axis, boundary: Boundary, values: Array, smoothing: flo
     edge = boundary.points[axis.nearest]
     places = edge + share[:, None] * (axis.points - edge)
     border = np.concatenate([values[0], values[-1], values[:, 0], values[:, -1]])
-    smooth = gaussian_filter(values, max(smoothing, _LEAST_SMOOTHING))
+    smooth = scipy.ndimage.gaussian_filter(values, max(smoothing, _LEAST_SMOOTHING), mode="nearest")
     gray = [scipy.ndimage.map_coordinates(smooth, where.T, order=1, mode="nearest") for where in (places, axis.points)]
     away = np.min(np.abs(np.array(gray) - np.median(border)), axis=0)
     contrast = step_height(boundary.strength[axis.nearest], smoothing)

@@ -1,24 +1,19 @@
 """Work on many items, shared among the cores.
 
 No loop of the model starts threads of its own, so that two callers never meet inside one parallel region. A caller cuts
-its items into parts, and each part is written by one thread alone: the same input gives the same bits on any machine.
-There are more parts than threads, since some parts take longer than others. When the caller has finished its own part,
-it also does the parts that no thread has begun, so that no caller waits for the work of another one.
-
-Callers may be interrupted at any moment, as by Ctrl+C in a notebook. The executors and conditions of the standard
-library are written in Python, and may then keep a lock for ever; what stands here takes its parts and gives its results
-by single operations that nothing interrupts.
+its items into parts, and each part is written by one thread alone: the same input gives the same bits on any number of
+threads. There are more parts than threads, since some parts take longer than others. When the caller has finished its
+own part, it also does the parts that no thread has begun, so that no caller waits for the work of another one.
 """
 
 from __future__ import annotations
 
-import atexit
 import os
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from functools import lru_cache
-from queue import SimpleQueue
-from threading import Thread
+from itertools import pairwise
 
 _PARTS = 2
 """Parts for each thread."""
@@ -26,14 +21,14 @@ _PARTS = 2
 _MOST = 8
 """Threads beyond which the parts get too small to pay."""
 
-
 _limits = [_MOST]
 """What those who run this process allow it, the last of them counts."""
 
 
 def cores() -> int:
     """Cores that this process may use, up to a sensible number, or to what `at_most` allows."""
-    return min(_cores(), _limits[-1])
+    usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return min(usable, _limits[-1])
 
 
 @contextmanager
@@ -47,8 +42,9 @@ def at_most(count: int) -> Iterator[None]:
 
 
 @lru_cache(maxsize=1)
-def _cores() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+def _helpers() -> ThreadPoolExecutor:
+    """The other threads."""
+    return ThreadPoolExecutor(max(1, cores() - 1), "cpm-share")
 
 
 def share(work: Callable[[int, int], object], count: int, least: int) -> None:
@@ -62,55 +58,15 @@ def share(work: Callable[[int, int], object], count: int, least: int) -> None:
     if threads < 2:
         work(0, count)
         return
-    parts = _PARTS * threads
-    bounds = [count * part // parts for part in range(parts + 1)]
-    left, ends = iter(range(1, parts)), SimpleQueue[BaseException | None]()
-
-    def help_out() -> None:
-        for part in left:
-            try:
-                work(bounds[part], bounds[part + 1])
-            except BaseException as error:  # the caller raises it
-                ends.put(error)
-            else:
-                ends.put(None)
-
-    helpers = _helpers()
-    for _ in range(threads - 1):
-        helpers.put(help_out)
-    given = parts - 1
+    own, *others = pairwise(count * part // (_PARTS * threads) for part in range(_PARTS * threads + 1))
+    given = {_helpers().submit(work, *part): part for part in others}
     try:
-        work(0, bounds[1])
-        for part in left:
-            given -= 1
-            work(bounds[part], bounds[part + 1])
-    finally:
-        given -= sum(1 for _ in left)  # after an error or an interruption nobody begins another part
-    errors = [ends.get() for _ in range(given)]
-    for error in filter(None, errors):
-        raise error
-
-
-@lru_cache(maxsize=1)
-def _helpers() -> SimpleQueue[Callable[[], object] | None]:
-    """What the other threads are to do; they end when the program does."""
-    waiting = SimpleQueue[Callable[[], object] | None]()
-
-    def work() -> None:
-        while (task := waiting.get()) is not None:
-            task()
-            del task  # and the arrays that it writes
-
-    threads = [Thread(target=work, name=f"cpm-share-{number}", daemon=True) for number in range(1, max(2, cores()))]
-    for thread in threads:
-        thread.start()
-
-    def end() -> None:
-        """Let no compiled loop run while the interpreter takes away what it stands on."""
-        for _ in threads:
-            waiting.put(None)
-        for thread in threads:
-            thread.join()
-
-    atexit.register(end)
-    return waiting
+        work(*own)
+        for task, part in reversed(given.items()):
+            if task.cancel():
+                work(*part)
+    finally:  # after an error or an interruption nobody begins another part
+        begun = [task for task in given if not task.cancel()]
+        wait(begun)
+    for task in begun:
+        task.result()

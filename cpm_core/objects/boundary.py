@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from cpm_core.numerics.reproducible.elementary import exponential
 from cpm_core.numerics.types import Array
 from cpm_core.objects.faces.face_graph import FaceGraph
 
@@ -24,6 +23,6 @@ def prices(graph: FaceGraph, strong: float) -> Array:
     The length times ``exp(-k s / strong)`` with the edge strength s along it and k = `SHARPNESS`, at least `LEAST`, and
     times `ON_CONTOUR` for the part on a contour; nothing on a barrier.
     """
-    edge = np.maximum(LEAST, exponential(-SHARPNESS * graph.strength / max(strong, 1e-300)))
+    edge = np.maximum(LEAST, np.exp(-SHARPNESS * graph.strength / max(strong, 1e-300)))
     along = 1.0 - (1.0 - ON_CONTOUR) * graph.along
     return np.asarray(graph.length * edge * along * (1.0 - graph.barred))

@@ -6,7 +6,6 @@ import numpy as np
 import scipy
 import skimage
 
-from cpm_core.numerics.reproducible.gaussian import gaussian_filter
 from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.selection import Selection
@@ -96,7 +95,8 @@ def _alike(partition: Partition, selection: Selection, radius: float) -> Mask:
 
 def _parted(mask: Mask, radius: float) -> Index:
     """Bodies of a mask, parted at their necks, numbered from 1."""
-    depth = gaussian_filter(scipy.ndimage.distance_transform_edt(np.pad(mask, 1, mode="edge")), 1.0)
+    depth = scipy.ndimage.distance_transform_edt(np.pad(mask, 1, mode="edge"))
+    depth = scipy.ndimage.gaussian_filter(depth, 1.0, mode="nearest")
     depth = depth[1:-1, 1:-1]
     tops = skimage.morphology.h_maxima(depth, max(0.5, _NECK * radius))  # type: ignore[no-untyped-call]
     markers, _ = scipy.ndimage.label((tops > 0) & mask, np.ones((3, 3)))

@@ -13,7 +13,6 @@ from cpm_core.field.scale_field import WEAKEST_EDGE, unit_vectors
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.polyline import lengths_along, places_at
 from cpm_core.numerics.real_numbers import checked_number, real_numbers
-from cpm_core.numerics.reproducible.gaussian import gaussian_filter
 from cpm_core.numerics.types import Array, Mask, Position
 from cpm_core.parameters.quotation import shown
 
@@ -261,7 +260,7 @@ def centers_between(strength: Array, spacing: float) -> Array:
     """Centers of divergence of the field of an edge map, as of `divergence_centers`, in any dimension."""
     direction = unit_vectors(electric_field(strength))
     parts = [np.gradient(component, axis=axis) for axis, component in enumerate(direction)]
-    divergence = gaussian_filter(np.asarray(sum(parts)), _RIPPLE)
+    divergence = scipy.ndimage.gaussian_filter(np.asarray(sum(parts)), _RIPPLE, mode="nearest")
     largest = scipy.ndimage.maximum_filter(divergence, size=2 * int(spacing) + 1, mode="nearest")
     centers = np.argwhere((divergence == largest) & (divergence > _LEAST_DIVERGENCE)).astype(float)
     rim = max(float(np.take(strength, end, axis).max()) for axis in range(strength.ndim) for end in (0, -1))

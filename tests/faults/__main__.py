@@ -34,7 +34,7 @@ PARTS: dict[str, tuple[str, Part]] = {
     "orders": ("orders to a session in every sequence, under delays", try_orders),
     "opening": ("damaged sessions, opened in the window, run and saved", try_opening),
     "closing": ("closing the window during all that goes on", try_closing),
-    "reproducible": ("the same runs on one core, on all, and on narrow vector registers", compared),
+    "reproducible": ("the same runs on one core and on all", compared),
     "kills": ("kill -9 at random moments over runs, batches, saves and compilations", killed),
     "interruptions": ("errors that a signal raises at random moments of a call, as Ctrl+C does", interrupted),
     "disk": ("disks that are full, read-only or faulty, at each operation in turn", failed),

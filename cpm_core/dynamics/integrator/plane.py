@@ -14,14 +14,13 @@ from cpm_core.field.interpolation.plane import between, component
 from cpm_core.field.scale_field import GATE, ScaleField
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
-from cpm_core.numerics.reproducible.lanes import LANES
 from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.parameters import Parameters
 from cpm_core.particles.cell_list import cell_of
 from cpm_core.particles.cell_list.plane import Cells, build_cells
 from cpm_core.particles.coulomb.mesh_force import nodes
 from cpm_core.particles.coulomb.mesh_force.plane import NO_MESH, mesh_force, mesh_force_at
-from cpm_core.particles.coulomb.pair_force import two_nearest
+from cpm_core.particles.coulomb.pair_force import LANES, two_nearest
 from cpm_core.particles.coulomb.pair_force.plane import gather, pair_sum, two_nearest_of_many
 from cpm_core.particles.mesh import MESH_EVERY, MeshForce
 from cpm_core.particles.state import MEMORY, Particles, State
@@ -153,8 +152,7 @@ def _move(
     smooth, softening = mesh.force, mesh.softening  # taking an array out of a tuple is too slow for every particle
     room = len(cells.order) + LANES
     near_y, near_x, squared = np.empty(room, np.float32), np.empty(room, np.float32), np.empty(room, np.float32)
-    pull_y, pull_x, reach = np.empty(room, np.float32), np.empty(room, np.float32), np.float32(mesh.reach)
-    bits = squared.view(np.int32)
+    bits, reach = squared.view(np.int32), np.float32(mesh.reach)
     listed, length, own = -1, 0, 0
     for k in range(first, last):
         i, y, x = cells.order[k], cells.y[k], cells.x[k]
@@ -175,7 +173,7 @@ def _move(
                     length, own = gather(cells, row, col, near_y, near_x)
                 # from the list: with a difference that is rounded in another way, a particle would act on itself
                 here_y, here_x = near_y[own + k], near_x[own + k]
-                c_y, c_x = pair_sum(near_y, near_x, squared, length, here_y, here_x, reach, softening, pull_y, pull_x)
+                c_y, c_x = pair_sum(near_y, near_x, squared, length, here_y, here_x, reach, softening)
                 if len(smooth):
                     far_y, far_x = mesh_force_at(
                         smooth, (y - mesh.first[0]) / mesh.pitch, (x - mesh.first[1]) / mesh.pitch

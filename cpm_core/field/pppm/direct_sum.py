@@ -10,7 +10,6 @@ import scipy
 
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
-from cpm_core.numerics.reproducible.elementary import exponential
 from cpm_core.numerics.types import Array, Mask
 
 _WORTH_A_THREAD = 1_000_000
@@ -28,7 +27,7 @@ def summed_pairs(f: Array, cutoff: float, sigma: float) -> Array:
     away = np.where(distance > 0.0, distance, np.inf)
     slope = (
         scipy.special.erfc(away / sigma) / away**2
-        + 2.0 / (math.sqrt(math.pi) * sigma) * exponential(-((away / sigma) ** 2)) / away
+        + 2.0 / (math.sqrt(math.pi) * sigma) * np.exp(-((away / sigma) ** 2)) / away
     )
     pulls = np.where(distance <= cutoff, slope / away, 0.0) * offsets
     if f.ndim == 2:

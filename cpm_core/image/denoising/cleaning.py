@@ -19,7 +19,6 @@ import scipy
 from cpm_core.image.denoising.histogram_regression import expected
 from cpm_core.image.denoising.line_integral import averaged_along, directions
 from cpm_core.image.denoising.total_variation import noise_level, total_variation
-from cpm_core.numerics.reproducible.gaussian import gaussian_filter, gaussian_gradient_magnitude
 from cpm_core.numerics.types import Array
 
 _FIRST, _FURTHER = 1.5, 1.0
@@ -92,7 +91,7 @@ def clean(values: Array) -> Cleaned:
         image = _regions(seen.halved, seen.rough, 0.5 * seen.noise, 0.5 * length, _ROUNDS - 1)
         image = _regions(seen.values, _doubled(image, values.shape), seen.noise, length, 1)
     width = max(_SHARPEST, _SLENDERNESS * length)
-    step = _STEP * width * float(gaussian_gradient_magnitude(image, width).max())
+    step = _STEP * width * float(scipy.ndimage.gaussian_gradient_magnitude(image, width, mode="nearest").max())
     remaining = _REMAINING * seen.noise / step if step > 0.0 else 0.0
     return Cleaned(image, width, min(max(remaining, _LEAST_REMAINING), _MOST_REMAINING))
 
@@ -119,7 +118,7 @@ def _estimate(values: Array) -> _Estimate:
 
 def _regions(values: Array, image: Array, noise: float, length: float, rounds: int) -> Array:
     """Regions of an image, by averages along the edges of `image`, which is computed again in every round."""
-    surface = gaussian_filter(values, _PIXELS)
+    surface = scipy.ndimage.gaussian_filter(values, _PIXELS, mode="nearest")
     for _ in range(rounds):
         way = directions(image, max(_FINEST, _SLENDERNESS * length), _AGREEING * length)
         image = total_variation(averaged_along(surface, way, length), _FURTHER * noise)
@@ -129,7 +128,7 @@ def _regions(values: Array, image: Array, noise: float, length: float, rounds: i
 def _contrast(image: Array) -> float:
     """Mean height of the steps in an image, with most weight on the high and the long ones [gray levels]."""
     width = 2.0
-    slope = gaussian_gradient_magnitude(image, width)
+    slope = scipy.ndimage.gaussian_gradient_magnitude(image, width, mode="nearest")
     square = float((slope**2).sum())
     # across a smoothed step, cubes over squares of the slopes give sqrt(2/3) of the largest slope
     return _STEP * width * float(np.sqrt(1.5)) * float((slope**3).sum()) / square if square > 0.0 else 0.0

@@ -10,10 +10,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.reproducible.elementary import exponential, power
-from cpm_core.numerics.reproducible.gaussian import gaussian_filter, gaussian_slope
 from cpm_core.numerics.types import Array
 
 _REACH = 3.0
@@ -47,9 +46,9 @@ def directions(values: Array, inner: float, outer: float) -> Directions:
 
     `inner` is the Gaussian before the gradient, `outer` the one over which directions are averaged [px].
     """
-    down, right = (gaussian_slope(values, inner, axis) for axis in range(2))
+    down, right = (scipy.ndimage.gaussian_filter(values, inner, order, mode="nearest") for order in ((1, 0), (0, 1)))
     products = (down * down, right * right, down * right)
-    rows, cols, mixed = (gaussian_filter(product, outer) for product in products)
+    rows, cols, mixed = (scipy.ndimage.gaussian_filter(product, outer, mode="nearest") for product in products)
     total = rows + cols
     spread = np.sqrt((rows - cols) ** 2 + 4.0 * mixed**2)
     coherence = np.divide(spread, total, out=np.zeros_like(total), where=total > 1e-12 * float(total.max(initial=0.0)))
@@ -69,8 +68,8 @@ def averaged_along(values: Array, way: Directions, length: float) -> Array:
     uncertain, so that it does not pass corners.
     """
     steps = np.arange(1 + int(_REACH * length))
-    weights = exponential(-0.5 * (steps / max(length, 1e-9)) ** 2)
-    trust = power(way.coherence, _DOUBT / max(length, 1e-9))
+    weights = np.exp(-0.5 * (steps / max(length, 1e-9)) ** 2)
+    trust = way.coherence ** (_DOUBT / max(length, 1e-9))
     return _follow(np.ascontiguousarray(values), way.row, way.col, trust, weights)
 
 

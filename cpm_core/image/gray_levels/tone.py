@@ -10,7 +10,6 @@ from typing import Literal
 
 import numpy as np
 
-from cpm_core.numerics.reproducible.elementary import power
 from cpm_core.numerics.types import Array
 
 _DARKEST, _BRIGHTEST = 0.1, 99.9
@@ -60,4 +59,4 @@ def toned(values: Array, gamma: float | Literal["auto"]) -> Array:
     low, high = float(values.min()), float(values.max())
     if exponent == 1.0 or high <= low:
         return values
-    return np.asarray(low + (high - low) * power((values - low) / (high - low), exponent))
+    return np.asarray(low + (high - low) * ((values - low) / (high - low)) ** exponent)

@@ -21,7 +21,6 @@ from cpm_core.image.geometry import Geometry
 from cpm_core.medial_axis.space.thinning import thinned
 from cpm_core.medial_axis.space.voxel_graph import Chain, chains_of
 from cpm_core.numerics.real_numbers import checked_number, real_numbers, voxel_sides
-from cpm_core.numerics.reproducible.gaussian import gaussian_filter1d
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.parameters.quotation import counted, described
@@ -229,7 +228,7 @@ def _branch(chain: Chain, depth: Array, walls: scipy.spatial.KDTree, size: Array
     if len(points) > 2:
         straight = points[0] + np.linspace(0.0, 1.0, len(points))[:, None] * (points[-1] - points[0])
         bent = np.pad(points - straight, ((_MARGIN, _MARGIN), (0, 0)), "reflect", reflect_type="odd")
-        points = straight + gaussian_filter1d(bent, _SMOOTHING, axis=0, mode="reflect")[_MARGIN:-_MARGIN]
+        points = straight + scipy.ndimage.gaussian_filter1d(bent, _SMOOTHING, axis=0)[_MARGIN:-_MARGIN]
     distances = np.asarray(walls.query(points * size)[0])
     return Branch(points + begin, np.maximum(distances - _BEYOND * size.min(), 0.0), chain.nodes)
 

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
-from cpm_core.numerics.reproducible.gaussian import gaussian_filter, gaussian_filter1d
 from cpm_core.numerics.types import Array, Mask, Pixels, Single
 
 LEVELS = 512
@@ -63,7 +63,7 @@ class Appearance(NamedTuple):
 
 def appearance(values: Array, strength: Array) -> Appearance:
     """Prepare an image and its edge map, both of shape (H, W)."""
-    gray = gaussian_filter(values, _SIGMA, mode="reflect")
+    gray = scipy.ndimage.gaussian_filter(values, _SIGMA)
     low, high = np.percentile(gray, (0.2, 99.8))
     span = max(float(high - low), 1e-300)
 
@@ -90,7 +90,7 @@ def log_ratio(bins: Pixels, chosen: Mask) -> Array:
     """Logarithm of how much likelier each gray level is inside a selection than outside, shape (`BINS`,)."""
     logs = []
     for part in (chosen, ~chosen):
-        counts = gaussian_filter1d(np.bincount(bins[part], minlength=BINS).astype(float), 1.0, 0, mode="reflect")
+        counts = scipy.ndimage.gaussian_filter1d(np.bincount(bins[part], minlength=BINS).astype(float), 1.0)
         counts += 0.01 * part.sum() / BINS + 0.1
         logs.append(np.log(counts / counts.sum()))
     return np.asarray(logs[0] - logs[1])

@@ -15,7 +15,6 @@ import skimage
 
 from cpm_core.field.scale_field import FAINTEST, ScaleField
 from cpm_core.numerics import polyline
-from cpm_core.numerics.reproducible.gaussian import gaussian_filter1d
 from cpm_core.numerics.types import Array, Index, Mask, Position
 from cpm_core.reconstruction.curve.gap_bridging import smoothed
 from cpm_core.reconstruction.curve.subpixel import ridge_points
@@ -133,7 +132,7 @@ def on_ridge(path: Array, scale_field: ScaleField) -> Array:
     found &= np.linalg.norm(ridge - inner, axis=1) <= _FARTHEST
     found &= scale_field.strength(ridge) >= FAINTEST * scale_field.floor
     move = np.where(found[:, None], ridge - inner, 0.0)
-    calm = gaussian_filter1d(move, _CALM, axis=0)
+    calm = scipy.ndimage.gaussian_filter1d(move, _CALM, axis=0, mode="nearest")
     alone = scipy.ndimage.minimum_filter1d(found, 5, mode="nearest") == 0
     place = np.where(alone[:, None], inner + calm, ridge)
     return _forward(np.concatenate([path[:1], place, path[-1:]]))

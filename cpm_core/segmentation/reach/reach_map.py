@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Reached
 from cpm_core.field.scale_field import ScaleField
-from cpm_core.numerics.reproducible.gaussian import gaussian_filter
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters import UNLIMITED_REACH, Parameters
 from cpm_core.segmentation.reach.bounding import Bounds, bounds_of
@@ -161,7 +160,7 @@ def _has_sense(scale_field: ScaleField, bounds: Bounds, along: Mask) -> Mask:
 
     Fields of the whole image are made one at a time: at 6000 x 6000 pixels each takes 288 MB.
     """
-    soft = gaussian_filter(bounds.inside.astype(float), 1.0 + bounds.sigma)
+    soft = scipy.ndimage.gaussian_filter(bounds.inside.astype(float), 1.0 + bounds.sigma, mode="nearest")
     down, right = np.gradient(soft, axis=0)[along], np.gradient(soft, axis=1)[along]
     del soft
     across = down * scale_field.gradient[0][along] + right * scale_field.gradient[1][along]

@@ -15,7 +15,6 @@ import scipy
 import skimage
 from numpy.typing import NDArray
 
-from cpm_core.numerics.reproducible.gaussian import gaussian_filter, gaussian_filter1d
 from cpm_core.numerics.types import Array, Index, Mask
 
 _BAND = 0.3
@@ -67,7 +66,7 @@ def surrounded(values: Array, strength: Array, area: Mask) -> Mask:
     depth = scipy.ndimage.distance_transform_edt(np.pad(area[box], 1))[1:-1, 1:-1]
     radius = float(depth.max())
     sigma = float(np.clip(_DENOISING * radius, _LEAST_DENOISING, _MOST_DENOISING))
-    bins = _binned(gaussian_filter(values[box].astype(float), sigma), area[box])
+    bins = _binned(scipy.ndimage.gaussian_filter(values[box].astype(float), sigma, mode="nearest"), area[box])
     thing = _parted(bins, depth / radius, max(_SMOOTHING * radius, _LEAST_SMOOTHING))
     found[box] = _on_edges(strength[box], area[box], thing, max(_UNSURE * radius, 1.0))
     return found
@@ -95,7 +94,7 @@ def _parted(bins: Index, depth: Array, extent: float) -> Mask:
     for _ in range(_MOST_TURNS):
         ratio = np.asarray(np.log(_histogram(bins[thing]) / _histogram(bins[area & ~thing])), np.float64)
         ratio = np.round(ratio, _DECIMALS)
-        likely = (gaussian_filter(ratio[bins], extent) > 0.0) & (depth > _RIM)
+        likely = (scipy.ndimage.gaussian_filter(ratio[bins], extent, mode="nearest") > 0.0) & (depth > _RIM)
         after = _large_parts(np.asarray(scipy.ndimage.binary_fill_holes(likely)), depth)
         if not after.any() or (after == thing).all():
             return after
@@ -106,7 +105,9 @@ def _parted(bins: Index, depth: Array, extent: float) -> Mask:
 def _histogram(bins: Index) -> Array:
     """Share of the pixels in each bin, smoothed, nowhere 0."""
     counts = np.bincount(bins, minlength=_BINS).astype(float)
-    return np.asarray(gaussian_filter1d(counts, _BLUR, 0) / max(len(bins), 1) + _FLOOR / _BINS)
+    return np.asarray(
+        scipy.ndimage.gaussian_filter1d(counts, _BLUR, 0, mode="nearest") / max(len(bins), 1) + _FLOOR / _BINS
+    )
 
 
 def _large_parts(mask: Mask, depth: Array) -> Mask:

@@ -1,24 +1,20 @@
 """Interruptions: Ctrl+C may raise wherever Python code runs, so none runs where it does harm.
 
-While Numba makes what a loop returns, it would end the process; while a lock of the standard library is taken, that
-would be kept for ever.
+While Numba makes what a loop returns, it would end the process.
 """
 
 import ast
 import sys
 from pathlib import Path
-from queue import SimpleQueue
 
 import numpy as np
 import pytest
 
 import cpm_core
 from cpm_core import PRESETS, circle, segment, sphere
-from cpm_core.numerics import parallel
-from cpm_core.numerics.parallel import share
 
 _PACKAGE = Path(cpm_core.__file__).parent
-_HARMED = ("serialize.py", "threading.py", "concurrent")
+_HARMED = ("serialize.py",)
 """Parts of names of files whose code must not be interrupted; in the first Numba finds the class of a result."""
 
 ROW, COL = np.indices((40, 44))
@@ -55,27 +51,6 @@ def called_in(function):
 )
 def test_loops_give_their_results_without_python_code(compiled_loops, run):
     assert not called_in(run)
-
-
-def test_work_is_shared_without_a_lock_that_an_interruption_keeps(monkeypatch):
-    monkeypatch.setattr(parallel, "cores", lambda: 3)
-    assert not called_in(lambda: share(lambda first, last: None, 90, 1))
-
-
-def test_after_an_interruption_no_further_part_is_begun(monkeypatch):
-    monkeypatch.setattr(parallel, "cores", lambda: 2)
-    begun, given = [], SimpleQueue()
-    monkeypatch.setattr(parallel, "_helpers", lambda: given)
-
-    def work(first, _last):
-        begun.append(first)
-        if not first:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        share(work, 100, 1)
-    given.get_nowait()()  # another thread has time at last
-    assert begun == [0]
 
 
 def _named(tree):

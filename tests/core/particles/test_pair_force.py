@@ -5,11 +5,10 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from cpm_core.numerics.reproducible.lanes import LANES
 from cpm_core.particles.cell_list import cell_of
 from cpm_core.particles.cell_list import plane as plane_cells
 from cpm_core.particles.coulomb.mesh_force import softening
-from cpm_core.particles.coulomb.pair_force import FILLER, plane, two_nearest
+from cpm_core.particles.coulomb.pair_force import FILLER, LANES, plane, two_nearest
 
 from ..dynamics.moving import cloud, coulomb, crowds, offsets
 
@@ -35,13 +34,13 @@ class TestPairForce:
         cells = lists.build_cells(points, shape, size)
         grid = [int(n / size) + 1 for n in shape]
         near = [np.empty(len(points) + LANES, np.float32) for _ in shape]
-        squared, *pulls = np.empty((3, len(points) + LANES), np.float32)
+        squared = np.empty(len(points) + LANES, np.float32)
         for k, i in enumerate(cells.order.tolist()):
             cell = [cell_of(x, size, along) for x, along in zip(points[i], grid, strict=True)]
             length, own = kernels.gather(cells, *cell, *near)
             assert length % LANES == 0
             here = [along[own + k] for along in near]
-            force = kernels.pair_sum(*near, squared, length, *here, np.float32(reach), coefficients, *pulls)
+            force = kernels.pair_sum(*near, squared, length, *here, np.float32(reach), coefficients)
             yield i, force, two_nearest(squared, squared.view(np.int32), length)
 
     @settings(max_examples=25, deadline=None)

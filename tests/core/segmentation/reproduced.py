@@ -2,13 +2,11 @@
 
 import os
 import pickle
-import platform
 import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
-from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
 
 import cpm_core
 from cpm_core import Image, circle, partition, segment, uniform_grid
@@ -16,20 +14,6 @@ from cpm_core.parameters import PRESETS
 
 ROOT = Path(__file__).parents[3]
 ALONE = dict.fromkeys(("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-NARROW_LIBRARIES = {
-    "NPY_DISABLE_CPU_FEATURES": " ".join(name for name in __cpu_dispatch__ if __cpu_features__[name]),
-    "OPENBLAS_CORETYPE": "Prescott",
-    "GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX512F,-AVX2,-FMA",
-}
-"""NumPy, OpenBLAS and the C library compute as on a processor with vector registers of 128 bits."""
-
-NARROW = NARROW_LIBRARIES | {"NUMBA_CPU_NAME": "generic"}
-"""The compiled loops as well; they are compiled again for it."""
-
-HAS_WIDE = platform.machine().lower() in ("x86_64", "amd64")
-LAW = 1e-6
-"""Largest distance of a vertex from the same vertex on another processor [px]."""
-
 HERE = "import runpy; runpy.run_module('tests.core.segmentation.reproduced', run_name='__main__', alter_sys=True)"
 ON_ONE_CORE = f"import os; os.sched_setaffinity(0, [min(os.sched_getaffinity(0))]); {HERE}"
 SIDE = 128
@@ -77,17 +61,8 @@ def vertices(seed=0):
 
 def on_one_core(seed):
     """The same of a process that may use one core and one thread only."""
-    return _elsewhere(ON_ONE_CORE, seed, ALONE)
-
-
-def on_narrow_registers(seed, settings):
-    """The same of a process under some environment variables, such as `NARROW`."""
-    return _elsewhere(HERE, seed, settings)
-
-
-def _elsewhere(program, seed, settings):
-    command = [sys.executable, "-c", program, str(seed)]
-    done = subprocess.run(command, cwd=ROOT, env=os.environ | settings, capture_output=True, check=True)
+    command = [sys.executable, "-c", ON_ONE_CORE, str(seed)]
+    done = subprocess.run(command, cwd=ROOT, env=os.environ | ALONE, capture_output=True, check=True)
     return pickle.loads(done.stdout)
 
 

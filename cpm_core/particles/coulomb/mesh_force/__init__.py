@@ -14,14 +14,13 @@ tolerance, by another sum: the page of `coulomb` explains why, with measurements
 
 from __future__ import annotations
 
-import math
 from functools import lru_cache
 
 import numpy as np
 import scipy
 
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Single
+from cpm_core.numerics.types import Single
 
 PITCH = 0.5
 """Pitch of the mesh, in reaches."""
@@ -56,12 +55,7 @@ def convolved(charge: Single, reach: float) -> Single:
 
 @lru_cache(maxsize=8)
 def _spectra(mesh: tuple[int, ...], reach: float) -> tuple[tuple[int, ...], Single]:
-    """Shape of the padded mesh, and the transforms of the components of the softened inverse square on it, over i.
-
-    A difference in the last digit of the kernel would change rounding errors that are as large as the smallest values
-    of its transform, and particles in a crowd amplify that. So every processor must give the same bits: roots instead
-    of powers, and no product of two complex numbers; see `numerics.reproducible`.
-    """
+    """Shape of the padded mesh, and the transforms of the components of the softened inverse square on it, over i."""
     padded = tuple(scipy.fft.next_fast_len(2 * n - 1, True) for n in mesh)
     offsets = np.meshgrid(*(PITCH * reach * size * np.fft.fftfreq(size) for size in padded), indexing="ij")
     squared = sum(offset * offset for offset in offsets)
@@ -73,17 +67,10 @@ def _spectra(mesh: tuple[int, ...], reach: float) -> tuple[tuple[int, ...], Sing
         if size % 2 == 0:  # farther than any two nodes; without it each component is odd, its transform imaginary
             np.moveaxis(soft, axis, 0)[size // 2] = 0.0
         frequency = np.fft.rfftfreq(size) if axis == len(padded) - 1 else np.fft.fftfreq(size)
-        smoothing = np.multiply.outer(smoothing, _transformed_spline(frequency.tolist()))
+        smoothing = np.multiply.outer(smoothing, np.sinc(frequency) ** 3)
     axes = tuple(range(1, len(padded) + 1))
     spectra = scipy.fft.rfftn(np.stack([soft * offset for offset in offsets]), axes=axes).imag
     return padded, (spectra / (smoothing * smoothing)).astype(np.float32)
-
-
-def _transformed_spline(frequency: list[float]) -> Array:
-    """Fourier transform of the quadratic spline at some frequencies, in cycles a node."""
-    angles = [math.pi * each for each in frequency]
-    sinc = np.array([math.sin(angle) / angle if angle else 1.0 for angle in angles])
-    return np.asarray(sinc * sinc * sinc)
 
 
 @compiled

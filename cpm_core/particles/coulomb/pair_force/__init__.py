@@ -14,6 +14,9 @@ from cpm_core.numerics.types import Single
 
 Bits = NDArray[np.int32]
 
+LANES = 16
+"""Lists are filled up to a multiple of it, so that their sums use vector registers to the end."""
+
 FILLER = 1e6
 """Coordinate that fills up a list [px]; its force is next to nothing, and its cube is still a number."""
 

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.reproducible.lanes import LANES, sums_in_lanes
+from cpm_core.numerics.jit import compiled, reordered
 from cpm_core.numerics.types import Single
 from cpm_core.particles.cell_list.plane import Cells, cells_around, row_of_cells
-from cpm_core.particles.coulomb.pair_force import FILLER, NEAREST, SAME_SPOT
+from cpm_core.particles.coulomb.pair_force import FILLER, LANES, NEAREST, SAME_SPOT
 
 
 @compiled
@@ -33,7 +32,7 @@ def gather(cells: Cells, row: int, col: int, near_y: Single, near_x: Single) -> 
     return length, own
 
 
-@compiled
+@reordered
 def pair_sum(
     near_y: Single,
     near_x: Single,
@@ -43,15 +42,10 @@ def pair_sum(
     x: np.float32,
     reach: np.float32,
     softening: Single,
-    pull_y: Single,
-    pull_x: Single,
 ) -> tuple[float, float]:
-    """Sum what the mesh leaves out of eq. (9), in single precision, and keep the squared distances.
-
-    `pull_y` and `pull_x` are room for the force of each particle of the list.
-    """
+    """Sum what the mesh leaves out of eq. (9), in single precision, and keep the squared distances."""
     one, nothing, tiny = np.float32(1.0), np.float32(0.0), np.float32(SAME_SPOT)
-    a, b, c = softening[0], softening[1], softening[2]
+    f_y, f_x, a, b, c = nothing, nothing, softening[0], softening[1], softening[2]
     for j in range(length):
         d_y, d_x = y - near_y[j], x - near_x[j]
         squared = d_y * d_y + d_x * d_x
@@ -59,9 +53,8 @@ def pair_sum(
         bounded = max(squared, tiny)
         weight = one / (bounded * np.sqrt(bounded)) - (a + squared * (b + squared * c))
         weight = weight if squared < reach * reach else nothing
-        pull_y[j] = weight * d_y
-        pull_x[j] = weight * d_x
-    f_y, f_x = sums_in_lanes(pull_y, pull_x, length)
+        f_y += weight * d_y
+        f_x += weight * d_x
     return float(f_y), float(f_x)
 
 

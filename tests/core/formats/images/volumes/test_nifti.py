@@ -8,7 +8,7 @@ import pytest
 
 from cpm_core import Result, Surface, export, load_image, load_volume
 from cpm_core.formats.images.medical import package as packages
-from cpm_core.numerics.marching.zero_surface import zero_surface
+from cpm_core.numerics.zero_surface import zero_surface
 
 from .made import VALUES, affine, write_nifti
 
