@@ -1,36 +1,62 @@
-"""The Coulomb force of eq. (9), by the fastest method.
+"""The Coulomb force of eq. (9) between particles anywhere: pair by pair, or fast by a tree.
 
-The number of targets M decides on the method, since the time of all methods is also proportional to N. Measured on two
-cores with particles 1.5 px apart along circles: a pair takes 0.31 ns in double and 0.14 ns in single precision, and a
-particle 300 to 400 ns by the tree. Up to 400 targets it does not pay to test on a sample whether single precision is
-enough; from 1500 on the tree is faster than sums in single precision.
+The tree halves the particles by number along the longest side, so that it is as deep for clusters as for a grid. Each
+leaf looks at the boxes from the top down: one that is far enough acts on it by its moments
+
+    M_abc = sum_j (c_z - z_j)^a (c_y - y_j)^b (c_x - x_j)^c / (a! b! c!)
+
+about its center c, through a Taylor series of the fourth order of the potential 1 / r at the center of the leaf; one
+that is not is opened; what is left are near leaves, summed pair by pair. Positions in the plane are those of space with
+z = 0, where the terms with a > 0 vanish.
+
+What is far enough follows from the tolerance. For a box of M particles at a distance d, a series of order p leaves out
+less than about M theta^p / d^2, theta being the sum of the two radii over d. This is compared with the usual force
+between these particles, from a sample. So the error stays small against the forces also where most of the forces on a
+particle cancel; and where all of them do, everything is near, and the sum is exact.
 """
 
 from __future__ import annotations
 
+from functools import lru_cache
+from itertools import product
+
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cpm_core.numerics.jit import compiled, reordered
+from cpm_core.numerics.parallel import share
 from cpm_core.numerics.real_numbers import checked_number, real_numbers
-from cpm_core.numerics.types import Array, Index
+from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.parameters.quotation import shown
-from cpm_core.particles.coulomb.direct_sum import pair_sums, usual_force
-from cpm_core.particles.coulomb.fast_multipole import tree_force
-from cpm_core.particles.coulomb.space import space_sums
-from cpm_core.particles.coulomb.space_tree import space_tree_sums
 
-METHODS = ("auto", "exact", "single", "tree")
-
-_WORTH_A_SAMPLE = 400
-"""Targets from which a test of single precision on a sample pays: at 400, 115 us against 122 us."""
+METHODS = ("auto", "exact", "tree")
 
 _WORTH_A_TREE = 1500
-"""Targets from which on the tree is faster than single precision: at 1200, 0.58 ms against 0.44 + 0.08 ms, at 1600,
-0.69 ms against 0.76 + 0.08 ms, on one core; on two, all of these take half."""
+"""Targets from which on the tree is faster than the sum over all pairs."""
 
-_WORTH_A_TREE_IN_SPACE = 5000
-"""Targets in space from which on the tree is faster than all pairs: at 4000, 29 ms against 25 to 52 ms of processor
-time, at 8000, 109 ms against 52 to 95 ms, at 25,000, 870 ms against 140 to 290 ms."""
+_SAME_SPOT = 1e-36
+"""Squared distance up to which two particles are at the same position. Such a pair, and a particle with itself, counts
+as one unit apart except for its vanishing distance, so that its force vanishes; without a branch the loop runs on
+vector registers. Positions are within some units here, where no two different ones are that near."""
+
+_WORTH_A_THREAD = 100_000
+"""Pairs from which a thread pays."""
+
+_SAMPLES, _KEPT = 32, 24
+"""Particles of the sample, and how many of them count: those with the smallest forces."""
+
+_ORDER = 4
+"""Order of the series."""
+
+_FULLEST = 48
+"""Particles in a leaf."""
+
+_SHARE = 1.4
+"""Fraction of the tolerance that one far box may use, times the root of the order of the series from the tolerance: the
+smaller that is, the more boxes share it."""
+
+_WIDEST = 0.6
+"""Square of the largest theta at which a series is used, at any tolerance."""
 
 
 def coulomb_force(
@@ -42,11 +68,9 @@ def coulomb_force(
     ----------
     positions : array_like, shape (N, 2) or (N, 3)
         Positions of the particles [px].
-    method : {"auto", "exact", "single", "tree"}
-        How the sum is computed. "exact": pair by pair in double precision. "single": pair by pair, distances in double
-        precision and the rest in single precision, in half the time; the error of each pair is 2e-7 of its force.
-        "tree": by a fast multipole method, whose time grows in proportion to N, in space with N log N. "auto": the
-        fastest of these that keeps the tolerance. In space "single" has double precision.
+    method : {"auto", "exact", "tree"}
+        How the sum is computed. "exact": pair by pair. "tree": groups of particles that are far from one another by
+        series; the time grows with N log N. "auto": the faster of the two.
     targets : array_like of int, shape (M,), optional
         Indices of the particles whose force is computed; by default all of them.
     tolerance : float
@@ -76,12 +100,23 @@ def coulomb_force(
     if not isinstance(method, str) or method not in METHODS:
         raise ValueError(f"method is {shown(method)} but must be one of {', '.join(METHODS)}.")
     checked_number("tolerance", tolerance, lambda error: 1e-12 <= error <= 0.1, "from 1e-12 to 0.1")
-    wanted = None if targets is None else _checked(targets, len(points))
-    if not len(points):
-        return np.zeros((0, points.shape[1]))
+    count, axes = points.shape
+    wanted = np.arange(count) if targets is None else _checked(targets, count)
+    if not count:
+        return np.zeros((0, axes))
     unit, scale = _in_unit_of_extent(points)
-    force = (_unit_force_in_space if points.shape[1] == 3 else _unit_force)(unit, method, wanted, tolerance)
-    return _in_pixels(force, scale)
+    sites = np.zeros((3, count))
+    sites[3 - axes :] = unit.T
+    fast = method == "tree" or (method == "auto" and len(wanted) > _WORTH_A_TREE)
+    force = (_tree_sums(sites, wanted, axes, tolerance) if fast else _pair_sums(sites, wanted))[:, 3 - axes :]
+    with np.errstate(over="ignore"):
+        force = force / scale / scale
+    if not np.isfinite(force).all():
+        raise ValueError(
+            f"positions lie within {scale:.2g} px, so near to each other that forces have no number: give them in "
+            "another unit."
+        )
+    return force
 
 
 def _in_unit_of_extent(points: Array) -> tuple[Array, float]:
@@ -95,39 +130,6 @@ def _in_unit_of_extent(points: Array) -> tuple[Array, float]:
     return points / scale, scale
 
 
-def _in_pixels(force: Array, scale: float) -> Array:
-    """Force between positions in a unit of length as that between the positions themselves; `force` is changed."""
-    with np.errstate(over="ignore"):
-        force /= scale
-        force /= scale
-    if not np.isfinite(force).all():
-        raise ValueError(
-            f"positions lie within {scale:.2g} px, so near to each other that forces have no number: give them in "
-            "another unit."
-        )
-    return force
-
-
-def _unit_force_in_space(points: Array, method: str, wanted: Index | None, tolerance: float) -> Array:
-    """Force on some particles of a unit cube, or on all of them."""
-    targets = np.arange(len(points)) if wanted is None else wanted
-    if method == "tree" or (method == "auto" and len(targets) > _WORTH_A_TREE_IN_SPACE):
-        return space_tree_sums(points, tolerance, targets)
-    return space_sums(points, targets)
-
-
-def _unit_force(points: Array, method: str, wanted: Index | None, tolerance: float) -> Array:
-    """Force on some particles of the unit square, or on all of them."""
-    y, x = points[:, 0].copy(), points[:, 1].copy()
-    count = len(y) if wanted is None else len(wanted)
-    single = method == "single"
-    if method == "tree" or (method == "auto" and count > _WORTH_A_TREE):
-        return tree_force(y, x, tolerance, wanted)
-    if method == "auto" and count > _WORTH_A_SAMPLE:
-        single = usual_force(y, x, tolerance)[1]
-    return pair_sums(y, x, np.arange(len(y)) if wanted is None else wanted, single)
-
-
 def _checked(targets: ArrayLike, count: int) -> Index:
     indices = np.asarray(targets)
     if indices.ndim != 1 or (indices.size and indices.dtype.kind not in "iu"):
@@ -137,3 +139,216 @@ def _checked(targets: ArrayLike, count: int) -> Index:
             f"targets go from {indices.min()} to {indices.max()} but must be indices of the {count} particles."
         )
     return indices.astype(np.int64, copy=False)
+
+
+def _pair_sums(sites: Array, targets: Index) -> Array:
+    """Sums of eq. (9) for the particles `targets`, shape (M,), of those at `sites`, shape (3, N), shape (M, 3)."""
+    force = np.empty((len(targets), 3))
+    least = _WORTH_A_THREAD // sites.shape[1] + 1
+    share(lambda first, last: _sum_pairs(sites, targets, first, last, force), len(targets), least)
+    return force
+
+
+@reordered
+def _sum_pairs(sites: Array, targets: Index, first: int, last: int, force: Array) -> None:
+    for n in range(first, last):
+        force[n, 0], force[n, 1], force[n, 2] = _pairs_of(sites, 0, sites.shape[1], targets[n])
+
+
+@reordered
+def _pairs_of(sites: Array, first: int, last: int, i: int) -> tuple[float, float, float]:
+    """Eq. (9) for a particle and a range of the others, which may include itself."""
+    z, y, x = sites[0, i], sites[1, i], sites[2, i]
+    f_z, f_y, f_x = 0.0, 0.0, 0.0
+    for j in range(first, last):
+        d_z, d_y, d_x = z - sites[0, j], y - sites[1, j], x - sites[2, j]
+        squared = d_z * d_z + d_y * d_y + d_x * d_x
+        squared = squared if squared > _SAME_SPOT else 1.0
+        # A root in single precision and a correction are as exact as a root in double precision, and take less time.
+        root = np.float64(np.float32(1.0) / np.sqrt(np.float32(squared)))
+        rest = 1.0 - squared * root * root
+        root *= 1.0 + rest * (0.5 + 0.375 * rest)
+        cube = root * root * root
+        f_z += cube * d_z
+        f_y += cube * d_y
+        f_x += cube * d_x
+    return f_z, f_y, f_x
+
+
+@lru_cache(maxsize=2)
+def _series(axes: int) -> tuple[Index, Index, Index]:
+    """Terms of a series, their places, and their products.
+
+    Terms are powers (a, b, c) by their order, shape (T, 3); places, by a, b and c, are where a term is among them.
+    Rows of products, shape (P, 3), are two terms and the one whose powers are their sums: Taylor's theorem connects a
+    derivative in a leaf, a moment, and the derivative of 1 / r by them, or a moment of a box, one of its half, and the
+    way between their centers.
+    """
+    every = [term for term in product(range(_ORDER + 1), repeat=3) if sum(term) <= _ORDER and not (axes == 2 and term[0])]
+    terms = np.array(sorted(every, key=lambda term: (sum(term), term)), np.int64)
+    places = np.full((_ORDER + 2,) * 3, -1, np.int64)
+    places[tuple(terms.T)] = np.arange(len(terms))
+    rows = [(t, s, places[tuple(terms[t] + terms[s])]) for t, s in product(range(len(terms)), repeat=2)
+            if (terms[t] + terms[s]).sum() <= _ORDER]
+    return terms, places, np.array(rows, np.int64)
+
+
+def _tree_sums(points: Array, targets: Index, axes: int, tolerance: float) -> Array:
+    """The sums of `_pair_sums` with a relative error over all particles (l2) within the tolerance."""
+    count, depth = points.shape[1], 0
+    while count > _FULLEST << depth:
+        depth += 1
+    leaves, order, series = 1 << depth, np.arange(count), _series(axes)
+    box = np.empty((2 * leaves, 4))
+    for level in range(depth + 1):
+        boxes = 1 << level
+        share(lambda a, b, n=boxes: _halve(points, order, box, n, a, b), boxes, _WORTH_A_THREAD * boxes // count + 1)
+    sites = np.ascontiguousarray(points[:, order])
+    moments = np.zeros((2 * leaves, len(series[0])))
+    for level in range(depth, -1, -1):
+        boxes = 1 << level
+        share(lambda a, b, n=boxes: _gather(sites, box, *series, n + a, n + b, moments), boxes, 64)
+    step = np.arange(_SAMPLES)
+    # The golden ratio avoids a sample that follows a regular pattern of the particles.
+    chosen = ((step + 0.618034 * step % 1.0) * count / _SAMPLES).astype(np.int64)
+    usual = np.sort((_pair_sums(sites, chosen) ** 2).sum(axis=1))[:_KEPT].mean()
+    allowed = (_SHARE * tolerance * min(tolerance, 1e-3) ** (1.0 / _ORDER)) ** 2 * usual
+    wanted = np.zeros(count, np.bool_)
+    wanted[targets] = True
+    wanted, force = wanted[order], np.zeros((count, 3))
+    share(lambda a, b: _sum_leaves(sites, box, moments, *series, wanted, allowed, a, b, order, force), leaves, 4)
+    return force[targets]
+
+
+@compiled
+def _halve(points: Array, order: Index, box: Array, boxes: int, first: int, last: int) -> None:
+    """Write center and radius of some of the boxes of a level, and sort their particles into two halves each."""
+    count, low, high = len(order), np.empty(3), np.empty(3)
+    for k in range(first, last):
+        start, end = count * k // boxes, count * (k + 1) // boxes
+        for axis in range(3):
+            low[axis], high[axis] = np.inf, -np.inf
+            for n in range(start, end):
+                low[axis] = min(low[axis], points[axis, order[n]])
+                high[axis] = max(high[axis], points[axis, order[n]])
+            box[boxes + k, axis] = 0.5 * (low[axis] + high[axis])
+        box[boxes + k, 3] = 0.5 * np.sqrt(((high - low) ** 2).sum())
+        if 2 * boxes < len(box):
+            key = points[(high - low).argmax()][order[start:end]]
+            half = order[start:end][np.argpartition(key, count * (2 * k + 1) // (2 * boxes) - start)]
+            for n in range(start, end):
+                order[n] = half[n - start]
+
+
+@compiled
+def _write_powers(z: float, y: float, x: float, terms: Index, power: Array) -> None:
+    """``z^a y^b x^c / (a! b! c!)`` for each term."""
+    for t in range(len(terms)):
+        power[t] = 1.0
+        for axis in range(3):
+            along = z if axis == 0 else y if axis == 1 else x
+            for n in range(terms[t, axis]):
+                power[t] *= along / (n + 1)
+
+
+@compiled
+def _gather(
+    sites: Array, box: Array, terms: Index, places: Index, products: Index, first: int, last: int, moments: Array
+) -> None:
+    """Moments of some boxes: of leaves from their particles, of others from those of their halves."""
+    count, leaves, power = sites.shape[1], len(box) // 2, np.empty(len(terms))
+    for node in range(first, last):
+        z, y, x = box[node, 0], box[node, 1], box[node, 2]
+        if node >= leaves:
+            for i in range(count * (node - leaves) // leaves, count * (node - leaves + 1) // leaves):
+                _write_powers(z - sites[0, i], y - sites[1, i], x - sites[2, i], terms, power)
+                for t in range(len(terms)):
+                    moments[node, t] += power[t]
+        else:
+            for half in range(2 * node, 2 * node + 2):
+                _write_powers(z - box[half, 0], y - box[half, 1], x - box[half, 2], terms, power)
+                for n in range(len(products)):
+                    moments[node, products[n, 2]] += moments[half, products[n, 0]] * power[products[n, 1]]
+
+
+@compiled
+def _write_derivatives(z: float, y: float, x: float, terms: Index, places: Index, d: Array) -> None:
+    """Derivatives of 1 / r at (z, y, x) for each term, from those of the two orders below."""
+    inverse = 1.0 / (z * z + y * y + x * x)
+    d[0] = np.sqrt(inverse)
+    for t in range(1, len(terms)):
+        a, b, c = terms[t, 0], terms[t, 1], terms[t, 2]
+        n, one, two = a + b + c, 0.0, 0.0
+        if a > 0:
+            one += a * z * d[places[a - 1, b, c]]
+        if b > 0:
+            one += b * y * d[places[a, b - 1, c]]
+        if c > 0:
+            one += c * x * d[places[a, b, c - 1]]
+        if a > 1:
+            two += a * (a - 1) * d[places[a - 2, b, c]]
+        if b > 1:
+            two += b * (b - 1) * d[places[a, b - 2, c]]
+        if c > 1:
+            two += c * (c - 1) * d[places[a, b, c - 2]]
+        d[t] = -inverse * ((2 * n - 1) * one + (n - 1) * two) / n
+
+
+@compiled
+def _sum_leaves(
+    sites: Array,
+    box: Array,
+    moments: Array,
+    terms: Index,
+    places: Index,
+    products: Index,
+    wanted: Mask,
+    allowed: float,
+    first: int,
+    last: int,
+    order: Index,
+    force: Array,
+) -> None:
+    """Force on the particles of some leaves."""
+    count, leaves = sites.shape[1], len(box) // 2
+    stack, near = np.empty(64 + leaves, np.int64), np.empty(leaves, np.int64)
+    d, local = np.empty(len(terms)), np.empty(len(terms))
+    for leaf in range(first, last):
+        start, end = count * leaf // leaves, count * (leaf + 1) // leaves
+        if not wanted[start:end].any():
+            continue
+        here_z, here_y, here_x, radius = box[leaves + leaf]
+        local[:] = 0.0
+        found, top = 0, 1
+        stack[0] = 1
+        while top > 0:
+            top -= 1
+            other = stack[top]
+            z, y, x = here_z - box[other, 0], here_y - box[other, 1], here_x - box[other, 2]
+            squared, reach = z * z + y * y + x * x, (radius + box[other, 3]) ** 2
+            far = squared > _SAME_SPOT and reach < _WIDEST * squared
+            if far and moments[other, 0] ** 2 * reach**_ORDER <= allowed * squared ** (_ORDER + 2):
+                _write_derivatives(z, y, x, terms, places, d)
+                for n in range(len(products)):
+                    local[products[n, 0]] += moments[other, products[n, 1]] * d[products[n, 2]]
+            elif other < leaves:
+                stack[top], stack[top + 1] = 2 * other, 2 * other + 1
+                top += 2
+            else:
+                near[found] = other - leaves
+                found += 1
+        for i in range(start, end):
+            if wanted[i]:
+                to = order[i]
+                _write_powers(sites[0, i] - here_z, sites[1, i] - here_y, sites[2, i] - here_x, terms, d)
+                for n in range(len(products)):
+                    t, s, u = products[n, 0], products[n, 1], products[n, 2]
+                    for axis in range(3):
+                        if t > 0 and terms[t].sum() == 1 and terms[t, axis]:
+                            force[to, axis] -= d[s] * local[u]
+                for n in range(found):
+                    begin, stop = count * near[n] // leaves, count * (near[n] + 1) // leaves
+                    f_z, f_y, f_x = _pairs_of(sites, begin, stop, i)
+                    force[to, 0] += f_z
+                    force[to, 1] += f_y
+                    force[to, 2] += f_x
