@@ -48,7 +48,7 @@ _SAMPLES, _KEPT = 32, 24
 _ORDER = 4
 """Order of the series."""
 
-_FULLEST = 48
+_FULLEST = 32
 """Particles in a leaf."""
 
 _SHARE = 1.4
@@ -152,15 +152,16 @@ def _pair_sums(sites: Array, targets: Index) -> Array:
 @reordered
 def _sum_pairs(sites: Array, targets: Index, first: int, last: int, force: Array) -> None:
     for n in range(first, last):
-        force[n, 0], force[n, 1], force[n, 2] = _pairs_of(sites, 0, sites.shape[1], targets[n])
+        force[n, 0], force[n, 1], force[n, 2] = _pairs_of(
+            sites, sites.shape[1], sites[0, targets[n]], sites[1, targets[n]], sites[2, targets[n]]
+        )
 
 
 @reordered
-def _pairs_of(sites: Array, first: int, last: int, i: int) -> tuple[float, float, float]:
-    """Eq. (9) for a particle and a range of the others, which may include itself."""
-    z, y, x = sites[0, i], sites[1, i], sites[2, i]
+def _pairs_of(sites: Array, count: int, z: float, y: float, x: float) -> tuple[float, float, float]:
+    """Eq. (9) for a particle at (z, y, x) and the first of the others, which may include itself."""
     f_z, f_y, f_x = 0.0, 0.0, 0.0
-    for j in range(first, last):
+    for j in range(count):
         d_z, d_y, d_x = z - sites[0, j], y - sites[1, j], x - sites[2, j]
         squared = d_z * d_z + d_y * d_y + d_x * d_x
         squared = squared if squared > _SAME_SPOT else 1.0
@@ -184,12 +185,17 @@ def _series(axes: int) -> tuple[Index, Index, Index]:
     derivative in a leaf, a moment, and the derivative of 1 / r by them, or a moment of a box, one of its half, and the
     way between their centers.
     """
-    every = [term for term in product(range(_ORDER + 1), repeat=3) if sum(term) <= _ORDER and not (axes == 2 and term[0])]
+    every = [
+        term for term in product(range(_ORDER + 1), repeat=3) if sum(term) <= _ORDER and not (axes == 2 and term[0])
+    ]
     terms = np.array(sorted(every, key=lambda term: (sum(term), term)), np.int64)
     places = np.full((_ORDER + 2,) * 3, -1, np.int64)
     places[tuple(terms.T)] = np.arange(len(terms))
-    rows = [(t, s, places[tuple(terms[t] + terms[s])]) for t, s in product(range(len(terms)), repeat=2)
-            if (terms[t] + terms[s]).sum() <= _ORDER]
+    rows = [
+        (t, s, places[tuple(terms[t] + terms[s])])
+        for t, s in product(range(len(terms)), repeat=2)
+        if (terms[t] + terms[s]).sum() <= _ORDER
+    ]
     return terms, places, np.array(rows, np.int64)
 
 
@@ -241,14 +247,13 @@ def _halve(points: Array, order: Index, box: Array, boxes: int, first: int, last
 
 
 @compiled
-def _write_powers(z: float, y: float, x: float, terms: Index, power: Array) -> None:
+def _write_powers(away: Array, terms: Index, power: Array) -> None:
     """``z^a y^b x^c / (a! b! c!)`` for each term."""
     for t in range(len(terms)):
         power[t] = 1.0
         for axis in range(3):
-            along = z if axis == 0 else y if axis == 1 else x
             for n in range(terms[t, axis]):
-                power[t] *= along / (n + 1)
+                power[t] *= away[axis] / (n + 1)
 
 
 @compiled
@@ -258,15 +263,14 @@ def _gather(
     """Moments of some boxes: of leaves from their particles, of others from those of their halves."""
     count, leaves, power = sites.shape[1], len(box) // 2, np.empty(len(terms))
     for node in range(first, last):
-        z, y, x = box[node, 0], box[node, 1], box[node, 2]
         if node >= leaves:
             for i in range(count * (node - leaves) // leaves, count * (node - leaves + 1) // leaves):
-                _write_powers(z - sites[0, i], y - sites[1, i], x - sites[2, i], terms, power)
+                _write_powers(box[node, :3] - sites[:, i], terms, power)
                 for t in range(len(terms)):
                     moments[node, t] += power[t]
         else:
             for half in range(2 * node, 2 * node + 2):
-                _write_powers(z - box[half, 0], y - box[half, 1], x - box[half, 2], terms, power)
+                _write_powers(box[node] - box[half], terms, power)
                 for n in range(len(products)):
                     moments[node, products[n, 2]] += moments[half, products[n, 0]] * power[products[n, 1]]
 
@@ -309,46 +313,103 @@ def _sum_leaves(
     order: Index,
     force: Array,
 ) -> None:
-    """Force on the particles of some leaves."""
-    count, leaves = sites.shape[1], len(box) // 2
-    stack, near = np.empty(64 + leaves, np.int64), np.empty(leaves, np.int64)
-    d, local = np.empty(len(terms)), np.empty(len(terms))
-    for leaf in range(first, last):
-        start, end = count * leaf // leaves, count * (leaf + 1) // leaves
+    """Force on the particles of some leaves.
+
+    For the box of each level that holds a leaf, `left` are the boxes that it leaves to its halves, and `local` are the
+    derivatives of the potential of those that are far from it.
+    """
+    count, leaves, depth = sites.shape[1], len(box) // 2, 1
+    while 1 << depth <= leaves:
+        depth += 1
+    stack, left, near = np.empty(4 * leaves, np.int64), np.empty((depth + 1, leaves), np.int64), np.empty((3, count))
+    d, local, length, present = (
+        np.empty(len(terms)),
+        np.zeros((depth + 1, len(terms))),
+        np.zeros(depth + 1, np.int64),
+        0,
+    )
+    left[0, 0], length[0] = 1, 1
+    for node in range(leaves + first, leaves + last):
+        start, end = count * (node - leaves) // leaves, count * (node - leaves + 1) // leaves
         if not wanted[start:end].any():
             continue
-        here_z, here_y, here_x, radius = box[leaves + leaf]
-        local[:] = 0.0
-        found, top = 0, 1
-        stack[0] = 1
-        while top > 0:
-            top -= 1
-            other = stack[top]
-            z, y, x = here_z - box[other, 0], here_y - box[other, 1], here_x - box[other, 2]
-            squared, reach = z * z + y * y + x * x, (radius + box[other, 3]) ** 2
-            far = squared > _SAME_SPOT and reach < _WIDEST * squared
-            if far and moments[other, 0] ** 2 * reach**_ORDER <= allowed * squared ** (_ORDER + 2):
-                _write_derivatives(z, y, x, terms, places, d)
+        same = depth  # levels whose boxes hold the leaf before as well
+        while same and node >> (depth - same) != present >> (depth - same):
+            same -= 1
+        present = node
+        for level in range(same + 1, depth + 1):
+            here = node >> (depth - level)
+            for t in range(len(terms)):
+                local[level, t] = 0.0
+            if level > 1:
+                _write_powers(box[here] - box[here // 2], terms, d)
                 for n in range(len(products)):
-                    local[products[n, 0]] += moments[other, products[n, 1]] * d[products[n, 2]]
-            elif other < leaves:
-                stack[top], stack[top + 1] = 2 * other, 2 * other + 1
-                top += 2
-            else:
-                near[found] = other - leaves
-                found += 1
+                    local[level, products[n, 0]] += local[level - 1, products[n, 2]] * d[products[n, 1]]
+            for n in range(length[level - 1]):
+                stack[n] = left[level - 1, n]
+            length[level] = _add_far(
+                box,
+                moments,
+                terms,
+                places,
+                products,
+                allowed,
+                here,
+                stack,
+                length[level - 1],
+                left[level],
+                local[level],
+            )
+        listed = 0
+        for n in range(length[depth]):
+            other = left[depth, n] - leaves
+            for i in range(count * other // leaves, count * (other + 1) // leaves):
+                near[0, listed], near[1, listed], near[2, listed] = sites[0, i], sites[1, i], sites[2, i]
+                listed += 1
         for i in range(start, end):
             if wanted[i]:
                 to = order[i]
-                _write_powers(sites[0, i] - here_z, sites[1, i] - here_y, sites[2, i] - here_x, terms, d)
-                for n in range(len(products)):
-                    t, s, u = products[n, 0], products[n, 1], products[n, 2]
-                    for axis in range(3):
-                        if t > 0 and terms[t].sum() == 1 and terms[t, axis]:
-                            force[to, axis] -= d[s] * local[u]
-                for n in range(found):
-                    begin, stop = count * near[n] // leaves, count * (near[n] + 1) // leaves
-                    f_z, f_y, f_x = _pairs_of(sites, begin, stop, i)
-                    force[to, 0] += f_z
-                    force[to, 1] += f_y
-                    force[to, 2] += f_x
+                force[to, 0], force[to, 1], force[to, 2] = _pairs_of(
+                    near, listed, sites[0, i], sites[1, i], sites[2, i]
+                )
+                _write_powers(sites[:, i] - box[node, :3], terms, d)
+                for s in range(len(terms)):
+                    a, b, c = terms[s, 0], terms[s, 1], terms[s, 2]
+                    for axis in range(3 if a + b + c < _ORDER else 0):
+                        above = places[a + (axis == 0), b + (axis == 1), c + (axis == 2)]
+                        force[to, axis] -= d[s] * local[depth, above] if above >= 0 else 0.0
+
+
+@compiled
+def _add_far(
+    box: Array,
+    moments: Array,
+    terms: Index,
+    places: Index,
+    products: Index,
+    allowed: float,
+    node: int,
+    stack: Index,
+    top: int,
+    left: Index,
+    local: Array,
+) -> int:
+    """Add the effect of the boxes of a stack that are far from a node, and list those left; how many these are."""
+    leaves, d, found = len(box) // 2, np.empty(len(terms)), 0
+    while top > 0:
+        top -= 1
+        other = stack[top]
+        z, y, x = box[node, 0] - box[other, 0], box[node, 1] - box[other, 1], box[node, 2] - box[other, 2]
+        squared, reach = z * z + y * y + x * x, (box[node, 3] + box[other, 3]) ** 2
+        far = squared > _SAME_SPOT and reach < _WIDEST * squared
+        if far and moments[other, 0] ** 2 * reach**_ORDER <= allowed * squared ** (_ORDER + 2):
+            _write_derivatives(z, y, x, terms, places, d)
+            for n in range(len(products)):
+                local[products[n, 0]] += moments[other, products[n, 1]] * d[products[n, 2]]
+        elif other < leaves and (node >= leaves or box[other, 3] > box[node, 3]):
+            stack[top], stack[top + 1] = 2 * other, 2 * other + 1
+            top += 2
+        else:
+            left[found] = other
+            found += 1
+    return found

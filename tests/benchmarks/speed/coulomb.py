@@ -47,7 +47,7 @@ def coulomb_forces(patience: Patience) -> Iterator[Measurement]:
 def _compile_loops() -> None:
     """Compile the loops of every method, some of which no run needs, before times are taken."""
     points = along_curves(400)
-    for method in ("exact", "single", "tree"):
+    for method in ("exact", "tree"):
         coulomb_force(points, method)
     all_pairs(points)
 

@@ -88,17 +88,10 @@ def test_pairs_at_one_position_have_twice_the_force_of_single_particles():
 def test_the_choice_is_one_of_the_methods(count):
     points = rings(4000, np.random.default_rng(3))[:count]
     chosen = coulomb_force(points)
-    ways = [coulomb_force(points, method).tobytes() for method in ("exact", "single", "tree")]
+    ways = [coulomb_force(points, method).tobytes() for method in ("exact", "tree")]
     assert chosen.tobytes() in ways
     expected = coulomb_force(points, "exact")
     assert np.linalg.norm(chosen - expected) <= 1e-3 * np.linalg.norm(expected)
-
-
-def test_single_precision_is_not_chosen_where_it_is_not_enough():
-    """On a ring the pushes from both sides cancel; with so small a tolerance nothing but double precision is right."""
-    points = ring(1000, 300.0)
-    assert coulomb_force(points, tolerance=1e-8).tobytes() == coulomb_force(points, "exact").tobytes()
-    assert coulomb_force(points, "single").tobytes() != coulomb_force(points, "exact").tobytes()
 
 
 def test_few_targets_among_many_particles_are_summed_exactly():
