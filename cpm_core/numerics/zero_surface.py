@@ -23,8 +23,8 @@ def zero_surface(values: Single, inner: tuple[tuple[int, int], ...] | None = Non
     """Vertices [voxels], shape (N, 3), and triangles, shape (F, 3), of the surface around the voxels above zero.
 
     Seen from outside, triangles run counter-clockwise. Voxels inside hang together over sides, edges and corners, those
-    outside over sides alone. `inner` is the range of voxels to consider along each axis; the surface is open where it leaves
-    that range.
+    outside over sides alone. `inner` is the range of voxels to consider along each axis; the surface is open where it
+    leaves that range.
     """
     begin, end = np.transpose(inner if inner is not None else [(0, size) for size in values.shape])
     part = values[tuple(map(slice, begin, end))]
@@ -36,12 +36,8 @@ def zero_surface(values: Single, inner: tuple[tuple[int, int], ...] | None = Non
     size = np.maximum(size, least)
     corners = {at: inside[tuple(slice(k, n - 1 + k) for k, n in zip(at, part.shape, strict=True))] for at in _CORNERS}
     two = np.sum(list(corners.values()), axis=0, dtype=np.uint8) == 2
-    for plane, row, col in _CORNERS[:4]:
-        joint = np.argwhere(two & corners[plane, row, col] & corners[1 - plane, 1 - row, 1 - col]) + (
-            1 - plane,
-            row,
-            col,
-        )
+    for (plane, row, col), corner in zip(_CORNERS[:4], _CORNERS[:3:-1], strict=True):
+        joint = np.argwhere(two & corners[plane, row, col] & corners[corner]) + np.array((1 - plane, row, col))
         inside[tuple(joint.T)], size[tuple(joint.T)] = True, least
     vertices, faces, _, _ = skimage.measure.marching_cubes(np.where(inside, -size, size), 0.0, method="lorensen")  # type: ignore[no-untyped-call]
     return vertices.astype(float) + begin, faces.astype(np.int64)

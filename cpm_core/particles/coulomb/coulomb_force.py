@@ -17,7 +17,7 @@ particle cancel; and where all of them do, everything is near, and the sum is ex
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import product
 
 import numpy as np
@@ -208,12 +208,12 @@ def _tree_sums(points: Array, targets: Index, axes: int, tolerance: float) -> Ar
     box = np.empty((2 * leaves, 4))
     for level in range(depth + 1):
         boxes = 1 << level
-        share(lambda a, b, n=boxes: _halve(points, order, box, n, a, b), boxes, _WORTH_A_THREAD * boxes // count + 1)
+        share(partial(_halve, points, order, box, boxes), boxes, _WORTH_A_THREAD * boxes // count + 1)
     sites = np.ascontiguousarray(points[:, order])
     moments = np.zeros((2 * leaves, len(series[0])))
     for level in range(depth, -1, -1):
         boxes = 1 << level
-        share(lambda a, b, n=boxes: _gather(sites, box, *series, n + a, n + b, moments), boxes, 64)
+        share(partial(_gather, sites, box, *series, moments, boxes), boxes, 64)
     step = np.arange(_SAMPLES)
     # The golden ratio avoids a sample that follows a regular pattern of the particles.
     chosen = ((step + 0.618034 * step % 1.0) * count / _SAMPLES).astype(np.int64)
@@ -258,11 +258,19 @@ def _write_powers(away: Array, terms: Index, power: Array) -> None:
 
 @compiled
 def _gather(
-    sites: Array, box: Array, terms: Index, places: Index, products: Index, first: int, last: int, moments: Array
+    sites: Array,
+    box: Array,
+    terms: Index,
+    places: Index,
+    products: Index,
+    moments: Array,
+    boxes: int,
+    first: int,
+    last: int,
 ) -> None:
-    """Moments of some boxes: of leaves from their particles, of others from those of their halves."""
+    """Moments of some boxes of a level: of leaves from their particles, of others from those of their halves."""
     count, leaves, power = sites.shape[1], len(box) // 2, np.empty(len(terms))
-    for node in range(first, last):
+    for node in range(boxes + first, boxes + last):
         if node >= leaves:
             for i in range(count * (node - leaves) // leaves, count * (node - leaves + 1) // leaves):
                 _write_powers(box[node, :3] - sites[:, i], terms, power)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from cpm_core import coulomb_force
 from cpm_core.numerics import parallel
-from tests.core.particles.crowds import PLANE, SPACE, even_sphere, relative_error, ring, rings
+from tests.core.particles.crowds import PLANE, SPACE, even_sphere, relative_error, rings
 
 SCENES = {f"{name}, plane": points for name, points in PLANE.items()}
 SCENES |= {f"{name}, space": points for name, points in SPACE.items()}
