@@ -15,9 +15,9 @@ from cpm_core.numerics.types import Array
 from cpm_core.numerics.vectors import Vector
 from cpm_core.parameters.quotation import counted, described
 from cpm_core.particles.coverage import Coverage
-from cpm_core.particles.coverage.space import SurfaceCoverage
 from cpm_core.particles.mesh import MeshForce
 from cpm_core.particles.surface_contact import SurfaceContact
+from cpm_core.particles.surface_coverage import SurfaceCoverage
 
 MEMORY = 4
 """Number T of steps in eq. (23)."""
@@ -285,7 +285,7 @@ class State:
         particles, mesh, contact = self.particles, self.mesh, self.particles.contact
         return [
             *(particles.position, particles.velocity, particles.force, particles.distance, particles.identity),
-            *self.coverage.tiles,
+            *self.coverage[:2],
             *(() if mesh is None else (mesh.force,)),
             *(() if self.space is None else (self.space.covered.cells,)),
             *(() if contact is None else (contact.normal, contact.seated, contact.strength, contact.woken)),

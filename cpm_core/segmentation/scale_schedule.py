@@ -12,9 +12,9 @@ from cpm_core.image.pyramid import shape_of_scale, to_image, to_scale
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.parameters import Parameters
 from cpm_core.particles.coverage import no_coverage
-from cpm_core.particles.coverage.space import no_surface
 from cpm_core.particles.initialization import allowed_by, inside_image
 from cpm_core.particles.state import Particles, State
+from cpm_core.particles.surface_coverage import no_surface
 from cpm_core.segmentation.completion.plane import is_travelling, reseeded, without_off_edge, without_resting_off_edge
 
 _STEPS_A_PIXEL = 2.0

@@ -19,7 +19,7 @@ from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.types import Index
 from cpm_core.parameters import Parameters
 from cpm_core.particles.cell_list.plane import build_cells
-from cpm_core.particles.coverage.plane import cover, idle_at
+from cpm_core.particles.coverage import cover, idle_at
 from cpm_core.particles.initialization import inside_image
 from cpm_core.particles.state import State
 

@@ -24,9 +24,9 @@ from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.numerics.vectors import Vector
 from cpm_core.parameters import Parameters
 from cpm_core.particles.cell_list.space import Cells, build_cells, cells_around, row_of_cells
-from cpm_core.particles.coverage.space import SurfaceCoverage, cover, no_surface
 from cpm_core.particles.state import Particles, SpaceState, State
 from cpm_core.particles.surface_contact import SurfaceContact
+from cpm_core.particles.surface_coverage import SurfaceCoverage, cover, no_surface
 
 _AWAKE, _PATIENCE = 12, 60
 """Steps without new ground after which a seated particle sleeps, and slow ones after which a free particle goes."""

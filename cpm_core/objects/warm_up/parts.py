@@ -17,8 +17,7 @@ from cpm_core.objects.methods import CONTOUR_METHODS, Start, run_method
 from cpm_core.objects.partition import partition
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.particles.coulomb.mesh_force.plane import mesh_force
-from cpm_core.particles.coverage import no_coverage
-from cpm_core.particles.coverage.plane import cover
+from cpm_core.particles.coverage import cover, no_coverage
 from cpm_core.particles.initialization import circle
 from cpm_core.particles.volume_starts import sphere
 from cpm_core.segmentation.engine import Engine

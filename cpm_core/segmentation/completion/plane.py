@@ -13,7 +13,7 @@ from cpm_core.field.placed_charges import at_scale, placed_force, radius_at, wit
 from cpm_core.field.scale_field import GATE, ScaleField
 from cpm_core.numerics.types import Array, Index
 from cpm_core.parameters import Parameters
-from cpm_core.particles.coverage.plane import idle_at
+from cpm_core.particles.coverage import idle_at
 from cpm_core.particles.state import State
 from cpm_core.segmentation.enclosed_regions import RESEEDINGS, reseeding_places
 

@@ -20,8 +20,8 @@ from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.types import Array, Index
 from cpm_core.parameters import Parameters
 from cpm_core.particles.coverage import no_coverage
-from cpm_core.particles.coverage.space import no_surface
 from cpm_core.particles.state import Particles, SpaceState, State
+from cpm_core.particles.surface_coverage import no_surface
 from cpm_core.segmentation import interventions
 from cpm_core.segmentation.completion.space import launched, settled
 from cpm_core.segmentation.laws.outcome import forces_asked, result_of

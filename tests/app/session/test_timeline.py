@@ -48,7 +48,7 @@ def same(one: State, other: State) -> bool:
     arrays = ("position", "velocity", "force", "distance", "identity")
     alike = all(getattr(one.particles, name).tobytes() == getattr(other.particles, name).tobytes() for name in arrays)
     fields = ("step", "step_of_scale", "scale", "annealed", "next_identity", "idle", "quiet", "stop_reason", "steering")
-    grounds = all(a.tobytes() == b.tobytes() for a, b in zip(one.coverage.tiles, other.coverage.tiles, strict=True))
+    grounds = all(a.tobytes() == b.tobytes() for a, b in zip(one.coverage[:2], other.coverage[:2], strict=True))
     return alike and grounds and all(getattr(one, name) == getattr(other, name) for name in fields)
 
 
@@ -169,7 +169,7 @@ class TimelineMachine(RuleBasedStateMachine):
         arrays = {
             id(array): array.nbytes
             for state in kept
-            for array in (*(getattr(state.particles, name) for name in Particles.__slots__), *state.coverage.tiles)
+            for array in (*(getattr(state.particles, name) for name in Particles.__slots__), *state.coverage[:2])
             if array is not None
         }
         assert timeline.used == sum(arrays.values())

@@ -14,9 +14,9 @@ from cpm_core.dynamics.integrator.space import move
 from cpm_core.dynamics.time_step.space import _wake
 from cpm_core.field.volume.volume_field import VolumeField, build_volume_field
 from cpm_core.particles.cell_list.space import build_cells
-from cpm_core.particles.coverage.space import cover, no_surface
 from cpm_core.particles.state import Particles
 from cpm_core.particles.surface_contact import SurfaceContact
+from cpm_core.particles.surface_coverage import cover, no_surface
 
 from .moving import cloud, crowds
 

@@ -10,7 +10,7 @@ from cpm_core.dynamics.equilibrium import IDLE_STEPS, STILL, epsilon
 from cpm_core.dynamics.integrator.plane import mesh_force_of, move
 from cpm_core.dynamics.time_step.plane import displaced, populated
 from cpm_core.field.scale_field import build_scale_field
-from cpm_core.particles.coverage.plane import idle_at
+from cpm_core.particles.coverage import idle_at
 
 from ..scenes import disk
 from .moving import cloud

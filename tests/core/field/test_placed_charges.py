@@ -21,7 +21,7 @@ from cpm_core.field.placed_charges import (
     radius_at,
 )
 from cpm_core.image.pyramid import to_image
-from cpm_core.particles.coverage.plane import idle_at
+from cpm_core.particles.coverage import idle_at
 from cpm_core.particles.state import Particles
 
 from ..dynamics.moving import even_scale_field
