@@ -32,8 +32,7 @@ FLOORS = (
     "cpm_core.numerics",
     "cpm_core.image",
     "cpm_core.field",
-    "cpm_core.particles",
-    "cpm_core.dynamics",
+    "cpm_core.model",
     "cpm_core.contours",
     "cpm_core.reconstruction",
     "cpm_core.medial_axis",
@@ -146,7 +145,7 @@ def test_the_rules_see_an_import_that_breaks_them(name, source):
     [
         (
             "cpm_core.segmentation.engine",
-            "import numpy\nfrom cpm_core.particles import State\nfrom . import coulomb",
+            "import numpy\nfrom cpm_core.model import State\nfrom . import coulomb",
         ),
         ("app.session.session", "from PySide6.QtCore import QObject\nfrom app.model.document.document import Document"),
         (

@@ -12,8 +12,8 @@ from pathlib import Path
 from types import TracebackType
 
 from cpm_core.formats.printable import printable
+from cpm_core.model.state import State
 from cpm_core.objects.warm_up import FIRST, compile_ahead, is_compiled
-from cpm_core.particles.state import State
 
 _REDRAW = 0.1  # [s] between two lines of progress
 

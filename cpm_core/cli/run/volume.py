@@ -28,12 +28,12 @@ from cpm_core.formats.provenance import with_shapes
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions, Pair, VolumeRegions
+from cpm_core.model.starts import stroke
+from cpm_core.model.volume.starts import at_centers, everywhere, on_strong_edges, sphere
 from cpm_core.numerics.types import Array
 from cpm_core.objects.partition import partition
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.quotation import shown
-from cpm_core.particles.initialization import stroke
-from cpm_core.particles.volume_starts import at_centers, everywhere, on_strong_edges, sphere
 from cpm_core.segmentation.segment import segment
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on, starts_of
 

@@ -17,15 +17,13 @@ from cpm_core.formats.sessions.plain_arrays import array_from_plain, array_to_pl
 from cpm_core.formats.sessions.plain_values import mapping, number
 from cpm_core.formats.sessions.space_state import contact_from_plain, covered_from_plain, space_to_plain
 from cpm_core.image.pyramid import shape_of_scale
+from cpm_core.model.coverage import NEVER, Coverage, no_coverage
+from cpm_core.model.plane.repulsion import NO_MESH, PITCH, mesh_shape, softening
+from cpm_core.model.starts import inside_image
+from cpm_core.model.state import MEMORY, MeshForce, Particles, SpaceState, State
 from cpm_core.numerics.types import Array
 from cpm_core.numerics.vectors import Vector
 from cpm_core.parameters.quotation import shown
-from cpm_core.particles.coulomb.mesh_force import PITCH, mesh_shape, softening
-from cpm_core.particles.coulomb.mesh_force.plane import NO_MESH
-from cpm_core.particles.coverage import NEVER, Coverage, no_coverage
-from cpm_core.particles.initialization import inside_image
-from cpm_core.particles.mesh import MeshForce
-from cpm_core.particles.state import MEMORY, Particles, SpaceState, State
 
 _COUNTS = (
     *("step", "step_of_scale", "reactivated", "next_identity", "born", "deleted", "moving", "idle", "quiet"),

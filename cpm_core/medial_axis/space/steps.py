@@ -22,10 +22,10 @@ from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeleton_method import SkeletonMethod, SkeletonState
 from cpm_core.medial_axis.space.centerlines import Centerlines, centerlines
 from cpm_core.medial_axis.space.volume_skeleton import OF_CENTERLINES, inside_edges
+from cpm_core.model.state import Particles
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.provenance import Provenance, taken
-from cpm_core.particles.state import Particles
 
 _MOST_SHOWN = 20_000
 """Points of the boundary that are shown at most."""

@@ -10,10 +10,10 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
+from cpm_core.model.starts import loop, stroke
 from cpm_core.numerics.polyline import thinned
 from cpm_core.numerics.types import Array, Position
 from cpm_core.parameters.quotation import counted, described
-from cpm_core.particles.initialization import loop, stroke
 from cpm_core.segmentation.pages.tracks import TrackEvent
 
 _DECIMALS, _OF_MEASURES = 4, 6

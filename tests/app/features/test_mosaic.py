@@ -21,7 +21,7 @@ from app.views.main_window import MainWindow
 from app.views.mosaic import MosaicDialog
 from app.views.mosaic.tile import EnlargedTile
 from cpm_core import PRESETS, Engine, Parameters, segment
-from cpm_core.particles.initialization import circle
+from cpm_core.model.starts import circle
 from cpm_core.shapes import Charge
 from tests.app.conftest import Hand, disc
 

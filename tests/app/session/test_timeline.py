@@ -18,9 +18,9 @@ from app.session.worker.recorded_run import Begun, RecordedRun, RunRecord
 from cpm_core import Engine, Parameters
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.regions import Regions
-from cpm_core.particles.coverage import no_coverage
-from cpm_core.particles.initialization import circle
-from cpm_core.particles.state import Particles, State
+from cpm_core.model.coverage import no_coverage
+from cpm_core.model.starts import circle
+from cpm_core.model.state import Particles, State
 
 AMPLE = 10**9
 

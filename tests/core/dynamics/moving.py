@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core import Parameters
-from cpm_core.dynamics.edge_contact import EdgeContact
-from cpm_core.dynamics.edge_contact.plane import contact_at
 from cpm_core.field.scale_field import PackedForce, ScaleField
-from cpm_core.particles.cell_list.plane import build_cells
+from cpm_core.model.plane.births import EdgeContact
+from cpm_core.model.plane.motion import contact_at
+from cpm_core.model.plane.repulsion import build_cells
 
 Array = NDArray[np.float64]
 

@@ -8,8 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.ndimage import map_coordinates
 
-from cpm_core.dynamics.edge_contact import is_on_edge, plane
 from cpm_core.field.scale_field import GATE, PackedForce
+from cpm_core.model.plane import motion as plane
+from cpm_core.model.plane.motion import is_on_edge
 
 from .moving import cloud, even_scale_field
 

@@ -10,7 +10,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.surface import Surface
 from cpm_core.formats.meshes.swc import write_swc
 from cpm_core.medial_axis.space.centerlines import centerlines
-from cpm_core.medial_axis.space.thinning import thinned
+from cpm_core.numerics.voxel_graph import thinned
 from cpm_core.numerics.zero_surface import zero_surface
 from tests.core.reconstruction.surface.solids import ball, grid, ring, rod, union
 

@@ -7,7 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core.particles.cell_list import cell_of, plane, space
+from cpm_core.model.coverage import cell_of
+from cpm_core.model.plane import repulsion as plane
+from cpm_core.model.volume import motion as space
 
 from ..dynamics.moving import crowds
 

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core.particles import coverage as plane
-from cpm_core.particles.coverage import cover, idle_at, no_coverage, renewed, renewed_near
+from cpm_core.model import coverage as plane
+from cpm_core.model.coverage import cover, idle_at, no_coverage, renewed, renewed_near
 
 from ..dynamics.moving import cloud
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from cpm_core import Engine, Image, Parameters, Regions, circle
-from cpm_core.dynamics.equilibrium import STILL
 from cpm_core.field.interpolation import interpolate
+from cpm_core.model.equations import STILL
 from cpm_core.numerics import parallel
 
 from ..dynamics.moving import repulsion
