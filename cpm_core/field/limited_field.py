@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 import scipy
 
-from cpm_core.field.scale_field import PackedForce, ScaleField, least_strength, packed_force
+from cpm_core.field.scale_field import ScaleField, least_strength, packed_force
 from cpm_core.numerics.types import Mask
 
 _FULL, _GONE = 1.5, 3.0
@@ -34,7 +34,7 @@ def limited_to(scale_field: ScaleField, ridge: Mask) -> ScaleField:
     made_of = charged, scale_field.gradient, strength, strongest, scale_field.exponent
     return replace(
         scale_field,
-        force=PackedForce(partial(packed_force, *made_of)),
+        force=cache(partial(packed_force, *made_of)),
         edge_map=strength,
         strongest=strongest,
         fixed_charges=charged,

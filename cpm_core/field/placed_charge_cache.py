@@ -8,12 +8,13 @@ millisecond. Each thread has its own copy, so that none reads a field that is pa
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cache
 from threading import local
 
 import numpy as np
 
 from cpm_core.field.placed_charges import Charges, at_scale, box_of, changed, placed_force, placed_potential, radius_at
-from cpm_core.field.scale_field import PackedForce, ScaleField
+from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.types import Array
 
 
@@ -43,7 +44,7 @@ class PlacedChargeCache:
             return scale_field
         kept: _Kept | None = getattr(self._local, "kept", None)
         if kept is None or kept.plain is not scale_field:
-            kept = _Kept(scale_field, replace(scale_field, force=PackedForce(scale_field.packed.copy)), ())
+            kept = _Kept(scale_field, replace(scale_field, force=cache(scale_field.packed.copy)), ())
         dirty = changed(kept.charges, charges)
         if dirty:
             radius = radius_at(scale)

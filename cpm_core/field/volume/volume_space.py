@@ -2,28 +2,23 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
+from collections.abc import Callable
 from copy import copy
-from dataclasses import replace
-from threading import Lock
+from functools import lru_cache, partial
+from threading import RLock
+from typing import Literal
 
 import numpy as np
 
-from cpm_core.field.source_images import SourceImages
+from cpm_core.field.scale_space import SourceImages
 from cpm_core.field.volume.volume_field import VolumeField, build_volume_field
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import shape_of_scale, to_image
-from cpm_core.image.volume_barriers import Walls
 from cpm_core.image.volume_regions import VolumeRegions
 from cpm_core.numerics.types import Mask
 from cpm_core.numerics.vectors import Vector
 from cpm_core.parameters import DEFAULTS, OF_PLANES, Parameters
-
-_Key = tuple[int, float | str, float | str, float, float, str]
-"""Scale, gamma, smoothing and edge floor, from which the edges follow, and exponent and accuracy of their field."""
-
-_EDGES = 4
-"""Entries of a key that the edges depend on."""
+from cpm_core.parameters.choices import Accuracy
 
 LONGEST = 10.0
 """Side that a voxel has at most for particles, in units of the smallest one.
@@ -32,74 +27,85 @@ Particles are about two units apart. Along a longer side they would stand closer
 and be so many that a run takes minutes. Measures of the surface count the side as long as it is.
 """
 
-_KEPT_SETTINGS = 1
-"""Settings whose fields are kept: those of a volume take much memory."""
-
 
 class VolumeSpace:
     """Fields of a volume at its scales, for any parameters; threads may share it."""
 
     def __init__(self, image: Image, scales: int, regions: VolumeRegions | None = None) -> None:
-        self._pitch, self._shape = pitch_of(image.spacing), image.shape
-        self._sources = SourceImages(image.values, scales)
-        self._regions = regions
-        self._kept: OrderedDict[_Key, VolumeField] = OrderedDict()
-        self._lock = Lock()
+        self._pitch, self._sources = pitch_of(image.spacing), SourceImages(image.values, scales)
+        self._limit(regions, None)
+
+    def _limit(self, regions: VolumeRegions | None, known: Callable[..., VolumeField] | None) -> None:
+        """Take other regions; `known` has the fields of the same regions of interest."""
+        kept = lru_cache(len(self))
+        self._regions, self._lock = regions, RLock()
+        self._edges = known or kept(partial(_edges_of, self._sources, self._pitch, regions))
+        self._fields = kept(partial(_field_of, self._edges, self._sources.original[0].shape, self._pitch, regions))
 
     def __len__(self) -> int:
-        return len(self._sources)
+        return len(self._sources.original)
 
     def with_regions(self, regions: VolumeRegions | None) -> VolumeSpace:
         """The same volume with other regions; with the same regions of interest the fields are taken over."""
         other = copy(self)
-        other._regions, other._kept, other._lock = regions, OrderedDict(), Lock()
-        if _interest(regions) == _interest(self._regions):
-            with self._lock:
-                kept = tuple(self._kept.items())
-            for key, field in kept:
-                other._kept[key] = field.with_walls(other._walls(key[0]))
+        other._limit(regions, self._edges if _interest(regions) == _interest(self._regions) else None)
         return other
-
-    def _walls(self, scale: int) -> Walls | None:
-        """What no particle crosses at a scale."""
-        return None if self._regions is None else self._regions.walls(self._shape).at_scale(scale, self._pitch)
-
-    def _voxels(self, scale: int) -> Mask | None:
-        """Which voxels of a scale are of interest: those whose centers are."""
-        voxels = None if self._regions is None else self._regions.voxels(self._shape)
-        if voxels is None or scale == 0:
-            return voxels
-        size = shape_of_scale(self._shape, scale)
-        axes = []
-        for axis, (count, full) in enumerate(zip(size, self._shape, strict=True)):
-            centers = np.zeros((count, 3))
-            centers[:, axis] = np.arange(count)
-            centers = to_image(centers, scale, self._shape)[:, axis]
-            axes.append(np.clip(np.rint(centers), 0, full - 1).astype(int))
-        return np.asarray(voxels[np.ix_(*axes)])
 
     def at(self, scale: int, parameters: Parameters) -> VolumeField:
         """Fields of a scale; ValueError for parameters that have no meaning in a volume."""
         check_parameters(parameters)
-        far = parameters.exponent_in(len(self._shape)), parameters.accuracy
-        key = scale, parameters.gamma, parameters.smoothing, parameters.edge_floor, *far
+        edges = scale, parameters.gamma, parameters.smoothing, parameters.edge_floor
         with self._lock:
-            known = next((field for of, field in self._kept.items() if of[:_EDGES] == key[:_EDGES]), None)
-            if key not in self._kept and known is not None:
-                self._kept[key] = known.with_far_field(*far)
-            elif key not in self._kept:
-                values = self._sources.at(scale, replace(parameters, smoothing=0.0)).values  # not cleaned
-                own = parameters.smoothing, parameters.edge_floor, self._voxels(scale), self._walls(scale)
-                built = build_volume_field(values, self._pitch, *own)
-                self._kept[key] = built.with_far_field(*far)
-            self._kept.move_to_end(key)
-            while len(self._kept) > _KEPT_SETTINGS * len(self):
-                self._kept.popitem(last=False)
-            return self._kept[key]
+            return self._fields(parameters.exponent_in(3), parameters.accuracy, *edges)
 
     def prepare(self, parameters: Parameters) -> None:
         """Check the parameters; the fields are built when a run needs them."""
         check_parameters(parameters)
+
+
+def _edges_of(
+    sources: SourceImages,
+    pitch: Vector,
+    regions: VolumeRegions | None,
+    scale: int,
+    gamma: float | Literal["auto"],
+    smoothing: float | Literal["auto"],
+    edge_floor: float,
+) -> VolumeField:
+    """Fields of a scale without walls."""
+    values = sources.at(scale, "luminance", "contrast", gamma, 0.0).values  # not cleaned
+    return build_volume_field(values, pitch, smoothing, edge_floor, _voxels(regions, sources.original[0].shape, scale))
+
+
+def _field_of(
+    edges: Callable[..., VolumeField],
+    shape: tuple[int, ...],
+    pitch: Vector,
+    regions: VolumeRegions | None,
+    exponent: float,
+    accuracy: Accuracy,
+    scale: int,
+    *key: object,
+) -> VolumeField:
+    """Fields of a scale with the walls that no particle crosses."""
+    found = edges(scale, *key)
+    if (found.exponent, found.accuracy) != (exponent, accuracy):
+        found = found.with_far_field(exponent, accuracy)
+    return found if regions is None else found.with_walls(regions.walls(shape).at_scale(scale, pitch))
+
+
+def _voxels(regions: VolumeRegions | None, shape: tuple[int, ...], scale: int) -> Mask | None:
+    """Which voxels of a scale are of interest: those whose centers are."""
+    voxels = None if regions is None else regions.voxels(shape)
+    if voxels is None or scale == 0:
+        return voxels
+    axes = []
+    for axis, (count, full) in enumerate(zip(shape_of_scale(shape, scale), shape, strict=True)):
+        centers = np.zeros((count, 3))
+        centers[:, axis] = np.arange(count)
+        centers = to_image(centers, scale, shape)[:, axis]
+        axes.append(np.clip(np.rint(centers), 0, full - 1).astype(int))
+    return np.asarray(voxels[np.ix_(*axes)])
 
 
 def _interest(regions: VolumeRegions | None) -> tuple[object, ...]:
