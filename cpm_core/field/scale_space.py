@@ -1,8 +1,8 @@
 """The scale space of an image: the fields of each of its scales, built on first use.
 
 A scale field depends on what its edges are taken from (gray levels in their tone or a vessel measure, cleaned if
-asked), the edge floor and the largest width of the image border. With another edge floor or border only the field is built
-again, with another smoothing also the gradient. The barriers do not depend on parameters.
+asked), the edge floor and the largest width of the image border. With another edge floor or border only the field is
+built again, with another smoothing also the gradient. The barriers do not depend on parameters.
 """
 
 from __future__ import annotations

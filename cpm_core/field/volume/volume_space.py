@@ -73,7 +73,7 @@ def _edges_of(
     edge_floor: float,
 ) -> VolumeField:
     """Fields of a scale without walls."""
-    values = sources.at(scale, "luminance", "contrast", gamma, 0.0).values  # not cleaned
+    values = sources.at(scale, "luminance", "gradient", gamma, 0.0).values  # not cleaned
     return build_volume_field(values, pitch, smoothing, edge_floor, _voxels(regions, sources.original[0].shape, scale))
 
 

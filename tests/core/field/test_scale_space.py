@@ -230,20 +230,11 @@ def test_fields_of_a_large_image_take_half_the_memory_and_differ_by_rounding_onl
     double = ScaleSpace(IMAGE, 1, REGIONS).at(0, START)
     for module, name in ((scale_space_module, "LARGE"), (convolution_module, "_MOST_IN_DOUBLE")):
         monkeypatch.setattr(module, name, 0)
-    convolution_module._spectra.__init__()
     single = ScaleSpace(IMAGE, 1, REGIONS).at(0, START)
     for name in ("gradient", "edge_map", "fixed_charges"):
         assert getattr(single, name).dtype == np.float32
         np.testing.assert_allclose(getattr(single, name), getattr(double, name), rtol=0, atol=1e-6 * double.strongest)
     np.testing.assert_allclose(single.packed[..., :2], double.packed[..., :2], rtol=0, atol=2e-4)
-    convolution_module._spectra.__init__()
-
-
-def test_a_field_that_is_transformed_in_parts_is_the_very_field(monkeypatch):
-    whole = convolution_module.convolved_field(IMAGE)
-    monkeypatch.setattr(convolution_module, "_BLOCK", 2000)
-    parts = convolution_module.convolved_field(IMAGE)
-    np.testing.assert_allclose(parts, whole, rtol=0, atol=1e-12 * np.abs(whole).max())
 
 
 def test_fields_in_former_regions_of_interest_do_not_pile_up():
