@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache, reduce
+from typing import Any
 
 import numpy as np
 import scipy
@@ -41,7 +42,7 @@ def convolved_field(
     kernel_of = _kernel_spectrum if kept else _kernel_spectrum.__wrapped__
     # in single precision only where double takes too much memory
     made_in = np.dtype(float) if f.size <= _MOST_IN_DOUBLE else f.dtype
-    spectrum = scipy.fft.rfft(f, padded[-1], workers=cores())
+    spectrum: NDArray[Any] = scipy.fft.rfft(f, padded[-1], workers=cores())
     for axis in reversed(range(f.ndim - 1)):  # axis by axis: rows of zeros are not transformed
         spectrum = scipy.fft.fft(spectrum, padded[axis], axis, overwrite_x=True, workers=cores())
     spectrum *= spectrum.dtype.type(1j)  # the kernels' spectra are imaginary

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.field.interpolation.space import normal_at
+from cpm_core.field.interpolation import normal_at
 from cpm_core.field.volume.surface_force import is_ridge
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share

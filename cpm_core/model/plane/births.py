@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cpm_core.field.interpolation.plane import between, component
+from cpm_core.field.interpolation import between, component
 from cpm_core.field.scale_field import FAINTEST, ScaleField
 from cpm_core.image.barriers import BarrierMap, crosses
 from cpm_core.model.coverage import cell_of

@@ -8,15 +8,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.field.interpolation import interpolate
-from cpm_core.field.interpolation.plane import interpolate_force
-from cpm_core.field.placed_charges import (
-    at_scale,
-    placed_force,
-    placed_potential,
-    radius_at,
-    within_reach,
-)
+from cpm_core.field.interpolation import interpolate, interpolate_force
+from cpm_core.field.placed_charges import at_scale, placed_force, placed_potential, radius_at, within_reach
 from cpm_core.field.scale_field import GATE, ScaleField
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.coverage import cover, idle_at

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.field.interpolation.space import normal_at, sampled
+from cpm_core.field.interpolation import normal_at, sampled
 from cpm_core.field.scale_field import FAINTEST
 from cpm_core.field.volume.placed_charges import NOTHING_PLACED, Placed, torn_off
 from cpm_core.field.volume.surface_force import faces_alike, is_ridge, on_ridge

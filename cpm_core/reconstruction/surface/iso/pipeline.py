@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from cpm_core.contours.surface import Surface
-from cpm_core.field.volume.volume_space import pitch_of
+from cpm_core.field.volume.volume_field import pitch_of
 from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.numerics.zero_surface import zero_surface
 from cpm_core.reconstruction.surface.components import Leaving, support, well_supported
