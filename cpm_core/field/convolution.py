@@ -42,13 +42,13 @@ def convolved_field(
     kernel_of = _kernel_spectrum if kept else _kernel_spectrum.__wrapped__
     # in single precision only where double takes too much memory
     made_in = np.dtype(float) if f.size <= _MOST_IN_DOUBLE else f.dtype
-    spectrum: NDArray[Any] = scipy.fft.rfft(f, padded[-1], workers=cores())
+    spectrum = scipy.fft.rfft(f, padded[-1], workers=cores())
     for axis in reversed(range(f.ndim - 1)):  # axis by axis: rows of zeros are not transformed
         spectrum = scipy.fft.fft(spectrum, padded[axis], axis, overwrite_x=True, workers=cores())
     spectrum *= spectrum.dtype.type(1j)  # the kernels' spectra are imaginary
     out = np.empty((f.ndim, *f.shape), f.dtype)
     for component in range(f.ndim):
-        back = spectrum * kernel_of(component, padded, power, made_in, f.dtype, pitch or (1.0,) * f.ndim)
+        back: NDArray[Any] = spectrum * kernel_of(component, padded, power, made_in, f.dtype, pitch or (1.0,) * f.ndim)
         for axis, n in enumerate(f.shape[:-1]):
             back = scipy.fft.ifft(back, axis=axis, overwrite_x=True, workers=cores())
             back = back[(slice(None),) * axis + (slice(n),)]
