@@ -27,6 +27,16 @@ def cell_of(place: float, size: float, along: int) -> int:
     return int(min(max(int((place + 0.5) / size), 0), along - 1))
 
 
+def cells_at(positions: Array, size: float, shape: tuple[int, ...]) -> Index:
+    """Cells of positions, shape (N, D), of so many along each axis; see `cell_of`."""
+    return np.clip(((positions + 0.5) / size).astype(np.int64), 0, np.array(shape) - 1)
+
+
+def sorted_by(cells: Index) -> Index:
+    """Order of things by the numbers of their cells; in a cell they keep theirs."""
+    return np.argsort(cells * len(cells) + np.arange(len(cells)))
+
+
 Steps = NDArray[np.int32]
 
 NEVER = -1
@@ -68,7 +78,7 @@ def cover(coverage: Coverage, positions: Array, on_edge: Mask, step: int) -> tup
     `positions`, shape (N, D) [px], are the particles, `on_edge`, shape (N,), is their edge contact. Returns the
     coverage after it, the same one if no cell is new, and the number of newly covered cells.
     """
-    cells = _cells_at(coverage, positions[on_edge])
+    cells = cells_at(positions[on_edge], CELL, coverage.found.shape)
     cells = np.unique(cells[coverage.found[tuple(cells.T)] == NEVER], axis=0)
     if not len(cells):
         return coverage, 0
@@ -82,13 +92,8 @@ def cover(coverage: Coverage, positions: Array, on_edge: Mask, step: int) -> tup
 
 def idle_at(coverage: Coverage, positions: Array, step: int, elsewhere: int) -> Index:
     """Steps since cells around each particle were newly covered, shape (N,); `elsewhere` far from all covered cells."""
-    newest = coverage.latest[tuple(_cells_at(coverage, positions).T)]
+    newest = coverage.latest[tuple(cells_at(positions, CELL, coverage.latest.shape).T)]
     return np.where(newest == NEVER, elsewhere, step - newest.astype(np.int64))
-
-
-def _cells_at(coverage: Coverage, positions: Array) -> Index:
-    """Cells of particles, shape (N, D)."""
-    return np.clip(((positions + 0.5) / CELL).astype(np.int64), 0, np.array(coverage.found.shape) - 1)
 
 
 def renewed(coverage: Coverage, step: int) -> Coverage:

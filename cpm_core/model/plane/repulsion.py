@@ -22,7 +22,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from cpm_core.model.coverage import cell_of
+from cpm_core.model.coverage import cell_of, cells_at, sorted_by
 from cpm_core.model.state import MeshForce
 from cpm_core.numerics.jit import compiled, reordered
 from cpm_core.numerics.types import Array, Index, Single
@@ -59,28 +59,12 @@ class Cells(NamedTuple):
 
 def build_cells(position: Array, shape: tuple[int, ...], size: float) -> Cells:
     """Sort the particles `position`, shape (N, 2), on an image of this shape into cells of side `size` [px]."""
-    return Cells(size, *_sorted(position, shape, size))
-
-
-@compiled
-def _sorted(position: Array, shape: tuple[int, ...], size: float) -> tuple[int, int, Index, Index, Array, Array]:
-    """All fields of cells but the first."""
-    count = len(position)
-    rows, cols = int(shape[0] / size) + 1, int(shape[1] / size) + 1
-    start = np.zeros(rows * cols + 1, np.int64)
-    own = np.empty(count, np.int64)
-    for i in range(count):
-        own[i] = cell_of(position[i, 0], size, rows) * cols + cell_of(position[i, 1], size, cols)
-        start[own[i] + 1] += 1
-    for c in range(rows * cols):
-        start[c + 1] += start[c]
-    order, y, x = np.empty(count, np.int64), np.empty(count), np.empty(count)
-    cursor = start[:-1].copy()
-    for i in range(count):
-        k = cursor[own[i]]
-        cursor[own[i]] += 1
-        order[k], y[k], x[k] = i, position[i, 0], position[i, 1]
-    return rows, cols, start, order, y, x
+    rows, cols = (int(n / size) + 1 for n in shape)
+    row, col = cells_at(position, size, (rows, cols)).T
+    own = row * cols + col
+    order = sorted_by(own)
+    start = np.concatenate([[0], np.cumsum(np.bincount(own, minlength=rows * cols))])
+    return Cells(size, rows, cols, start, order, *np.ascontiguousarray(position[order].T))
 
 
 @compiled

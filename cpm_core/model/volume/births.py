@@ -16,17 +16,16 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+import scipy
 
 from cpm_core.field.interpolation import normal_at, sampled
 from cpm_core.field.scale_field import FAINTEST
 from cpm_core.field.volume.placed_charges import NOTHING_PLACED, Placed, torn_off
 from cpm_core.field.volume.surface_force import faces_alike, is_ridge, on_ridge
 from cpm_core.field.volume.volume_field import VolumeField
-from cpm_core.model.coverage import cell_of
 from cpm_core.model.equations import NEAR, STRIDE, by_strength
 from cpm_core.model.state import Particles
-from cpm_core.model.volume.motion import Cells, cells_around, on_one_sheet, row_of_cells
+from cpm_core.model.volume.motion import Cells, near, on_one_sheet
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Index, Mask, Single
@@ -69,15 +68,11 @@ def _find_close(
     for q in range(first, last):
         i = turn[q]
         place = row_of(position, i)
-        top, bottom, front, back, left, right = cells_around(cells, place[0], place[1], place[2], distance)
-        for plane in range(top, bottom + 1):
-            for row in range(front, back + 1):
-                start, end = row_of_cells(cells, plane, row, left, right)
-                for k in range(start, end):
-                    j = cells.order[k]
-                    away = length(difference(place, (cells.z[k], cells.y[k], cells.x[k])))
-                    if away < distance and j != i and on_one_sheet(i, j, normals, seated):
-                        alone[i] = alone[j] = False
+        for k in near(cells, place, distance):
+            j = cells.order[k]
+            away = length(difference(place, (cells.z[k], cells.y[k], cells.x[k])))
+            if away < distance and j != i and on_one_sheet(i, j, normals, seated):
+                alone[i] = alone[j] = False
 
 
 @compiled
@@ -95,15 +90,11 @@ def _has_near(
 ) -> bool:
     """Whether a particle has another one of its sheet nearer than a distance among those that count."""
     place = row_of(position, i)
-    top, bottom, front, back, left, right = cells_around(cells, place[0], place[1], place[2], distance)
-    for plane in range(top, bottom + 1):
-        for row in range(front, back + 1):
-            start, end = row_of_cells(cells, plane, row, left, right)
-            for k in range(start, end):
-                j = cells.order[k]
-                away = length(difference(place, (cells.z[k], cells.y[k], cells.x[k])))
-                if away < distance and j != i and counting[j] and on_one_sheet(i, j, normals, seated):
-                    return True
+    for k in near(cells, place, distance):
+        j = cells.order[k]
+        away = length(difference(place, (cells.z[k], cells.y[k], cells.x[k])))
+        if away < distance and j != i and counting[j] and on_one_sheet(i, j, normals, seated):
+            return True
     return False
 
 
@@ -183,7 +174,7 @@ def insertion(
     places, parents = found[np.arange(_MOST) < count[:, None]], np.repeat(looking, count)
     places = places[~field.crossed(particles.position[parents], places[:, :3])]
     places = places[~torn_off(placed, places[:, :3], places[:, 3:6])]
-    some = places[apart(places, ROOM * d_min, cells)]
+    some = places[apart(places, ROOM * d_min)]
     return Births(some[:, :3].copy(), some[:, 3:6].copy(), some[:, 6].copy())
 
 
@@ -225,20 +216,16 @@ def _look_between(
     """Offer the midpoints of a particle and others of its sheet, with nothing between the two."""
     position, normals, seated, _ = sheets
     place, normal = row_of(position, i), row_of(normals, i)
-    top, bottom, front, back, left, right = cells_around(cells, place[0], place[1], place[2], reach)
-    for plane in range(top, bottom + 1):
-        for row in range(front, back + 1):
-            start, end = row_of_cells(cells, plane, row, left, right)
-            for k in range(start, end):
-                j = cells.order[k]
-                if not seated[j] or (looks[j] and j <= i) or not faces_alike(normal, row_of(normals, j)):
-                    continue
-                away = difference((cells.z[k], cells.y[k], cells.x[k]), place)
-                distance = length(away)
-                if d_min < distance <= reach:
-                    middle, room = moved(place, 0.5, away), 0.5 * distance - _ROUNDING_ERROR
-                    if not _is_taken(cells, middle, normal, normals, room):
-                        _offer(q, i, middle, 0.0, distance, room, cells, sheets, edge, found, count)
+    for k in near(cells, place, reach):
+        j = cells.order[k]
+        if not seated[j] or (looks[j] and j <= i) or not faces_alike(normal, row_of(normals, j)):
+            continue
+        away = difference((cells.z[k], cells.y[k], cells.x[k]), place)
+        distance = length(away)
+        if d_min < distance <= reach:
+            middle, room = moved(place, 0.5, away), 0.5 * distance - _ROUNDING_ERROR
+            if not _is_taken(cells, middle, normal, normals, room):
+                _offer(q, i, middle, 0.0, distance, room, cells, sheets, edge, found, count)
 
 
 @compiled
@@ -327,17 +314,13 @@ def _widest_gap(
     Without room for a particle there is one step, and without neighbors there are seven: six particles around.
     """
     own, count = row_of(normals, i), 0
-    top, bottom, front, back, left, right = cells_around(cells, place[0], place[1], place[2], reach)
-    for plane in range(top, bottom + 1):
-        for row in range(front, back + 1):
-            start, end = row_of_cells(cells, plane, row, left, right)
-            for k in range(start, end):
-                j = cells.order[k]
-                if j != i and seated[j] and count < _MOST_NEIGHBORS and faces_alike(own, row_of(normals, j)):
-                    away = difference((cells.z[k], cells.y[k], cells.x[k]), place)
-                    if dot(away, away) < reach * reach:
-                        angles[count] = np.arctan2(dot(away, other), dot(away, one))
-                        count += 1
+    for k in near(cells, place, reach):
+        j = cells.order[k]
+        if j != i and seated[j] and count < _MOST_NEIGHBORS and faces_alike(own, row_of(normals, j)):
+            away = difference((cells.z[k], cells.y[k], cells.x[k]), place)
+            if dot(away, away) < reach * reach:
+                angles[count] = np.arctan2(dot(away, other), dot(away, one))
+                count += 1
     if count == 0:
         return 0.0, 7.0 * _STEP, 7
     around = np.sort(angles[:count])
@@ -362,55 +345,32 @@ def _inside(place: Vector, shape: tuple[int, int, int], pitch: Vector) -> bool:
 @compiled
 def _is_taken(cells: Cells, place: Vector, normal: Vector, normals: Array, room: float) -> bool:
     """Whether a particle is too near to a place: one of its sheet, or one at nearly the same place."""
-    top, bottom, front, back, left, right = cells_around(cells, place[0], place[1], place[2], room)
-    for plane in range(top, bottom + 1):
-        for row in range(front, back + 1):
-            start, end = row_of_cells(cells, plane, row, left, right)
-            for k in range(start, end):
-                away = length(difference((cells.z[k], cells.y[k], cells.x[k]), place))
-                if away < room:
-                    alike = faces_alike(normal, row_of(normals, cells.order[k]))
-                    if alike or away < _SAME_PLACE:
-                        return True
+    for k in near(cells, place, room):
+        away = length(difference((cells.z[k], cells.y[k], cells.x[k]), place))
+        if away < room:
+            alike = faces_alike(normal, row_of(normals, cells.order[k]))
+            if alike or away < _SAME_PLACE:
+                return True
     return False
 
 
-def apart(places: Array, room: float, cells: Cells) -> Mask:
+def apart(places: Array, room: float) -> Mask:
     """Which of some places stay, shape (M,), so that none has an earlier one of its sheet nearer than `room`.
 
-    `places`, shape (M, 6) or more, are positions and normals; `cells` tells the volume.
+    `places`, shape (M, 6) or more, are positions and normals.
     """
     kept = np.ones(len(places), np.bool_)
     if len(places):
-        head = np.full(1 << (2 * len(places)).bit_length(), -1, np.int32)
-        _keep_apart(places, room, cells.size, (cells.planes, cells.rows, cells.cols), head, kept)
+        pairs = scipy.spatial.cKDTree(places[:, :3]).query_pairs(room, output_type="ndarray")
+        _keep_apart(places, room, pairs[np.lexsort(pairs.T)], kept)
     return kept
 
 
 @compiled
-def _keep_apart(
-    places: Array, room: float, size: float, counts: tuple[int, int, int], head: NDArray[np.int32], kept: Mask
-) -> None:
-    """Drop the places that have an earlier one near them.
-
-    `head`, as long as a power of two, begins chains of those kept; the cells share them.
-    """
-    planes, rows, cols = counts
-    last = len(head) - 1
-    chain = np.empty(len(places), np.int32)
-    for q in range(len(places)):
-        z, y, x = places[q, 0], places[q, 1], places[q, 2]
-        for plane in range(cell_of(z - room, size, planes), cell_of(z + room, size, planes) + 1):
-            for row in range(cell_of(y - room, size, rows), cell_of(y + room, size, rows) + 1):
-                for col in range(cell_of(x - room, size, cols), cell_of(x + room, size, cols) + 1):
-                    k = head[((plane * rows + row) * cols + col) & last]
-                    while k >= 0 and kept[q]:
-                        away = np.sqrt((places[k, 0] - z) ** 2 + (places[k, 1] - y) ** 2 + (places[k, 2] - x) ** 2)
-                        if away < room and faces_alike(
-                            (places[q, 3], places[q, 4], places[q, 5]), (places[k, 3], places[k, 4], places[k, 5])
-                        ):
-                            kept[q] = False
-                        k = chain[k]
-        if kept[q]:
-            own = (cell_of(z, size, planes) * rows + cell_of(y, size, rows)) * cols + cell_of(x, size, cols)
-            chain[q], head[own & last] = head[own & last], q
+def _keep_apart(places: Array, room: float, pairs: Index, kept: Mask) -> None:
+    """Drop the second place of each pair whose first one stays, in the order of the second ones."""
+    for n in range(len(pairs)):
+        one, other = places[pairs[n, 0]], places[pairs[n, 1]]
+        away = np.sqrt((one[0] - other[0]) ** 2 + (one[1] - other[1]) ** 2 + (one[2] - other[2]) ** 2)
+        if kept[pairs[n, 0]] and away < room and faces_alike((other[3], other[4], other[5]), (one[3], one[4], one[5])):
+            kept[pairs[n, 1]] = False

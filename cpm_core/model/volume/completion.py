@@ -21,7 +21,7 @@ from cpm_core.image.volume_barriers import Walls
 from cpm_core.model.state import State, SurfaceContact
 from cpm_core.model.volume.births import apart
 from cpm_core.model.volume.inseparable import inseparable
-from cpm_core.model.volume.motion import Cells, build_cells, cells_around, row_of_cells
+from cpm_core.model.volume.motion import Cells, build_cells, near
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Index
@@ -74,7 +74,7 @@ def _with_launched(state: State, field: VolumeField, ridges: Ridges, d_min: floa
         return None
     order = np.argsort(-ridges.strength, kind="stable")
     places = np.concatenate([ridges.place[order], ridges.normal[order]], axis=1)
-    chosen = order[apart(places, _APART * d_min, build_cells(np.empty((0, 3)), field.extent, _APART * d_min))]
+    chosen = order[apart(places, _APART * d_min)]
     position = _pulled(field, ridges.place[chosen])
     free = ~field.crossed(ridges.place[chosen], position)
     free &= ~torn_off(Placed(state.placed, radius_at(state.scale)), position, ridges.normal[chosen])
@@ -124,14 +124,10 @@ def _find_cover(
     """Find how the particles of the same sheet cover some voxels."""
     for q in range(first, last):
         here, normal = row_of(place, q), row_of(facing, q)
-        top, bottom, front, back, left, right = cells_around(cells, here[0], here[1], here[2], reach)
-        for plane in range(top, bottom + 1):
-            for row in range(front, back + 1):
-                start, end = row_of_cells(cells, plane, row, left, right)
-                for k in range(start, end):
-                    away = length(difference((cells.z[k], cells.y[k], cells.x[k]), here))
-                    if away < reach and cover[q] < _ON and faces_alike(normal, row_of(normals, cells.order[k])):
-                        cover[q] = max(cover[q], _ON if away < _TOUCHED else _NEAR)
+        for k in near(cells, here, reach):
+            away = length(difference((cells.z[k], cells.y[k], cells.x[k]), here))
+            if away < reach and cover[q] < _ON and faces_alike(normal, row_of(normals, cells.order[k])):
+                cover[q] = max(cover[q], _ON if away < _TOUCHED else _NEAR)
 
 
 def settled(state: State, field: VolumeField) -> State:

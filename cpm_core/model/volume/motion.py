@@ -23,7 +23,7 @@ from cpm_core.field.volume.placed_charges import NOTHING_PLACED, Placed, placed_
 from cpm_core.field.volume.surface_force import GATE, faces_alike, felt_at
 from cpm_core.field.volume.volume_field import VolumeField
 from cpm_core.image.volume_barriers import Walls
-from cpm_core.model.coverage import cell_of
+from cpm_core.model.coverage import cell_of, cells_at, sorted_by
 from cpm_core.model.equations import Moved, advance, damped_series, damping, is_stuck, repulsion_left
 from cpm_core.model.state import Particles, SurfaceContact
 from cpm_core.numerics.jit import compiled
@@ -68,66 +68,39 @@ class Cells(NamedTuple):
 
 def build_cells(position: Array, shape: Vector, size: float) -> Cells:
     """Sort the particles `position`, shape (N, 3), in a volume of this size into cells of side `size` [px]."""
-    return Cells(size, *_sorted(position, shape, size))
+    planes, rows, cols = (int(n / size) + 1 for n in shape)
+    plane, row, col = cells_at(position, size, (planes, rows, cols)).T
+    line = plane * rows + row
+    order = sorted_by(line * cols + col)
+    start = np.concatenate([[0], np.cumsum(np.bincount(line, minlength=planes * rows))])
+    return Cells(size, planes, rows, cols, start, col[order], order, *np.ascontiguousarray(position[order].T))
 
 
 @compiled
-def _sorted(
-    position: Array, shape: Vector, size: float
-) -> tuple[int, int, int, Index, Index, Index, Array, Array, Array]:
-    """All fields of cells but the first."""
-    count = len(position)
-    planes, rows, cols = int(shape[0] / size) + 1, int(shape[1] / size) + 1, int(shape[2] / size) + 1
-    row_of, col_of, by_col = np.empty(count, np.int64), np.empty(count, np.int64), np.empty(count, np.int64)
-    start, first = np.zeros(planes * rows + 1, np.int64), np.zeros(cols + 1, np.int64)
-    for i in range(count):
-        plane, row = cell_of(position[i, 0], size, planes), cell_of(position[i, 1], size, rows)
-        row_of[i], col_of[i] = plane * rows + row, cell_of(position[i, 2], size, cols)
-        start[row_of[i] + 1] += 1
-        first[col_of[i] + 1] += 1
-    _add_up(start)
-    _add_up(first)
-    for i in range(count):
-        by_col[first[col_of[i]]] = i
-        first[col_of[i]] += 1
-    order, col = np.empty(count, np.int64), np.empty(count, np.int64)
-    z, y, x = np.empty(count), np.empty(count), np.empty(count)
-    cursor = start[:-1].copy()
-    for n in range(count):
-        i = by_col[n]
-        k = cursor[row_of[i]]
-        cursor[row_of[i]] += 1
-        order[k], col[k] = i, col_of[i]
-        z[k], y[k], x[k] = position[i, 0], position[i, 1], position[i, 2]
-    return planes, rows, cols, start, col, order, z, y, x
-
-
-@compiled
-def _add_up(counts: Index) -> None:
-    """Turn the numbers of things into where they begin, in place."""
-    for k in range(1, len(counts)):
-        counts[k] += counts[k - 1]
-
-
-@compiled
-def cells_around(cells: Cells, z: float, y: float, x: float, distance: float) -> tuple[int, int, int, int, int, int]:
-    """First and last plane, row and column of the cells that contain all nearer to a position than a distance."""
-    return (
-        cell_of(z - distance, cells.size, cells.planes),
-        cell_of(z + distance, cells.size, cells.planes),
-        cell_of(y - distance, cells.size, cells.rows),
-        cell_of(y + distance, cells.size, cells.rows),
-        cell_of(x - distance, cells.size, cells.cols),
-        cell_of(x + distance, cells.size, cells.cols),
-    )
-
-
-@compiled
-def row_of_cells(cells: Cells, plane: int, row: int, left: int, right: int) -> tuple[int, int]:
-    """First of the sorted particles in a row of cells from column `left` to `right`, and the one behind the last."""
-    line = plane * cells.rows + row
-    first, last = cells.start[line], cells.start[line + 1]
-    return _first_from(cells.col, left, first, last), _first_from(cells.col, right + 1, first, last)
+def near(cells: Cells, place: Vector, reach: float) -> Index:
+    """The sorted particles in the cells that contain all nearer to a place than a reach."""
+    front = cell_of(place[1] - reach, cells.size, cells.rows)
+    back = cell_of(place[1] + reach, cells.size, cells.rows)
+    left = cell_of(place[2] - reach, cells.size, cells.cols)
+    right = cell_of(place[2] + reach, cells.size, cells.cols)
+    first = cell_of(place[0] - reach, cells.size, cells.planes)
+    last = cell_of(place[0] + reach, cells.size, cells.planes)
+    spans = np.empty(((last - first + 1) * (back - front + 1), 2), np.int64)
+    lines, count = 0, 0
+    for plane in range(first, last + 1):
+        for line in range(plane * cells.rows + front, plane * cells.rows + back + 1):
+            start, end = cells.start[line], cells.start[line + 1]
+            spans[lines, 0] = _first_from(cells.col, left, start, end)
+            spans[lines, 1] = _first_from(cells.col, right + 1, spans[lines, 0], end)
+            count += spans[lines, 1] - spans[lines, 0]
+            lines += 1
+    found = np.empty(count, np.int64)
+    count = 0
+    for line in range(lines):
+        for k in range(spans[line, 0], spans[line, 1]):
+            found[count] = k
+            count += 1
+    return found
 
 
 @compiled
@@ -385,21 +358,17 @@ def _repulsion(cells: Cells, place: Vector, i: int, normals: Array, seated: Mask
     reach = REACH * d_min
     total = (0.0, 0.0, 0.0)
     nearest, second = np.inf, (_FAR_NEIGHBOR * d_min) ** 2
-    top, bottom, front, back, left, right = cells_around(cells, place[0], place[1], place[2], reach)
-    for plane in range(top, bottom + 1):
-        for row in range(front, back + 1):
-            start, end = row_of_cells(cells, plane, row, left, right)
-            for k in range(start, end):
-                away = difference(place, (cells.z[k], cells.y[k], cells.x[k]))
-                squared = dot(away, away)
-                j = cells.order[k]
-                if squared < reach * reach and j != i and on_one_sheet(i, j, normals, seated):
-                    squared = max(squared, _NEAREST)
-                    total = moved(total, 1.0 / (squared * squared), away)
-                    if squared < nearest:
-                        nearest, second = squared, min(nearest, second)
-                    elif squared < second:
-                        second = squared
+    for k in near(cells, place, reach):
+        away = difference(place, (cells.z[k], cells.y[k], cells.x[k]))
+        squared = dot(away, away)
+        j = cells.order[k]
+        if squared < reach * reach and j != i and on_one_sheet(i, j, normals, seated):
+            squared = max(squared, _NEAREST)
+            total = moved(total, 1.0 / (squared * squared), away)
+            if squared < nearest:
+                nearest, second = squared, min(nearest, second)
+            elif squared < second:
+                second = squared
     if nearest == np.inf:
         return total
     spacing = 0.5 * (np.sqrt(nearest) + np.sqrt(second))

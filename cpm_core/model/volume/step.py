@@ -27,12 +27,11 @@ from cpm_core.model.volume.motion import (
     REACH,
     Cells,
     build_cells,
-    cells_around,
     held_back,
     move,
+    near,
     on_one_sheet,
     parts_of_force,
-    row_of_cells,
 )
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask
@@ -179,14 +178,10 @@ def _wake(cells: Cells, places: Array, reach: float, woken: Mask) -> None:
     """Mark the particles that are within reach of places."""
     for q in range(len(places)):
         z, y, x = places[q, 0], places[q, 1], places[q, 2]
-        top, bottom, front, back, left, right = cells_around(cells, z, y, x, reach)
-        for plane in range(top, bottom + 1):
-            for row in range(front, back + 1):
-                start, end = row_of_cells(cells, plane, row, left, right)
-                for k in range(start, end):
-                    away = (cells.z[k] - z) ** 2 + (cells.y[k] - y) ** 2 + (cells.x[k] - x) ** 2
-                    if away < reach * reach:
-                        woken[cells.order[k]] = True
+        for k in near(cells, (z, y, x), reach):
+            away = (cells.z[k] - z) ** 2 + (cells.y[k] - y) ** 2 + (cells.x[k] - x) ** 2
+            if away < reach * reach:
+                woken[cells.order[k]] = True
 
 
 _QUIET, _ENDED = 2, 4
@@ -255,13 +250,9 @@ def _pair_energy(cells: Cells, position: Array, normals: Array, seated: Mask, re
     total = 0.0
     for i in range(len(position)):
         place = row_of(position, i)
-        top, bottom, front, back, left, right = cells_around(cells, place[0], place[1], place[2], reach)
-        for plane in range(top, bottom + 1):
-            for row in range(front, back + 1):
-                start, end = row_of_cells(cells, plane, row, left, right)
-                for k in range(start, end):
-                    away = difference(place, (cells.z[k], cells.y[k], cells.x[k]))
-                    squared, j = dot(away, away), cells.order[k]
-                    if j < i and squared < reach * reach and on_one_sheet(i, j, normals, seated):
-                        total += 0.5 * (1.0 / max(squared, _LEAST_SQUARE) - 1.0 / (reach * reach))
+        for k in near(cells, place, reach):
+            away = difference(place, (cells.z[k], cells.y[k], cells.x[k]))
+            squared, j = dot(away, away), cells.order[k]
+            if j < i and squared < reach * reach and on_one_sheet(i, j, normals, seated):
+                total += 0.5 * (1.0 / max(squared, _LEAST_SQUARE) - 1.0 / (reach * reach))
     return total
