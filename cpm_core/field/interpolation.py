@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
@@ -15,53 +16,8 @@ def interpolate(field: NDArray[np.floating], positions: Array) -> Array:
 
     A position beyond the outermost pixels takes the value of the nearest point of the border.
     """
-    out = np.empty((len(positions), len(field)))
-    shape = np.array(field.shape[1:], dtype=np.int64)
-    kept = field.dtype if field.dtype == np.float32 else np.float64  # a large field in single precision is not copied
-    flat = np.ascontiguousarray(field, dtype=kept).reshape(len(field), -1)
-    _interpolate(_read_only(flat), shape, _read_only(np.ascontiguousarray(positions, dtype=float)), out)
-    return out
-
-
-def _read_only(values: Array) -> Array:
-    """A view that cannot be written to, as those of images: the loop is compiled once for all arrays."""
-    view = values.view()
-    view.flags.writeable = False
-    return view
-
-
-@compiled
-def _interpolate(flat: Array, shape: NDArray[np.int64], positions: Array, out: Array) -> None:
-    out[:] = 0.0
-    for i in range(len(positions)):
-        for corner in range(1 << shape.size):
-            weight, index = 1.0, 0
-            for k in range(shape.size):  # the bits of `corner` select one of the pixels around the position
-                x = min(max(positions[i, k], 0.0), shape[k] - 1.0)
-                low = min(np.int64(x), max(shape[k] - 2, 0))
-                up = (corner >> k) & 1
-                weight *= x - low if up else 1.0 - (x - low)
-                index = index * shape[k] + min(low + up, shape[k] - 1)
-            if weight != 0.0:
-                for c in range(len(flat)):
-                    out[i, c] += weight * flat[c, index]
-
-
-def interpolate_force(packed: Single, positions: Array) -> Array:
-    """Lorentz force at positions, shape (N, 2): the first components of a packed force field, shape (H, W, C).
-
-    The interpolation is that of a step; only the pixels around the positions are read.
-    """
-    out = np.empty((len(positions), 2))
-    _interpolate_force(packed, np.ascontiguousarray(positions, dtype=float), out)
-    return out
-
-
-@compiled
-def _interpolate_force(packed: Single, positions: Array, out: Array) -> None:
-    for i in range(len(positions)):
-        place = between(packed, positions[i, 0], positions[i, 1])
-        out[i, 0], out[i, 1] = component(packed, 0, place), component(packed, 1, place)
+    parts = [scipy.ndimage.map_coordinates(part, positions.T, order=1, mode="nearest", output=float) for part in field]
+    return np.stack(parts, axis=1)
 
 
 @compiled
@@ -123,17 +79,3 @@ def normal_at(volume: Single, pitch: Vector, place: Vector) -> Vector:
     z, y, x = slope_at(volume, pitch, place)
     size = np.sqrt(z * z + y * y + x * x) + 1e-12
     return z / size, y / size, x / size
-
-
-def normals_at(volume: Single, pitch: Vector, places: Array) -> Array:
-    """Directions in which a volume rises most steeply at places, shape (N, 3)."""
-    out = np.empty((len(places), 3))
-    _normals_at(volume, pitch, np.ascontiguousarray(places, dtype=float), out)
-    return out
-
-
-@compiled
-def _normals_at(volume: Single, pitch: Vector, places: Array, out: Array) -> None:
-    for i in range(len(places)):
-        normal = normal_at(volume, pitch, (places[i, 0], places[i, 1], places[i, 2]))
-        out[i, 0], out[i, 1], out[i, 2] = normal[0], normal[1], normal[2]

@@ -74,14 +74,14 @@ def _connected(smoothed: Single, voxels: Index, pitch: Vector, turn: float) -> N
         ahead, behind = np.minimum(voxels + step, last), np.maximum(voxels - step, 0)
         slope[:, axis] = (smoothed[tuple(ahead.T)] - smoothed[tuple(behind.T)]) / pitch[axis]
     size, pairs = np.linalg.norm(slope, axis=1), []
-    for step in list(np.ndindex(3, 3, 3))[:13]:  # the other half are the same pairs
-        other = number[tuple((voxels + step).T)]
+    for offset in list(np.ndindex(3, 3, 3))[:13]:  # the other half are the same pairs
+        other = number[tuple((voxels + offset).T)]
         one = np.flatnonzero(other >= 0)
         other = other[one]
         like = np.einsum("ni,ni->n", slope[one], slope[other]) >= turn * size[one] * size[other]
         pairs.append(np.stack([one, other])[:, like | (turn <= -1.0)])
-    joined = np.concatenate(pairs, axis=1)
-    graph = scipy.sparse.coo_array((np.ones(joined.shape[1], np.bool_), tuple(joined)), (len(voxels), len(voxels)))
+    joined, count = np.concatenate(pairs, axis=1), len(voxels)
+    graph = scipy.sparse.coo_array((np.ones(joined.shape[1], np.bool_), tuple(joined)), (count, count))
     found: NDArray[np.int32] = scipy.sparse.csgraph.connected_components(graph, directed=False)[1]
     return found
 

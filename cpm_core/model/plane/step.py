@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.field.interpolation import interpolate, interpolate_force
+from cpm_core.field.interpolation import interpolate
 from cpm_core.field.placed_charges import at_scale, placed_force, placed_potential, radius_at, within_reach
 from cpm_core.field.scale_field import GATE, ScaleField
 from cpm_core.image.volume_regions import AnyRegions
@@ -315,8 +315,8 @@ def forces(state: State, scale_field: ScaleField, charged: ScaleField, parameter
     particles, idle = state.particles, idle_steps_of(state, charged, parameters)
     chosen = particles.taken(which)
     mesh = mesh_force_of(state, idle, scale_field, parameters)
-    lorentz = parameters.w2 * interpolate_force(scale_field.packed, chosen.position)
-    placed = parameters.w2 * interpolate_force(charged.packed, chosen.position) - lorentz
+    lorentz = parameters.w2 * interpolate(scale_field.lorentz, chosen.position)
+    placed = parameters.w2 * interpolate(charged.lorentz, chosen.position) - lorentz
     coulomb = np.zeros_like(lorentz)
     repelled = np.flatnonzero(idle[which] < FADED)
     if len(repelled):
