@@ -10,7 +10,7 @@ import scipy
 from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.runs import runs_of
+from cpm_core.numerics.parts import parts_of
 from cpm_core.numerics.types import Array, Index, Mask
 
 
@@ -194,7 +194,7 @@ def loops_of(boundary: Index) -> list[Array]:
 
 def _filled(mask: Mask) -> Mask:
     """A mask with its hollows."""
-    empty = runs_of(~mask, corners=False)
+    empty = parts_of(~mask, corners=False)
     hollow = np.flatnonzero(~empty.at_border)
     if not len(hollow):
         return mask

@@ -17,7 +17,7 @@ import scipy
 
 from cpm_core.field.volume.ridges import Ridges
 from cpm_core.field.volume.volume_field import VolumeField
-from cpm_core.numerics.runs import Runs, runs_of
+from cpm_core.numerics.parts import Parts, parts_of
 from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.numerics.voxel_graph import loops_of, neighbors, passes, winds
 
@@ -58,7 +58,7 @@ def inseparable(field: VolumeField, ridges: Ridges, reached: Mask, covered: Mask
 
 def _enclosed(field: VolumeField, ridges: Ridges, covered: Mask, fitting: Mask) -> Mask:
     """Which fitting boundaries bound an enclosed region of which another boundary has been found."""
-    regions = runs_of(field.edge_map < field.floor, corners=False)
+    regions = parts_of(field.edge_map < field.floor, corners=False)
     open_ = regions.at_border
     if field.walls is not None:
         crossed = regions.part_at(np.argwhere(field.walls.filled(field.shape, field.pitch)))
@@ -84,7 +84,7 @@ def _enclosed(field: VolumeField, ridges: Ridges, covered: Mask, fitting: Mask) 
     return launched & fitting
 
 
-def _region_beside(field: VolumeField, regions: Runs, place: Array, toward: Array) -> Index:
+def _region_beside(field: VolumeField, regions: Parts, place: Array, toward: Array) -> Index:
     """The first region in a direction from each place, shape (N,); -1 where there is none within reach."""
     found = np.full(len(place), -1, np.int64)
     last = np.array(field.shape) - 1
