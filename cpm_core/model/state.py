@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -79,18 +79,12 @@ class SurfaceContact:
 
     def taken(self, index: Index) -> SurfaceContact:
         """That of the particles with the given indices, in this order."""
-        return SurfaceContact(
-            self.normal.take(index, axis=0), self.seated[index], self.strength[index], self.woken[index]
-        )
+        return SurfaceContact(*(getattr(self, f.name)[index] for f in fields(self)))
 
     def joined(self, other: SurfaceContact) -> SurfaceContact:
         """That of these particles and others behind them."""
-        return SurfaceContact(
-            np.concatenate([self.normal, other.normal]),
-            np.concatenate([self.seated, other.seated]),
-            np.concatenate([self.strength, other.strength]),
-            np.concatenate([self.woken, other.woken]),
-        )
+        pairs = ((getattr(self, f.name), getattr(other, f.name)) for f in fields(self))
+        return SurfaceContact(*map(np.concatenate, pairs))
 
     def woken_at(self, step: int, which: Mask | None = None) -> SurfaceContact:
         """The same with some particles awake at a step, all of them by default."""
@@ -101,6 +95,10 @@ class SurfaceContact:
 
 MEMORY = 4
 """Number T of steps in eq. (23)."""
+
+
+_ARRAYS = ("position", "velocity", "force", "distance", "identity")
+"""Arrays of particles."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -171,14 +169,8 @@ class Particles:
 
     def taken(self, index: NDArray[np.int64]) -> Particles:
         """The particles with the given indices, shape (M,), in this order."""
-        return Particles(
-            self.position.take(index, axis=0),
-            self.velocity.take(index, axis=0),
-            self.force.take(index, axis=0),
-            self.distance.take(index, axis=0),
-            self.identity.take(index),
-            self.contact and self.contact.taken(index),
-        )
+        arrays: dict[str, Any] = {name: getattr(self, name).take(index, axis=0) for name in _ARRAYS}
+        return Particles(**arrays, contact=self.contact and self.contact.taken(index))
 
     def woken_at(self, step: int, which: NDArray[np.bool_] | None = None) -> Particles:
         """The same, some of them awake at a step, by default all; in the plane the coverage knows this."""
@@ -190,15 +182,9 @@ class Particles:
         In a volume they may have contact with surfaces.
         """
         more = Particles.at_rest(position, first)
+        arrays: dict[str, Any] = {name: np.concatenate([getattr(self, name), getattr(more, name)]) for name in _ARRAYS}
         met = contact or more.contact
-        return Particles(
-            np.concatenate([self.position, more.position]),
-            np.concatenate([self.velocity, more.velocity]),
-            np.concatenate([self.force, more.force]),
-            np.concatenate([self.distance, more.distance]),
-            np.concatenate([self.identity, more.identity]),
-            self.contact and met and self.contact.joined(met),
-        )
+        return Particles(**arrays, contact=self.contact and met and self.contact.joined(met))
 
     def joined_by(self, position: Array, parent: NDArray[np.int64], other: NDArray[np.int64], first: int) -> Particles:
         """Add particles at positions of shape (M, D), with the mean velocity and force history of their two parents.
@@ -206,21 +192,13 @@ class Particles:
         `parent` and `other`, shape (M,), are the indices of the parents, the same twice for a single parent; `first` is
         the identity of the first new particle.
         """
-        newborn = len(position)
-        return Particles(
-            np.concatenate([self.position, position]),
-            np.concatenate([self.velocity, _mean(self.velocity, parent, other)]),
-            np.concatenate([self.force, _mean(self.force, parent, other)]),
-            np.concatenate([self.distance, np.full((newborn, MEMORY), np.nan)]),
-            np.concatenate([self.identity, np.arange(first, first + newborn)]),
-        )
+        joined, born = self.with_more(position, first), slice(len(self), None)
+        joined.velocity[born] = 0.5 * (self.velocity[parent] + self.velocity[other])
+        joined.force[born] = 0.5 * (self.force[parent] + self.force[other])
+        return joined
 
     def __repr__(self) -> str:
         return described("Particles", f"{len(self):,}", f"{self.position.shape[1]} coordinates each")
-
-
-def _mean(history: Array, one: NDArray[np.int64], other: NDArray[np.int64]) -> Array:
-    return np.asarray(0.5 * (history[one] + history[other]))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -364,11 +342,11 @@ class State:
         """The arrays that keeping this state costs, without the start, which all states of a run share."""
         particles, mesh, contact = self.particles, self.mesh, self.particles.contact
         return [
-            *(particles.position, particles.velocity, particles.force, particles.distance, particles.identity),
+            *(getattr(particles, name) for name in _ARRAYS),
             *self.coverage[:2],
             *(() if mesh is None else (mesh.force,)),
             *(() if self.space is None else (self.space.covered.cells,)),
-            *(() if contact is None else (contact.normal, contact.seated, contact.strength, contact.woken)),
+            *(() if contact is None else (getattr(contact, f.name) for f in fields(contact))),
         ]
 
     def resumed(self) -> State:

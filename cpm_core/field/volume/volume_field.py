@@ -22,7 +22,6 @@ from cpm_core.image.image import Image
 from cpm_core.image.pyramid import shape_of_scale, to_image
 from cpm_core.image.volume_barriers import Walls
 from cpm_core.image.volume_regions import VolumeRegions
-from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.numerics.vectors import Vector
@@ -250,25 +249,13 @@ def smoothed_volume(values: Array, sigmas: list[float]) -> Single:
 
 def edge_strength(smoothed: Single, pitch: Vector) -> Single:
     """Size of the slope of a volume at every voxel, from central differences [gray levels / unit]."""
-    out = np.empty_like(smoothed)
-    share(lambda first, last: _edge_strength(smoothed, pitch, first, last, out), len(out), _LEAST_LINES)
-    return out
-
-
-@compiled
-def _edge_strength(smoothed: Single, pitch: Vector, first: int, last: int, out: Single) -> None:
-    planes, rows, cols = smoothed.shape
-    a, b, c = np.float32(0.5 / pitch[0]), np.float32(0.5 / pitch[1]), np.float32(0.5 / pitch[2])
-    for i in range(first, last):
-        above, below = max(i - 1, 0), min(i + 1, planes - 1)
-        for j in range(rows):
-            before, behind = max(j - 1, 0), min(j + 1, rows - 1)
-            for k in range(cols):
-                left, right = max(k - 1, 0), min(k + 1, cols - 1)
-                z = a * (smoothed[below, j, k] - smoothed[above, j, k])
-                y = b * (smoothed[i, behind, k] - smoothed[i, before, k])
-                x = c * (smoothed[i, j, right] - smoothed[i, j, left])
-                out[i, j, k] = np.sqrt(z * z + y * y + x * x)
+    squared = np.zeros_like(smoothed)
+    for axis, side in enumerate(pitch):
+        beyond = np.pad(smoothed, [(int(k == axis),) * 2 for k in range(3)], "edge")
+        line = np.moveaxis(beyond, axis, 0)
+        slope = (line[2:] - line[:-2]) * np.float32(0.5 / side)
+        np.moveaxis(squared, axis, 0)[...] += np.square(slope, out=slope)
+    return np.sqrt(squared, out=squared)
 
 
 def block_means(volume: _Grid, block: list[int]) -> _Grid:
