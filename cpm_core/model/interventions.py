@@ -8,8 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cpm_core.field.placed_charges import REACH, Charges, PlacedCharge, changed, placed_in, radius_at
-from cpm_core.field.volume.placed_charges import near_charges
+from cpm_core.field.placed_charges import REACH, Charges, PlacedCharge, changed, near_charges, placed_in, radius_at
 from cpm_core.image.pyramid import shape_of_scale, to_image, to_scale
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.coverage import no_coverage, no_surface, renewed, renewed_near
