@@ -45,7 +45,7 @@ The model on one page
 
 `Engine` composes all of them, step by step (`segmentation.engine`); `segment` is a whole run in one call, `evolve` the
 same as an iterator over its steps, and `follow` one on each page of a stack, from the contours of the page before
-(`segmentation.pages`). `contours.measurements` measures each contour and finds which lies in which; `Result.labels` and
+(`pages`). `contours.measurements` measures each contour and finds which lies in which; `Result.labels` and
 `Result.table` are the pixels inside and their measurements. Where the **ground truth** is known, as a mask or as
 contours, `compare` measures the agreement with it (`contours.agreement`, `contours.ground_truth`), and in a volume
 `compare_surface` that of the surface.
@@ -123,14 +123,14 @@ from cpm_core.objects.methods import (
     moments,
     run_method,
 )
+from cpm_core.pages.follow import follow
+from cpm_core.pages.page import Page
+from cpm_core.pages.tracks import TrackEvent
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 from cpm_core.reconstruction import reconstruct_curve, reconstruct_surface
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.evolve import Evolution, Evolved, evolve
 from cpm_core.segmentation.method import METHODS, Method
-from cpm_core.segmentation.pages.follow import follow
-from cpm_core.segmentation.pages.page import Page
-from cpm_core.segmentation.pages.tracks import TrackEvent
 from cpm_core.segmentation.segment import segment
 
 __version__ = VERSION

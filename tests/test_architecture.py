@@ -37,6 +37,7 @@ FLOORS = (
     "cpm_core.reconstruction",
     "cpm_core.medial_axis",
     "cpm_core.segmentation",
+    "cpm_core.pages",
     "cpm_core.objects",
     "cpm_core.shapes",
     "cpm_core.formats",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache, reduce
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import scipy
@@ -12,7 +12,9 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from cpm_core.numerics.parallel import cores
 from cpm_core.numerics.real_numbers import checked_number
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Single
+
+_Grid = TypeVar("_Grid", Single, Array)
 
 _MOST_KEPT = 2**23
 """Samples of a padded image up to which the spectra of its kernels are kept for the next image of the same size."""
@@ -106,3 +108,14 @@ def convolved_potential(
     inner = tuple(slice(n) for n in edge_map.shape)
     potential: Array = scipy.fft.irfftn(spectrum, padded, workers=cores())[inner].astype(float)
     return -potential
+
+
+def block_means(volume: _Grid, block: list[int]) -> _Grid:
+    """Means of the blocks of a volume, of so many voxels along each axis; the last blocks may be smaller."""
+    for axis, n in enumerate(block):
+        if n > 1:
+            starts = np.arange(0, volume.shape[axis], n)
+            sums = np.add.reduceat(volume, starts, axis=axis)
+            sums *= np.float32(1.0 / n)  # a smaller block counts as filled up with zeros
+            volume = sums
+    return volume

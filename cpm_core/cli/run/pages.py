@@ -25,10 +25,10 @@ from cpm_core.formats.printable import printable
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.types import Array
+from cpm_core.pages.follow import follow
+from cpm_core.pages.page import Page, StackResult
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
-from cpm_core.segmentation.pages.follow import follow
-from cpm_core.segmentation.pages.page import Page, StackResult
 
 _NOT_OF_PAGES = ("page", "object", "close", "truth")
 """Options that have a meaning for one image only; ``--not`` follows ``--object``."""

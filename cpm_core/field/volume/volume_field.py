@@ -8,11 +8,11 @@ from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
 from threading import RLock
-from typing import Literal, NamedTuple, TypeVar
+from typing import Literal, NamedTuple
 
 import numpy as np
 
-from cpm_core.field.convolution import convolved_field, convolved_potential
+from cpm_core.field.convolution import block_means, convolved_field, convolved_potential
 from cpm_core.field.edge_map import NO_SMOOTHING, smoothed_along
 from cpm_core.field.scale_field import WEAKEST_EDGE
 from cpm_core.field.scale_space import SourceImages
@@ -27,8 +27,6 @@ from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.numerics.vectors import Vector
 from cpm_core.parameters import DEFAULTS, OF_PLANES, Parameters
 from cpm_core.parameters.choices import Accuracy
-
-_Grid = TypeVar("_Grid", Single, Array)
 
 BLOCK = 2.0
 """Side of the blocks of the far field [units]."""
@@ -256,17 +254,6 @@ def edge_strength(smoothed: Single, pitch: Vector) -> Single:
         slope = (line[2:] - line[:-2]) * np.float32(0.5 / side)
         np.moveaxis(squared, axis, 0)[...] += np.square(slope, out=slope)
     return np.sqrt(squared, out=squared)
-
-
-def block_means(volume: _Grid, block: list[int]) -> _Grid:
-    """Means of the blocks of a volume, of so many voxels along each axis; the last blocks may be smaller."""
-    for axis, n in enumerate(block):
-        if n > 1:
-            starts = np.arange(0, volume.shape[axis], n)
-            sums = np.add.reduceat(volume, starts, axis=axis)
-            sums *= np.float32(1.0 / n)  # a smaller block counts as filled up with zeros
-            volume = sums
-    return volume
 
 
 LONGEST = 10.0

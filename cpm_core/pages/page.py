@@ -13,8 +13,8 @@ from cpm_core.contours.result import Result
 from cpm_core.model.starts import loop, stroke
 from cpm_core.numerics.polyline import thinned
 from cpm_core.numerics.types import Array, Position
+from cpm_core.pages.tracks import TrackEvent
 from cpm_core.parameters.quotation import counted, described
-from cpm_core.segmentation.pages.tracks import TrackEvent
 
 _DECIMALS, _OF_MEASURES = 4, 6
 """Decimals of the vertices of contours [px], and of what is measured in the image, as files hold them."""

@@ -14,10 +14,10 @@ from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image, as_plane
 from cpm_core.image.pyramid import most_scales
 from cpm_core.image.volume_regions import AnyRegions
+from cpm_core.pages.page import Page, StartingLine, seeds_along, starts_after, without_image
+from cpm_core.pages.tracks import Tracker
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
-from cpm_core.segmentation.pages.page import Page, StartingLine, seeds_along, starts_after, without_image
-from cpm_core.segmentation.pages.tracks import Tracker
 from cpm_core.segmentation.segment import segment
 
 Seeds = ArrayLike | Callable[[Image], ArrayLike]
