@@ -172,21 +172,18 @@ def move(
 
     `idle`, shape (N,), are the steps since new ground was found near each; `placed` are the placed charges.
     """
-    contact = particles.contact
-    assert contact is not None
-    after = Particles(
-        particles.position.copy(),
-        particles.velocity.copy(),
-        particles.force.copy(),
-        np.roll(particles.distance, 1, axis=1),
-        particles.identity,
-        SurfaceContact(contact.normal.copy(), contact.seated.copy(), contact.strength.copy(), contact.woken),
-    )
-    share(partial(_moved, particles, after, turn, cells, idle, _felt(field, law, placed)), len(turn), _WORTH_A_THREAD)
-    after.distance[:, 0] = np.linalg.norm(after.position, axis=1)
-    motion = np.linalg.norm(after.position - particles.position, axis=1)
-    assert after.contact is not None
-    return Moved(after, motion, after.contact.strength, after.contact.seated)
+    old = particles.contact
+    assert old is not None
+    new = SurfaceContact(old.normal.copy(), old.seated.copy(), old.strength.copy(), old.woken)
+    distance = np.roll(particles.distance, 1, axis=1)
+    moving = particles.position.copy(), particles.velocity.copy(), particles.force.copy()
+    after = Particles(*moving, distance, particles.identity, new)
+    before = particles.position, particles.velocity, particles.force, old.normal
+    felt = _felt(field, law, placed)
+    work = partial(_move, turn, cells, idle, before, old.seated, (*moving, new.normal, new.strength), new.seated, *felt)
+    share(work, len(turn), _WORTH_A_THREAD)
+    distance[:, 0] = np.linalg.norm(after.position, axis=1)
+    return Moved(after, np.linalg.norm(after.position - particles.position, axis=1), new.strength, new.seated)
 
 
 def parts_of_force(
@@ -218,34 +215,6 @@ def _felt(field: VolumeField, law: Parameters, placed: Placed) -> _Felt:
         (field.pitch, field.far.block, field.floor, placed.radius),
         placed.charges,
         (float(law.w1), float(law.w2), float(law.beta), float(law.time_step), float(law.d_min)),
-    )
-
-
-def _moved(
-    before: Particles,
-    after: Particles,
-    turn: Index,
-    cells: Cells,
-    idle: Index,
-    felt: _Felt,
-    first: int,
-    last: int,
-) -> None:
-    """Move a part of the particles, into the arrays of `after`."""
-    old, new = before.contact, after.contact
-    assert old is not None
-    assert new is not None
-    _move(
-        turn,
-        cells,
-        idle,
-        (before.position, before.velocity, before.force, old.normal),
-        old.seated,
-        (after.position, after.velocity, after.force, new.normal, new.strength),
-        new.seated,
-        *felt,
-        first,
-        last,
     )
 
 
