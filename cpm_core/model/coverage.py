@@ -32,9 +32,19 @@ def cells_at(positions: Array, size: float, shape: tuple[int, ...]) -> Index:
     return np.clip(((positions + 0.5) / size).astype(np.int64), 0, np.array(shape) - 1)
 
 
-def sorted_by(cells: Index) -> Index:
-    """Order of things by the numbers of their cells; in a cell they keep theirs."""
-    return np.argsort(cells * len(cells) + np.arange(len(cells)))
+@compiled
+def sorted_by(cells: Index, count: int) -> tuple[Index, Index]:
+    """Order of things by the numbers of their cells, of so many, in which they keep theirs, and where each begins."""
+    order, start = np.empty(len(cells), np.int64), np.zeros(count + 1, np.int64)
+    for i in range(len(cells)):
+        start[cells[i] + 1] += 1
+    for c in range(count):
+        start[c + 1] += start[c]
+    cursor = start[:-1].copy()
+    for i in range(len(cells)):
+        order[cursor[cells[i]]] = i
+        cursor[cells[i]] += 1
+    return order, start
 
 
 Steps = NDArray[np.int32]
@@ -79,9 +89,11 @@ def cover(coverage: Coverage, positions: Array, on_edge: Mask, step: int) -> tup
     coverage after it, the same one if no cell is new, and the number of newly covered cells.
     """
     cells = cells_at(positions[on_edge], CELL, coverage.found.shape)
-    cells = np.unique(cells[coverage.found[tuple(cells.T)] == NEVER], axis=0)
-    if not len(cells):
+    fresh = cells[coverage.found[tuple(cells.T)] == NEVER]
+    if not len(fresh):
         return coverage, 0
+    cells = np.argwhere(np.bincount(np.ravel_multi_index(tuple(fresh.T), coverage.found.shape)))
+    cells = np.stack(np.unravel_index(cells[:, 0], coverage.found.shape), axis=1)
     found, latest = coverage.found.copy(), coverage.latest.copy()
     found[tuple(cells.T)] = step
     near = np.indices((2 * REACH + 1,) * found.ndim).reshape(found.ndim, -1) - REACH

@@ -61,9 +61,7 @@ def build_cells(position: Array, shape: tuple[int, ...], size: float) -> Cells:
     """Sort the particles `position`, shape (N, 2), on an image of this shape into cells of side `size` [px]."""
     rows, cols = (int(n / size) + 1 for n in shape)
     row, col = cells_at(position, size, (rows, cols)).T
-    own = row * cols + col
-    order = sorted_by(own)
-    start = np.concatenate([[0], np.cumsum(np.bincount(own, minlength=rows * cols))])
+    order, start = sorted_by(row * cols + col, rows * cols)
     return Cells(size, rows, cols, start, order, *np.ascontiguousarray(position[order].T))
 
 

@@ -70,9 +70,9 @@ def build_cells(position: Array, shape: Vector, size: float) -> Cells:
     """Sort the particles `position`, shape (N, 3), in a volume of this size into cells of side `size` [px]."""
     planes, rows, cols = (int(n / size) + 1 for n in shape)
     plane, row, col = cells_at(position, size, (planes, rows, cols)).T
-    line = plane * rows + row
-    order = sorted_by(line * cols + col)
-    start = np.concatenate([[0], np.cumsum(np.bincount(line, minlength=planes * rows))])
+    by_col, _ = sorted_by(col, cols)
+    by_line, start = sorted_by((plane * rows + row)[by_col], planes * rows)
+    order = by_col[by_line]
     return Cells(size, planes, rows, cols, start, col[order], order, *np.ascontiguousarray(position[order].T))
 
 
