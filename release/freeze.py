@@ -1,4 +1,4 @@
-"""Makes an application that needs no Python: a folder with the program, its libraries, compiled loops and licenses.
+"""Makes an application that needs no Python: a folder with the program, its libraries and licenses.
 
 Run ``python release/freeze.py`` in an environment with the program and PyInstaller (see ``release/README.md``), on the
 system that the application is for: Linux, Windows or macOS. The folder is ``dist/cpm``, or ``cpm`` in that of
@@ -46,15 +46,10 @@ LATE = ("cpm_core.cli", "app.views.features", "cpm_core.formats", "imagecodecs",
 
 def frozen(output: Path, work: Path) -> Path:
     """Freeze the program into a folder; what is made on the way stays in another, and is used again."""
-    loops = work / "compiled"
-    if not (loops / "target.json").exists():
-        environment = os.environ | {"PYTHONPATH": str(ROOT)}
-        subprocess.run([sys.executable, "-m", "cpm_core.objects.warm_up", str(loops)], check=True, env=environment)
     options = [
         *("--name", "cpm", "--noconfirm", "--clean", "--onedir", "--paths", str(ROOT)),
         *("--distpath", str(output), "--workpath", str(work / "pyinstaller"), "--specpath", str(work)),
         *(part for name in ASSETS for part in ("--add-data", f"{ROOT / 'assets' / name}:app/assets/{name}")),
-        *("--add-data", f"{loops}:cpm_core/compiled"),
         *(part for name in NAMED if _is_there(name) for part in ("--copy-metadata", name)),
         *(part for name in LATE for part in ("--collect-submodules", name)),
         *(part for name in UNSEEN for part in ("--hidden-import", name)),

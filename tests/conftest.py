@@ -3,6 +3,7 @@
 import gc
 import os
 import signal
+import subprocess
 import sys
 from collections.abc import Iterator
 
@@ -10,7 +11,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from cpm_core.numerics.parallel import cores
-from cpm_core.objects.warm_up import FIRST, LATER, VOLUMES, compile_ahead, warm_up
+from cpm_core.objects.warm_up import is_compiled, warm_up
 
 _MOST_WORKERS = 4
 """Processes beyond which the memory that each one takes costs more than it saves."""
@@ -39,8 +40,12 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
 
 def pytest_sessionstart(session: pytest.Session) -> None:
     """Compile the model's loops once, before the processes that share them begin."""
-    if getattr(session.config.option, "numprocesses", None):
-        compile_ahead((*VOLUMES, *FIRST, *LATER))  # the longest first, so that no core is idle at the end
+    if getattr(session.config.option, "numprocesses", None) and not is_compiled():
+        calls = ("warm_up()", "warm_up_volumes()")
+        code = "from cpm_core.objects.warm_up import warm_up, warm_up_volumes;"
+        processes = [subprocess.Popen([sys.executable, "-c", code + call]) for call in calls]
+        for process in processes:
+            assert process.wait() == 0
 
 
 def pytest_collection_finish() -> None:

@@ -13,7 +13,7 @@ from types import TracebackType
 
 from cpm_core.formats.printable import printable
 from cpm_core.model.state import State
-from cpm_core.objects.warm_up import FIRST, compile_ahead, is_compiled
+from cpm_core.objects.warm_up import FIRST, is_compiled, warm_up
 
 _REDRAW = 0.1  # [s] between two lines of progress
 
@@ -88,8 +88,8 @@ def progress_line(*followers: Callable[[State], object]) -> Iterator[Callable[[S
 
 
 def announce_compilation() -> None:
-    """Compile the inner loops of a run ahead, where that has not been done yet, and say so."""
-    if is_compiled(FIRST):
+    """Compile the kernels of a run ahead, where that has not been done yet, and say so."""
+    if is_compiled():
         return
     say("cpm: the inner loops are compiled for this computer, once; the first run begins some seconds later.")
     shown = sys.stderr.isatty()
@@ -99,7 +99,7 @@ def announce_compilation() -> None:
             print(f"\r\x1b[2Kcompiling: {done:.0%}", end="", file=sys.stderr, flush=True)
 
     try:
-        compile_ahead(FIRST, told=show)
+        warm_up(on_progress=show, parts=FIRST)
     finally:
         if shown:
             print("\r\x1b[2K", end="", file=sys.stderr, flush=True)

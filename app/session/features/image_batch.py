@@ -18,7 +18,7 @@ from app.session.session import Session
 from app.session.tasks.tasks import Task
 from cpm_core.formats.fingerprint import fingerprint
 from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, save_session
-from cpm_core.objects.warm_up import FIRST, is_compiled
+from cpm_core.objects.warm_up import is_compiled
 
 if TYPE_CHECKING:  # the command line is loaded when there is a batch
     from cpm_core.cli.batch.summary import Row
@@ -103,7 +103,7 @@ class ImageBatch(QObject):
         from cpm_core.cli.batch.batch import Batch, Order
         from cpm_core.cli.batch.workers import here
 
-        self.compiling = not is_compiled(FIRST)
+        self.compiling = not is_compiled()
         applied = output / APPLIED
         try:
             output.mkdir(parents=True, exist_ok=True)

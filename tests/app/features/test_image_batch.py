@@ -51,7 +51,7 @@ def dialog(ready: MainWindow, hand: Hand, folder) -> BatchDialog:
 
 
 def test_a_batch_says_that_loops_are_compiled_until_the_first_image_is_done(ready, hand, dialog, monkeypatch) -> None:
-    monkeypatch.setattr("app.session.features.image_batch.is_compiled", lambda parts: False)
+    monkeypatch.setattr("app.session.features.image_batch.is_compiled", lambda: False)
     go_on, whole = threading.Event(), workers.here
     monkeypatch.setattr(workers, "here", lambda *given: go_on.wait(30) and whole(*given))
     batch = ready.workspace.batch

@@ -120,6 +120,7 @@ def test_each_panel_below_the_image_has_a_height_of_its_own(tabbed, hand) -> Non
 def test_what_is_beside_a_low_table_scrolls_and_stands_clear_of_its_scroll_bar(tabbed, hand) -> None:
     beside = tabbed.panels["contours"].findChild(Scrolled)
     bar, content = beside.verticalScrollBar(), beside.widget()
+    tabbed.resizeDocks([tabbed.docks["contours"]], [160], Qt.Orientation.Vertical)
     hand.wait(bar.isVisible)
     room = bar.mapTo(beside, QPoint()).x() - content.mapTo(beside, QPoint(content.width(), 0)).x()
     assert room >= 4

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import random
 import time
 from collections.abc import Callable
@@ -10,33 +9,26 @@ from pathlib import Path
 
 from ..report import Budget, Report, going_on
 from .command_line import Batches, Kill, Runs
-from .loops import Loops
 from .nursery import killed_after, killed_before
 from .windows import Windows
 
 _KINDS = {"run": Runs, "batch": Batches, "window": Windows}
-_LOOPS_EVERY = 4
 _LONGEST = {"run": 0.4, "batch": 0.8, "window": 2.5}
 """Time after which nothing is left to be killed [s]."""
 
 
 def killed(budget: Budget) -> Report:
-    """Kill runs, batches, windows and compilations in turn; the first failure of a kind names what repeats it."""
+    """Kill runs, batches and windows in turn; the first failure of a kind names what repeats it."""
     end, drawn = time.monotonic() + budget.seconds, random.Random(budget.seed)
     victims = {name: kind(_new(budget.folder / name)) for name, kind in _KINDS.items()}
-    loops = Loops(_new(budget.folder / "loops"))
     failures: list[str] = []
     count = 0
-    for turn in itertools.count():
+    while True:
         for name, victim in victims.items():
             kill, moment = _drawn(name, victim.operations, drawn)
             count += _tried(failures, f"{name}, {moment}", lambda victim=victim, kill=kill: victim.trial(kill))
             if not going_on(end):
                 return Report(count, count, tuple(failures))
-        if turn % _LOOPS_EVERY == 0:
-            fraction = drawn.random()
-            count += _tried(failures, f"loops after {fraction:.3f}", lambda fraction=fraction: loops.trial(fraction))
-    raise AssertionError("never reached")
 
 
 def _drawn(name: str, operations: int, drawn: random.Random) -> tuple[Kill, str]:

@@ -8,7 +8,6 @@ import pytest
 
 from . import interruptions, nursery
 from .command_line import Batches, Runs
-from .loops import Loops
 from .nursery import killed_before
 from .windows import Windows
 
@@ -39,7 +38,3 @@ def nobody_counts_garbage():
 def test_what_is_interrupted_at_any_moment_goes_on_as_before(tmp_path, compiled_loops, nobody_counts_garbage):
     interruptions.prepare()
     assert interruptions.trial(random.Random(1), tmp_path) == 20
-
-
-def test_loops_whose_compilation_is_killed_are_compiled_and_kept_again(tmp_path):
-    Loops(tmp_path).trial(0.8)

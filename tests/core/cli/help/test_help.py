@@ -143,6 +143,6 @@ def test_the_json_of_each_command_has_the_documented_form(command, folder, tmp_p
 
 
 def test_the_first_compilation_is_announced(command, folder, monkeypatch, tmp_path):
-    monkeypatch.setattr("cpm_core.cli.terminal.is_compiled", lambda parts: False)
+    monkeypatch.setattr("cpm_core.cli.terminal.is_compiled", lambda: False)
     _, _, err = command("run", folder / "disk2.png", *RUN)
     assert err.startswith("cpm: the inner loops are compiled for this computer, once;")
