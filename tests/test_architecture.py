@@ -18,7 +18,7 @@ LAYERS = ("cpm_core", "app.model", "app.session", "app.views", "app.__main__")
 QT = ("PySide6", "shiboken6", "pyqtgraph", "qtpy", "PyQt5", "PyQt6")
 WIDGETS = ("PySide6.QtWidgets", "PySide6.QtOpenGLWidgets", "pyqtgraph")
 FORBIDDEN = {"cpm_core": QT, "app.model": QT, "app.session": WIDGETS}
-CORE_LIBRARIES = {"numpy", "scipy", "skimage", "numba", "llvmlite", "PIL", "tifffile", "roifile"}
+CORE_LIBRARIES = {"numpy", "scipy", "skimage", "numba", "llvmlite", "PIL", "tifffile", "roifile", "argcomplete"}
 
 LATE_LIBRARIES = {
     "cpm_core.image.drawing.axes": {"matplotlib"},

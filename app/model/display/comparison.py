@@ -1,14 +1,18 @@
-"""The plan of a mosaic: two parameters, some values of each, and the tiles of all combinations."""
+"""Which runs are compared: combinations of values of one or two parameters, or methods."""
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 from app.model.display.round_numbers import short_text
 from app.model.document.document import Document
 from app.model.parameters.controls import Control, slider_range, value_of, with_value
-from app.model.text.language import tr
+from app.model.text.language import from_core, tr
+from cpm_core.objects.methods import CONTOUR_METHODS, Compared
 from cpm_core.parameters import Parameters
 
 FEWEST, MOST = 2, 6
@@ -20,62 +24,70 @@ COUNTS = (3, 4, 5)
 FIRST_AXES = ("smoothing", "min_strength")
 """Parameters that are proposed: they decide which edges count."""
 
+METHODS_ACROSS = 4
+"""Number of methods in a row."""
+
 _SPREAD = 0.5
 """Fraction of the slider's range that the proposed values span."""
 
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """One of the two parameters, with its values in ascending order."""
+    """A parameter that runs differ in, with its values in ascending order."""
 
     control: Control
     values: tuple[float, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, eq=False, slots=True)
 class Tile:
-    """One run of a mosaic: its place, its values of the two parameters, and all its parameters."""
+    """One of the runs that are compared.
+
+    `method` is a method with its settings, run from the outlines that are drawn; where it is empty, the run is that of
+    the document with other parameters, the `settings`, which differ from its own in `values`.
+    """
 
     row: int
     col: int
-    down: float
-    across: float
-    parameters: Parameters
+    caption: str
+    settings: Any
+    values: tuple[tuple[str, float], ...] = ()
+    method: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Plan:
-    """A mosaic before it is run: the parameter of its rows, that of its columns, and its tiles row by row."""
-
-    down: Axis
-    across: Axis
-    tiles: tuple[Tile, ...]
-
-    def caption(self, tile: Tile) -> str:
-        """The values of a tile as text."""
-        down, across = self.down.control.symbol, self.across.control.symbol
-        return f"{down} = {short_text(tile.down)}, {across} = {short_text(tile.across)}"
-
-
-def plan(parameters: Parameters, down: Axis, across: Axis) -> Plan:
-    """The plan of a mosaic whose tiles differ in two parameters.
+def parameter_tiles(parameters: Parameters, axes: Sequence[Axis]) -> tuple[Tile, ...]:
+    """A run for each combination of the values of one or two parameters.
 
     ValueError when both are the same parameter, or a value is out of its range.
     """
-    if down.control.name == across.control.name:
+    names = [axis.control.name for axis in axes]
+    if len(set(names)) < len(names):
         raise ValueError(tr("Both parameters are the same: choose two different ones."))
-    tiles = [
-        Tile(row, col, first, second, _with(parameters, down.control, first, across.control, second))
-        for row, first in enumerate(down.values)
-        for col, second in enumerate(across.values)
-    ]
-    return Plan(down, across, tuple(tiles))
+    across = len(axes[-1].values)
+    tiles = []
+    for place, values in enumerate(itertools.product(*(axis.values for axis in axes))):
+        caption = ", ".join(f"{axis.control.symbol} = {short_text(value)}"
+                            for axis, value in zip(axes, values, strict=True))  # fmt: skip
+        chosen = tuple(zip(names, values, strict=True))
+        tiles.append(Tile(*divmod(place, across), caption, _with(parameters, chosen), chosen))
+    return tuple(tiles)
 
 
-def pick(document: Document, chosen: Plan, tile: Tile) -> Document:
-    """The document with the two parameters of a tile; all others stay unchanged."""
-    first, second = chosen.down.control, chosen.across.control
-    return replace(document, parameters=_with(document.parameters, first, tile.down, second, tile.across))
+def method_tiles(compared: Compared, parameters: Parameters) -> tuple[Tile, ...]:
+    """A run of each chosen method; ValueError when there is none."""
+    if not compared.methods:
+        raise ValueError(tr("Choose one method at least."))
+    tiles = []
+    for place, name in enumerate(compared.methods):
+        method = CONTOUR_METHODS[name]
+        settings = parameters if method.of_particles else compared.settings_of(name)
+        tiles.append(Tile(*divmod(place, METHODS_ACROSS), from_core(method.title), settings, method=name))
+    return tuple(tiles)
+
+
+def pick(document: Document, tile: Tile) -> Document:
+    """The document with the values of a tile; all its other parameters stay unchanged."""
+    return replace(document, parameters=_with(document.parameters, tile.values))
 
 
 def sensible_values(control: Control, parameters: Parameters, contrast: float, count: int) -> tuple[float, ...]:
@@ -125,8 +137,10 @@ def in_text(values: tuple[float, ...]) -> str:
     return ", ".join(map(short_text, values))
 
 
-def _with(parameters: Parameters, first: Control, one: float, second: Control, other: float) -> Parameters:
-    return with_value(with_value(parameters, first.name, one), second.name, other)
+def _with(parameters: Parameters, values: Sequence[tuple[str, float]]) -> Parameters:
+    for name, value in values:
+        parameters = with_value(parameters, name, value)
+    return parameters
 
 
 def _rounded(value: float, step: float) -> float:

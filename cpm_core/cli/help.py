@@ -1,6 +1,19 @@
-"""Examples of each command, which its help ends with."""
+"""Help on the command line: examples, what may have been meant, and completion in shells."""
 
 from __future__ import annotations
+
+import argparse
+import difflib
+import os
+import re
+from collections.abc import Iterable
+
+import argcomplete
+from argcomplete.shell_integration import shellcode
+
+from cpm_core.parameters.quotation import shown
+
+SHELLS = ("bash", "zsh", "fish", "powershell")
 
 EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
     "run": (
@@ -54,3 +67,45 @@ def text_of(command: str) -> str:
 def is_examples(text: str) -> bool:
     """Whether a text of the help keeps its lines as they are."""
     return text.startswith(_HEAD)
+
+
+_LIKE = 0.6
+"""How alike two words have to be, from 0 to 1."""
+
+
+def nearest(word: str, known: Iterable[str]) -> str:
+    """The known word that is most like another; empty where none is."""
+    return next(iter(difflib.get_close_matches(word, list(known), 1, _LIKE)), "")
+
+
+def no_command_or_file(word: str, commands: Iterable[str]) -> str:
+    """A sentence on the first word of a command line that is neither a command nor a file."""
+    near = nearest(word.lower(), commands) if re.fullmatch("[A-Za-z_-]+", word) else ""
+    if near:
+        return f"{shown(word)} is no command and no file: did you mean cpm {near}?"
+    return f"{shown(word)} does not exist: check its name and folder, or see cpm --help."
+
+
+def with_suggestion(message: str, options: Iterable[str]) -> str:
+    """The message of a parser on what it does not know, with the option that may have been meant."""
+    found = re.match(r"unrecognized arguments: (--[\w-]+)", message)
+    near = nearest(found[1], options) if found else ""
+    return f"{message}; did you mean {near}?" if near else f"{message}."
+
+
+def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add ``cpm completion`` to the commands: a script with which a shell completes commands, options and files."""
+    parser = commands.add_parser("completion", help="complete commands in your shell", allow_abbrev=False)
+    parser.description = "Print a script for a shell, with which the tab key completes commands, options and files."
+    parser.add_argument("shell", choices=SHELLS, help="which shell")
+    parser.set_defaults(command=_completion)
+
+
+def _completion(arguments: argparse.Namespace) -> None:
+    print(shellcode(["cpm"], shell=arguments.shell))
+
+
+def complete(parser: argparse.ArgumentParser) -> None:
+    """Answer a shell that asks what may follow, and end; nothing where none asks."""
+    if "_ARGCOMPLETE" in os.environ:
+        argcomplete.autocomplete(parser)
