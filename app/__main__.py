@@ -85,7 +85,7 @@ def _run(arguments: Sequence[str]) -> int:
     paths = list(arguments)
     if arguments and not os.path.lexists(arguments[0]):  # a word that was mistyped opens no window
         from cpm_core.cli.help import no_command_or_file
-        from cpm_core.cli.inputs.image_files import expanded
+        from cpm_core.cli.inputs import expanded
 
         try:
             paths = expanded(arguments)

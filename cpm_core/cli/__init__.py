@@ -9,16 +9,17 @@ from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
 from cpm_core.cli import bench, help, info
+from cpm_core.cli import compare as compare_command
+from cpm_core.cli import export as export_command
+from cpm_core.cli import skeleton as skeleton_command
 from cpm_core.cli.batch import command as batch_command
-from cpm_core.cli.compare import command as compare_command
-from cpm_core.cli.export import command as export_command
 from cpm_core.cli.help import complete, is_examples, text_of, with_suggestion
-from cpm_core.cli.inputs.image_files import use_files
+from cpm_core.cli.inputs import use_files
 from cpm_core.cli.run import command as run_command
-from cpm_core.cli.skeleton import command as skeleton_command
-from cpm_core.cli.terminal import counted, drop_output, say, take_any_character
+from cpm_core.cli.terminal import drop_output, say, take_any_character
 from cpm_core.formats.atomic import written_files
 from cpm_core.formats.provenance import VERSION
+from cpm_core.parameters.quotation import counted
 
 _MODULES = (
     run_command,

@@ -1,4 +1,4 @@
-"""``cpm skeleton``: finds the skeletons of the objects in an image."""
+"""``cpm skeleton``: finds the skeletons of the objects in an image, and the center lines of what lies in a volume."""
 
 from __future__ import annotations
 
@@ -16,15 +16,16 @@ from cpm_core.cli.arguments import (
     notes_on,
     parameters_of,
 )
-from cpm_core.cli.inputs.part import add_part, part_of
+from cpm_core.cli.inputs import add_part, part_of, part_of_volume
 from cpm_core.cli.outcome import Files, tell
-from cpm_core.cli.skeleton.centerlines import find_centerlines
-from cpm_core.cli.terminal import announce_compilation, counted
-from cpm_core.formats import FOR_CENTERLINES, load_image, suffix_of
-from cpm_core.formats.provenance import ENTRY, facts_of
+from cpm_core.cli.terminal import announce_compilation, say
+from cpm_core.formats import FOR_CENTERLINES, load_image, load_volume, suffix_of
+from cpm_core.formats.provenance import ENTRY, facts_of, facts_on
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeletonize import skeleton
+from cpm_core.medial_axis.space.centerlines import Centerlines
 from cpm_core.parameters import PRESETS
+from cpm_core.parameters.quotation import counted
 
 _PRESET = "noisy"
 _PARAMETERS = (
@@ -121,4 +122,50 @@ def _report(found: Skeleton, seconds: float, files: Files, *, as_json: bool) -> 
         lines.append(f"  {number}. length {contour.length:.1f} px, radius {radii.min():.1f} to {radii.max():.1f} px")
     if len(found.contours) > 10:
         lines.append(f"  ... and {len(found.contours) - 10} shorter ones")
+    tell("skeleton", facts, lines, files.written, as_json=as_json)
+
+
+def find_centerlines(arguments: argparse.Namespace) -> int:
+    """Find the center lines in a volume; every check that needs no volume comes first."""
+    part = part_of_volume(arguments)
+    parameters = parameters_of(arguments, PRESETS["volume"])
+    check_exports(arguments.export, arguments)
+    for path in arguments.export:
+        if suffix_of(path) not in FOR_CENTERLINES:
+            raise ValueError(f"{path} holds no center lines in a volume: end its name in {', '.join(FOR_CENTERLINES)}.")
+    volume = load_volume(arguments.image, **part)
+    for note in volume.notes:
+        say(f"cpm: {volume.source}: {note}")
+    mask = None if arguments.within is None else load_volume(arguments.within).values > 0.0
+    announce_compilation()
+    started = time.perf_counter()
+    found = skeleton(volume, parameters, of=arguments.of, within=mask, outside=arguments.outside)
+    seconds = time.perf_counter() - started
+    assert isinstance(found, Centerlines)
+    files = Files()
+    files.export(found, arguments.export, space=arguments.space or "LPS")
+    files.check()
+    _report_lines(found, seconds, files, as_json=arguments.json)
+    return files.status()
+
+
+def _report_lines(found: Centerlines, seconds: float, files: Files, *, as_json: bool) -> None:
+    closed = sum(branch.closed for branch in found.branches)
+    facts = {
+        "contours": len(found.branches),
+        "closed": closed,
+        "length": round(float(found.lengths.sum()), 3),
+        "largest_radius": round(max((float(radii.max()) for radii in found.radii), default=0.0), 3),
+        "unit": found.unit,
+        "seconds": round(seconds, 3),
+        "not_written": files.refused,
+        ENTRY: facts_on(found.source, found.provenance),
+    }
+    unit = found.unit or "voxels"
+    count = counted(len(found.branches), "center line")
+    lines = [f"{found.source}: {count} ({closed} closed) in {seconds:.2f} s"]
+    for number, (length, radii) in enumerate(zip(found.lengths[:10], found.radii, strict=False), start=1):
+        lines.append(f"  {number}. length {length:.1f} {unit}, radius {radii.min():.1f} to {radii.max():.1f} {unit}")
+    if len(found.branches) > 10:
+        lines.append(f"  ... and {len(found.branches) - 10} shorter ones")
     tell("skeleton", facts, lines, files.written, as_json=as_json)

@@ -1,4 +1,4 @@
-"""``cpm compare``: runs several methods on an image and tells what each has found, and in what time."""
+"""``cpm compare``: runs several methods on an image and reports what each has found, and in what time."""
 
 from __future__ import annotations
 
@@ -6,30 +6,41 @@ import argparse
 from collections.abc import Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from cpm_core.cli.arguments import add_image, add_json, add_session, as_steps, notes_on
-from cpm_core.cli.compare.settings import add_settings, chosen_settings
-from cpm_core.cli.compare.start import add_start, outlines_drawn, spheres_drawn, start_in_volume, start_on
-from cpm_core.cli.inputs.named_files import check_kept
-from cpm_core.cli.inputs.numbers import as_number
-from cpm_core.cli.inputs.part import add_part, part_of, part_of_volume
-from cpm_core.cli.inputs.source import image_of, reading_of, session_of
-from cpm_core.cli.inputs.truth import truth_for, volume_truth_for
+from cpm_core.cli.inputs import (
+    add_part,
+    as_number,
+    check_kept,
+    image_of,
+    numbers_in,
+    part_of,
+    part_of_volume,
+    reading_of,
+    session_of,
+    starts_from_file,
+    truth_for,
+    volume_truth_for,
+)
 from cpm_core.cli.outcome import Files, tell
-from cpm_core.cli.terminal import announce_compilation, counted, say
+from cpm_core.cli.terminal import announce_compilation, say
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.surface.ground_truth import VolumeTruth
 from cpm_core.formats import load_image, load_volume
 from cpm_core.formats.animations.comparison import Tile, check_comparison, files_of, write_comparison
+from cpm_core.formats.contours.reading.contour_file import CONTOURS_READABLE
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.image.colors import LUMINANCE
 from cpm_core.image.image import Image
+from cpm_core.numerics.types import Array
 from cpm_core.objects.methods import (
     CONTOUR_METHODS,
     Compared,
     Facts,
+    Settings,
     Start,
     facts_of,
     method_named,
@@ -37,7 +48,10 @@ from cpm_core.objects.methods import (
     runnable,
 )
 from cpm_core.parameters import PRESETS, Parameters
-from cpm_core.shapes.document_shapes import check_axes
+from cpm_core.parameters.quotation import counted, shown
+from cpm_core.shapes import Barrier, Charge, Circle, Region, Shape
+from cpm_core.shapes.document_shapes import check_axes, starts_of
+from cpm_core.shapes.outlines import outlines_of
 
 _WIDTH = 24
 """Width of the column of the methods [characters]."""
@@ -213,3 +227,165 @@ def _image(arguments: argparse.Namespace, session: SessionFile, files: Sequence[
             "PLANE,ROW,COL,RADIUS."
         )
     return image
+
+
+_OURS = tuple(name for name, method in CONTOUR_METHODS.items() if method.of_particles)
+"""The methods whose settings are the parameters of a run."""
+
+
+def add_settings(parser: argparse._ActionsContainer) -> None:
+    """Add settings, as `set`, and the preset of the particles, as `preset`; see `chosen_settings`."""
+    parser.add_argument(
+        "--set",
+        metavar="METHOD.NAME=VALUE",
+        nargs="+",
+        action="extend",
+        default=[],
+        help="settings of methods, such as gac.balloon=0.5 cpm.smoothing=2; of "
+        + "; of ".join(
+            f"{name}: {', '.join(_names(name))}" for name, method in CONTOUR_METHODS.items() if not method.of_particles
+        )
+        + f"; of {' and '.join(_OURS)}: the parameters of cpm run",
+    )
+    parser.add_argument("--preset", choices=tuple(PRESETS), help=f"named settings of {' and '.join(_OURS)}")
+
+
+def chosen_settings(
+    arguments: argparse.Namespace, methods: Sequence[str], ours: Parameters | None, compared: Compared
+) -> dict[str, Any]:
+    """The settings of each of some methods: those of a comparison, `ours` of the particles if given, and what was set.
+
+    Raises
+    ------
+    ValueError
+        When a setting is of another form, of a method that is not compared, unknown, or out of its range.
+    """
+    base = PRESETS[arguments.preset] if arguments.preset else ours
+    found: dict[str, Any] = {
+        name: base if base is not None and CONTOUR_METHODS[name].of_particles else compared.settings_of(name)
+        for name in methods
+    }
+    changes: dict[str, dict[str, Any]] = {}
+    for text in arguments.set:
+        place, equals, value = text.partition("=")
+        method, dot, name = place.partition(".")
+        if not (equals and dot and name and value):
+            raise ValueError(f"--set is {shown(text)} but must be METHOD.NAME=VALUE, such as gac.balloon=0.5.")
+        if method not in found:
+            raise ValueError(f"--set {shown(text)} is for {shown(method)}, which is none of the methods compared.")
+        if name not in _names(method):
+            raise ValueError(f"{shown(name)} is no setting of {method}: choose among {', '.join(_names(method))}.")
+        changes.setdefault(method, {})[name] = as_number(value)
+    return {name: replace(settings, **changes.get(name, {})) for name, settings in found.items()}
+
+
+def _names(method: str) -> tuple[str, ...]:
+    """Names of the settings of a method."""
+    kind = CONTOUR_METHODS[method].settings
+    return tuple(kind.table()) if issubclass(kind, Settings) else tuple(Parameters.__dataclass_fields__)
+
+
+Sphere = tuple[float, float, float, float]
+"""Center (plane, row, col) and radius [voxels]."""
+
+
+def add_start(parser: argparse.ArgumentParser) -> None:
+    """Add the flags of the start; see `outlines_drawn` and `start_on`."""
+    start = parser.add_argument_group("start (one at least, of a session or here; several add up)")
+    flags = (
+        ("--circle", "ROW,COL,RADIUS", "a circle, in px"),
+        ("--polygon", "ROW,COL,ROW,COL,...", "corners of a closed line, in px"),
+        ("--sphere", "PLANE,ROW,COL,RADIUS", "a sphere in a volume, in voxels; IMAGE is then a volume"),
+        ("--start", "FILE", f"the closed contours of a file ({', '.join(CONTOURS_READABLE)}, or a label mask)"),
+    )
+    for flag, form, words in flags:
+        start.add_argument(flag, metavar=form, action="append", default=[], help=words)
+    start.add_argument(
+        "--around",
+        action="store_true",
+        help="the start lies around the object, so that balloons and pressures drive contours inwards",
+    )
+
+
+def outlines_drawn(arguments: argparse.Namespace, session: SessionFile) -> tuple[Array, ...]:
+    """The closed lines on the command line and those of the session; ValueError when there is no start at all."""
+    outlines = [_circle(text) for text in arguments.circle] + [_polygon(text) for text in arguments.polygon]
+    drawn = outlines_of(session.shapes)
+    if not (outlines or drawn or arguments.start):
+        raise ValueError(
+            "No start is given: add --circle ROW,COL,RADIUS, --polygon ROW,COL,ROW,COL,... or --start FILE, or a "
+            "session with a circle, an ellipse or a polygon."
+        )
+    if any(isinstance(shape, Region | Barrier | Charge) for shape in session.shapes):
+        say("cpm: regions, barriers and charges of the session are left out: the other methods have none.")
+    _tell_open("the session", starts_of(session.shapes))
+    return (*outlines, *drawn)
+
+
+def start_in_volume(volume: Image, spheres: Sequence[Sphere], arguments: argparse.Namespace) -> Start:
+    """The start in a volume: spheres, whose radius is in sides of the smallest voxel."""
+    plane, row, col = (side / min(volume.spacing) for side in volume.spacing)
+    return Start((), arguments.around, tuple(spheres), (plane, row, col))
+
+
+def spheres_drawn(arguments: argparse.Namespace) -> tuple[Sphere, ...]:
+    """The spheres on the command line; ValueError beside what is for images only."""
+    for name in ("circle", "polygon", "start", "session") if arguments.sphere else ():
+        if getattr(arguments, name):
+            raise ValueError(f"--{name} is for images, but --sphere is for volumes: leave one out.")
+    return tuple(_sphere(text) for text in arguments.sphere)
+
+
+def start_on(image: Image, outlines: Sequence[Array], arguments: argparse.Namespace, session: SessionFile) -> Start:
+    """The start on an image: lines that are drawn, and those of the files of ``--start``."""
+    found = list(outlines)
+    for path in arguments.start:
+        shapes = starts_from_file(path, image)
+        closed, name = outlines_of(shapes), Path(path).name
+        if not closed:
+            raise ValueError(
+                f"{name} has no closed contour, but methods are compared from closed lines: close its contours, or add "
+                "--circle ROW,COL,RADIUS."
+            )
+        _tell_open(name, shapes)
+        found += closed
+    return Start(tuple(found), around=arguments.around or session.comparison.around)
+
+
+def _tell_open(where: str, shapes: Sequence[Shape]) -> None:
+    """Say how many starts are left out since they enclose nothing."""
+    if loose := len(shapes) - len(outlines_of(shapes)):
+        what = counted(loose, "start without an inside", "starts without an inside")
+        say(f"cpm: {where}: {what} left out, as most of the methods need one.")
+
+
+def _sphere(text: str) -> Sphere:
+    numbers = _numbers(text)
+    if len(numbers) != 4:
+        raise ValueError(f"--sphere is {shown(text)} but must be four numbers, PLANE,ROW,COL,RADIUS in voxels.")
+    plane, row, col, radius = numbers
+    return plane, row, col, radius
+
+
+def _circle(text: str) -> Array:
+    numbers = _numbers(text)
+    if len(numbers) != 3:
+        raise ValueError(f"--circle is {shown(text)} but must be three numbers, ROW,COL,RADIUS in px.")
+    return Circle((numbers[0], numbers[1]), numbers[2]).outline[:-1]
+
+
+def _polygon(text: str) -> Array:
+    numbers = _numbers(text)
+    corners = np.array(numbers[: len(numbers) // 2 * 2]).reshape(-1, 2)
+    if len(numbers) % 2 or len(np.unique(corners, axis=0)) < 3:
+        raise ValueError(
+            f"--polygon is {shown(text)} but must be rows and columns in turn, of three different corners at least, "
+            "ROW,COL,ROW,COL,... in px."
+        )
+    return corners
+
+
+def _numbers(text: str) -> list[float]:
+    """Numbers between commas; an empty list when a part is not a finite number."""
+    numbers = numbers_in(text)
+    return numbers if np.isfinite(numbers).all() else []
