@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from cpm_core.objects.methods.charged_particles import PARTICLES
-from cpm_core.objects.methods.level_sets.geodesic import GEODESIC
-from cpm_core.objects.methods.level_sets.geometric_gvf import GEOMETRIC_GVF
+from cpm_core.objects.methods.level_sets import GEODESIC, GEOMETRIC_GVF
 from cpm_core.objects.methods.method import AnyMethod
 from cpm_core.objects.methods.parametric.gvf_snake import GVF_SNAKE
 from cpm_core.objects.methods.parametric.snake import SNAKE

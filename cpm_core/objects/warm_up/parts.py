@@ -122,7 +122,7 @@ FIRST = (
 
 LATER = (
     Part(objects_once, ("cpm_core.objects.minimum_cut", "cpm_core.objects.candidates.features"), 66),
-    Part(extras_once, ("cpm_core.field.placed_charges", "cpm_core.objects.methods.level_sets.motion"), 40),
+    Part(extras_once, ("cpm_core.field.placed_charges", "cpm_core.objects.methods.level_sets"), 40),
 )
 """All else that is done with images."""
 

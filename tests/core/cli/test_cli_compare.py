@@ -14,7 +14,7 @@ from cpm_core.formats import load_surface
 from cpm_core.formats.sessions.session_file import SessionFile, load_session, save_session
 from cpm_core.objects.methods import CONTOUR_METHODS, Compared, runnable
 from cpm_core.objects.methods.compared import FIRST
-from cpm_core.objects.methods.level_sets.geodesic import GeodesicSettings
+from cpm_core.objects.methods.level_sets import GeodesicSettings
 from cpm_core.objects.methods.method import Needed
 from cpm_core.objects.methods.regions.grab_cut import GRAB_CUT
 from cpm_core.shapes import Ellipse, Stroke

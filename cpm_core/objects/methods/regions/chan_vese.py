@@ -11,7 +11,7 @@ import skimage
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.objects.methods.gray import unit_gray
-from cpm_core.objects.methods.level_sets.evolution import distance_of
+from cpm_core.objects.methods.level_sets import distance_of
 from cpm_core.objects.methods.method import ContourMethod, Start
 from cpm_core.objects.methods.settings import Settings, number
 from cpm_core.objects.methods.states import LevelSetState
