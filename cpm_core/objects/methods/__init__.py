@@ -1,6 +1,6 @@
 """The classical methods beside the charged particles: the same image, the same drawn start, one interface.
 
-`method` says what a method is; `registry` has all of them by name; `run` runs one. Snakes are in `parametric`, level
+`method` says what a method is; `registry` has all of them by name; `run` runs one. Snakes are in `snakes`, level
 sets in `level_sets`, and what scikit-image and OpenCV have in `regions`.
 """
 

@@ -28,8 +28,8 @@ from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.objects.methods.gray import unit_edges
 from cpm_core.objects.methods.method import ContourMethod, Start
-from cpm_core.objects.methods.parametric.gvf_field import evened, gradient_vector_flow
 from cpm_core.objects.methods.settings import Settings, number
+from cpm_core.objects.methods.snakes import evened, gradient_vector_flow
 from cpm_core.objects.methods.states import LevelSetState, until_at_rest
 
 MOST_STEPS = 4000

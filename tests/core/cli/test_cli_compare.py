@@ -16,7 +16,7 @@ from cpm_core.objects.methods import CONTOUR_METHODS, Compared, runnable
 from cpm_core.objects.methods.compared import FIRST
 from cpm_core.objects.methods.level_sets import GeodesicSettings
 from cpm_core.objects.methods.method import Needed
-from cpm_core.objects.methods.regions.grab_cut import GRAB_CUT
+from cpm_core.objects.methods.regions import GRAB_CUT
 from cpm_core.shapes import Ellipse, Stroke
 
 ROW, COL = np.indices((56, 60))

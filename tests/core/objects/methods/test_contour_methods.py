@@ -22,7 +22,7 @@ from cpm_core.objects.methods.level_sets import (
     moved,
     signed_distance,
 )
-from cpm_core.objects.methods.regions.morphological import MorphologicalGacSettings
+from cpm_core.objects.methods.regions import MorphologicalGacSettings
 from cpm_core.objects.methods.states import level_contours
 
 from .published import ring
