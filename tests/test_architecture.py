@@ -18,11 +18,15 @@ LAYERS = ("cpm_core", "app.model", "app.session", "app.views", "app.__main__")
 QT = ("PySide6", "shiboken6", "pyqtgraph", "qtpy", "PyQt5", "PyQt6")
 WIDGETS = ("PySide6.QtWidgets", "PySide6.QtOpenGLWidgets", "pyqtgraph")
 FORBIDDEN = {"cpm_core": QT, "app.model": QT, "app.session": WIDGETS}
-CORE_LIBRARIES = {"numpy", "scipy", "skimage", "numba", "llvmlite", "PIL", "tifffile", "roifile"}
+CORE_LIBRARIES = {"numpy", "scipy", "skimage", "numba", "llvmlite", "PIL", "tifffile", "roifile", "argcomplete"}
 
 LATE_LIBRARIES = {
     "cpm_core.image.drawing.axes": {"matplotlib"},
     "cpm_core.formats.animations.mp4": {"imageio_ffmpeg"},
+    "cpm_core.formats.images.medical.nifti": {"nibabel"},
+    "cpm_core.formats.images.medical.nrrd": {"nrrd"},
+    "cpm_core.formats.images.medical.dicom.reader": {"pydicom"},
+    "cpm_core.formats.images.medical.dicom.pixels": {"pydicom", "imagecodecs"},
     "cpm_core.cli.batch.workers": {"distributed"},
 }
 """What these modules import as well, and only where it is needed: inside functions, and for types."""

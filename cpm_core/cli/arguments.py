@@ -7,9 +7,7 @@ from collections.abc import Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 
-from cpm_core.cli.inputs.named_files import check_kept
-from cpm_core.cli.inputs.numbers import as_number
-from cpm_core.cli.inputs.part import CHANNEL_HELP
+from cpm_core.cli.inputs import CHANNEL_HELP, as_number, check_kept
 from cpm_core.formats import READABLE, WRITABLE, check_export
 from cpm_core.formats.sessions.session_file import SUFFIX
 from cpm_core.image.colors import LUMINANCE_NOTE

@@ -18,11 +18,6 @@ from cpm_core.objects.warm_up import FIRST, is_compiled, warm_up
 _REDRAW = 0.1  # [s] between two lines of progress
 
 
-def counted(number: int, noun: str) -> str:
-    """Number and noun, as in "1 contour" and "2 contours"."""
-    return f"{number} {noun}{'' if number == 1 else 's'}"
-
-
 def say(sentence: str) -> None:
     """Print a sentence to standard error, if anybody reads it."""
     with suppress(OSError, ValueError):

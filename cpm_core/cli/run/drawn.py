@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.cli.inputs.numbers import numbers_in
-from cpm_core.cli.inputs.starts import starts_from_files
+from cpm_core.cli.inputs import numbers_in, starts_from_files
 from cpm_core.formats import (
     load_points,
 )
