@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 
 from PySide6.QtCore import QRectF, QSize, Qt
@@ -111,7 +110,7 @@ class CompareDialog(QDialog):
         self.export_button.clicked.connect(self._export)
         self.board.taken.connect(self._take)
         self.board.selected.connect(self._select)
-        comparison.began.connect(partial(self._show_state, state=tr("running…")))
+        comparison.began.connect(self._begin)  # a partial would keep the dialog when it is closed
         comparison.finished.connect(self._finish)
         comparison.ended.connect(self._end)
         self._session.tasks.advanced.connect(self._refresh)
@@ -141,6 +140,9 @@ class CompareDialog(QDialog):
         view = self.board.view_of(tile)
         if view is not None and view.done is None:
             view.show_state(state)
+
+    def _begin(self, tile: Tile) -> None:
+        self._show_state(tile, tr("running…"))
 
     def _finish(self, done: Done) -> None:
         self.board.finish(done)

@@ -127,5 +127,6 @@ KEPT = Kept()
 def fail_for_threads_since(threads: set[threading.Thread]) -> None:
     """Fail when a thread runs that was not among these."""
     left = [thread.name for thread in set(threading.enumerate()) - threads if thread.is_alive()]
-    left = [name for name in left if not name.startswith(("cpm-share", "pytest_timeout"))]  # they last longer
+    lasting = ("cpm-share", "cpm-compile", "pytest_timeout")
+    left = [name for name in left if not name.startswith(lasting)]
     assert not left, f"threads left running: {left}"
