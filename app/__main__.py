@@ -76,15 +76,16 @@ def _interrupt_as_usual() -> None:
 
 
 def _run(arguments: Sequence[str]) -> int:
-    if arguments and (arguments[0] in _COMMANDS or arguments[0].startswith("-")):
+    asked_by_shell = "_ARGCOMPLETE" in os.environ
+    if asked_by_shell or (arguments and (arguments[0] in _COMMANDS or arguments[0].startswith("-"))):
         from cpm_core import cli
 
         _interrupt_as_usual()
         return cli.main(arguments)
     paths = list(arguments)
     if arguments and not os.path.lexists(arguments[0]):  # a word that was mistyped opens no window
-        from cpm_core.cli.help.mistyped import no_command_or_file
-        from cpm_core.cli.inputs.image_files import expanded
+        from cpm_core.cli.help import no_command_or_file
+        from cpm_core.cli.inputs import expanded
 
         try:
             paths = expanded(arguments)

@@ -12,24 +12,24 @@ The model on one page
    falls linearly through zero (`field.scale_field`).
 3. The **particles** all have the same positive charge and repel each other: the **Coulomb force** F_c, eq. (9)
    (`particles.coulomb`), scaled by the local spacing and cut at one. In a run with many particles, near pairs are
-   summed at every step, and a mesh, computed every few steps, carries the rest (`particles.coulomb.mesh_force`).
+   summed at every step, and a mesh, computed every few steps, carries the rest (`model.plane.repulsion`).
 4. They move by F = w1 F_c + w2 F_l - beta v, eq. (12), the last term being the **damping**; one **step** advances
-   them by eq. (14)-(15) (`dynamics.equations`, `dynamics.integrator`). Particles that leave the image are removed.
-5. A particle has **edge contact** where the Lorentz force is weak and the edge strong enough (`dynamics.edge_contact`).
+   them by eq. (14)-(15) (`model.equations`, `model.plane.motion`). Particles that leave the image are removed.
+5. A particle has **edge contact** where the Lorentz force is weak and the edge strong enough (`model.plane.motion`).
    **Insertion**: two neighbors with edge contact, d_min < d <= d_min + d_max apart, get a particle between them if the
    **ridge** of the edge is free there; a particle whose edge continues without other particles gets one ahead.
    **Deletion**: of two nearer than d_min / 2 one is deleted. **Annealing**: every step multiplies d_max by a
-   (`dynamics.insertion`, `dynamics.deletion`, `dynamics.time_step`).
-6. **Coverage** records the cells in which particles have had edge contact (`particles.coverage`). Where no cells are
+   (`model.plane.births`, `model.plane.step`).
+6. **Coverage** records the cells in which particles have had edge contact (`model.coverage`). Where no cells are
    newly covered, repulsion fades and damping grows, more slowly for particles that still move far from all covered
    cells; a particle that is at rest there is skipped until that changes. A run is in **equilibrium** when eq. (23)
-   holds and hardly any particle has moved, been inserted or been deleted for twenty steps (`dynamics.equilibrium`).
+   holds and hardly any particle has moved, been inserted or been deleted for twenty steps (`model.equations`).
    **Completion**: before a run ends, **reseeding** puts particles beside the boundaries that have none, of enclosed
    regions that have been reached on another boundary: the outline around a hole, or a hole in an object
-   (`segmentation.completion`, `segmentation.enclosed_regions`). Particles at rest off the edges are then removed.
+   (`model.plane.enclosed_regions`). Particles at rest off the edges are then removed.
 7. All this happens on one **scale** of the image after the other, from coarse to fine (`image.pyramid`,
-   `field.scale_space`, `segmentation.scale_schedule`). Each scale begins with the particles of the coarser one and with
-   the **initialization**: the seeds, drawn or automatic (`particles.initialization`).
+   `field.scale_space`, `model.plane.step`). Each scale begins with the particles of the coarser one and with
+   the **initialization**: the seeds, drawn or automatic (`model.starts`).
 8. The **reconstruction** moves points to the ridge of the edge and joins them by following the ridge to closed and open
    **contours** with **junctions**. It leaves out what is weak or has the same gray levels on both sides
    (`field.region_contrast`), and builds **bridges** across gaps if `max_gap` allows them (`reconstruction.curve`).
@@ -38,14 +38,14 @@ The model on one page
 10. **Placed charges** attract or repel the particles around them, as strongly as the edges or up to four times so;
     their force is added to the Lorentz force (`field.placed_charges`). An **intervention** changes charges, parameters,
     regions or barriers, or adds or erases particles, at any step; particles at rest that it concerns are reactivated
-    (`segmentation.interventions`).
-11. The terms of a step can be examined: the **forces** on each particle, by name (`dynamics.forces`), the **potential**
+    (`model.interventions`).
+11. The terms of a step can be examined: the **forces** on each particle, by name (`model.measures`), the **potential**
     of the charges, and the kinetic and potential **energy**, which the damping takes out of a run until it is at rest
-    (`dynamics.energies`).
+    (`model.measures`).
 
 `Engine` composes all of them, step by step (`segmentation.engine`); `segment` is a whole run in one call, `evolve` the
 same as an iterator over its steps, and `follow` one on each page of a stack, from the contours of the page before
-(`segmentation.pages`). `contours.measurements` measures each contour and finds which lies in which; `Result.labels` and
+(`pages`). `contours.measurements` measures each contour and finds which lies in which; `Result.labels` and
 `Result.table` are the pixels inside and their measurements. Where the **ground truth** is known, as a mask or as
 contours, `compare` measures the agreement with it (`contours.agreement`, `contours.ground_truth`), and in a volume
 `compare_surface` that of the surface.
@@ -79,8 +79,6 @@ from cpm_core.contours.result import Result
 from cpm_core.contours.surface import Surface
 from cpm_core.contours.surface.agreement import SurfaceComparison, compare_surface
 from cpm_core.contours.surface.ground_truth import VolumeTruth
-from cpm_core.dynamics.energies import Energies
-from cpm_core.dynamics.forces import Forces
 from cpm_core.field.edge_map import edge_map
 from cpm_core.field.electric_field import electric_field
 from cpm_core.field.placed_charges import PlacedCharge
@@ -109,6 +107,11 @@ from cpm_core.image.volume_regions import Extrusion, VolumeRegions
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeletonize import skeleton
 from cpm_core.medial_axis.space.centerlines import Centerlines, centerlines
+from cpm_core.model.coulomb import coulomb_force
+from cpm_core.model.measures import Energies, Forces
+from cpm_core.model.starts import circle, divergence_centers, gradient_threshold, stroke, uniform_grid
+from cpm_core.model.state import Particles, State
+from cpm_core.model.volume.starts import at_centers, box, everywhere, in_slice, on_strong_edges, sphere
 from cpm_core.objects import Partition, Selection, VolumePartition, VolumeSelection, objects_result, partition, similar
 from cpm_core.objects.methods import (
     CONTOUR_METHODS,
@@ -120,18 +123,14 @@ from cpm_core.objects.methods import (
     moments,
     run_method,
 )
+from cpm_core.pages.follow import follow
+from cpm_core.pages.page import Page
+from cpm_core.pages.tracks import TrackEvent
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
-from cpm_core.particles.coulomb.coulomb_force import coulomb_force
-from cpm_core.particles.initialization import circle, divergence_centers, gradient_threshold, stroke, uniform_grid
-from cpm_core.particles.state import Particles, State
-from cpm_core.particles.volume_starts import at_centers, box, everywhere, in_slice, on_strong_edges, sphere
 from cpm_core.reconstruction import reconstruct_curve, reconstruct_surface
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.evolve import Evolution, Evolved, evolve
 from cpm_core.segmentation.method import METHODS, Method
-from cpm_core.segmentation.pages.follow import follow
-from cpm_core.segmentation.pages.page import Page
-from cpm_core.segmentation.pages.tracks import TrackEvent
 from cpm_core.segmentation.segment import segment
 
 __version__ = VERSION

@@ -15,7 +15,7 @@ from packaging.requirements import Requirement
 
 ROOT = Path(__file__).resolve().parents[1]
 
-EXTRAS = ("gui", "images", "medical")
+EXTRAS = ("gui",)
 """Extras that the application holds."""
 
 _LICENSE = re.compile(r"licen[cs]e|copying|notice|authors", re.IGNORECASE)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from app.session.core_functions import Core
+from app.session.features.comparison import Comparison
 from app.session.features.contour_review import ContourReview
 from app.session.features.hand_editing import HandEditing
 from app.session.features.image_batch import ImageBatch
@@ -11,8 +12,6 @@ from app.session.features.objects.object_list import ObjectList
 from app.session.features.objects.object_selection import ObjectSelection
 from app.session.features.other_result import OtherResult
 from app.session.features.pages.stack_pages import StackPages
-from app.session.features.side_by_side.method_comparison import MethodComparison
-from app.session.features.side_by_side.parameter_sweep import Sweep
 from app.session.features.skeleton import Skeletons
 from app.session.features.timeline.navigation import TimelineNavigation
 from app.session.features.truth_comparison import GroundTruth
@@ -35,8 +34,7 @@ class Workspace:
         self.navigation = TimelineNavigation(self.session)
         self.other_result = OtherResult(self.session, self.navigation)
         self.slices = ShownSlices(self.session)
-        self.sweep = Sweep(self.session, self.truth)
-        self.comparison = MethodComparison(self.session)
+        self.comparison = Comparison(self.session, self.truth)
         self.pages = StackPages(self.session, core or Core())
         self.batch = ImageBatch(self.session)
         self.object_selection.offers_for = self.pages.is_drawn
@@ -44,7 +42,6 @@ class Workspace:
     def close(self) -> None:
         """Stop everything and wait for the threads to end."""
         self.pages.close()
-        self.comparison.close()
         self.truth.close()
         self.object_list.close()
         self.object_selection.close()

@@ -24,7 +24,7 @@ from app.model.document.samples import sample_called
 from app.views.application import make_application, open_window
 from app.views.features.contours.objects import ObjectsFeature
 from app.views.features.file.open_save import OpenSaveFeature
-from app.views.features.view.mosaic import MosaicFeature
+from app.views.features.view.comparing_runs import ComparisonFeature
 from app.views.features.view.space import SpaceFeature
 from app.views.main_window import MainWindow
 from app.views.theme import theme
@@ -216,14 +216,17 @@ def mosaic(stand: Stand) -> None:
     """A sweep of smoothing and reach on the hand."""
     stand.open("hand.png")
     stand.do("mosaic")
-    dialog = stand.window.feature(MosaicFeature).dialog
+    dialog = stand.window.feature(ComparisonFeature).dialog
     assert dialog is not None
-    for axis, symbol, values in ((dialog.down, "σ", "1, 2, 4"), (dialog.across, "r", "2, 30, 300")):
+    for axis, symbol, values in (
+        (dialog.parameters.down, "σ", "1, 2, 4"),
+        (dialog.parameters.across, "r", "2, 30, 300"),
+    ):
         titles = [axis.choice.itemText(index) for index in range(axis.choice.count())]
         axis.choice.setCurrentIndex(next(index for index, title in enumerate(titles) if title.endswith(f" {symbol}")))
         axis.values.setText(values)
     dialog.start_button.click()
-    wait(lambda: bool(dialog.tiles) and all(tile.done for tile in dialog.tiles.values()))
+    wait(lambda: bool(dialog.board.tiles) and all(tile.done for tile in dialog.board.tiles))
     stand.settle()
     stand.take("mosaic", dialog)
     dialog.close()

@@ -8,19 +8,18 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
-from cpm_core.cli import bench, info
+from cpm_core.cli import bench, help, info
+from cpm_core.cli import compare as compare_command
+from cpm_core.cli import export as export_command
+from cpm_core.cli import skeleton as skeleton_command
 from cpm_core.cli.batch import command as batch_command
-from cpm_core.cli.compare import command as compare_command
-from cpm_core.cli.export import command as export_command
-from cpm_core.cli.help import completion
-from cpm_core.cli.help.examples import is_examples, text_of
-from cpm_core.cli.help.mistyped import with_suggestion
-from cpm_core.cli.inputs.image_files import use_files
+from cpm_core.cli.help import complete, is_examples, text_of, with_suggestion
+from cpm_core.cli.inputs import use_files
 from cpm_core.cli.run import command as run_command
-from cpm_core.cli.skeleton import command as skeleton_command
-from cpm_core.cli.terminal import counted, drop_output, say, take_any_character
+from cpm_core.cli.terminal import drop_output, say, take_any_character
 from cpm_core.formats.atomic import written_files
 from cpm_core.formats.provenance import VERSION
+from cpm_core.parameters.quotation import counted
 
 _MODULES = (
     run_command,
@@ -30,7 +29,7 @@ _MODULES = (
     compare_command,
     info,
     bench,
-    completion,
+    help,
 )
 """A module for each command, in the order of the help."""
 
@@ -116,7 +115,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run(argv: Sequence[str] | None) -> int:
     try:
-        arguments = parser().parse_args(argv)
+        whole = parser()
+        complete(whole)
+        arguments = whole.parse_args(argv)
         use_files(arguments)
         command: Callable[[argparse.Namespace], int | None] = arguments.command
         return command(arguments) or 0

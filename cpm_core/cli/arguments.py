@@ -7,16 +7,14 @@ from collections.abc import Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 
-from cpm_core.cli.inputs.named_files import check_kept
-from cpm_core.cli.inputs.numbers import as_number
-from cpm_core.cli.inputs.part import CHANNEL_HELP
+from cpm_core.cli.inputs import CHANNEL_HELP, as_number, check_kept
 from cpm_core.formats import READABLE, WRITABLE, check_export
 from cpm_core.formats.sessions.session_file import SUFFIX
 from cpm_core.image.colors import LUMINANCE_NOTE
 from cpm_core.image.geometry import CONVENTIONS
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import most_scales
-from cpm_core.parameters import DEFAULTS, FORMER_NAMES, PARAMETERS, Parameters
+from cpm_core.parameters import DEFAULTS, PARAMETERS, Parameters
 from cpm_core.parameters.choices import CHOICES, ChoiceInfo
 
 
@@ -51,9 +49,6 @@ def add_parameters(parser: argparse._ActionsContainer, names: Sequence[str] = (*
             dest=name,
             help=f"{info.meaning} {info.more} (default: {DEFAULTS[name]})".replace("%", "%%"),
         )
-    for former, name in FORMER_NAMES.items():
-        if name in names:
-            parser.add_argument(f"--{former.replace('_', '-')}", type=as_number, dest=name, help=argparse.SUPPRESS)
 
 
 def _add_choice(parser: argparse._ActionsContainer, info: ChoiceInfo) -> None:

@@ -15,9 +15,9 @@ import numpy as np
 
 from cpm_core.cli.arguments import add_json
 from cpm_core.cli.outcome import print_json
+from cpm_core.model.starts import circle, uniform_grid
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import PRESETS
-from cpm_core.particles.initialization import circle, uniform_grid
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.segment import segment
 

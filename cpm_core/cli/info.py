@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from cpm_core.cli.arguments import add_json
-from cpm_core.cli.inputs.part import add_part, color_read, part_of
+from cpm_core.cli.inputs import add_part, color_read, part_of
 from cpm_core.cli.outcome import IN_PART, print_json
 from cpm_core.cli.place import facts_on, lines_on
 from cpm_core.cli.terminal import say

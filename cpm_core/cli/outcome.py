@@ -12,11 +12,12 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from cpm_core.cli.terminal import counted, say
+from cpm_core.cli.terminal import say
 from cpm_core.contours.result import Result
 from cpm_core.formats import export
 from cpm_core.formats.printable import printable
 from cpm_core.formats.provenance import VERSION
+from cpm_core.parameters.quotation import counted
 
 SCHEMA = 1
 """Version of the form of all JSON objects."""

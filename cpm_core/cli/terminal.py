@@ -12,15 +12,10 @@ from pathlib import Path
 from types import TracebackType
 
 from cpm_core.formats.printable import printable
+from cpm_core.model.state import State
 from cpm_core.objects.warm_up import FIRST, compile_ahead, is_compiled
-from cpm_core.particles.state import State
 
 _REDRAW = 0.1  # [s] between two lines of progress
-
-
-def counted(number: int, noun: str) -> str:
-    """Number and noun, as in "1 contour" and "2 contours"."""
-    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 def say(sentence: str) -> None:

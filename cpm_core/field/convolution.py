@@ -1,17 +1,10 @@
-"""The electric field of eq. (8) and the potential of eq. (7), exact, by zero-padded convolutions.
-
-The transforms of the field are done axis by axis: rows of zeros are not transformed forward, and what is cut off is not
-transformed back. It takes about as long as the three plain transforms that it consists of.
-"""
+"""The electric field of eq. (8) and the potential of eq. (7), exact, by zero-padded convolutions."""
 
 from __future__ import annotations
 
 import math
-from collections import OrderedDict
-from collections.abc import Iterator, Sequence
-from functools import reduce
-from itertools import product
-from threading import Lock
+from functools import lru_cache, reduce
+from typing import Any, TypeVar
 
 import numpy as np
 import scipy
@@ -19,18 +12,12 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from cpm_core.numerics.parallel import cores
 from cpm_core.numerics.real_numbers import checked_number
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Single
 
-_KEPT_BYTES = 128 * 2**20
-"""Memory for kernel spectra that are kept for the next image of the same size: enough for the three scales of one of
-2048 x 2048 pixels in double precision (93 MB). Larger spectra are computed each time [bytes]."""
+_Grid = TypeVar("_Grid", Single, Array)
 
-
-_WHOLE = 2**24
-"""Samples of a padded image that are transformed as a whole."""
-
-_BLOCK = 2**22
-"""Samples that are transformed at once of a larger one, so that padded copies stay small."""
+_MOST_KEPT = 2**23
+"""Samples of a padded image up to which the spectra of its kernels are kept for the next image of the same size."""
 
 _MOST_IN_DOUBLE = 2**22
 """Pixels up to which kernels are transformed in double precision."""
@@ -51,50 +38,47 @@ def convolved_field(
     vector, in single precision 1e-6. Raises `ValueError` for an exponent that is not positive.
     """
     f = np.asarray(edge_map, dtype=precision)
-    given = f.ndim if exponent is None else exponent
-    power = checked_number("exponent", given, lambda number: number > 0.0, "above 0")
-    # the kernel's mirror image begins at half of an even size, which must exceed all differences of two pixels
-    padded = tuple(2 * scipy.fft.next_fast_len(max(n, 2), real=axis == f.ndim - 1) for axis, n in enumerate(f.shape))
-    spectrum = scipy.fft.rfft(f, padded[-1], axis=-1, workers=cores())
-    kernels = _spectra.of(f.shape, padded, power, f.dtype, pitch)
+    power = checked_number("exponent", f.ndim if exponent is None else exponent, lambda number: number > 0.0, "above 0")
+    padded = tuple(scipy.fft.next_fast_len(2 * n, real=axis == f.ndim - 1) for axis, n in enumerate(f.shape))
+    kept = math.prod(padded) <= _MOST_KEPT
+    kernel_of = _kernel_spectrum if kept else _kernel_spectrum.__wrapped__
+    # in single precision only where double takes too much memory
+    made_in = np.dtype(float) if f.size <= _MOST_IN_DOUBLE else f.dtype
+    spectrum = scipy.fft.rfft(f, padded[-1], workers=cores())
+    for axis in reversed(range(f.ndim - 1)):  # axis by axis: rows of zeros are not transformed
+        spectrum = scipy.fft.fft(spectrum, padded[axis], axis, overwrite_x=True, workers=cores())
+    spectrum *= spectrum.dtype.type(1j)  # the kernels' spectra are imaginary
     out = np.empty((f.ndim, *f.shape), f.dtype)
-    if math.prod(padded[:-1]) * spectrum.shape[-1] <= _WHOLE:
-        for component, part in enumerate(_convolved(spectrum, kernels, f.shape, padded)):
-            out[component] = scipy.fft.irfft(part, padded[-1], axis=-1, workers=cores())[..., : f.shape[-1]]
-        return out
-    parts = [*(np.empty_like(spectrum) for _ in kernels[1:]), spectrum]
-    step = max(_BLOCK // math.prod(padded[:-1]), 1)
-    for first in range(0, spectrum.shape[-1], step):
-        some = (..., slice(first, first + step))
-        convolved = _convolved(spectrum[some].copy(), [kernel[some] for kernel in kernels], f.shape, padded)
-        for part, back in zip(parts, convolved, strict=True):
-            part[some] = back
-    lines = max(_BLOCK // math.prod(f.shape[1:-1]) // padded[-1], 1) if f.ndim > 1 else len(spectrum)
-    for component, part in enumerate(parts):
-        for first in range(0, len(spectrum), lines):
-            rows = slice(first, first + lines)
-            out[component, rows] = scipy.fft.irfft(part[rows], padded[-1], axis=-1, workers=cores())[..., : f.shape[-1]]
+    for component in range(f.ndim):
+        back: NDArray[Any] = spectrum * kernel_of(component, padded, power, made_in, f.dtype, pitch or (1.0,) * f.ndim)
+        for axis, n in enumerate(f.shape[:-1]):
+            back = scipy.fft.ifft(back, axis=axis, overwrite_x=True, workers=cores())
+            back = back[(slice(None),) * axis + (slice(n),)]
+        out[component] = scipy.fft.irfft(back, padded[-1], workers=cores())[..., : f.shape[-1]]
     return out
 
 
-def _convolved(
-    whole: NDArray[np.complexfloating], kernels: Sequence[Array], shape: tuple[int, ...], padded: tuple[int, ...]
-) -> Iterator[NDArray[np.complexfloating]]:
-    """Convolve some frequencies of the last axis with each kernel along the other axes, and cut off the padding.
-
-    `whole` is overwritten; a result holds until the next one is asked for.
-    """
-    for axis in reversed(range(whole.ndim - 1)):
-        whole = scipy.fft.fft(whole, padded[axis], axis=axis, overwrite_x=True, workers=cores())
-    whole *= whole.dtype.type(1j)  # the kernels' spectra are imaginary
-    multiplied = np.empty_like(whole)
-    for component, kernel in enumerate(kernels):
-        _multiply(whole, kernel, component, multiplied)
-        back = multiplied
-        for axis, n in enumerate(shape[:-1]):
-            back = scipy.fft.ifft(back, axis=axis, overwrite_x=True, workers=cores())
-            back = back[(slice(None),) * axis + (slice(n),)]
-        yield back
+@lru_cache(maxsize=12)
+def _kernel_spectrum(
+    component: int,
+    padded: tuple[int, ...],
+    power: float,
+    made_in: np.dtype,
+    precision: np.dtype,
+    pitch: tuple[float, ...],
+) -> Array:
+    """Fourier transform, over i, of a component of the field of one unit charge at the origin: it is odd and real."""
+    steps = [(side * (size * np.fft.fftfreq(size))).astype(made_in) for size, side in zip(padded, pitch, strict=True)]
+    grid = np.meshgrid(*steps, indexing="ij", sparse=True)
+    squared = reduce(np.add, [along**2 for along in grid])
+    squared[(0,) * len(padded)] = np.inf  # no charge acts on itself
+    # roots are several times faster than powers
+    decay = squared * np.sqrt(squared) if power == 2.0 else squared ** (0.5 * (power + 1.0))
+    kernel = -grid[component] / decay
+    for axis, size in enumerate(padded):
+        if size % 2 == 0:  # farther than any two pixels; without it the kernel is odd
+            np.moveaxis(kernel, axis, 0)[size // 2] = 0.0
+    return np.asarray(scipy.fft.rfftn(kernel, workers=cores()).imag.astype(precision))
 
 
 def convolved_potential(
@@ -126,91 +110,12 @@ def convolved_potential(
     return -potential
 
 
-def _multiply(
-    spectrum: NDArray[np.complexfloating], kernel: Array, component: int, out: NDArray[np.complexfloating]
-) -> None:
-    """Multiply a spectrum by a kernel at the frequencies that are not negative: odd along `component`, else even."""
-    last = spectrum.ndim - 1
-    for mirrored in product((False, True), repeat=last):
-        half = [
-            slice(kernel.shape[axis], None) if back else slice(kernel.shape[axis]) for axis, back in enumerate(mirrored)
-        ]
-        source = tuple(slice(-2, 0, -1) if back else slice(None) for back in mirrored)
-        odd = component < last and mirrored[component]
-        np.multiply(spectrum[tuple(half)], -kernel[source] if odd else kernel[source], out=out[tuple(half)])
-
-
-class _Spectra:
-    """Fourier transforms of the field of one unit charge at the origin, the last ones used kept in bounded memory."""
-
-    def __init__(self) -> None:
-        self._kept: OrderedDict[tuple[object, ...], tuple[Array, ...]] = OrderedDict()
-        self._lock = Lock()
-
-    def of(
-        self,
-        shape: tuple[int, ...],
-        padded: tuple[int, ...],
-        power: float,
-        precision: np.dtype,
-        pitch: tuple[float, ...] | None,
-    ) -> tuple[Array, ...]:
-        """Spectra for each component; see `_kernel_spectra`."""
-        key = (shape, padded, power, precision, pitch)
-        with self._lock:
-            if key in self._kept:
-                self._kept.move_to_end(key)
-                return self._kept[key]
-        spectra = tuple(_kernel_spectra(shape, padded, power, precision, pitch))
-        with self._lock:
-            self._kept[key] = spectra
-            while self.size > _KEPT_BYTES:
-                self._kept.popitem(last=False)
-        return spectra
-
-    @property
-    def size(self) -> int:
-        """Memory that the kept spectra take up [bytes]."""
-        return sum(kernel.nbytes for spectra in self._kept.values() for kernel in spectra)
-
-
-_spectra = _Spectra()
-
-
-def _kernel_spectra(
-    shape: tuple[int, ...],
-    padded: tuple[int, ...],
-    power: float,
-    precision: np.dtype,
-    pitch: tuple[float, ...] | None,
-) -> Iterator[Array]:
-    """Imaginary parts, but for the sign, of the kernels' spectra at frequencies that are not negative.
-
-    The field of one charge is odd along its own component and even along the others, so that sine and cosine transforms
-    of a quarter (an eighth) of the grid give its whole spectrum, which has no real part.
-    """
-    # in single precision only where double takes too much memory
-    most = np.dtype(float) if math.prod(shape) <= _MOST_IN_DOUBLE else precision
-    sides = (1.0,) * len(shape) if pitch is None else pitch
-    steps = (np.arange(size // 2 + 1, dtype=most) * most.type(side) for size, side in zip(padded, sides, strict=True))
-    grid = np.meshgrid(*steps, indexing="ij", sparse=True)
-    squared = sum((g**2 for g in grid[1:]), start=grid[0] ** 2)
-    squared[(0,) * len(shape)] = np.inf  # no charge acts on itself
-    # a root is several times faster than a power
-    if power == 2.0:
-        decay = 1.0 / (squared * np.sqrt(squared))
-    else:
-        decay = 1.0 / (squared * squared) if power == 3.0 else squared ** (-0.5 * (power + 1.0))
-    for axis, n in enumerate(shape):  # beyond any difference of two pixels: never read
-        decay[(slice(None),) * axis + (slice(n, None),)] = 0.0
-    del squared
-    for component, offset in enumerate(grid):
-        kernel = offset * decay
-        for axis in range(len(shape)):
-            if axis == component:
-                inner = (slice(None),) * axis + (slice(1, -1),)
-                kernel[inner] = scipy.fft.dst(kernel[inner], type=1, axis=axis, workers=cores())
-                kernel[(slice(None),) * axis + ([0, -1],)] = 0.0
-            else:
-                kernel = scipy.fft.dct(kernel, type=1, axis=axis, overwrite_x=True, workers=cores())
-        yield kernel.astype(precision, copy=False)
+def block_means(volume: _Grid, block: list[int]) -> _Grid:
+    """Means of the blocks of a volume, of so many voxels along each axis; the last blocks may be smaller."""
+    for axis, n in enumerate(block):
+        if n > 1:
+            starts = np.arange(0, volume.shape[axis], n)
+            sums = np.add.reduceat(volume, starts, axis=axis)
+            sums *= np.float32(1.0 / n)  # a smaller block counts as filled up with zeros
+            volume = sums
+    return volume

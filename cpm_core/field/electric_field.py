@@ -17,9 +17,8 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from cpm_core.field.convolution import convolved_field
+from cpm_core.field.convolution import block_means, convolved_field
 from cpm_core.field.pppm import pppm_field
-from cpm_core.field.volume.volume_field import block_means
 from cpm_core.numerics.real_numbers import checked_number, grid_of_numbers
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import shown

@@ -17,13 +17,17 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache
+from threading import local
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.pyramid import to_scale
-from cpm_core.numerics.jit import compiled, inlined
+from cpm_core.numerics.jit import inlined
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import shown
@@ -47,6 +51,7 @@ STRONGEST = 10.0
 """Largest strength of a charge, attracting or repelling."""
 
 _REST = 1.0 - RADII**-3
+
 _NORM = 1.0 / (9.0 * _REST**2 / RADII**3 * 2.0**-0.25 + _REST**3 * 2.0**-1.25)
 """Factor that makes the force of a charge of one equal to one at its radius."""
 
@@ -143,13 +148,11 @@ def radius_at(scale: int) -> float:
     return RADIUS * 0.5**scale
 
 
-def within_reach(
-    positions: Array, charges: Sequence[PlacedCharge], scale: int, shape: tuple[int, ...]
-) -> NDArray[np.bool_]:
-    """Which of positions, shape (N, 2) [px of a scale], lie within the reach of at least one charge."""
-    near = np.zeros(len(positions), np.bool_)
-    if charges:
-        _reach(at_scale(charges, scale, shape), RADII * radius_at(scale), positions, near)
+def near_charges(charges: Array, radius: float, places: Array) -> NDArray[np.bool_]:
+    """Which places, shape (N, D), lie within the reach of at least one charge; see `placed_force_at`."""
+    near = np.zeros(len(places), np.bool_)
+    for *place, _ in charges:
+        near |= ((places - place) ** 2).sum(axis=1) < (RADII * radius) ** 2
     return near
 
 
@@ -165,81 +168,103 @@ def box_of(charges: Array, radius: float, shape: tuple[int, ...]) -> Box:
 
 
 def placed_force(charges: Array, radius: float, box: Box) -> Array:
-    """Force of charges on the pixels of a box, shape (h, w, 2), in units of the Lorentz force away from edges.
-
-    `charges` holds row, column and strength of each, shape (K, 3), `radius` is `RADIUS`, both in px of the scale of the
-    box.
-    """
+    """Force of charges on the pixels of a box, shape (h, w, 2); see `placed_force_at`."""
     top, bottom, left, right = box
-    force = np.zeros((bottom - top, right - left, 2))
-    _add_forces(charges, radius, top, left, force)
-    return force
+    return placed_force_at(charges, radius, np.moveaxis(np.mgrid[top:bottom, left:right], 0, -1))
 
 
-def placed_potential(charges: Array, radius: float, points: Array) -> Array:
-    """Potential of charges at points, shape (N, 2), whose slope is the force; shape (N,).
+def placed_force_at(charges: Array, radius: float, places: Array) -> Array:
+    """Force of charges at places, shape (..., D), in units of the Lorentz force away from edges.
 
-    `charges` holds row, column and strength of each, shape (K, 3), `radius` is `RADIUS`, all in px of the scale. The
-    unit is px of the scale, times that of the Lorentz force; below 0 where particles are attracted. The cut of a sum of
-    forces does not appear in it.
+    `charges` holds position and strength of each, shape (K, D + 1), `radius` is `RADIUS`, both in px of the scale.
     """
-    potential = np.zeros(len(points))
-    if len(charges):
-        _add_potentials(charges, radius, np.ascontiguousarray(points, dtype=float), potential)
+    force = np.zeros(places.shape)
+    for *place, strength in charges:
+        away = (place - places) / radius
+        force += (strength * _pull(np.einsum("...i,...i->...", away, away)))[..., None] * away
+    size = np.linalg.norm(force, axis=-1, keepdims=True)
+    return np.asarray(force * np.minimum(1.0, MOST / np.maximum(size, 1e-30)))
+
+
+def placed_potential(charges: Array, radius: float, places: Array) -> Array:
+    """Potential of charges at places, shape (..., D), whose slope is the force; shape (...).
+
+    The unit is px of the scale, times that of the Lorentz force; below 0 where particles are attracted. The cut of a
+    sum of forces does not appear in it.
+    """
+    potential = np.zeros(places.shape[:-1])
+    for *place, strength in charges:
+        squared = np.minimum((((place - places) / radius) ** 2).sum(axis=-1), RADII**2)
+        left = 1.0 - squared * np.sqrt(squared) / RADII**3
+        potential -= strength * radius * _NORM * left**3 / np.sqrt(np.sqrt(1.0 + squared**2))
     return potential
 
 
-@compiled
-def _reach(charges: Array, reach: float, positions: Array, near: NDArray[np.bool_]) -> None:
-    for k in range(len(charges)):
-        for i in range(len(positions)):
-            squared = (positions[i, 0] - charges[k, 0]) ** 2 + (positions[i, 1] - charges[k, 1]) ** 2
-            near[i] |= squared < reach**2
-
-
-@compiled
-def _add_potentials(charges: Array, radius: float, points: Array, potential: Array) -> None:
-    for k in range(len(charges)):
-        for i in range(len(points)):
-            squared = ((points[i, 0] - charges[k, 0]) ** 2 + (points[i, 1] - charges[k, 1]) ** 2) / radius**2
-            if squared < RADII**2:
-                potential[i] -= charges[k, 2] * radius * depth(squared)
-
-
-@inlined
-def depth(squared: float) -> float:
-    """Potential of a charge of one at a squared distance below the reach, but for its sign, in units of the radius."""
-    left = 1.0 - squared * np.sqrt(squared) / RADII**3
-    well: float = _NORM * left**3 / np.sqrt(np.sqrt(1.0 + squared**2))
-    return well
-
-
-@inlined
-def pull(squared: float) -> float:
+def _pull(squared: Any) -> Any:
     """Force of a charge of one at a squared distance, in units of the radius."""
     away = np.sqrt(squared)
-    left = max(1.0 - squared * away / RADII**3, 0.0)
+    left = np.maximum(1.0 - squared * away / RADII**3, 0.0)
     soft = 1.0 + squared**2
-    strength: float = _NORM * left**2 / np.sqrt(np.sqrt(soft)) * (9.0 / RADII**3 * away + left * squared / soft)
-    return strength
+    return _NORM * left**2 / np.sqrt(np.sqrt(soft)) * (9.0 / RADII**3 * away + left * squared / soft)
 
 
-@compiled
-def _add_forces(charges: Array, radius: float, top: int, left: int, force: Array) -> None:
-    """Add the forces of charges on the pixels of a box, and cut the sums."""
-    height, width = force.shape[0], force.shape[1]
-    for k in range(len(charges)):
-        y, x, strength = charges[k, 0] - top, charges[k, 1] - left, charges[k, 2]
-        reach = RADII * radius
-        for row in range(max(int(y - reach), 0), min(int(y + reach) + 1, height - 1) + 1):
-            for col in range(max(int(x - reach), 0), min(int(x + reach) + 1, width - 1) + 1):
-                d_y, d_x = (y - row) / radius, (x - col) / radius
-                factor = strength * pull(d_y**2 + d_x**2)
-                force[row, col, 0] += factor * d_y
-                force[row, col, 1] += factor * d_x
-    for row in range(height):
-        for col in range(width):
-            squared = force[row, col, 0] ** 2 + force[row, col, 1] ** 2
-            if squared > MOST**2:
-                force[row, col, 0] *= MOST / np.sqrt(squared)
-                force[row, col, 1] *= MOST / np.sqrt(squared)
+pull = inlined(_pull)
+"""The same for compiled loops."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Kept:
+    """The last scale field, without and with charges, and the charges."""
+
+    plain: ScaleField
+    charged: ScaleField
+    charges: Charges
+
+
+class PlacedChargeCache:
+    """Scale fields of an image of this shape with placed charges; for each thread, the last one it has used is kept."""
+
+    def __init__(self, shape: tuple[int, ...]) -> None:
+        self._shape = shape
+        self._local = local()
+
+    def of(self, scale_field: ScaleField, scale: int, charges: Charges) -> ScaleField:
+        """Scale field of a scale with charges, in px of the image; the field itself when there are none.
+
+        What this thread has received before is no longer valid.
+        """
+        if not charges:
+            self._local.kept = None
+            return scale_field
+        kept: _Kept | None = getattr(self._local, "kept", None)
+        if kept is None or kept.plain is not scale_field:
+            kept = _Kept(scale_field, replace(scale_field, force=cache(scale_field.packed.copy)), ())
+        dirty = changed(kept.charges, charges)
+        if dirty:
+            radius = radius_at(scale)
+            box = box_of(at_scale(dirty, scale, self._shape), radius, scale_field.shape)
+            force = placed_force(at_scale(charges, scale, self._shape), radius, box)
+            window = (slice(*box[:2]), slice(*box[2:]), slice(2))
+            kept.charged.packed[window] = scale_field.packed[window] + force
+            kept = replace(kept, charges=charges)
+        self._local.kept = kept
+        return kept.charged
+
+    def force(self, scale_field: ScaleField, scale: int, charges: Charges) -> Array:
+        """Lorentz force on the pixels of a scale, shape (2, H, W), with that of charges."""
+        force, placed = scale_field.lorentz.astype(float), at_scale(charges, scale, self._shape)
+        if len(placed):
+            box = box_of(placed, radius_at(scale), scale_field.shape)
+            more = placed_force(placed, radius_at(scale), box)
+            force[:, slice(*box[:2]), slice(*box[2:])] += np.moveaxis(more, -1, 0)
+        return force
+
+    def potential(self, scale_field: ScaleField, charges: Charges) -> Array:
+        """Potential on the pixels of the image, shape (H, W), with that of charges; see `ImageFields`."""
+        potential, placed = scale_field.potential.copy(), at_scale(charges, 0, self._shape)
+        for number in range(len(placed)):
+            charge = placed[number : number + 1]
+            top, bottom, left, right = box_of(charge, radius_at(0), scale_field.shape)
+            well = placed_potential(charge, radius_at(0), np.moveaxis(np.mgrid[top:bottom, left:right], 0, -1))
+            potential[top:bottom, left:right] += scale_field.slope * well
+        return potential

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
-from threading import Lock
+from functools import cache, cached_property, partial
 
 import numpy as np
 import scipy
@@ -61,31 +60,14 @@ LARGE = 2**22
 them."""
 
 
-class PackedForce:
-    """The packed force field of a scale: made on first use, once for all threads and all copies of its scale field."""
-
-    def __init__(self, make: Callable[[], Single]) -> None:
-        self._make: Callable[[], Single] | None = make
-        self._made: Single | None = None
-        self._lock = Lock()
-
-    def __call__(self) -> Single:
-        """The packed force field."""
-        with self._lock:
-            if self._made is None:
-                assert self._make is not None
-                self._made, self._make = self._make(), None
-            return self._made
-
-
 @dataclass(frozen=True, eq=False)
 class ScaleField:
     r"""The fields of one scale of an image.
 
     Attributes
     ----------
-    force : PackedForce
-        Makes `packed`.
+    force : callable
+        Makes `packed`, on first use.
     gradient : ndarray, shape (D, \*shape)
         Gradient of the smoothed image [gray levels / px]; on an edge it is normal to it.
     edge_map : ndarray, shape (\*shape)
@@ -109,7 +91,7 @@ class ScaleField:
         Where contours may run; None for everywhere.
     """
 
-    force: PackedForce
+    force: Callable[[], Single]
     gradient: Array
     edge_map: Array
     values: Array
@@ -184,8 +166,9 @@ def build_scale_field(
     edge_floor: float,
     regions: Regions | None = None,
     max_border: float = 0.0,
-    known: ScaleField | None = None,
     exponent: float | None = None,
+    grad: Array | None = None,
+    barrier_map: BarrierMap | None = None,
 ) -> ScaleField:
     r"""Fields of one scale.
 
@@ -203,18 +186,16 @@ def build_scale_field(
         and only the inside decides on the largest edge strength and the background.
     max_border : float
         Width up to which an image border is searched, as a fraction of the shortest side; 0 for none.
-    known : ScaleField, optional
-        A field for the same regions: its barriers are taken over, and its gradient if image and smoothing are the same.
     exponent : float, optional
         Power of the distance with which the force of a fixed charge decays; by default the number of dimensions.
+    grad, barrier_map : optional
+        Gradient of the smoothed image and barriers, where they are known.
     """
-    same = known is not None and known.values is values and known.smoothing == smoothing
-    precision = np.float32 if values.size > LARGE else np.float64
-    grad = known.gradient if known is not None and same else gradient(values, smoothing, precision)
+    if grad is None:
+        grad = gradient(values, smoothing, np.float32 if values.size > LARGE else np.float64)
     strength = magnitude(grad)
-    barrier_map = NO_BARRIERS
-    if regions is not None:
-        barrier_map = build_barrier_map(regions, values.shape) if known is None else known.barrier_map
+    if barrier_map is None:
+        barrier_map = NO_BARRIERS if regions is None else build_barrier_map(regions, values.shape)
     inside = inside_border(grad, strength, smoothing, max_border)
     if regions is not None and regions.interest:
         inside &= regions.pixels(values.shape)
@@ -225,7 +206,7 @@ def build_scale_field(
     if not everywhere:
         strength[~within(inside, _MARGIN)] = 0.0
     made_of = charged, grad, strength, strongest, exponent, None if everywhere else grad
-    force = PackedForce(partial(packed_force, *made_of))
+    force = cache(partial(packed_force, *made_of))
     floor = _weakest_edge(strength if everywhere else strength[inside], strongest, edge_floor)
     return ScaleField(force, grad, strength, values, strongest, charged, floor, smoothing, exponent, barrier_map)
 
@@ -326,3 +307,35 @@ def unit_vectors(vectors: Array) -> Array:
     tiny = 1e-12 * float(length.max(initial=0.0))
     scale = np.where(length > tiny, 1.0 / np.maximum(length, max(tiny, 1e-300)), 0.0)
     return np.asarray(vectors * scale)
+
+
+_FULL, _GONE = 1.5, 3.0
+"""Distances from the ridge of an edge up to which its strength is kept, and from which nothing is left [px]; between
+them it is tapered, so that no new ridge arises."""
+
+_ALONG = 2.0
+"""Distance from the ridge up to which a contour may run [px]."""
+
+
+def limited_to(scale_field: ScaleField, ridge: Mask) -> ScaleField:
+    """The same field with the fixed charges and the edges around some pixels only.
+
+    `ridge`, shape (H, W), are the pixels of the ridges that stay. The largest edge strength, and the least one for edge
+    contact, are those of the edges that stay.
+    """
+    away = scipy.ndimage.distance_transform_edt(~ridge) if ridge.any() else np.full(ridge.shape, np.inf)
+    kept = np.clip((_GONE - away) / (_GONE - _FULL), 0.0, 1.0).astype(scale_field.edge_map.dtype, copy=False)
+    strength = scale_field.edge_map * kept
+    same = scale_field.fixed_charges is scale_field.edge_map
+    charged = strength if same else scale_field.fixed_charges * kept
+    strongest = float(strength.max(initial=0.0))
+    made_of = charged, scale_field.gradient, strength, strongest, scale_field.exponent
+    return replace(
+        scale_field,
+        force=cache(partial(packed_force, *made_of)),
+        edge_map=strength,
+        strongest=strongest,
+        fixed_charges=charged,
+        floor=min(scale_field.floor, least_strength(strongest)),
+        reached=away <= _ALONG,
+    )

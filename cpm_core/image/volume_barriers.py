@@ -14,7 +14,7 @@ import numpy as np
 
 from cpm_core.image.pyramid import to_image
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.runs import Runs, runs_of
+from cpm_core.numerics.parts import Parts, parts_of
 from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.numerics.vectors import Vector, row_of
 
@@ -94,9 +94,9 @@ class Walls:
         return found
 
     @cached_property
-    def _open(self) -> Runs:
+    def _open(self) -> Parts:
         """The parts of what is not closed; voxels with a common face are connected."""
-        return runs_of(~self.closed, corners=False)
+        return parts_of(~self.closed, corners=False)
 
 
 def _centers(plane: int, shape: tuple[int, ...], pitch: Vector) -> Array:

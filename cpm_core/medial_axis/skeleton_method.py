@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cpm_core.contours.contour import Contour
-from cpm_core.field.image_fields import ImageFields
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image, as_image, as_plane
 from cpm_core.image.regions import Regions
@@ -23,12 +22,13 @@ from cpm_core.medial_axis.outlines import inside_outlines, outlines_of
 from cpm_core.medial_axis.polarity import DARK
 from cpm_core.medial_axis.skeleton import Skeleton, branches
 from cpm_core.medial_axis.structure import Structure, find_structure, with_axis
+from cpm_core.model.image_fields import ImageFields
+from cpm_core.model.starts import inside_image
+from cpm_core.model.state import Particles
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import OF_CHARGES, OF_STARTS, PRESETS, Parameters, invalidating
 from cpm_core.parameters.provenance import Provenance, taken
 from cpm_core.parameters.quotation import described, sized
-from cpm_core.particles.initialization import inside_image
-from cpm_core.particles.state import Particles
 
 Within = Sequence[Contour] | ArrayLike
 """What a skeleton can be of: closed outlines, or a mask, shape (H, W)."""

@@ -21,25 +21,9 @@ _HALVINGS = 3
 """How often every second corner of a path may be left out before it is painted."""
 
 
-_LONG, _MOST_KEPT = 256, 16
-"""Corners from which on the array of a path is kept, and the number of paths for which it is."""
-
-_kept: dict[int, tuple[object, Array]] = {}
-"""Paths and their arrays, by their identities: while a path is drawn or dragged it is needed again and again."""
-
-
 def corners_of(path: Array | Sequence[Sequence[float]]) -> Array:
-    """Corners of a path as an array, shape (K, D), which is not to be changed: that of a long path is kept."""
-    if not isinstance(path, tuple) or len(path) < _LONG:
-        return np.asarray(path, dtype=float)
-    known = _kept.get(id(path))
-    if known is not None and known[0] is path:
-        return known[1]
-    made = np.array(path, dtype=float)
-    for oldest in list(_kept)[: len(_kept) + 1 - _MOST_KEPT]:
-        _kept.pop(oldest, None)
-    _kept[id(path)] = path, made
-    return made
+    """Corners of a path as an array, shape (K, D)."""
+    return np.asarray(path, dtype=float)
 
 
 def lengths_along(path: Array) -> Array:

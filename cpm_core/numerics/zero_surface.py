@@ -22,9 +22,9 @@ _CORNERS = tuple(product((0, 1), repeat=3))
 def zero_surface(values: Single, inner: tuple[tuple[int, int], ...] | None = None) -> tuple[Array, Index]:
     """Vertices [voxels], shape (N, 3), and triangles, shape (F, 3), of the surface around the voxels above zero.
 
-    Seen from outside, triangles run counter-clockwise. Voxels inside hang together over sides, edges and corners, those
-    outside over sides alone. `inner` is the range of voxels to consider along each axis; the surface is open where it
-    leaves that range.
+    Seen from outside, triangles run counter-clockwise. Voxels inside hang together over sides and edges, those outside
+    over sides alone. `inner` is the range of voxels to consider along each axis; the surface is open where it leaves
+    that range.
     """
     begin, end = np.transpose(inner if inner is not None else [(0, size) for size in values.shape])
     part = values[tuple(map(slice, begin, end))]
@@ -32,12 +32,16 @@ def zero_surface(values: Single, inner: tuple[tuple[int, int], ...] | None = Non
     if min(part.shape) < 2 or inside.all() or not inside.any():
         return np.empty((0, 3)), np.empty((0, 3), np.int64)
     size = np.abs(part)
-    least = np.float32(_NEAREST) * np.median(size)
-    size = np.maximum(size, least)
-    corners = {at: inside[tuple(slice(k, n - 1 + k) for k, n in zip(at, part.shape, strict=True))] for at in _CORNERS}
+    size = np.maximum(size, np.float32(_NEAREST) * np.median(size))
+    vertices, faces, _, _ = skimage.measure.marching_cubes(np.where(inside, -size, size), 0.0, method="lorensen")  # type: ignore[no-untyped-call]
+    return vertices.astype(float) + begin, faces.astype(np.int64)
+
+
+def join_corners(values: Single, raised: float) -> None:
+    """Raise voxels of a volume so that two above zero that meet at a corner alone hang together over sides as well."""
+    inside = values > 0.0
+    corners = {at: inside[tuple(slice(k, n - 1 + k) for k, n in zip(at, values.shape, strict=True))] for at in _CORNERS}
     two = np.sum(list(corners.values()), axis=0, dtype=np.uint8) == 2
     for (plane, row, col), corner in zip(_CORNERS[:4], _CORNERS[:3:-1], strict=True):
         joint = np.argwhere(two & corners[plane, row, col] & corners[corner]) + np.array((1 - plane, row, col))
-        inside[tuple(joint.T)], size[tuple(joint.T)] = True, least
-    vertices, faces, _, _ = skimage.measure.marching_cubes(np.where(inside, -size, size), 0.0, method="lorensen")  # type: ignore[no-untyped-call]
-    return vertices.astype(float) + begin, faces.astype(np.int64)
+        values[tuple(joint.T)] = raised

@@ -22,6 +22,8 @@ from cpm_core.image.drawing import raster
 from cpm_core.image.drawing.notebook import Pictured
 from cpm_core.image.image import Image, as_image, as_plane
 from cpm_core.image.regions import Regions
+from cpm_core.model.starts import uniform_grid
+from cpm_core.model.volume.starts import everywhere
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.objects.answers import Answers, among
 from cpm_core.objects.candidates.appearance import Appearance, appearance
@@ -35,8 +37,6 @@ from cpm_core.objects.outline.outline import SMOOTHING, outlines
 from cpm_core.objects.selection import Selection, confidence_of
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.quotation import counted, described, sized
-from cpm_core.particles.initialization import uniform_grid
-from cpm_core.particles.volume_starts import everywhere
 from cpm_core.segmentation.reach.bounding import thing_within
 from cpm_core.segmentation.segment import segment
 

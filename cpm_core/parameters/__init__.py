@@ -30,7 +30,6 @@ from cpm_core.parameters.table import (
 __all__ = [
     "AUTOMATIC",
     "DEFAULTS",
-    "FORMER_NAMES",
     "OF_CHARGES",
     "OF_PLANES",
     "OF_SKELETONS",
@@ -44,10 +43,6 @@ __all__ = [
     "Parameters",
     "invalidating",
 ]
-
-
-FORMER_NAMES: dict[str, str] = {"max_frame": "max_border"}
-"""Names of parameters in older files and on older command lines -> their present names."""
 
 
 @dataclass(frozen=True, slots=True)

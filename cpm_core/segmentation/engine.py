@@ -15,25 +15,27 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.contours.result import Result
-from cpm_core.dynamics.energies import Energies, kinetic_energy
-from cpm_core.dynamics.forces import Forces
 from cpm_core.field.placed_charges import PlacedCharge, placed_in
 from cpm_core.field.scale_field import ScaleField
+from cpm_core.field.volume.volume_field import pitch_of
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
+from cpm_core.model import interventions
+from cpm_core.model.coverage import no_coverage, no_surface
+from cpm_core.model.measures import Energies, Forces, forces_asked, kinetic_energy
+from cpm_core.model.plane import step as plane
+from cpm_core.model.starts import starting_points
+from cpm_core.model.state import Particles, SpaceState, State
+from cpm_core.model.volume import step as volume
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import OF_SKELETONS, PARAMETERS, Parameters
 from cpm_core.parameters.choices import CHOICES
 from cpm_core.parameters.provenance import Provenance, taken
 from cpm_core.parameters.quotation import counted, described, sized
-from cpm_core.particles.initialization import starting_points
-from cpm_core.particles.state import State
-from cpm_core.segmentation import interventions
-from cpm_core.segmentation.laws import plane, space
+from cpm_core.segmentation.outcome import contours_of, surface_of
 from cpm_core.segmentation.reach.run_fields import RunFields
-from cpm_core.segmentation.scale_schedule import start_scale
 
-_LAWS: Mapping[int, Any] = MappingProxyType({2: plane, 3: space})
+_LAWS: Mapping[int, Any] = MappingProxyType({2: plane, 3: volume})
 """The laws of a run by the number of axes of its image."""
 
 
@@ -109,8 +111,10 @@ class Engine(RunFields):
             When there is no particle, or none inside the image and the regions of interest.
         """
         points = starting_points(seeds, self.image.shape, self.regions)
-        first = self._laws.first(points, self.image, self.scales, self.regions)
-        return start_scale(first, self.scales - 1, self.regions)
+        space = SpaceState(pitch_of(self.image.spacing), no_surface()) if self.image.ndim == 3 else None
+        none, nowhere = Particles.at_rest(points[:0]), no_coverage(())
+        first = State(none, points, self.image.shape, self.scales, nowhere, regions=self.regions, space=space)
+        return interventions.start_scale(first, self.scales - 1, self.regions)
 
     def step(self, state: State, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> State:
         """One time step.
@@ -134,7 +138,7 @@ class Engine(RunFields):
         """
         if state.stop_reason:
             return state
-        state = self._laws.applied(state, self.regions, parameters, charges)
+        state = interventions.applied(state, self.regions, parameters, charges)
         field = self._charged.of(self._field_of(state, parameters), state.scale, state.charges)
         return self._stepped(state, field, parameters)
 
@@ -167,19 +171,20 @@ class Engine(RunFields):
             damping exactly and applies friction along the edge at once; these are not forces.
         """
         asked = np.arange(state.count) if index is None else np.atleast_1d(np.asarray(index, dtype=np.int64))
-        changed = self._laws.applied(state, self.regions, parameters, charges)
+        changed = interventions.applied(state, self.regions, parameters, charges)
         field = self._field_of(state, parameters)
         charged = self._charged.of(field, state.scale, changed.charges)
-        found: Forces = self._laws.forces_on(state, changed, field, charged, parameters, asked)
-        return found
+        return forces_asked(
+            state, changed, asked, lambda which: self._laws.forces(changed, field, charged, parameters, which)
+        )
 
     def energies(self, state: State, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> Energies:
-        """Kinetic and potential energy of the particles of a state, as `cpm_core.dynamics.energies` defines them.
+        """Kinetic and potential energy of the particles of a state, as `cpm_core.model.measures` defines them.
 
         The potential of the fixed charges is computed at the first call for a scale and cached with the field.
         """
         placed = replace(state, charges=placed_in(charges, self.image.ndim))
-        found: Energies = self._laws.energies_of(placed, self._field_of(state, parameters), parameters)
+        found: Energies = self._laws.energies(placed, self._field_of(state, parameters), parameters)
         return found
 
     def joined(self, state: State, seeds: ArrayLike) -> State:
@@ -244,8 +249,11 @@ class Engine(RunFields):
         Result
             In px of the image.
         """
-        field = self._field_of(state, parameters)
-        found: Result = self._laws.result(state, self.image, field, parameters, self.reach_map)
+        field: Any = self._field_of(state, parameters)
+        if self.image.ndim == 3:
+            found = surface_of(state, self.image, field, parameters)
+        else:
+            found = contours_of(state, self.image, field, parameters, self.reach_map(state.start, parameters))
         return replace(found, provenance=_provenance(self.image, state, parameters))
 
     def measures(self, state: State, parameters: Parameters, thorough: bool = False) -> Mapping[str, float]:

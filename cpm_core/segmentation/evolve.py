@@ -16,11 +16,11 @@ from cpm_core.image.drawing import axes, raster
 from cpm_core.image.drawing.notebook import Pictured
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
+from cpm_core.model.state import State
 from cpm_core.numerics.real_numbers import checked_number
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import counted, described, shown
-from cpm_core.particles.state import State
 from cpm_core.segmentation.engine import Engine
 
 

@@ -13,18 +13,18 @@ from typing import Any, ClassVar, Protocol, Self, TypeVar, runtime_checkable
 from numpy.typing import ArrayLike, NDArray
 
 from cpm_core.contours.result import Result
-from cpm_core.dynamics.forces import Forces
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeleton_method import SkeletonMethod
 from cpm_core.medial_axis.space import steps  # noqa: F401 - the kind of it for volumes
+from cpm_core.model.interventions import Chosen
+from cpm_core.model.measures import Forces
+from cpm_core.model.state import Particles
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
-from cpm_core.particles.state import Particles
 from cpm_core.segmentation.engine import Engine
-from cpm_core.segmentation.interventions import Chosen
 
 
 class MethodState(Protocol):

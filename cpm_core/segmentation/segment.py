@@ -8,12 +8,12 @@ from numpy.typing import ArrayLike
 
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.result import Result
-from cpm_core.field.image_fields import ImageFields
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
+from cpm_core.model.image_fields import ImageFields
+from cpm_core.model.state import State
 from cpm_core.parameters import Parameters
-from cpm_core.particles.state import State
 from cpm_core.reconstruction.by_hand.operations import carried_out
 from cpm_core.segmentation.evolve import evolve
 

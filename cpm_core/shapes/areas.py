@@ -9,9 +9,9 @@ from typing import ClassVar
 
 import numpy as np
 
+from cpm_core.model.starts import above
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Position
-from cpm_core.particles.initialization import above
 from cpm_core.shapes.path import ClosedPath, check_number
 
 FINEST, COARSEST = 2.0, 64.0

@@ -8,9 +8,9 @@ from typing import ClassVar
 
 import numpy as np
 
+from cpm_core.model import starts as initialization
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Position
-from cpm_core.particles import initialization
 from cpm_core.shapes.circle import SMALLEST_RADIUS
 from cpm_core.shapes.path import LARGEST, check_number
 

@@ -9,9 +9,9 @@ from types import MappingProxyType
 from typing import Literal, get_args
 
 from cpm_core.image.image import Image
+from cpm_core.model.starts import STRONG, above, divergence_centers, uniform_grid
+from cpm_core.model.volume import starts as volume_starts
 from cpm_core.numerics.types import Array, Position
-from cpm_core.particles import volume_starts
-from cpm_core.particles.initialization import STRONG, above, divergence_centers, uniform_grid
 from cpm_core.shapes.path import WithoutOutline
 
 Kind = Literal["grid", "gradient", "centers"]

@@ -8,8 +8,8 @@ from types import MappingProxyType
 from cpm_core.field.edge_map import automatic_smoothing, edge_map
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
+from cpm_core.model.volume.starts import strength_of
 from cpm_core.numerics.types import Array
-from cpm_core.particles.volume_starts import strength_of
 from cpm_core.shapes import BoxThreshold, Everywhere, Threshold
 
 ImageStart = Everywhere | Threshold | BoxThreshold

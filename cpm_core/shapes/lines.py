@@ -8,8 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from cpm_core.model import starts as initialization
 from cpm_core.numerics.types import Array, Place, Position
-from cpm_core.particles import initialization
 from cpm_core.shapes.path import ClosedPath, OpenPath
 
 

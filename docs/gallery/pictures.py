@@ -9,9 +9,9 @@ from itertools import pairwise
 import numpy as np
 
 from cpm_core.contours.contour import Contour
+from cpm_core.model.starts import circle, gradient_threshold, uniform_grid
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import PRESETS, Parameters
-from cpm_core.particles.initialization import circle, gradient_threshold, uniform_grid
 from docs.gallery.outlines import (
     Rings,
     blended,

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 from cpm_core.contours.agreement import agreement, recovered
-from cpm_core.dynamics.time_step.plane import populated
 from cpm_core.field.scale_field import ScaleField
+from cpm_core.model.plane import step as plane
+from cpm_core.model.plane.step import populated
+from cpm_core.model.state import State
 from cpm_core.parameters import Parameters
-from cpm_core.particles.state import State
 from cpm_core.reconstruction import reconstruct_curve
 from cpm_core.segmentation.engine import Engine
-from cpm_core.segmentation.laws import plane
 from docs.gallery import silhouettes
 from docs.gallery.pages import Page, Panel, Picture, Stairs
 from docs.gallery.runs import Moment, Run, run

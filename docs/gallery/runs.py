@@ -9,8 +9,8 @@ import numpy as np
 
 from cpm_core.contours.agreement import Agreement, agreement, recovered
 from cpm_core.contours.contour import Contour
+from cpm_core.model.state import State
 from cpm_core.numerics.types import Array
-from cpm_core.particles.state import State
 from cpm_core.segmentation.engine import Engine
 from docs.gallery.scenes import Scene
 

@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 
 from cpm_core.contours.contour import Contour
+from cpm_core.model.starts import circle
 from cpm_core.parameters import Parameters
-from cpm_core.particles.initialization import circle
 from docs.gallery.outlines import (
     Rings,
     blended,

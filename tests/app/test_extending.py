@@ -27,10 +27,10 @@ from app.views.window import tool_palette
 from cpm_core.cli import main
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
-from cpm_core.field.image_fields import ImageFields
 from cpm_core.formats import writers
+from cpm_core.model.image_fields import ImageFields
+from cpm_core.model.state import Particles
 from cpm_core.parameters import PARAMETERS, Parameters
-from cpm_core.particles.state import Particles
 from cpm_core.segmentation.method import METHODS
 from cpm_core.shapes import Circle
 

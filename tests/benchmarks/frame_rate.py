@@ -34,8 +34,8 @@ from app.views.application import make_application
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.main_window import MainWindow
 from cpm_core.contours.result import Result
-from cpm_core.particles.initialization import uniform_grid
-from cpm_core.particles.state import Particles
+from cpm_core.model.starts import uniform_grid
+from cpm_core.model.state import Particles
 from cpm_core.segmentation.engine import Engine
 from cpm_core.shapes import Points
 

@@ -14,7 +14,7 @@ from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 ROOT = Path(__file__).parents[2]
-RUN_TIME = ("gui", "figures", "video", "images", "medical", "batch")
+RUN_TIME = ("gui", "video", "batch")
 """The optional parts of the program itself; all others are for its developers."""
 
 _GPL = re.compile(r"\bA?GPL|(?<!LESSER )\bGENERAL PUBLIC LICENSE")

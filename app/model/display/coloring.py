@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from app.model.display.round_numbers import round_up
 from app.model.text.language import tr
-from cpm_core.dynamics.equilibrium import EPSILON
+from cpm_core.model.equations import EPSILON
 from cpm_core.numerics.types import Array
 from cpm_core.segmentation.method import MethodState
 

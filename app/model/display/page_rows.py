@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from app.model.text.language import from_core, tr
 from cpm_core.contours.measurements import Measures, centroid, measure
-from cpm_core.segmentation.pages.page import Page, StackResult, Track
+from cpm_core.pages.page import Page, StackResult, Track
 
 _ENDS = {
     "ends": tr("ends here"),

@@ -12,7 +12,7 @@ import numpy as np
 from app.model.display.round_numbers import power_text, round_up, scientific_text
 from app.model.text.language import tr
 from app.model.text.numbers import written
-from cpm_core.dynamics.equilibrium import EPSILON
+from cpm_core.model.equations import EPSILON
 from cpm_core.numerics.types import Array
 
 _DECADES = 8

@@ -19,9 +19,9 @@ from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Reconstruction, ReconstructionFailed
 from cpm_core.contours.hand_edits import HandEdit, apply_to_result
 from cpm_core.contours.result import Result
-from cpm_core.field.image_fields import ImageFields
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.model.image_fields import ImageFields
 from cpm_core.numerics.types import Position
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction.by_hand.operations import carried_out

@@ -30,11 +30,10 @@ from app.views.features.run.timeline import TimelineFeature
 from app.views.features.view.animation import AnimationFeature
 from app.views.features.view.appearance import AppearanceFeature
 from app.views.features.view.comparing import ComparingFeature
+from app.views.features.view.comparing_runs import ComparisonFeature
 from app.views.features.view.keyboard import KeyboardFeature
 from app.views.features.view.layers import LayersFeature
 from app.views.features.view.levels import LevelsFeature
-from app.views.features.view.methods import MethodsFeature
-from app.views.features.view.mosaic import MosaicFeature
 from app.views.features.view.pages import PagesFeature
 from app.views.features.view.slices import SlicesFeature
 from app.views.features.view.space import SpaceFeature
@@ -66,8 +65,7 @@ FEATURES: tuple[type[Feature], ...] = (
     TruthFeature,
     ObjectsFeature,
     SkeletonsFeature,
-    MosaicFeature,
-    MethodsFeature,
+    ComparisonFeature,
     HistoryFeature,
     LayersFeature,
     LevelsFeature,

@@ -226,9 +226,9 @@ _FURTHER = Page(
         tr("<b>Find values.</b> {mosaic} compares runs with several values of two parameters."),
         tr("<b>Compare.</b> {wipe} shows two branches, or a result and the ground truth, on both sides of a divider "
            "that you can drag. {keep_result} keeps a result to compare later ones with it. {compare_methods} runs "
-           "snakes, level sets and others beside the particles, from the same start, to be paused and looked back on "
-           "step by step. Which of them is best depends on the image: where gray levels tell the object from its "
-           "background, morphological Chan-Vese or grab cut may win."),
+           "snakes, level sets and others beside the particles, from the same start. Which of them is best depends on "
+           "the image: where gray levels tell the object from its background, morphological Chan-Vese or grab cut may "
+           "win."),
         tr("<b>Next image.</b> {next_image} opens the next image of the folder, with the session beside it; {start} "
            "shows recent work. Each image begins with fresh parameters; {former_parameters} takes those of the last "
            "one."),

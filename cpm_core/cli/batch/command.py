@@ -12,15 +12,15 @@ from cpm_core.cli.arguments import add_json, add_parameters, add_session, as_ste
 from cpm_core.cli.batch.batch import Batch, Order
 from cpm_core.cli.batch.summary import NAME, Row
 from cpm_core.cli.batch.workers import elsewhere, here
-from cpm_core.cli.inputs.numbers import as_number
+from cpm_core.cli.inputs import as_number
 from cpm_core.cli.outcome import IN_PART, print_json
-from cpm_core.cli.terminal import Count, announce_compilation, counted
+from cpm_core.cli.terminal import Count, announce_compilation
 from cpm_core.formats import READABLE, WRITABLE
 from cpm_core.formats.fingerprint import fingerprint
 from cpm_core.formats.printable import printable
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.formats.writers import check_needs
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import counted, shown
 from cpm_core.shapes.document_shapes import starts_of
 
 _STANDARD = (".svg", ".csv", ".png")

@@ -26,11 +26,18 @@ from cpm_core.cli.arguments import (
     parameters_of,
     with_room,
 )
-from cpm_core.cli.inputs.numbers import as_number
-from cpm_core.cli.inputs.part import add_part, part_of
-from cpm_core.cli.inputs.source import image_of, in_volume, reading_of, session_of
-from cpm_core.cli.inputs.starts import in_space, starts_from_files
-from cpm_core.cli.inputs.truth import truth_for
+from cpm_core.cli.inputs import (
+    add_part,
+    as_number,
+    image_of,
+    in_space,
+    in_volume,
+    part_of,
+    reading_of,
+    session_of,
+    starts_from_files,
+    truth_for,
+)
 from cpm_core.cli.outcome import Files, outcome_of, tell
 from cpm_core.cli.run.agreement import agreement, sentence_on
 from cpm_core.cli.run.drawn import plain_drawn, regions_drawn, seeds_drawn
@@ -38,7 +45,7 @@ from cpm_core.cli.run.objects import add_objects, check_objects, choose, facts_o
 from cpm_core.cli.run.pages import StackRun, add_pages, check_pages, run_pages
 from cpm_core.cli.run.saved_session import check_save, save
 from cpm_core.cli.run.volume import run_volume
-from cpm_core.cli.terminal import announce_compilation, counted, progress_line
+from cpm_core.cli.terminal import announce_compilation, progress_line
 from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply
@@ -59,6 +66,7 @@ from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.objects import Selection
 from cpm_core.parameters import PRESETS, Parameters
+from cpm_core.parameters.quotation import counted
 from cpm_core.reconstruction.curve.closing import close_contours
 from cpm_core.segmentation.segment import segment, with_hand_edits
 from cpm_core.shapes import KINDS, Everywhere

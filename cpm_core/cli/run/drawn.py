@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.cli.inputs.numbers import numbers_in
-from cpm_core.cli.inputs.starts import starts_from_files
+from cpm_core.cli.inputs import numbers_in, starts_from_files
 from cpm_core.formats import (
     load_points,
 )
@@ -18,8 +17,8 @@ from cpm_core.formats.sessions.plain_values import shape_from_plain
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
+from cpm_core.model.starts import circle, stroke
 from cpm_core.parameters.quotation import shown
-from cpm_core.particles.initialization import circle, stroke
 from cpm_core.shapes import Barrier, Points, Region, Shape
 from cpm_core.shapes.document_shapes import regions_of, starts_of
 

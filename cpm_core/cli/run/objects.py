@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cpm_core.cli.inputs.numbers import numbers_in
+from cpm_core.cli.inputs import numbers_in
 from cpm_core.contours.result import Result
 from cpm_core.image.image import Image
 from cpm_core.objects import Selection, objects_result, partition

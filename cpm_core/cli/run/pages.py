@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from cpm_core.cli.arguments import notes_on
-from cpm_core.cli.inputs.named_files import check_kept
+from cpm_core.cli.inputs import check_kept
 from cpm_core.cli.outcome import IN_PART, Files, outcome_of, print_json
-from cpm_core.cli.terminal import Count, announce_compilation, counted, say
+from cpm_core.cli.terminal import Count, announce_compilation, say
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats import load_pages
 from cpm_core.formats.contours.pages.files import check_stack_export, export_stack, stack_suffix_of
@@ -25,10 +25,10 @@ from cpm_core.formats.printable import printable
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.types import Array
+from cpm_core.pages.follow import follow
+from cpm_core.pages.page import Page, StackResult
 from cpm_core.parameters import Parameters
-from cpm_core.parameters.quotation import shown
-from cpm_core.segmentation.pages.follow import follow
-from cpm_core.segmentation.pages.page import Page, StackResult
+from cpm_core.parameters.quotation import counted, shown
 
 _NOT_OF_PAGES = ("page", "object", "close", "truth")
 """Options that have a meaning for one image only; ``--not`` follows ``--object``."""

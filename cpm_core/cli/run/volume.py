@@ -12,15 +12,20 @@ from typing import Any
 import numpy as np
 
 from cpm_core.cli.arguments import as_steps, check_exports, parameters_of
-from cpm_core.cli.inputs.numbers import numbers_in
-from cpm_core.cli.inputs.part import part_of_volume
-from cpm_core.cli.inputs.source import image_of, in_volume, reading_of
-from cpm_core.cli.inputs.starts import in_space, starts_in_volume
-from cpm_core.cli.inputs.truth import volume_truth_for
+from cpm_core.cli.inputs import (
+    image_of,
+    in_space,
+    in_volume,
+    numbers_in,
+    part_of_volume,
+    reading_of,
+    starts_in_volume,
+    volume_truth_for,
+)
 from cpm_core.cli.outcome import Files, tell
 from cpm_core.cli.place import facts_on, lines_on
 from cpm_core.cli.run.agreement import agreement, sentence_on
-from cpm_core.cli.terminal import announce_compilation, counted, progress_line, say
+from cpm_core.cli.terminal import announce_compilation, progress_line, say
 from cpm_core.contours.result import Result
 from cpm_core.formats import FOR_VOLUMES, load_volume, suffix_of
 from cpm_core.formats.contours.points_csv import load_points
@@ -28,12 +33,12 @@ from cpm_core.formats.provenance import with_shapes
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions, Pair, VolumeRegions
+from cpm_core.model.starts import stroke
+from cpm_core.model.volume.starts import at_centers, everywhere, on_strong_edges, sphere
 from cpm_core.numerics.types import Array
 from cpm_core.objects.partition import partition
 from cpm_core.parameters import PRESETS, Parameters
-from cpm_core.parameters.quotation import shown
-from cpm_core.particles.initialization import stroke
-from cpm_core.particles.volume_starts import at_centers, everywhere, on_strong_edges, sphere
+from cpm_core.parameters.quotation import counted, shown
 from cpm_core.segmentation.segment import segment
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on, starts_of
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from cpm_core.contours.surface import Surface
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.runs import runs_of
+from cpm_core.numerics.parts import parts_of
 from cpm_core.numerics.types import Array, Index, Mask
 
 _BESIDE = (1.3e-6, 2.9e-6)
@@ -27,7 +27,7 @@ def numbered(surface: Surface, shape: tuple[int, ...]) -> Index:
     if surface.numbers is not None:
         return _by_their_numbers(surface, surface.numbers, shape)
     inside = inside_of(surface, shape)
-    parts = runs_of(inside, corners=True)
+    parts = parts_of(inside, corners=True)
     order = np.argsort(-parts.sizes, kind="stable")
     rank = np.empty_like(order)
     rank[order] = np.arange(1, len(order) + 1)

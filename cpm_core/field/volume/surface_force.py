@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cpm_core.field.interpolation.space import normal_at, sampled, value_at
+from cpm_core.field.interpolation import normal_at, sampled, value_at
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Single
 from cpm_core.numerics.vectors import Vector, dot, length, moved, scaled

@@ -17,7 +17,7 @@ import PIL.Image
 import tifffile
 from numpy.typing import NDArray
 
-from cpm_core.formats.images import packing, raster, resolution
+from cpm_core.formats.images import raster, resolution
 from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size, from_samples, upright
 from cpm_core.image.colors import full_scale
 from cpm_core.image.gray_levels import NO_DATA
@@ -96,8 +96,10 @@ def _page_of(file: tifffile.TiffFile, page: tifffile.TiffPage, path: Path, own: 
     direct = page.photometric in _KNOWN_LEVELS and page.compression not in _BY_PILLOW
     shown = None if direct else _by_pillow(page, own, path.name)
     if shown is None:
-        bits = page.bitspersample  # which unpacking changes
-        return turned(page, replace(pixels(page, _raw(page, path.name), bits, path.name), spacing=spacing, unit=unit))
+        return turned(
+            page,
+            replace(pixels(page, _raw(page, path.name), page.bitspersample, path.name), spacing=spacing, unit=unit),
+        )
     # Pillow has turned the pixels; the size of a pixel turns with them
     turned_size = turned(page, Decoded(np.empty((0, 0)), spacing, unit, shown.notes))
     return replace(turned_size, values=shown.values, colors=shown.colors)
@@ -121,26 +123,16 @@ def _becomes_rgb(page: tifffile.TiffPage) -> bool:
 
 
 def _raw(page: tifffile.TiffPage, name: str) -> NDArray[Any]:
-    """Pixels as they are stored; UnreadableError when a package that unpacks them is not installed."""
+    """Pixels as they are stored; UnreadableError for those of three bytes, whose order tifffile gets wrong."""
+    if page.bitspersample == 24:
+        raise _uncommon(page, name)
     with _native_silence():
-        if packing.needs_unpacking(page):
-            return packing.unpacked(page)
-    try:
         return np.asarray(page.asarray(maxworkers=1))
-    except (ValueError, NotImplementedError) as error:
-        if "imagecodecs" not in str(error):
-            raise
-        method = page.compression.name if isinstance(page.compression, tifffile.COMPRESSION) else page.compression
-        raise UnreadableError(
-            f"{name} is a TIFF with pixels of {page.bitspersample} bits packed by method {method}, which needs the "
-            'package imagecodecs: install it (pip install "cpm-particles[images]"), or save the image again as an '
-            "uncompressed TIFF."
-        ) from None
 
 
 def _uncommon(page: tifffile.TiffPage, name: str) -> UnreadableError:
     """What is said of a page with colors that are not read."""
-    if isinstance(page.photometric, tifffile.PHOTOMETRIC):
+    if isinstance(page.photometric, tifffile.PHOTOMETRIC) and page.photometric not in _KNOWN_LEVELS:
         return UnreadableError(
             f"{name} is a TIFF with colors of the kind {page.photometric.name}, which are not read: save it again "
             "in gray, or in red, green and blue."

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from cpm_core.formats.sessions.plain_values import mapping, to_plain, true_or_false
-from cpm_core.objects.methods import CONTOUR_METHODS, PLACES, Compared, Settings
+from cpm_core.objects.methods import CONTOUR_METHODS, Compared, Settings
 from cpm_core.parameters.quotation import shown
 
 
@@ -30,8 +30,7 @@ def compared_from_plain(plain: object, faults: list[str]) -> Compared:
     unknown = sorted(({*methods, *listed} - {""}) - set(CONTOUR_METHODS))
     if unknown:
         faults.append(f"Methods that are not known here were left out: {shown(', '.join(unknown))}.")
-    names = [name if name in CONTOUR_METHODS else "" for name in methods[:PLACES]]
-    names += [""] * (PLACES - len(names))
+    names = [name for name in methods if name in CONTOUR_METHODS]
     chosen = {name: _settings(name, values, faults) for name, values in listed.items() if name in CONTOUR_METHODS}
     return Compared(tuple(names), tuple((name, one) for name, one in chosen.items() if one is not None), around)
 

@@ -12,20 +12,18 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core.field.volume.volume_space import pitch_of
+from cpm_core.field.volume.volume_field import pitch_of
 from cpm_core.formats.sessions.plain_arrays import array_from_plain, array_to_plain
 from cpm_core.formats.sessions.plain_values import mapping, number
 from cpm_core.formats.sessions.space_state import contact_from_plain, covered_from_plain, space_to_plain
 from cpm_core.image.pyramid import shape_of_scale
+from cpm_core.model.coverage import NEVER, Coverage, no_coverage
+from cpm_core.model.plane.repulsion import NO_MESH, PITCH, mesh_shape, softening
+from cpm_core.model.starts import inside_image
+from cpm_core.model.state import MEMORY, MeshForce, Particles, SpaceState, State
 from cpm_core.numerics.types import Array
 from cpm_core.numerics.vectors import Vector
 from cpm_core.parameters.quotation import shown
-from cpm_core.particles.coulomb.mesh_force import PITCH, mesh_shape, softening
-from cpm_core.particles.coulomb.mesh_force.plane import NO_MESH
-from cpm_core.particles.coverage import coverage_of, no_coverage
-from cpm_core.particles.initialization import inside_image
-from cpm_core.particles.mesh import MeshForce
-from cpm_core.particles.state import MEMORY, Particles, SpaceState, State
 
 _COUNTS = (
     *("step", "step_of_scale", "reactivated", "next_identity", "born", "deleted", "moving", "idle", "quiet"),
@@ -48,7 +46,7 @@ def state_to_plain(state: State) -> dict[str, Any]:
     plain["start"] = array_to_plain(state.start)
     if state.space is not None:
         return plain | space_to_plain(state)
-    plain |= {name: array_to_plain(getattr(state.coverage, name).whole()) for name in _COVERAGE}
+    plain |= {name: array_to_plain(getattr(state.coverage, name)) for name in _COVERAGE}
     if state.mesh is not None:
         far = math.isfinite(state.mesh.reach)
         plain["mesh"] = {"reach": state.mesh.reach, "force": array_to_plain(state.mesh.force)} if far else {}
@@ -79,7 +77,8 @@ def state_from_plain(plain: object, shape: tuple[int, ...], scales: int, spacing
         space = SpaceState(pitch, covered_from_plain(given))
     else:
         cells = coverage.found.shape
-        coverage = coverage_of(*(array_from_plain(given.get(name), np.int32, cells, name) for name in _COVERAGE))
+        found, latest = (array_from_plain(given.get(name), np.int32, cells, name) for name in _COVERAGE)
+        coverage = Coverage(found, latest, int(np.count_nonzero(found != NEVER)))
         mesh = _mesh(given["mesh"], size) if "mesh" in given else None
     values: dict[str, Any] = {**counts, **{name: _measure(given.get(name), name) for name in _MEASURES}}
     return replace(

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
-from cpm_core.parameters import FORMER_NAMES, Parameters
+from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
 from cpm_core.shapes import SHAPES, Everywhere, Kind, Shape
 
@@ -83,7 +83,7 @@ def parameters_from_plain(plain: object) -> tuple[Parameters, tuple[str, ...]]:
 
     Missing parameters have their defaults. ValueError when `plain` is not a mapping, or a value is out of range.
     """
-    given = {FORMER_NAMES.get(name, name): value for name, value in mapping(plain, "parameters").items()}
+    given = dict(mapping(plain, "parameters"))
     known = {field.name for field in dataclasses.fields(Parameters)}
     values = {name: value for name, value in given.items() if name in known}
     for name, value in values.items():

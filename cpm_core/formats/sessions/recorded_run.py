@@ -14,8 +14,8 @@ from cpm_core.formats.sessions.plain_regions import regions_from_plain, regions_
 from cpm_core.formats.sessions.plain_values import from_plain, mapping, parameters_from_plain, shape_to_plain, to_plain
 from cpm_core.formats.sessions.session_file import SessionFile, decode, encode
 from cpm_core.image.image import Image
+from cpm_core.model.state import State
 from cpm_core.parameters import Parameters
-from cpm_core.particles.state import State
 from cpm_core.shapes.document_shapes import charges_of, regions_of, starts_of
 
 _BRANCH = 1

@@ -9,9 +9,8 @@ import numpy as np
 
 from cpm_core.formats.sessions.plain_arrays import array_from_plain, array_to_plain
 from cpm_core.formats.sessions.plain_values import number
-from cpm_core.particles.coverage.space import SurfaceCoverage
-from cpm_core.particles.state import State
-from cpm_core.particles.surface_contact import SurfaceContact
+from cpm_core.model.coverage import SurfaceCoverage
+from cpm_core.model.state import State, SurfaceContact
 
 _UNIT = 1.0 + 1e-6
 """Greatest length of a normal, with rounding."""

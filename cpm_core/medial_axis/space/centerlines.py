@@ -18,10 +18,9 @@ from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
 from cpm_core.image.geometry import Geometry
-from cpm_core.medial_axis.space.thinning import thinned
-from cpm_core.medial_axis.space.voxel_graph import Chain, chains_of
 from cpm_core.numerics.real_numbers import checked_number, real_numbers, voxel_sides
 from cpm_core.numerics.types import Array, Mask
+from cpm_core.numerics.voxel_graph import Chain, chains_of, thinned
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.parameters.quotation import counted, described
 

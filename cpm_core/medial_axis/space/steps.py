@@ -13,19 +13,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.surface.packing import PackedSurface
-from cpm_core.field.image_fields import ImageFields
 from cpm_core.field.placed_charges import PlacedCharge
-from cpm_core.field.volume.volume_space import check_parameters
+from cpm_core.field.volume.volume_field import check_parameters
 from cpm_core.image.image import Image, as_image
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeleton_method import SkeletonMethod, SkeletonState
 from cpm_core.medial_axis.space.centerlines import Centerlines, centerlines
 from cpm_core.medial_axis.space.volume_skeleton import OF_CENTERLINES, inside_edges
+from cpm_core.model.image_fields import ImageFields
+from cpm_core.model.state import Particles
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.provenance import Provenance, taken
-from cpm_core.particles.state import Particles
 
 _MOST_SHOWN = 20_000
 """Points of the boundary that are shown at most."""

@@ -11,11 +11,10 @@ from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.surface.inside import inside_of
-from cpm_core.field.image_fields import ImageFields
-from cpm_core.field.volume.volume_field import VolumeField
-from cpm_core.field.volume.volume_space import check_parameters
+from cpm_core.field.volume.volume_field import VolumeField, check_parameters
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.space.centerlines import Centerlines, centerlines
+from cpm_core.model.image_fields import ImageFields
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters import Parameters

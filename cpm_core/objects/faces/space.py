@@ -18,8 +18,8 @@ from cpm_core.contours.surface import Surface
 from cpm_core.contours.surface.inside import inside_of
 from cpm_core.contours.surface.packing import PackedSurface
 from cpm_core.image.image import Image
+from cpm_core.numerics.parts import Parts, parts_of
 from cpm_core.numerics.real_numbers import real_numbers
-from cpm_core.numerics.runs import Runs, runs_of
 from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.parameters.quotation import counted, described, sized
 
@@ -73,25 +73,18 @@ class VolumePartition:
     @property
     def labels(self) -> Index:
         """Body of every voxel, shape (P, R, C), from 1 up; 0 outside all surfaces."""
-        found = np.zeros(self.shape, np.int64)
-        lines = found.reshape(-1, self.shape[2])
-        for runs, number in self._parts:
-            line = np.repeat(np.arange(len(lines)), np.diff(runs.begin))
-            for at, first, last, body in zip(line, runs.first, runs.last, number[runs.part], strict=True):
-                if body:
-                    lines[at, first:last] = body
-        return found
+        return np.asarray(sum(np.concatenate([[0], number])[parts.labels] for parts, number in self._parts))
 
     @cached_property
-    def _parts(self) -> tuple[tuple[Runs, Index], ...]:
-        """Runs of voxels inside the surface, and of those outside it, with the number of the body of each part."""
+    def _parts(self) -> tuple[tuple[Parts, Index], ...]:
+        """Parts of voxels inside the surface, and of those outside it, with the number of the body of each part."""
         inside = inside_of(self.surface, self.shape)
         found = []
         count = 0
         for part, corners in ((inside, True), (~inside, False)):
-            runs = runs_of(part, corners=corners)
-            enclosed = np.ones(runs.count, np.bool_) if corners else ~runs.at_border
-            found.append((runs, np.where(enclosed, count + np.cumsum(enclosed), 0)))
+            parts = parts_of(part, corners=corners)
+            enclosed = np.ones(parts.count, np.bool_) if corners else ~parts.at_border
+            found.append((parts, np.where(enclosed, count + np.cumsum(enclosed), 0)))
             count += int(enclosed.sum())
         return tuple(found)
 
@@ -141,8 +134,8 @@ class VolumePartition:
         """Numbers of the bodies that places, shape (N, 3) [voxels], lie in, 0 outside all."""
         voxels = np.clip(np.rint(places), 0, np.array(self.shape) - 1).astype(np.int64)
         found = np.zeros(len(voxels), np.int64)
-        for runs, number in self._parts:
-            part = runs.part_at(voxels)
+        for parts, number in self._parts:
+            part = parts.part_at(voxels)
             found[part >= 0] = number[part[part >= 0]]
         return found
 

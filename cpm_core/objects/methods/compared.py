@@ -10,9 +10,6 @@ from cpm_core.objects.methods.settings import Settings
 FIRST = ("cpm", "gvf", "gac", "chan_vese")
 """The methods that are compared at first."""
 
-PLACES = len(FIRST)
-"""How many methods stand side by side in the window."""
-
 
 @dataclass(frozen=True)
 class Compared:
@@ -21,7 +18,7 @@ class Compared:
     Attributes
     ----------
     methods : tuple of str
-        Names of the methods, one for each place; empty for a place without one.
+        Names of the methods.
     settings : tuple of (str, Settings)
         The settings of methods that are not their defaults. Those of the particles have the parameters of the run.
     around : bool
@@ -38,7 +35,7 @@ class Compared:
     around: bool = False
 
     def __post_init__(self) -> None:
-        for name in filter(None, self.methods):
+        for name in self.methods:
             method_named(name)
         for name, settings in self.settings:
             if not isinstance(settings, method_named(name).settings):
@@ -55,9 +52,3 @@ class Compared:
         others = {name: one for name, one in self.settings if name != method}
         changed = others if settings == CONTOUR_METHODS[method].defaults else {**others, method: settings}
         return replace(self, settings=tuple(changed.items()))
-
-    def with_method(self, place: int, method: str) -> Compared:
-        """The comparison with this method in a place; none when the name is empty."""
-        methods = list(self.methods)
-        methods[place] = method
-        return replace(self, methods=tuple(methods))

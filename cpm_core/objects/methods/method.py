@@ -21,12 +21,12 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.rasterize import check_plane
 from cpm_core.contours.surface import Surface
 from cpm_core.image.image import Image
+from cpm_core.model.volume.starts import sphere
 from cpm_core.numerics.polyline import resampled
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import counted, described, shown
-from cpm_core.particles.volume_starts import sphere
 
 SPACING = 2.0
 """Distance of the points that a start gives along its outlines [px]."""

@@ -6,16 +6,17 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from cpm_core.objects.methods.charged_particles import PARTICLES
-from cpm_core.objects.methods.level_sets.geodesic import GEODESIC
-from cpm_core.objects.methods.level_sets.geometric_gvf import GEOMETRIC_GVF
+from cpm_core.objects.methods.level_sets import GEODESIC, GEOMETRIC_GVF
 from cpm_core.objects.methods.method import AnyMethod
-from cpm_core.objects.methods.parametric.gvf_snake import GVF_SNAKE
-from cpm_core.objects.methods.parametric.snake import SNAKE
 from cpm_core.objects.methods.proposed_object import PROPOSED_OBJECT
-from cpm_core.objects.methods.regions.chan_vese import CHAN_VESE
-from cpm_core.objects.methods.regions.grab_cut import GRAB_CUT
-from cpm_core.objects.methods.regions.morphological import MORPHOLOGICAL_CHAN_VESE, MORPHOLOGICAL_GAC
-from cpm_core.objects.methods.regions.random_walker import RANDOM_WALKER
+from cpm_core.objects.methods.regions import (
+    CHAN_VESE,
+    GRAB_CUT,
+    MORPHOLOGICAL_CHAN_VESE,
+    MORPHOLOGICAL_GAC,
+    RANDOM_WALKER,
+)
+from cpm_core.objects.methods.snakes import GVF_SNAKE, SNAKE
 from cpm_core.parameters.quotation import shown
 
 _ALL: tuple[AnyMethod, ...] = (

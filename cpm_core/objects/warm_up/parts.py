@@ -12,15 +12,14 @@ from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.denoising import clean
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
+from cpm_core.model.coverage import cover, no_coverage
+from cpm_core.model.plane.repulsion import mesh_force
+from cpm_core.model.starts import circle
+from cpm_core.model.volume.starts import sphere
 from cpm_core.numerics.loop_cache.folders import has_loops
 from cpm_core.objects.methods import CONTOUR_METHODS, Start, run_method
 from cpm_core.objects.partition import partition
 from cpm_core.parameters import PRESETS, Parameters
-from cpm_core.particles.coulomb.mesh_force.plane import mesh_force
-from cpm_core.particles.coverage import no_coverage
-from cpm_core.particles.coverage.plane import cover
-from cpm_core.particles.initialization import circle
-from cpm_core.particles.volume_starts import sphere
 from cpm_core.segmentation.engine import Engine
 
 _ROW, _COL = np.indices((32, 32))
@@ -116,16 +115,16 @@ class Part(NamedTuple):
 
 
 FIRST = (
-    Part(step_once, ("cpm_core.dynamics.integrator.plane", "cpm_core.dynamics.insertion.plane"), 41),
+    Part(step_once, ("cpm_core.model.plane.motion", "cpm_core.model.plane.births"), 41),
     Part(contours_once, ("cpm_core.reconstruction.curve.ridge_tracing_kernels", "cpm_core.contours.graph.paths"), 29),
 )
 """What a first run on an image needs."""
 
 LATER = (
     Part(objects_once, ("cpm_core.objects.minimum_cut", "cpm_core.objects.candidates.features"), 66),
-    Part(extras_once, ("cpm_core.field.placed_charges", "cpm_core.objects.methods.level_sets.motion"), 40),
+    Part(extras_once, ("cpm_core.field.placed_charges", "cpm_core.objects.methods.level_sets"), 40),
 )
 """All else that is done with images."""
 
-VOLUMES = (Part(volume_once, ("cpm_core.dynamics.integrator.space", "cpm_core.dynamics.insertion.space"), 120),)
+VOLUMES = (Part(volume_once, ("cpm_core.model.volume.motion", "cpm_core.model.volume.births"), 120),)
 """What a run in a volume needs."""

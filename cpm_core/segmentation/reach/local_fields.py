@@ -9,8 +9,7 @@ from threading import Lock
 import numpy as np
 import scipy
 
-from cpm_core.field.limited_field import limited_to
-from cpm_core.field.scale_field import ScaleField
+from cpm_core.field.scale_field import ScaleField, limited_to
 from cpm_core.image.pyramid import to_scale
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.types import Array, Mask

@@ -6,14 +6,14 @@ from typing import Self
 
 from numpy.typing import ArrayLike
 
-from cpm_core.field.image_fields import ImageFields
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions
+from cpm_core.model.image_fields import ImageFields
+from cpm_core.model.state import State
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
-from cpm_core.particles.state import State
 from cpm_core.segmentation.reach.local_fields import LocalFields
 from cpm_core.segmentation.reach.reach_map import ReachMap
 

@@ -12,8 +12,8 @@ from typing import ClassVar, Self
 import numpy as np
 
 from cpm_core.image.volume_regions import Pair
+from cpm_core.model.volume import starts as volume_starts
 from cpm_core.numerics.types import Array, Place, Voxel
-from cpm_core.particles import volume_starts
 from cpm_core.shapes.path import LARGEST, WithoutOutline
 
 SMALLEST = 1.0

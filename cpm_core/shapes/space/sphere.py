@@ -7,8 +7,8 @@ import operator
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
+from cpm_core.model.volume import starts as volume_starts
 from cpm_core.numerics.types import Array, Place, Voxel
-from cpm_core.particles import volume_starts
 from cpm_core.shapes.path import LARGEST, WithoutOutline, check_number
 
 SMALLEST = 1.0

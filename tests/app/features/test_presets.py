@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from dataclasses import fields, replace
-from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -99,13 +98,6 @@ def test_parameters_missing_in_a_file_have_their_defaults() -> None:
     kept["parameters"] = {"beta": 1.0}
     assert read(json.dumps(kept).encode(), "a file").parameters == Parameters(beta=1.0)
     assert {field.name for field in fields(Parameters)} == {*PARAMETERS, *CHOICES}
-
-
-def test_a_preset_of_an_earlier_version_is_read_by_its_former_names() -> None:
-    """Its parameter `max_frame` is now called `max_border`."""
-    content = (Path(__file__).parent / "former_names.cpmpreset").read_bytes()
-    assert b"max_frame" in content
-    assert read(content, "a file") == Preset("mine", Parameters(beta=0.5, max_border=0.125), "For x-rays.")
 
 
 def test_a_preset_is_saved_found_renamed_and_deleted(store, qtbot) -> None:

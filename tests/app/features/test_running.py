@@ -16,7 +16,7 @@ from app.model.document import edits
 from app.views.features.run.run_control import RunControlFeature
 from app.views.features.run.timeline import TimelineFeature
 from cpm_core import PRESETS, Engine, Parameters
-from cpm_core.particles.initialization import circle
+from cpm_core.model.starts import circle
 from cpm_core.shapes import Circle
 
 pytestmark = pytest.mark.shared_window

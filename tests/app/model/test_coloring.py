@@ -19,10 +19,10 @@ from app.session.worker.recorded_run import RunRecord
 from app.views.canvas.items.discs import Discs
 from app.views.theme import color_maps, theme
 from cpm_core import Engine, Parameters
-from cpm_core.dynamics.equilibrium import epsilon
 from cpm_core.image.drawing.scale_bar import round_down
-from cpm_core.particles.coverage import no_coverage
-from cpm_core.particles.state import Particles, State
+from cpm_core.model.coverage import no_coverage
+from cpm_core.model.equations import epsilon
+from cpm_core.model.state import Particles, State
 from tests.app.conftest import disc
 
 NOBODY_BORN = InsertionTimes(np.empty(0), np.empty(0))

@@ -12,8 +12,8 @@ from app.model.document import edits
 from app.model.document.changes import in_words
 from app.model.document.document import Document
 from app.model.parameters.controls import controls
+from app.views.comparison.choices import AxisRow
 from app.views.help.guide import _LABELS
-from app.views.mosaic.dialog import AxisRow
 from app.views.panels.parameters.explanation import tip
 from cpm_core.parameters import PARAMETERS
 
@@ -31,7 +31,7 @@ FORMER = (
 
 def test_all_places_use_the_name_in_the_table(window, qtbot) -> None:
     panel, table = window.panels["parameters"], window.panels["contours"]
-    row = AxisRow(window, "Rows", controls(), "beta")
+    row = AxisRow("Rows", controls(), "beta")
     shown = [row.choice.itemText(index) for index in range(row.choice.count())]
     for control, in_mosaic in zip(controls(), shown, strict=True):
         name = control.title
@@ -44,8 +44,7 @@ def test_all_places_use_the_name_in_the_table(window, qtbot) -> None:
         assert f"“{name}”" in _LABELS[control.name]
         if control.name in table.thresholds:
             assert table.thresholds[control.name].title == name
-    row.choice.deleteLater()
-    row.values.deleteLater()
+    row.deleteLater()
 
 
 @pytest.mark.parametrize("control", [c for c in controls() if c.name != "w1"], ids=lambda control: control.name)

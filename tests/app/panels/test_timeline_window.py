@@ -19,8 +19,8 @@ from app.views.features.run.timeline import TimelineFeature
 from app.views.panels.timeline.timeline_painter import text_of_none
 from app.views.window.preferences.dialog import PreferencesDialog
 from cpm_core import PRESETS, Engine
-from cpm_core.particles.initialization import circle
-from cpm_core.particles.state import State
+from cpm_core.model.starts import circle
+from cpm_core.model.state import State
 
 pytestmark = pytest.mark.shared_window
 

@@ -26,7 +26,7 @@ from app.session.worker.recorded_run import Begun, RecordedRun, RunRecord
 from app.views.theme.icons import icon
 from cpm_core import Engine, Parameters
 from cpm_core.image.regions import Regions
-from cpm_core.particles.initialization import circle
+from cpm_core.model.starts import circle
 from tests.faults.window.memory import allocated, resident
 
 

@@ -18,9 +18,9 @@ from app.session.worker.recorded_run import Begun, RecordedRun, RunRecord
 from cpm_core import Engine, Parameters
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.regions import Regions
-from cpm_core.particles.coverage import no_coverage
-from cpm_core.particles.initialization import circle
-from cpm_core.particles.state import Particles, State
+from cpm_core.model.coverage import no_coverage
+from cpm_core.model.starts import circle
+from cpm_core.model.state import Particles, State
 
 AMPLE = 10**9
 
@@ -48,7 +48,7 @@ def same(one: State, other: State) -> bool:
     arrays = ("position", "velocity", "force", "distance", "identity")
     alike = all(getattr(one.particles, name).tobytes() == getattr(other.particles, name).tobytes() for name in arrays)
     fields = ("step", "step_of_scale", "scale", "annealed", "next_identity", "idle", "quiet", "stop_reason", "steering")
-    grounds = all(a.tobytes() == b.tobytes() for a, b in zip(one.coverage.tiles, other.coverage.tiles, strict=True))
+    grounds = all(a.tobytes() == b.tobytes() for a, b in zip(one.coverage[:2], other.coverage[:2], strict=True))
     return alike and grounds and all(getattr(one, name) == getattr(other, name) for name in fields)
 
 
@@ -169,7 +169,7 @@ class TimelineMachine(RuleBasedStateMachine):
         arrays = {
             id(array): array.nbytes
             for state in kept
-            for array in (*(getattr(state.particles, name) for name in Particles.__slots__), *state.coverage.tiles)
+            for array in (*(getattr(state.particles, name) for name in Particles.__slots__), *state.coverage[:2])
             if array is not None
         }
         assert timeline.used == sum(arrays.values())

@@ -30,8 +30,8 @@ from app.session.worker.run import Run
 from app.session.worker.worker_thread import WorkerThread
 from cpm_core import Engine, Image, Parameters, Regions, uniform_grid
 from cpm_core.field.placed_charges import PlacedCharge
+from cpm_core.model.state import Particles
 from cpm_core.parameters.provenance import Provenance
-from cpm_core.particles.state import Particles
 from cpm_core.shapes import Barrier, Everywhere, Points, Region
 
 

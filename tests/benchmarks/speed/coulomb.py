@@ -8,9 +8,9 @@ from math import log
 
 import numpy as np
 
+from cpm_core.model.coulomb import coulomb_force
 from cpm_core.numerics.jit import reordered
 from cpm_core.numerics.types import Array
-from cpm_core.particles.coulomb.coulomb_force import coulomb_force
 from tests.benchmarks.speed.measurement import Measurement, Patience, milliseconds_of
 from tests.benchmarks.speed.scenes import along_curves
 

@@ -8,10 +8,10 @@ from functools import partial
 
 import scipy
 
+from cpm_core.model.coulomb import coulomb_force
+from cpm_core.model.starts import uniform_grid
+from cpm_core.model.state import State
 from cpm_core.parameters import PRESETS, Parameters
-from cpm_core.particles.coulomb.coulomb_force import coulomb_force
-from cpm_core.particles.initialization import uniform_grid
-from cpm_core.particles.state import State
 from cpm_core.reconstruction import reconstruct_curve
 from cpm_core.segmentation.engine import Engine
 from tests.benchmarks.speed.measurement import Measurement, Patience, milliseconds_of

@@ -243,14 +243,6 @@ def test_each_parameter_has_a_flag_of_its_name(parameters_of, name):
     assert parameters_of(f"--{name.replace('_', '-')}", value) == Parameters(**{name: value})
 
 
-def test_a_flag_keeps_its_former_name_out_of_sight(parameters_of, capsys):
-    assert parameters_of("--max-frame", "0.125") == Parameters(max_border=0.125)
-    with pytest.raises(SystemExit):
-        cli.main(["run", "--help"])
-    assert "--max-border" in (shown := capsys.readouterr().out)
-    assert "max-frame" not in shown
-
-
 def test_smoothing_and_gamma_can_be_left_to_the_image(parameters_of):
     assert parameters_of("--smoothing", "auto").smoothing == "auto"
     assert parameters_of("--gamma", "auto").gamma == "auto"

@@ -256,12 +256,12 @@ def test_an_interrupt_ends_a_batch_at_once_and_leaves_whole_files_only(tmp_path,
 def test_processes_of_a_batch_share_the_cores_and_as_many_as_were_asked_for_use_one_each(
     monkeypatch, given, jobs, shared
 ):
-    monkeypatch.setattr(parallel, "_cores", lambda: 7)
+    monkeypatch.setattr(parallel.os, "sched_getaffinity", lambda _: set(range(7)), raising=False)
     assert workers._shared(given, jobs) == shared
 
 
 def test_a_process_of_a_batch_uses_as_many_cores_as_it_is_told(monkeypatch):
-    monkeypatch.setattr(parallel, "_cores", lambda: 4)
+    monkeypatch.setattr(parallel.os, "sched_getaffinity", lambda _: set(range(4)), raising=False)
     monkeypatch.setattr(workers, "do", lambda job: parallel.cores())
     assert list(workers.here(["job"], 1)) == [1]
     assert list(workers.here(["job"], None)) == [4]

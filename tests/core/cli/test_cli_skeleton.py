@@ -7,7 +7,7 @@ import PIL.Image
 import pytest
 import tifffile
 
-from cpm_core.cli.skeleton import command as skeleton_command
+from cpm_core.cli import skeleton as skeleton_command
 from cpm_core.formats import load_image
 
 from .. import scenes

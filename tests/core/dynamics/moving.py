@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core import Parameters
-from cpm_core.dynamics.edge_contact import EdgeContact
-from cpm_core.dynamics.edge_contact.plane import contact_at
-from cpm_core.field.scale_field import PackedForce, ScaleField
-from cpm_core.particles.cell_list.plane import build_cells
+from cpm_core.field.scale_field import ScaleField
+from cpm_core.model.plane.births import EdgeContact
+from cpm_core.model.plane.motion import contact_at
+from cpm_core.model.plane.repulsion import build_cells
 
 Array = NDArray[np.float64]
 
@@ -35,7 +35,7 @@ def even_scale_field(
     packed = np.zeros((*shape, 2 * dimension + 1), np.float32)
     packed[..., :dimension], packed[..., dimension:-1], packed[..., -1] = lorentz, normal, strength
     return ScaleField(
-        force=PackedForce(lambda: packed),
+        force=lambda: packed,
         gradient=np.broadcast_to(np.reshape(normal, (-1, *(dimension * (1,)))), (dimension, *shape)),
         edge_map=np.full(shape, strength),
         values=np.zeros(shape),

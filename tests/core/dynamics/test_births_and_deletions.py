@@ -8,16 +8,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Parameters, Regions
-from cpm_core.dynamics.deletion import plane as deletions
-from cpm_core.dynamics.deletion.plane import deletion, thinned
-from cpm_core.dynamics.edge_contact.plane import contact_at
-from cpm_core.dynamics.insertion import Search, search_range
-from cpm_core.dynamics.insertion import plane as insertions
-from cpm_core.dynamics.insertion.plane import insertion
 from cpm_core.field.interpolation import interpolate
 from cpm_core.field.scale_field import build_scale_field
+from cpm_core.model.plane import births as deletions
+from cpm_core.model.plane import births as insertions
+from cpm_core.model.plane.births import Search, deletion, insertion, search_range, thinned
+from cpm_core.model.plane.motion import contact_at
+from cpm_core.model.state import Particles
 from cpm_core.numerics import parallel
-from cpm_core.particles.state import Particles
 
 from ..scenes import disk, ring
 from .moving import cloud, edge_contact, even_scale_field

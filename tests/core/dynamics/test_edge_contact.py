@@ -8,8 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.ndimage import map_coordinates
 
-from cpm_core.dynamics.edge_contact import is_on_edge, plane
-from cpm_core.field.scale_field import GATE, PackedForce
+from cpm_core.field.scale_field import GATE
+from cpm_core.model.plane import motion as plane
+from cpm_core.model.plane.motion import is_on_edge
 
 from .moving import cloud, even_scale_field
 
@@ -22,7 +23,7 @@ def uneven_scale_field(shape, seed):
     even = even_scale_field(shape, dimension * (0.0,), floor=FLOOR)
     packed = rng.uniform(-1.0, 1.0, (*shape, 2 * dimension + 1)) / np.sqrt(dimension)
     packed[..., -1] = rng.uniform(0.0, 2.0 * FLOOR, shape)
-    return replace(even, force=PackedForce(lambda: packed.astype(np.float32)))
+    return replace(even, force=lambda: packed.astype(np.float32))
 
 
 def between_pixels(values, points):

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
-from cpm_core.dynamics import equations
-from cpm_core.dynamics.equations import LATEST, coulomb_scale, damped_series, damping, is_stuck, repulsion_left
+from cpm_core.model import equations
+from cpm_core.model.equations import LATEST, coulomb_scale, damped_series, damping, is_stuck, repulsion_left
 
 
 class Moving:

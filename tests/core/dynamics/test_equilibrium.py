@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Engine, Parameters, uniform_grid
-from cpm_core.dynamics.equilibrium import EPSILON, QUIET_STEPS, epsilon, is_idle, is_quiet
+from cpm_core.model.equations import EPSILON, QUIET_STEPS, epsilon, is_idle, is_quiet
 
 from ..scenes import disk
 

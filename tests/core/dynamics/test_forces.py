@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from cpm_core import Engine, Forces, Parameters, PlacedCharge, circle
-from cpm_core.dynamics.equations import damping, repulsion_left
 from cpm_core.field.convolution import convolved_potential
 from cpm_core.field.interpolation import interpolate
-from cpm_core.segmentation.completion.plane import idle_steps_of
+from cpm_core.model.equations import damping, repulsion_left
+from cpm_core.model.plane.step import idle_steps_of
 
 from ..scenes import antialiased, disk
 from .moving import repulsion

@@ -9,14 +9,13 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Parameters
-from cpm_core.dynamics.edge_contact.plane import contact_at
-from cpm_core.dynamics.equations import damped_series, damping, is_stuck, repulsion_left
-from cpm_core.dynamics.integrator import Moved, is_at_rest, plane
-from cpm_core.dynamics.integrator.plane import mesh_force_for, move
 from cpm_core.field.scale_field import GATE, build_scale_field
+from cpm_core.model.equations import Moved, damped_series, damping, is_stuck, repulsion_left
+from cpm_core.model.plane import motion as plane
+from cpm_core.model.plane.motion import contact_at, is_at_rest, mesh_force_for, move
+from cpm_core.model.plane.repulsion import NO_MESH, mesh_force
+from cpm_core.model.state import MEMORY, Particles
 from cpm_core.numerics import parallel
-from cpm_core.particles.coulomb.mesh_force.plane import NO_MESH, mesh_force
-from cpm_core.particles.state import MEMORY, Particles
 
 from .moving import coulomb, edge_contact, even_scale_field, repulsion, spacing
 from .moving import crowds as crowded

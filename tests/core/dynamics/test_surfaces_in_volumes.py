@@ -8,15 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import PRESETS
-from cpm_core.dynamics.deletion.space import thinned
-from cpm_core.dynamics.insertion.space import apart, insertion, tangents
-from cpm_core.dynamics.integrator.space import move
-from cpm_core.dynamics.time_step.space import _wake
 from cpm_core.field.volume.volume_field import VolumeField, build_volume_field
-from cpm_core.particles.cell_list.space import build_cells
-from cpm_core.particles.coverage.space import cover, no_surface
-from cpm_core.particles.state import Particles
-from cpm_core.particles.surface_contact import SurfaceContact
+from cpm_core.model.coverage import cover_surfaces, no_surface
+from cpm_core.model.state import Particles, SurfaceContact
+from cpm_core.model.volume.births import apart, insertion, tangents, thinned
+from cpm_core.model.volume.motion import build_cells, move
+from cpm_core.model.volume.step import _wake
 
 from .moving import cloud, crowds
 
@@ -121,7 +118,7 @@ def test_of_places_too_near_on_one_sheet_the_first_stays(seed, room):
     for i in range(len(some)):
         truth[i] = not (near[i, :i] & truth[:i]).any()
     places = np.concatenate([some.position, some.contact.normal], axis=1)
-    np.testing.assert_array_equal(apart(places, room, cells_for(some.position[:0], max(room, 2.0))), truth)
+    np.testing.assert_array_equal(apart(places, room), truth)
 
 
 @settings(max_examples=30, deadline=None)
@@ -139,7 +136,7 @@ def test_a_cell_and_side_is_new_ground_once(seed, side):
     coverage, known = no_surface(side), set()
     for step in range(4):
         some = crowd(seed + step)
-        coverage, fresh = cover(coverage, some.position, some.contact.normal)
+        coverage, fresh = cover_surfaces(coverage, some.position, some.contact.normal)
         for place, normal, new in zip(some.position, some.contact.normal, fresh, strict=True):
             cell = (*np.floor(place / side).astype(int).tolist(), bool(normal @ (1.0, 0.37, 0.21) > 0.0))
             assert new == (cell not in known)

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from cpm_core import Engine, Parameters, Regions
-from cpm_core.dynamics.equilibrium import IDLE_STEPS, STILL, epsilon
-from cpm_core.dynamics.integrator.plane import mesh_force_of, move
-from cpm_core.dynamics.time_step.plane import displaced, populated
 from cpm_core.field.scale_field import build_scale_field
-from cpm_core.particles.coverage.plane import idle_at
+from cpm_core.model.coverage import idle_at
+from cpm_core.model.equations import IDLE_STEPS, STILL, epsilon
+from cpm_core.model.plane.motion import mesh_force_of, move
+from cpm_core.model.plane.step import displaced, populated
 
 from ..scenes import disk
 from .moving import cloud

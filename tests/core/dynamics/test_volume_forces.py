@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 import cpm_core as cpm
-from cpm_core.dynamics.equations import damping, repulsion_left
-from cpm_core.dynamics.insertion.space import Births
-from cpm_core.dynamics.time_step import space as time_step
 from cpm_core.field.convolution import convolved_potential
 from cpm_core.field.interpolation import interpolate
+from cpm_core.model.equations import damping, repulsion_left
+from cpm_core.model.volume import step as time_step
+from cpm_core.model.volume.births import Births
 
 VOLUME = cpm.PRESETS["volume"]
 SPACING = (1.0, 1.0, 1.5)
@@ -192,7 +192,7 @@ def test_the_energy_of_particles_that_stay_the_same_falls_until_they_settle(monk
     state = engine().start(cpm.sphere(tuple(CENTER), 4.0, 20, spacing=SPACING))
     energies, seated = [], []
     while state.step < 70:
-        state = time_step.stepped(state, engine().scale_field(VOLUME), VOLUME)
+        state = time_step.moved_on(state, engine().scale_field(VOLUME), VOLUME)
         found = engine().energies(state, VOLUME)
         energies.append((found.kinetic + found.potential) / state.count)
         seated.append(state.particles.contact.seated.mean())

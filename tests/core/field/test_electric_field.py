@@ -74,25 +74,15 @@ def test_single_precision_is_kept_and_as_good_as_it_can_be(shape):
     assert electric_field(f).dtype == np.float64
 
 
-def test_a_size_seen_before_takes_over_its_kernels_and_only_so_many_are_kept(monkeypatch):
-    built = []
-    build = convolution._kernel_spectra
-
-    def counting(shape, padded, power, precision, pitch):
-        built.append(shape)
-        return build(shape, padded, power, precision, pitch)
-
-    monkeypatch.setattr(convolution, "_kernel_spectra", counting)
-    monkeypatch.setattr(convolution, "_spectra", convolution._Spectra())
-    one, other, large = (charges(shape) for shape in ((20, 22), (21, 22), (80, 90)))
-    fields = [electric_field(f) for f in (one, one, other, one)]
-    assert built == [one.shape, other.shape]
-    np.testing.assert_array_equal(fields[1], fields[3])
-    monkeypatch.setattr(convolution, "_KEPT_BYTES", 3 * 2 * 8 * 21 * 23)  # three of the small ones, with some to spare
-    for f in (large, large, one, other, one):
-        electric_field(f)
-    assert built[2:] == [large.shape, large.shape, one.shape, other.shape]
-    assert convolution._spectra.size <= convolution._KEPT_BYTES
+def test_a_size_seen_before_takes_over_its_kernels_unless_it_is_large(monkeypatch):
+    convolution._kernel_spectrum.cache_clear()
+    one, other = charges((20, 22)), charges((21, 22))
+    fields = [electric_field(f) for f in (one, other, one)]
+    np.testing.assert_array_equal(fields[0], fields[2])
+    assert convolution._kernel_spectrum.cache_info().misses == 4
+    monkeypatch.setattr(convolution, "_MOST_KEPT", 100)
+    np.testing.assert_array_equal(electric_field(one), fields[0])
+    assert convolution._kernel_spectrum.cache_info().hits == 2
 
 
 def test_one_charge_attracts_with_the_inverse_square_and_not_itself():

@@ -5,9 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
-from cpm_core.field.interpolation import interpolate
-from cpm_core.field.interpolation.plane import between, component
-from cpm_core.field.interpolation.space import value_at
+from cpm_core.field.interpolation import between, component, interpolate, value_at
 
 
 def random_field(shape, channels, seed):

@@ -8,7 +8,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Engine, Parameters, PlacedCharge, circle
-from cpm_core.dynamics.integrator.plane import mesh_force_for, move
 from cpm_core.field.placed_charges import (
     MOST,
     RADIUS,
@@ -21,8 +20,9 @@ from cpm_core.field.placed_charges import (
     radius_at,
 )
 from cpm_core.image.pyramid import to_image
-from cpm_core.particles.coverage.plane import idle_at
-from cpm_core.particles.state import Particles
+from cpm_core.model.coverage import idle_at
+from cpm_core.model.plane.motion import mesh_force_for, move
+from cpm_core.model.state import Particles
 
 from ..dynamics.moving import even_scale_field
 from ..scenes import antialiased, disk

@@ -7,8 +7,8 @@ import pytest
 
 from cpm_core import Contour, Engine
 from cpm_core.field.region_contrast import region_contrast
+from cpm_core.model.starts import uniform_grid
 from cpm_core.parameters import Parameters
-from cpm_core.particles.initialization import uniform_grid
 from cpm_core.reconstruction import find_contours
 from cpm_core.segmentation.segment import segment
 

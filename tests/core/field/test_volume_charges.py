@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import cpm_core as cpm
-from cpm_core.field.placed_charges import MOST, RADIUS, at_scale, placed_force
-from cpm_core.field.volume.placed_charges import placed_at, placed_depth
+from cpm_core.field.placed_charges import MOST, RADIUS, at_scale, placed_force, placed_potential
+from cpm_core.field.volume.placed_charges import placed_at
 
 VOLUME = cpm.PRESETS["volume"]
 SPACING = (2.0, 1.0, 1.0)
@@ -52,10 +52,7 @@ def test_the_force_is_the_slope_of_the_potential_up_to_its_largest_size(placed, 
     force = np.array(placed_at(charges, RADIUS, place))
     steps = 1e-4 * np.eye(3)
     slope = np.array(
-        [
-            placed_depth(charges, RADIUS, tuple(place + s)) - placed_depth(charges, RADIUS, tuple(place - s))
-            for s in steps
-        ]
+        [placed_potential(charges, RADIUS, place + s) - placed_potential(charges, RADIUS, place - s) for s in steps]
     )
     slope /= -2e-4
     assert np.linalg.norm(force) <= MOST + 1e-9

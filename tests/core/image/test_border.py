@@ -5,8 +5,8 @@ import pytest
 
 from cpm_core.field.edge_map import gradient, magnitude
 from cpm_core.image.border import inside_border
+from cpm_core.model.starts import uniform_grid
 from cpm_core.parameters import Parameters
-from cpm_core.particles.initialization import uniform_grid
 from cpm_core.segmentation.segment import segment
 
 

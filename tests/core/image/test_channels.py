@@ -14,9 +14,9 @@ from cpm_core import Engine, Parameters, cli, load_image, partition, segment
 from cpm_core.formats import load_contours
 from cpm_core.image.colors import Colors, channel_of
 from cpm_core.image.image import Image
+from cpm_core.model.starts import circle
 from cpm_core.objects import objects_result
 from cpm_core.parameters.choices import CHOICES
-from cpm_core.particles.initialization import circle
 from cpm_core.shapes import Everywhere
 from cpm_core.shapes.image_starts import SeedCache
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from cpm_core.medial_axis.space.loops import loops_of, neighbors, passes, winds
+from cpm_core.numerics.voxel_graph import loops_of, neighbors, passes, winds
 
 from ..reconstruction.surface.solids import MIDDLE, ball, brick, grid, ring, union, without
 

@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from cpm_core.field.image_fields import ImageFields
+from cpm_core.model.image_fields import ImageFields
 from cpm_core.numerics import memory
 
 

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cpm_core.model.starts import circle
 from cpm_core.objects.partition import partition
 from cpm_core.parameters import PRESETS
-from cpm_core.particles.initialization import circle
 from cpm_core.segmentation.reach.certain import is_certain
 from cpm_core.segmentation.segment import segment
 

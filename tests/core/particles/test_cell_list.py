@@ -7,7 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core.particles.cell_list import cell_of, plane, space
+from cpm_core.model.coverage import cell_of
+from cpm_core.model.plane import repulsion as plane
+from cpm_core.model.volume import motion as space
 
 from ..dynamics.moving import crowds
 
@@ -23,6 +25,14 @@ def grid(shape, size):
     return tuple(int(n / size) + 1 for n in shape)
 
 
+def in_cell(cells, *cell):
+    """Where the sorted particles of a cell begin and end."""
+    if len(cell) == 2:
+        return plane.row_of_cells(cells, *cell, cell[-1])
+    first, last = cells.start[cell[0] * cells.rows + cell[1] :][:2]
+    return first + np.searchsorted(cells.col[first:last], [cell[2], cell[2] + 1])
+
+
 @pytest.mark.parametrize(
     ("kernels", "shape"), [pytest.param(plane, (60, 45), id="plane"), pytest.param(space, (20, 24, 15), id="space")]
 )
@@ -31,6 +41,8 @@ class TestCellList:
 
     def found_near(self, kernels, cells, place, radius):
         """Particles in the rows of cells that reach as far as a radius from a place."""
+        if kernels is space:
+            return cells.order[space.near(cells, tuple(place), radius)].tolist()
         *before, last = np.reshape(kernels.cells_around(cells, *place, radius), (len(place), 2)).tolist()
         found = []
         for row in product(*(range(first, end + 1) for first, end in before)):
@@ -48,7 +60,7 @@ class TestCellList:
         end = 0
         for *row, col in np.ndindex(grid(shape, size)):
             before, cell = end, (*row, col)
-            start, end = kernels.row_of_cells(cells, *cell, col)
+            start, end = in_cell(cells, *cell)
             assert start == before
             mine = cells.order[start:end].tolist()
             assert all(own_cell(points[i], size) == cell for i in mine)
@@ -74,7 +86,7 @@ class TestCellList:
         cells = kernels.build_cells(points, shape, size)
         cell = np.empty(points.shape, np.int64)
         for one in np.ndindex(grid(shape, size)):
-            start, end = kernels.row_of_cells(cells, *one, one[-1])
+            start, end = in_cell(cells, *one)
             cell[cells.order[start:end]] = one
         near = np.linalg.norm(points[:, None] - points, axis=2) < size
         assert np.abs(cell[:, None] - cell).max(axis=2)[near].max(initial=0) <= 1

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import coulomb_force
+from cpm_core.model.coulomb import METHODS
 from cpm_core.numerics import parallel
-from cpm_core.particles.coulomb.coulomb_force import METHODS
 
 
 def naive(points):

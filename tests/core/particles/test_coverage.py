@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core.particles.coverage import coverage_of, no_coverage, plane, renewed, renewed_near
-from cpm_core.particles.coverage.plane import cover, idle_at
+from cpm_core.model import coverage as plane
+from cpm_core.model.coverage import cover, idle_at, no_coverage, renewed, renewed_near
 
 from ..dynamics.moving import cloud
 
@@ -36,7 +36,7 @@ def idle_truth(first, points, now, far):
 
 
 @pytest.mark.parametrize(
-    ("kernels", "shape"), [pytest.param(plane, SHAPE, id="one tile"), pytest.param(plane, (300, 150), id="tiles")]
+    ("kernels", "shape"), [pytest.param(plane, SHAPE, id="small"), pytest.param(plane, (300, 150), id="large")]
 )
 class TestCoverage:
     """What holds for coverage in any dimension."""
@@ -54,7 +54,7 @@ class TestCoverage:
     @given(seed=seeds)
     def test_first_visits_are_kept_and_counted_once(self, kernels, shape, seed):
         coverage, first = self.visited(kernels, no_coverage(shape), {}, visits(shape, seed))
-        found = coverage.found.whole()
+        found = coverage.found
         assert {tuple(map(int, c)): int(found[tuple(c)]) for c in np.argwhere(found >= 0)} == first
         assert coverage.size == len(first)
 
@@ -109,47 +109,9 @@ def test_particles_on_no_edge_cover_nothing():
 def test_covering_and_renewing_do_not_change_their_input():
     before, one = no_coverage(SHAPE), np.ones(1, bool)
     after, _ = cover(before, np.array([(10.0, 10.0)]), one, 3)
-    assert (before.found.whole() == -1).all()
-    assert (before.latest.whole() == -1).all()
-    kept = after.found.whole(), after.latest.whole()
+    assert (before.found == -1).all()
+    assert (before.latest == -1).all()
+    kept = after.found, after.latest
     cover(after, np.array([(40.0, 10.0)]), one, 4)
     renewed(after, 7)
-    np.testing.assert_array_equal((after.found.whole(), after.latest.whole()), kept)
-
-
-@settings(max_examples=40, deadline=None)
-@given(seed=seeds)
-def test_a_step_has_arrays_of_its_own_only_around_newly_covered_cells(seed):
-    """A side of a tile is 32 cells of 4 px; a newly covered cell changes those up to 4 cells away."""
-    shape = (700, 520)
-    before, _ = cover(no_coverage(shape), cloud(shape, 300, seed), np.ones(300, bool), 1)
-    points = cloud(shape, 3, seed + 1)
-    after, new = cover(before, points, np.ones(3, bool), 2)
-    own = {id(tile) for tile in after.tiles} - {id(tile) for tile in before.tiles}
-    assert len(own) <= new * (1 + 4)
-    assert bool(own) == bool(new)
-
-
-def test_an_image_of_which_little_is_covered_costs_little():
-    coverage, _ = cover(no_coverage((6000, 6000)), np.array([(3000.0, 3000.0), (3010.0, 3000.0)]), np.ones(2, bool), 1)
-    assert sum({id(tile): tile.nbytes for tile in coverage.tiles}.values()) < 100_000
-
-
-@settings(max_examples=30, deadline=None)
-@given(seed=seeds)
-def test_coverage_of_its_own_arrays_is_the_same_and_keeps_empty_tiles_in_common(seed):
-    shape = (300, 150)
-    coverage = renewed_near(no_coverage(shape), cloud(shape, 2, seed), 20.0, 5)
-    coverage, _ = cover(coverage, cloud(shape, 4, seed + 1), np.ones(4, bool), 7)
-    again = coverage_of(coverage.found.whole(), coverage.latest.whole())
-    np.testing.assert_array_equal(again.tiles, coverage.tiles)
-    assert again.size == coverage.size
-    empty = no_coverage(shape).tiles[0]
-    assert all(tile is empty for tile in again.tiles if np.all(tile == -1))
-
-
-def test_tiles_that_states_share_cannot_be_written_to():
-    coverage, _ = cover(no_coverage(SHAPE), np.array([(10.0, 10.0)]), np.ones(1, bool), 3)
-    for tile in (*coverage.tiles, *renewed(coverage, 4).tiles, *no_coverage(SHAPE).tiles):
-        with pytest.raises(ValueError, match="read-only"):
-            tile[0, 0] = 1
+    np.testing.assert_array_equal((after.found, after.latest), kept)

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core.particles.coulomb.mesh_force import nodes, plane, spline
-from cpm_core.particles.coulomb.mesh_force.plane import NO_MESH, mesh_force, mesh_force_at
+from cpm_core.model.plane import repulsion as plane
+from cpm_core.model.plane.repulsion import NO_MESH, mesh_force, mesh_force_at, nodes, spline
 
 from ..dynamics.moving import coulomb, offsets
 

@@ -5,10 +5,10 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from cpm_core.particles.cell_list import cell_of
-from cpm_core.particles.cell_list import plane as plane_cells
-from cpm_core.particles.coulomb.mesh_force import softening
-from cpm_core.particles.coulomb.pair_force import FILLER, LANES, plane, two_nearest
+from cpm_core.model.coverage import cell_of
+from cpm_core.model.plane import repulsion as plane
+from cpm_core.model.plane import repulsion as plane_cells
+from cpm_core.model.plane.repulsion import FILLER, LANES, softening, two_nearest
 
 from ..dynamics.moving import cloud, coulomb, crowds, offsets
 

@@ -5,9 +5,9 @@ import pytest
 
 from cpm_core.field.scale_field import build_scale_field
 from cpm_core.image.regions import Regions
+from cpm_core.model.plane.enclosed_regions import reseeding_places
+from cpm_core.model.starts import circle
 from cpm_core.parameters import Parameters
-from cpm_core.particles.initialization import circle
-from cpm_core.segmentation.enclosed_regions import reseeding_places
 from cpm_core.segmentation.segment import segment
 
 ROW, COL = np.indices((120, 140))

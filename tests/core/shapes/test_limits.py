@@ -8,7 +8,7 @@ import pytest
 
 import cpm_core as cpm
 from cpm_core.formats.sessions.session_file import SessionFile, load_session, save_session
-from cpm_core.particles.initialization import starting_points
+from cpm_core.model.starts import starting_points
 from cpm_core.shapes import Grid
 from cpm_core.shapes.areas import FINEST, MOST_PLACES
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from PySide6.QtWidgets import QApplication
 
-from app.model.display.mosaic import Axis, plan
+from app.model.display.comparison import Axis, parameter_tiles
 from app.model.document import edits
 from app.model.parameters.controls import controls
 from app.views.canvas.tools import TOOLS
@@ -45,7 +45,7 @@ def prepare_partition(window: MainWindow, folder: Path) -> None:
 def run_mosaic(window: MainWindow, folder: Path) -> None:
     document, axes = window.session.document, {control.name: control for control in controls()}
     rows, columns = Axis(axes["beta"], (0.5, 1.0)), Axis(axes["w2"], (1.0, 2.0))
-    window.workspace.sweep.start(plan(document.parameters, rows, columns), document)
+    window.workspace.comparison.start(parameter_tiles(document.parameters, (rows, columns)))
 
 
 def write_film(window: MainWindow, folder: Path) -> None:

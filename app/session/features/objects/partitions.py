@@ -17,10 +17,10 @@ from app.session.tasks.tasks import Task
 from cpm_core.contours.result import Result
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
+from cpm_core.model.starts import uniform_grid
 from cpm_core.objects.faces.space import VolumePartition
 from cpm_core.objects.partition import EVERYWHERE, Partition, partition
 from cpm_core.parameters import PRESETS, Parameters
-from cpm_core.particles.initialization import uniform_grid
 from cpm_core.segmentation.segment import segment
 
 _QUIET = 250

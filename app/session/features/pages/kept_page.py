@@ -9,7 +9,7 @@ from typing import Any
 from app.model.document.document import Document
 from app.session.document.undo_history import Change, History
 from cpm_core.formats.sessions.session_file import SessionFile
-from cpm_core.segmentation.pages.page import StartingLine
+from cpm_core.pages.page import StartingLine
 from cpm_core.shapes import Polygon, Shape, Start, Stroke
 from cpm_core.shapes.document_shapes import starts_of
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from app.session.features.pages.stack_source import StackSource
 from cpm_core.contours.result import Result
-from cpm_core.segmentation.pages.follow import Follower
-from cpm_core.segmentation.pages.page import Page, StackResult, without_image
+from cpm_core.pages.follow import Follower
+from cpm_core.pages.page import Page, StackResult, without_image
 
 Found = Result | str
 """What was found on a page, or why it could not be used."""

@@ -24,9 +24,9 @@ from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply, middle
 from cpm_core.image.image import Image
+from cpm_core.pages.follow import Follower, fitting, trouble_of
+from cpm_core.pages.page import Page
 from cpm_core.segmentation.method import Method, MethodState
-from cpm_core.segmentation.pages.follow import Follower, fitting, trouble_of
-from cpm_core.segmentation.pages.page import Page
 from cpm_core.shapes import Start
 from cpm_core.shapes.image_starts import SeedCache
 

@@ -18,7 +18,7 @@ from app.session.storage.session_file import DocumentFile, Written
 from app.session.tasks.opening import Wanted
 from cpm_core.contours.result import Result
 from cpm_core.formats.sessions.session_file import ImageFile
-from cpm_core.segmentation.pages.page import starts_after
+from cpm_core.pages.page import starts_after
 from cpm_core.shapes import Start
 
 

@@ -31,7 +31,7 @@ from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply
 from cpm_core.formats.contours.pages.files import export_stack
 from cpm_core.formats.provenance import plain_shapes
-from cpm_core.segmentation.pages.page import StackResult
+from cpm_core.pages.page import StackResult
 
 _QUIET, _WHILE_RUNNING = 200, 1500
 """Time from a change until the tracks are found again, at rest and while pages are run [ms]."""

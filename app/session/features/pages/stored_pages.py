@@ -17,7 +17,7 @@ from app.session.features.pages.linking import Found
 from app.session.features.pages.stack_source import StackSource
 from cpm_core.formats.contours.pages.stack_json import page_from_plain, page_to_plain
 from cpm_core.formats.sessions.session_file import decode, encode
-from cpm_core.segmentation.pages.page import StackResult
+from cpm_core.pages.page import StackResult
 from cpm_core.shapes import Start
 from cpm_core.shapes.document_shapes import check_axes
 

@@ -28,10 +28,10 @@ from cpm_core.formats.sessions.plain_arrays import array_from_plain, array_to_pl
 from cpm_core.formats.sessions.plain_regions import items
 from cpm_core.formats.sessions.plain_values import mapping, number, shape_from_plain, shape_to_plain
 from cpm_core.formats.sessions.session_file import decode, encode
+from cpm_core.model.state import State
 from cpm_core.numerics.types import Position
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects
 from cpm_core.parameters.quotation import shown
-from cpm_core.particles.state import State
 from cpm_core.shapes import Points, Start
 
 MOST = 24 * 2**20

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from app.model.text.language import tr
 from app.session.exchange.messages import Report
 from app.session.worker.commands.run import Command, CommandContext
-from cpm_core.field.image_fields import ImageFields
 from cpm_core.field.scale_field import ScaleField
+from cpm_core.model.image_fields import ImageFields
 from cpm_core.parameters import Parameters
 
 EDGES = "edges"

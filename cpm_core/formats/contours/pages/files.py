@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 from cpm_core.formats.atomic import check_place, draft_of, write_together
 from cpm_core.formats.contours.pages import label_stack, placed_contours, stack_json, tables
-from cpm_core.segmentation.pages.page import StackResult
+from cpm_core.pages.page import StackResult
 
 _ENCODERS: Mapping[str, tuple[str, Callable[[StackResult], bytes]]] = MappingProxyType(
     {

@@ -12,7 +12,7 @@ import tifffile
 from cpm_core.contours.rasterize import Labels, label_type, paint
 from cpm_core.contours.result import Result
 from cpm_core.formats.provenance import PROGRAM, entries_of, facts_of
-from cpm_core.segmentation.pages.page import StackResult
+from cpm_core.pages.page import StackResult
 
 _LARGEST_IMAGEJ = 2**32 - 2**25
 """Size that a TIFF with the entries of ImageJ may have; a larger one needs addresses of 64 bits [bytes]."""

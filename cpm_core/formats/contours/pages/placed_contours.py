@@ -11,7 +11,7 @@ from cpm_core.contours.result import Result
 from cpm_core.formats.contours import geojson, imagej
 from cpm_core.formats.contours.json_text import text
 from cpm_core.formats.provenance import ENTRY, facts_of
-from cpm_core.segmentation.pages.page import StackResult
+from cpm_core.pages.page import StackResult
 
 _NO_CHANNEL = -1
 """What QuPath writes where an annotation belongs to all channels."""

@@ -16,9 +16,9 @@ from cpm_core.formats.contours.contour_json import found_in, image_of
 from cpm_core.formats.contours.json_text import text
 from cpm_core.formats.images.decoded import MAXIMUM_PIXELS
 from cpm_core.formats.provenance import ENTRY, facts_of, facts_on
+from cpm_core.pages.page import MeasuredContrast, Page, StackResult
+from cpm_core.pages.tracks import TrackEvent
 from cpm_core.parameters.provenance import Provenance
-from cpm_core.segmentation.pages.page import MeasuredContrast, Page, StackResult
-from cpm_core.segmentation.pages.tracks import TrackEvent
 
 FORMAT = "cpm-pages"
 """Value of the entry ``format`` of such a file."""

@@ -10,7 +10,7 @@ from cpm_core.contours.measurements import centroid
 from cpm_core.contours.result import Result
 from cpm_core.formats.contours import contour_csv
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.segmentation.pages.page import StackResult
+from cpm_core.pages.page import StackResult
 
 Row = dict[str, object]
 

@@ -15,7 +15,6 @@ import numpy as np
 
 from cpm_core.formats.images.choice import FIRST, Choice
 from cpm_core.formats.images.decoded import Decoded, UnreadableError, from_samples
-from cpm_core.formats.images.medical.package import package
 from cpm_core.formats.images.stacks.stack import Stack, as_planes, check_content, plane_of
 from cpm_core.formats.printable import printable
 from cpm_core.image.geometry import Geometry, from_affine
@@ -58,10 +57,9 @@ def stack(path: Path, _choice: Choice = FIRST) -> Stack:
     Raises
     ------
     UnreadableError
-        When nibabel is not installed, or the file has more axes than planes, rows, columns, times and channels.
+        When the file has more axes than planes, rows, columns, times and channels.
     """
     name = printable(path.name)
-    package("nibabel", f"{name} is a NIfTI volume")
     with _opened(path) as volume:
         sizes = [int(size) for size in volume.shape]
         if len(sizes) < 2 or min(sizes) < 1:
@@ -133,7 +131,8 @@ def _part(path: Path, at: tuple[slice | int, ...], packed: bool) -> Any:
 @contextmanager
 def _opened(path: Path) -> Iterator[Any]:
     """The volume, of which nothing but the header has been read; its content decides on its kind, not its name."""
-    nibabel = package("nibabel", f"{printable(path.name)} is a NIfTI volume")
+    import nibabel  # only here, because it takes long to import
+
     with path.open("rb") as raw:
         stream: Any = gzip.GzipFile(fileobj=raw) if _is_packed(path) else raw
         head = stream.read(352)

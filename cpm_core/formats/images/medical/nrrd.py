@@ -13,7 +13,6 @@ from cpm_core.formats.images import resolution
 from cpm_core.formats.images.choice import FIRST, Choice
 from cpm_core.formats.images.decoded import Decoded, UnreadableError, from_samples
 from cpm_core.formats.images.medical.content import Packing, beside, values_of
-from cpm_core.formats.images.medical.package import package
 from cpm_core.formats.images.stacks.stack import Stack, as_planes, plane_of
 from cpm_core.formats.printable import printable
 from cpm_core.image.geometry import Convention, Geometry, from_affine
@@ -53,10 +52,11 @@ def stack(path: Path, _choice: Choice = FIRST) -> Stack:
     Raises
     ------
     UnreadableError
-        When pynrrd is not installed, or the axes are not those of volumes.
+        When the axes are not those of volumes.
     """
     name = printable(path.name)
-    nrrd = package("nrrd", f"{name} is an NRRD volume")
+    import nrrd  # only here, because it takes long to import
+
     with path.open("rb") as stream:
         header = nrrd.read_header(stream)
         begin = stream.tell()

@@ -12,12 +12,12 @@ import skimage
 from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.runs import Runs, runs_of
+from cpm_core.numerics.parts import Parts, parts_of
 from cpm_core.numerics.types import Index, Mask, Single
 from cpm_core.reconstruction.surface.iso.necks import DEEPEST, Surroundings
 
 Labels = NDArray[np.int32]
-"""Parts of voxels, and voxels of runs."""
+"""Parts of voxels."""
 
 _APART = 3
 """Distance between saddles of the same two parts that are looked at [voxels]."""
@@ -37,7 +37,7 @@ def join(height: Single, begin: Index, surroundings: Surroundings) -> int:
 
     `begin` is the first voxel of the height in the volume.
     """
-    parts = runs_of(height > 0.0, corners=True)
+    parts = parts_of(height > 0.0, corners=True)
     if parts.count < 2:
         return 0
     meetings = meetings_of(height, (height <= 0.0) & (height > -DEEPEST), parts, np.ones(parts.count, np.bool_))
@@ -62,24 +62,16 @@ def join(height: Single, begin: Index, surroundings: Surroundings) -> int:
     return joined
 
 
-def meetings_of(values: Single, passable: Mask, parts: Runs, wanted: Mask) -> Index:
+def meetings_of(values: Single, passable: Mask, parts: Parts, wanted: Mask) -> Index:
     """Voxels, and the two parts, where the slopes of different wanted parts meet, the highest first, shape (M, 5)."""
-    own: Labels = np.zeros(values.shape, np.int32)
-    _paint(own, parts.begin, parts.first, parts.last, np.where(wanted[parts.part], parts.part, -1))
+    own: Labels = np.where(np.concatenate([[False], wanted]), np.arange(parts.count + 1), 0).astype(np.int32)[
+        parts.labels
+    ]
     low = np.argwhere(passable & (own == 0))
     low = low[np.argsort(-values[tuple(low.T)], kind="stable")]
     basin = np.arange(parts.count + len(low) + 1)
     found = np.empty((_MOST_MEETINGS * len(low), 5), np.int64)
     return found[: _descend(values, own, low, parts.count, basin, found)]
-
-
-@compiled
-def _paint(own: Labels, begin: Index, first: Labels, last: Labels, part: Index) -> None:
-    rows = own.shape[1]
-    for line in range(len(begin) - 1):
-        for k in range(begin[line], begin[line + 1]):
-            for c in range(first[k], last[k]):
-                own[line // rows, line % rows, c] = part[k] + 1
 
 
 @compiled
@@ -132,7 +124,7 @@ def _descend(height: Single, own: Labels, low: Index, count: int, basin: Index, 
     return met
 
 
-def way_between(values: Single, parts: Runs, saddle: Index, one: int, other: int, reach: int) -> Index | None:
+def way_between(values: Single, parts: Parts, saddle: Index, one: int, other: int, reach: int) -> Index | None:
     """Shortest way between two parts over voxels no lower than a saddle, through it, ends included; None without.
 
     Voxels up to `reach` from the saddle are looked at.

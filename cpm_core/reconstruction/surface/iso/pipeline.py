@@ -10,12 +10,12 @@ from __future__ import annotations
 import numpy as np
 
 from cpm_core.contours.surface import Surface
-from cpm_core.field.volume.volume_space import pitch_of
+from cpm_core.field.volume.volume_field import pitch_of
 from cpm_core.numerics.types import Array, Mask, Single
-from cpm_core.numerics.zero_surface import zero_surface
+from cpm_core.numerics.zero_surface import join_corners, zero_surface
 from cpm_core.reconstruction.surface.components import Leaving, support, well_supported
 from cpm_core.reconstruction.surface.from_points import typical_distance
-from cpm_core.reconstruction.surface.iso.joints import join
+from cpm_core.reconstruction.surface.iso.joints import RAISED, join
 from cpm_core.reconstruction.surface.iso.local_threshold import Box, Levels, height
 from cpm_core.reconstruction.surface.iso.necks import Surroundings
 from cpm_core.reconstruction.surface.iso.sharpened import levels_at, on_ridge, step_width
@@ -100,6 +100,7 @@ def _join_parts(
     surroundings = Surroundings(volume, sign, levels.points, sign * normals, levels.slopes, size)
     join(found, box.begin, surroundings)
     spin(found, box.begin, surroundings, width)
+    join_corners(found, RAISED)
     found[left_out] = -1.0
 
 

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cpm_core.numerics.jit import compiled, inlined
-from cpm_core.numerics.runs import runs_of
-from cpm_core.numerics.types import Index, Single
+from cpm_core.numerics.parts import parts_of
+from cpm_core.numerics.types import Single
 
 FAR = 4.0
 """Height inside, and less than zero outside, of voxels away from all particles."""
@@ -15,52 +13,13 @@ FAR = 4.0
 
 def fill_regions(height: Single) -> None:
     """Replace NaN in a height by `FAR` or its negative, region by region; infinite heights belong to no region."""
-    regions = runs_of(np.isnan(height), corners=False)
-    votes = np.zeros(regions.count, np.int64)
-    _vote(height, regions.begin, regions.first, regions.last, regions.part, votes)
-    _fill(height, regions.begin, regions.first, regions.last, np.where(votes > 0, FAR, -FAR)[regions.part])
-
-
-@inlined
-def _side(height: float) -> int:
-    """1 inside, -1 outside, 0 where it is not known, or infinite."""
-    if np.isnan(height) or np.isinf(height):
-        return 0
-    return 1 if height > 0.0 else -1
-
-
-@compiled
-def _vote(
-    height: Single,
-    begin: Index,
-    first: NDArray[np.int32],
-    last: NDArray[np.int32],
-    part: Index,
-    votes: Index,
-) -> None:
-    planes, rows, cols = height.shape
-    for p in range(planes):
-        for r in range(rows):
-            for k in range(begin[p * rows + r], begin[p * rows + r + 1]):
-                vote = 0
-                for c in range(first[k], last[k]):
-                    for side in range(4):
-                        q, s = p + (side == 0) - (side == 1), r + (side == 2) - (side == 3)
-                        if 0 <= q < planes and 0 <= s < rows:
-                            vote += _side(height[q, s, c])
-                if first[k] > 0:
-                    vote += _side(height[p, r, first[k] - 1])
-                if last[k] < cols:
-                    vote += _side(height[p, r, last[k]])
-                votes[part[k]] += vote
-
-
-@compiled
-def _fill(
-    height: Single, begin: Index, first: NDArray[np.int32], last: NDArray[np.int32], value: NDArray[np.float64]
-) -> None:
-    rows = height.shape[1]
-    for line in range(len(begin) - 1):
-        for k in range(begin[line], begin[line + 1]):
-            for c in range(first[k], last[k]):
-                height[line // rows, line % rows, c] = value[k]
+    unknown = np.isnan(height)
+    regions = parts_of(unknown, corners=False)
+    side = np.where(np.isfinite(height), np.where(height > 0.0, 1, -1), 0).astype(np.int8)
+    around = np.zeros_like(side)
+    for axis in range(3):
+        found, near = np.moveaxis(around, axis, 0), np.moveaxis(side, axis, 0)
+        found[1:] += near[:-1]
+        found[:-1] += near[1:]
+    votes = np.bincount(regions.labels[unknown], around[unknown], minlength=regions.count + 1)
+    height[unknown] = np.where(votes > 0, FAR, -FAR)[regions.labels[unknown]]

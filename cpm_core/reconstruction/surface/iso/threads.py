@@ -11,7 +11,7 @@ import numpy as np
 import scipy
 
 from cpm_core.field.interpolation import interpolate
-from cpm_core.numerics.runs import Runs, runs_of
+from cpm_core.numerics.parts import Parts, parts_of
 from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.reconstruction.surface.iso.joints import RAISED, meetings_of, root, way_between
 from cpm_core.reconstruction.surface.iso.necks import Surroundings
@@ -63,7 +63,7 @@ def spin(height: Single, begin: Index, surroundings: Surroundings, width: float)
     `begin` is the first voxel of the height in the volume, and `width` that of a smoothed step [smallest sides].
     """
     inner, low = height[1:-1, 1:-1, 1:-1], begin + 1
-    parts = runs_of(inner > 0.0, corners=True)
+    parts = parts_of(inner > 0.0, corners=True)
     wanted = _with_particles(parts, surroundings, low)
     if wanted.sum() < 2:
         return 0
@@ -93,10 +93,10 @@ def spin(height: Single, begin: Index, surroundings: Surroundings, width: float)
     return count
 
 
-def _with_particles(parts: Runs, surroundings: Surroundings, low: Index) -> Mask:
+def _with_particles(parts: Parts, surroundings: Surroundings, low: Index) -> Mask:
     """Which parts have enough particles on their sides to begin a thread."""
     just_inside = surroundings.points - surroundings.normals / surroundings.size
-    voxels = np.clip(np.rint(just_inside).astype(np.int64) - low, 0, np.array(parts.shape) - 1)
+    voxels = np.clip(np.rint(just_inside).astype(np.int64) - low, 0, np.array(parts.labels.shape) - 1)
     part = parts.part_at(voxels)
     return np.asarray(np.bincount(part[part >= 0], minlength=parts.count) >= _FEWEST)
 

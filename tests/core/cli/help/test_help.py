@@ -11,7 +11,7 @@ import pytest
 
 from app import __main__ as program
 from cpm_core import cli
-from cpm_core.cli.help.examples import EXAMPLES
+from cpm_core.cli.help import EXAMPLES
 from cpm_core.cli.outcome import SCHEMA, SCHEMA_FILE
 from cpm_core.formats.provenance import VERSION
 

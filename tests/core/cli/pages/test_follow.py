@@ -5,8 +5,8 @@ import pytest
 
 import cpm_core as cpm
 from cpm_core.contours.contour import Contour
-from cpm_core.segmentation.pages.page import StackResult, seeds_along, starts_after
-from cpm_core.segmentation.pages.tracks import Tracker
+from cpm_core.pages.page import StackResult, seeds_along, starts_after
+from cpm_core.pages.tracks import Tracker
 from cpm_core.shapes import Polygon, Stroke
 
 from .drawn import LEAVING, MOVING, SHAPE, SPLITTING, page

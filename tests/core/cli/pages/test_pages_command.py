@@ -8,7 +8,7 @@ import tifffile
 
 import cpm_core as cpm
 from cpm_core.formats.sessions.session_file import SessionFile, save_session
-from cpm_core.segmentation.pages import follow as following
+from cpm_core.pages import follow as following
 from cpm_core.shapes import Circle
 
 from .drawn import MOVING, SHAPE

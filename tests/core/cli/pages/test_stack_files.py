@@ -12,7 +12,7 @@ import tifffile
 import cpm_core as cpm
 from cpm_core.formats.contours.pages.files import FOR_STACKS, export_stack
 from cpm_core.formats.contours.pages.stack_json import load_stack_result
-from cpm_core.segmentation.pages.page import Page, StackResult
+from cpm_core.pages.page import Page, StackResult
 
 from .drawn import MOVING, SHAPE, SPLITTING
 

@@ -14,8 +14,8 @@ from hypothesis.extra import numpy as hnp
 from cpm_core import PRESETS, Engine, Image, Parameters, PlacedCharge, sphere
 from cpm_core.formats.sessions.particle_state import state_from_plain, state_to_plain
 from cpm_core.formats.sessions.plain_arrays import array_from_plain, array_to_plain
-from cpm_core.particles.initialization import circle
-from cpm_core.particles.state import State
+from cpm_core.model.starts import circle
+from cpm_core.model.state import State
 
 _row, _col = np.indices((48, 56))
 ENGINE = Engine(np.where(np.hypot(_row - 24, _col - 28) < 14.0, 200.0, 20.0), Parameters(scales=2))

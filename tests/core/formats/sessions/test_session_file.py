@@ -32,7 +32,7 @@ from cpm_core.formats.sessions.session_file import (
 )
 from cpm_core.parameters import AUTOMATIC, PARAMETERS, PRESETS, Parameters
 from cpm_core.parameters.choices import CHOICES
-from cpm_core.shapes import SHAPES, Circle, Everywhere, Region
+from cpm_core.shapes import SHAPES, Circle, Region
 from cpm_core.shapes.document_shapes import axes_of
 
 numbers = st.floats(-LARGEST, LARGEST, allow_nan=False)
@@ -237,17 +237,6 @@ def test_unknown_parameters_are_told_and_missing_ones_have_their_defaults() -> N
     session = decode(b'{"cpm-session": 1, "parameters": {"beta": 0.5, "viscosity": 3}}', "a.cpm")
     assert session.parameters == Parameters(beta=0.5)
     assert "viscosity" in session.notes[0]
-
-
-def test_a_file_of_an_earlier_version_is_read_by_its_former_names() -> None:
-    """It was written when the border was a frame and strong edges were a start of the kind edges."""
-    session = load_session(Path(__file__).parent / "former_names.cpm")
-    assert session.parameters == Parameters(beta=0.5, max_border=0.125)
-    assert session.notes == ()
-    assert session.shapes[:2] == (Everywhere("gradient"), Everywhere("grid"))
-    again = encode(session, Path("/folder"))
-    assert b"max_frame" not in again
-    assert b'"kind": "edges"' not in again
 
 
 def test_the_color_of_a_mark_is_read_by_its_former_name_and_written_by_its_present_one() -> None:

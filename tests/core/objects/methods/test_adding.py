@@ -68,13 +68,14 @@ REGISTRY, folder = sys.argv[1:]
 sys.meta_path.insert(0, WithOneLineMore())
 sys.path.insert(0, folder)
 
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 
 from PySide6.QtWidgets import QApplication
 
-from app.views.mosaic.methods.pane import Pane
-from app.views.mosaic.methods.side import Side
+from app.session.session import Session
+from app.views.comparison.choices import MethodChoice
 from cpm_core import cli
 from tests.benchmarks.claims.claims import scores
 from tests.benchmarks.claims.trials import trials
@@ -85,15 +86,18 @@ folder = Path(folder)
 options = ["--methods", "growing", "--set", "growing.size=5", "--truth", str(folder / "disk.png"), "--json"]
 paths = [str(folder / name) for name in ("a.csv", "a.png", "a.svg")]
 assert cli.main(["compare", str(folder / "disk.png"), "--circle", "20,22,6", *options, "--export", *paths]) == 0
-compared = Compared(("growing", "", "", "")).with_settings("growing", CONTOUR_METHODS["growing"].settings(7))
+compared = Compared(("growing",)).with_settings("growing", CONTOUR_METHODS["growing"].settings(7))
 save_session(SessionFile(comparison=compared), folder / "a.cpm")
 assert load_session(folder / "a.cpm").comparison == compared
 assert [score.method for score in scores(("growing",), list(islice(trials(), 1)))] == ["growing"]
 application = QApplication([])
-pane, side = Pane(1), Side()
-assert pane.choice.findText("Growing") == len(CONTOUR_METHODS) - 1
-side.show_method("growing", compared)
-assert side.form.fields["size"].value() == 7 and side.about.text() == "It grows.\\nnobody"
+session = Session()
+choice = MethodChoice(session)
+assert choice.list.item(len(CONTOUR_METHODS) - 1).text() == "Growing"
+session.edit("compare", lambda document: replace(document, comparison=compared))
+choice.mark("growing")
+assert choice.fields["size"].value() == 7 and choice.about.text() == "It grows.\\nnobody"
+session.close()
 '''
 
 

@@ -7,7 +7,7 @@ from numpy.testing import assert_array_equal
 from cpm_core.image.colors import Colors
 from cpm_core.image.image import Image
 from cpm_core.objects.methods import CONTOUR_METHODS, Start, run_method
-from cpm_core.objects.methods.regions.grab_cut import (
+from cpm_core.objects.methods.regions import (
     BACKGROUND,
     MAYBE_BACKGROUND,
     MAYBE_OBJECT,

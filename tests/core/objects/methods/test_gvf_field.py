@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core.field.edge_map import edge_map, gradient
-from cpm_core.objects.methods.parametric.gvf_field import evened, gradient_vector_flow
+from cpm_core.objects.methods.snakes import evened, gradient_vector_flow
 
 
 def directly(edges, mu):

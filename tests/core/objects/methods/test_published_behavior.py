@@ -9,10 +9,8 @@ from scipy.ndimage import map_coordinates
 from cpm_core.contours.contour import sampled
 from cpm_core.objects.methods import CONTOUR_METHODS, facts_of, run_method
 from cpm_core.objects.methods.gray import unit_edges
-from cpm_core.objects.methods.level_sets.geodesic import GeodesicSettings
-from cpm_core.objects.methods.level_sets.geometric_gvf import GeometricGvfSettings
-from cpm_core.objects.methods.parametric.gvf_field import gradient_vector_flow
-from cpm_core.objects.methods.parametric.gvf_snake import GvfSnakeSettings
+from cpm_core.objects.methods.level_sets import GeodesicSettings, GeometricGvfSettings
+from cpm_core.objects.methods.snakes import GvfSnakeSettings, gradient_vector_flow
 
 from .published import (
     AROUND,

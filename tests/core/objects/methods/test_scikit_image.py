@@ -10,14 +10,15 @@ import skimage
 from cpm_core.image.image import Image
 from cpm_core.objects.methods import CONTOUR_METHODS, Start, run_method
 from cpm_core.objects.methods.gray import sobel_edges, unit_gray
-from cpm_core.objects.methods.parametric.curve import Elasticity, moved
-from cpm_core.objects.methods.parametric.snake import edge_force
-from cpm_core.objects.methods.regions.chan_vese import ChanVeseSettings, first_level_set
-from cpm_core.objects.methods.regions.morphological import (
+from cpm_core.objects.methods.regions import (
+    ChanVeseSettings,
     MorphologicalChanVeseSettings,
     MorphologicalGacSettings,
+    RandomWalkerSettings,
+    first_level_set,
+    seeds,
 )
-from cpm_core.objects.methods.regions.random_walker import RandomWalkerSettings, seeds
+from cpm_core.objects.methods.snakes import Elasticity, edge_force, moved
 
 from .published import ring
 

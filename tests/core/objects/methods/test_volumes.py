@@ -10,7 +10,7 @@ from cpm_core.contours.surface.ground_truth import VolumeTruth
 from cpm_core.image.image import Image
 from cpm_core.objects.methods import CONTOUR_METHODS, Start, facts_of, moments, result_of, run_method, runnable
 from cpm_core.objects.methods.gray import unit_gray
-from cpm_core.objects.methods.regions.morphological import MorphologicalChanVeseSettings, MorphologicalGacSettings
+from cpm_core.objects.methods.regions import MorphologicalChanVeseSettings, MorphologicalGacSettings
 from cpm_core.objects.methods.states import level_surface
 from cpm_core.parameters import PRESETS
 

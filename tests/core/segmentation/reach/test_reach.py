@@ -11,8 +11,8 @@ from scipy.spatial import cKDTree
 from cpm_core.contours.contour import sampled
 from cpm_core.field.scale_field import build_scale_field
 from cpm_core.image.regions import Regions
+from cpm_core.model.starts import circle, uniform_grid
 from cpm_core.parameters import PRESETS, UNLIMITED_REACH, Parameters
-from cpm_core.particles.initialization import circle, uniform_grid
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.reach.drawn_area import drawn_area, radius_of
 from cpm_core.segmentation.reach.reach_map import budget_of, reach_map

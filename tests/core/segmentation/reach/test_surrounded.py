@@ -5,9 +5,9 @@ import pytest
 from scipy.spatial import cKDTree
 
 from cpm_core.contours.contour import sampled
+from cpm_core.model.starts import circle, uniform_grid
 from cpm_core.objects.partition import partition
 from cpm_core.parameters import PRESETS
-from cpm_core.particles.initialization import circle, uniform_grid
 from cpm_core.segmentation.reach.bounding import thing_within
 from cpm_core.segmentation.reach.drawn_area import drawn_area, hollow_part
 from cpm_core.segmentation.segment import segment

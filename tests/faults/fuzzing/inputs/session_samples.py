@@ -23,7 +23,7 @@ from cpm_core.formats.sessions.plain_values import shape_to_plain
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, encode
 from cpm_core.medial_axis.outlines import Outlined
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, SegmentedObjects
-from cpm_core.segmentation.pages.page import Page
+from cpm_core.pages.page import Page
 from cpm_core.shapes import (
     Barrier,
     Box,

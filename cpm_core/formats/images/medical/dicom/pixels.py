@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import logging
 import struct
 from typing import Any
@@ -12,7 +11,6 @@ from numpy.typing import NDArray
 
 from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size, from_samples
 from cpm_core.formats.images.medical.dicom.frame import Frame
-from cpm_core.formats.images.medical.package import package
 from cpm_core.formats.printable import printable
 from cpm_core.image.gray_levels import NO_DATA
 
@@ -50,8 +48,9 @@ def decoded(dataset: Any, frame: Frame) -> Decoded:
         raise ValueError("the pixels have another size than the header says")
     colors = str(dataset.get("PhotometricInterpretation", "MONOCHROME2")).strip()
     if colors == "PALETTE COLOR":
-        pixels = package("pydicom.pixels", f"{name} is a DICOM file")
-        table = pixels.apply_color_lut(stored, dataset)
+        from pydicom.pixels.processing import apply_color_lut
+
+        table = apply_color_lut(stored, dataset)
         # some programs write eight bits in tables of sixteen
         bright = table if table.max(initial=0) < 256 else table >> 8
         bright = bright.astype(np.uint8)
@@ -62,8 +61,9 @@ def decoded(dataset: Any, frame: Frame) -> Decoded:
     inverted = colors == "MONOCHROME1"
     notes = ("It counts from white to black and was inverted.",) if inverted else ()
     if dataset.get("ModalityLUTSequence"):
-        pixels = package("pydicom.pixels", f"{name} is a DICOM file")
-        meant = np.asarray(pixels.apply_modality_lut(stored, dataset)).astype(np.float64)
+        from pydicom.pixels.processing import apply_modality_lut
+
+        meant = np.asarray(apply_modality_lut(stored, dataset)).astype(np.float64)
         meant = meant.max() + meant.min() - meant if inverted else meant
         return Decoded(_without_padding(dataset, meant, stored), notes=notes)
     values: NDArray[Any] = _ends(dataset) - stored.astype(np.int64) if inverted else stored
@@ -102,13 +102,15 @@ def _ends(dataset: Any) -> int:
 
 def _unpacked(dataset: Any, frame: Frame, name: str) -> NDArray[Any]:
     """Stored values of an image, shape (rows, columns) or (rows, columns, 3)."""
-    pixels = package("pydicom.pixels", f"{name} is a DICOM file")
+    from pydicom import encaps
+    from pydicom.pixels.utils import pixel_array
+
     if not any(kind in dataset for kind in _PIXELS):
         raise UnreadableError(f"{name} holds no DICOM image: choose another file or folder.")
     syntax = dataset.file_meta.TransferSyntaxUID
     if not syntax.is_encapsulated:
-        return np.asarray(pixels.pixel_array(dataset, index=frame.index))
-    content = package("pydicom.encaps", f"{name} is a DICOM file").get_frame(
+        return np.asarray(pixel_array(dataset, index=frame.index))
+    content = encaps.get_frame(
         dataset.PixelData, frame.index, number_of_frames=int(dataset.get("NumberOfFrames", 1) or 1)
     )
     declared = _declared_size(content)
@@ -116,22 +118,22 @@ def _unpacked(dataset: Any, frame: Frame, name: str) -> NDArray[Any]:
         raise ValueError("the pixels have another size than the header says")
     failure: Exception
     try:
-        return np.asarray(pixels.pixel_array(dataset, index=frame.index))
+        return np.asarray(pixel_array(dataset, index=frame.index))
     except Exception as error:  # of any kind, as decoders do; perhaps another package unpacks it
         failure = error
     codec = _CODECS.get(str(syntax).removeprefix(_JPEG)) if str(syntax).startswith(_JPEG) else None
-    missing = importlib.util.find_spec("imagecodecs") is None
-    if codec is None and "missing dependencies" not in str(failure):
-        raise failure
-    if codec is None or missing:
+    if codec is None:
+        if "missing dependencies" not in str(failure):
+            raise failure
         packing = printable(str(syntax.name))[:80]
-        cure = 'install it (pip install "cpm-particles[medical]"), or save' if codec else "save"
-        needs = ", which needs the package imagecodecs" if codec else ", which is not read"
-        raise UnreadableError(f"{name} is packed as {packing}{needs}: {cure} the image again without packing.")
+        raise UnreadableError(
+            f"{name} is packed as {packing}, which is not read: save the image again without packing."
+        )
     if int(dataset.get("SamplesPerPixel", 1)) != 1 and dataset.get("PhotometricInterpretation") != "RGB":
         raise failure
-    codecs = package("imagecodecs", f"{name} is packed as {syntax.name}")
-    found = np.asarray(getattr(codecs, codec)(content))
+    import imagecodecs  # only here, because it takes long to import
+
+    found = np.asarray(getattr(imagecodecs, codec)(content))
     signed = int(dataset.get("PixelRepresentation", 0)) and found.dtype.kind == "u"
     return _with_sign(found, int(dataset.BitsStored)) if signed else found
 

@@ -13,7 +13,6 @@ from cpm_core.formats.images.decoded import Decoded, UnreadableError
 from cpm_core.formats.images.medical.dicom import pixels
 from cpm_core.formats.images.medical.dicom.frame import Frame, frames_of
 from cpm_core.formats.images.medical.dicom.series import Series, all_series
-from cpm_core.formats.images.medical.package import package
 from cpm_core.formats.images.stacks.stack import Stack, as_planes, check_content, joined, plane_of
 from cpm_core.formats.printable import printable
 from cpm_core.parameters.quotation import shown
@@ -84,10 +83,11 @@ def stack(path: Path, choice: Choice = FIRST) -> Stack:
     Raises
     ------
     UnreadableError
-        When pydicom is not installed, or no file holds an image.
+        When no file holds an image.
     """
     name = printable(path.name)
-    pydicom = package("pydicom", f"{name} is a DICOM file" if path.is_file() else f"{name} is a folder of DICOM files")
+    import pydicom  # only here, because it takes long to import
+
     frames: list[Frame] = []
     damaged = 0
     for file in _files(path) if path.is_dir() else [path]:

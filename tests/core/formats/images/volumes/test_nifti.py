@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from cpm_core import Result, Surface, export, load_image, load_volume
-from cpm_core.formats.images.medical import package as packages
 from cpm_core.numerics.zero_surface import zero_surface
 
 from .made import VALUES, affine, write_nifti
@@ -122,16 +121,3 @@ def test_more_than_the_file_can_hold_is_refused_before_memory_is_taken(tmp_path)
         (tmp_path / name).write_bytes(damaged)
         with pytest.raises(ValueError, match="is a damaged NIfTI file"):
             load_volume(tmp_path / name)
-
-
-def test_a_package_that_is_missing_is_named_with_how_to_install_it(tmp_path, monkeypatch):
-    write_nifti(tmp_path / "a.nii")
-
-    def missing(name):
-        raise ImportError(name)
-
-    monkeypatch.setattr(packages.importlib, "import_module", missing)
-    words = r'a\.nii is a NIfTI volume, which needs the package nibabel: install it \(pip install "cpm-particles\[med'
-    for load in (load_image, load_volume):
-        with pytest.raises(ValueError, match=words):
-            load(tmp_path / "a.nii")

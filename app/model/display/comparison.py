@@ -1,0 +1,147 @@
+"""Which runs are compared: combinations of values of one or two parameters, or methods."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from app.model.display.round_numbers import short_text
+from app.model.document.document import Document
+from app.model.parameters.controls import Control, slider_range, value_of, with_value
+from app.model.text.language import from_core, tr
+from cpm_core.objects.methods import CONTOUR_METHODS, Compared
+from cpm_core.parameters import Parameters
+
+FEWEST, MOST = 2, 6
+"""Limits of the number of values of a parameter."""
+
+COUNTS = (3, 4, 5)
+"""Numbers of values that are proposed."""
+
+FIRST_AXES = ("smoothing", "min_strength")
+"""Parameters that are proposed: they decide which edges count."""
+
+METHODS_ACROSS = 4
+"""Number of methods in a row."""
+
+_SPREAD = 0.5
+"""Fraction of the slider's range that the proposed values span."""
+
+
+@dataclass(frozen=True, slots=True)
+class Axis:
+    """A parameter that runs differ in, with its values in ascending order."""
+
+    control: Control
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Tile:
+    """One of the runs that are compared.
+
+    `method` is a method with its settings, run from the outlines that are drawn; where it is empty, the run is that of
+    the document with other parameters, the `settings`, which differ from its own in `values`.
+    """
+
+    row: int
+    col: int
+    caption: str
+    settings: Any
+    values: tuple[tuple[str, float], ...] = ()
+    method: str = ""
+
+
+def parameter_tiles(parameters: Parameters, axes: Sequence[Axis]) -> tuple[Tile, ...]:
+    """A run for each combination of the values of one or two parameters.
+
+    ValueError when both are the same parameter, or a value is out of its range.
+    """
+    names = [axis.control.name for axis in axes]
+    if len(set(names)) < len(names):
+        raise ValueError(tr("Both parameters are the same: choose two different ones."))
+    across = len(axes[-1].values)
+    tiles = []
+    for place, values in enumerate(itertools.product(*(axis.values for axis in axes))):
+        caption = ", ".join(f"{axis.control.symbol} = {short_text(value)}"
+                            for axis, value in zip(axes, values, strict=True))  # fmt: skip
+        chosen = tuple(zip(names, values, strict=True))
+        tiles.append(Tile(*divmod(place, across), caption, _with(parameters, chosen), chosen))
+    return tuple(tiles)
+
+
+def method_tiles(compared: Compared, parameters: Parameters) -> tuple[Tile, ...]:
+    """A run of each chosen method; ValueError when there is none."""
+    if not compared.methods:
+        raise ValueError(tr("Choose one method at least."))
+    tiles = []
+    for place, name in enumerate(compared.methods):
+        method = CONTOUR_METHODS[name]
+        settings = parameters if method.of_particles else compared.settings_of(name)
+        tiles.append(Tile(*divmod(place, METHODS_ACROSS), from_core(method.title), settings, method=name))
+    return tuple(tiles)
+
+
+def pick(document: Document, tile: Tile) -> Document:
+    """The document with the values of a tile; all its other parameters stay unchanged."""
+    return replace(document, parameters=_with(document.parameters, tile.values))
+
+
+def sensible_values(control: Control, parameters: Parameters, contrast: float, count: int) -> tuple[float, ...]:
+    """Evenly spaced values around the current one, which is among them, over part of the slider's range.
+
+    There are `count` values, fewer if there are not as many whole numbers; parameters in gray levels are scaled by the
+    contrast of the image.
+    """
+    low, high = slider_range(control, contrast)
+    step = 1.0 if control.whole else control.step
+    present = value_of(parameters, control.name)
+    middle = float(present) if isinstance(present, int | float) else 0.5 * (low + high)
+    middle = min(max(middle, low), high)
+    apart = max(step, _rounded(_SPREAD * (high - low) / (count - 1), step))
+    before = min((count - 1) // 2, math.floor((middle - low) / apart + 1e-9))
+    behind = min(count - 1 - before, math.floor((high - middle) / apart + 1e-9))
+    before = min(count - 1 - behind, math.floor((middle - low) / apart + 1e-9))
+    others = (_rounded(middle + index * apart, step) for index in range(-before, behind + 1) if index)
+    within = {round(min(max(value, low), high), 9) for value in others}
+    return tuple(sorted(within | {middle}))
+
+
+def read_values(control: Control, text: str) -> tuple[float, ...]:
+    """The numbers in a text, with spaces, semicolons or commas between them.
+
+    ValueError when there are too few or too many, or one is not a number.
+    """
+    words = text.replace(";", " ").replace(",", " ").split()
+    values = set()
+    for word in words:
+        try:
+            value = float(word)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            message = tr("{title}: “{word}” is not a number; write numbers such as 0.4, 0.6, 0.8.")
+            raise ValueError(message.format(title=control.title, word=word)) from None
+        values.add(value)
+    if not FEWEST <= len(values) <= MOST:
+        message = tr("{title} has {count} different values but must have from {fewest} to {most}.")
+        raise ValueError(message.format(title=control.title, count=len(values), fewest=FEWEST, most=MOST))
+    return tuple(sorted(values))
+
+
+def in_text(values: tuple[float, ...]) -> str:
+    """Values as text that `read_values` reads, with three digits."""
+    return ", ".join(map(short_text, values))
+
+
+def _with(parameters: Parameters, values: Sequence[tuple[str, float]]) -> Parameters:
+    for name, value in values:
+        parameters = with_value(parameters, name, value)
+    return parameters
+
+
+def _rounded(value: float, step: float) -> float:
+    return round(value / step) * step

@@ -1,1 +1,0 @@
-"""Runs beside the run of the session: with other parameters, and of other methods."""

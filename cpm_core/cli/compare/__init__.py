@@ -1,1 +1,0 @@
-"""``cpm compare``: the charged particles and the classical methods on the same image, from the same start."""

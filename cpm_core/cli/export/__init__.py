@@ -1,1 +1,0 @@
-"""``cpm export``: the command, and what it takes from files and sessions."""

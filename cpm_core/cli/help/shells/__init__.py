@@ -1,1 +1,0 @@
-"""Scripts for shells, a module for each."""

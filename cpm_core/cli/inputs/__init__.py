@@ -1,1 +1,0 @@
-"""What commands take: images and the parts of them that are read, sessions, starts, and ground truths."""

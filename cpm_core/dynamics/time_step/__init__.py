@@ -1,1 +1,0 @@
-"""One time step of a run: motion, deletion and insertion; `plane` for images, `space` for volumes."""

@@ -1,0 +1,81 @@
+"""Fields between the pixels: for any number of axes, and for the inner loops of a run in the plane and in a volume."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.types import Array, Single
+from cpm_core.numerics.vectors import Vector
+
+
+def interpolate(field: NDArray[np.floating], positions: Array) -> Array:
+    r"""Multilinear interpolation of a field, shape (C, \*shape), at positions, shape (N, D), into shape (N, C).
+
+    A position beyond the outermost pixels takes the value of the nearest point of the border.
+    """
+    parts = [scipy.ndimage.map_coordinates(part, positions.T, order=1, mode="nearest", output=float) for part in field]
+    return np.stack(parts, axis=1)
+
+
+@compiled
+def between(packed: Single, y: float, x: float) -> tuple[int, int, float, float]:
+    """Pixel before a position in an image, shape (H, W, ...), and the distance of the position from it, by axis."""
+    y = min(max(0.0, y), packed.shape[0] - 1.0)  # 0 first: that is the larger one when the other is no number
+    x = min(max(0.0, x), packed.shape[1] - 1.0)
+    row, col = min(int(y), packed.shape[0] - 2), min(int(x), packed.shape[1] - 2)
+    return row, col, y - row, x - col
+
+
+@compiled
+def component(packed: Single, c: int, place: tuple[int, int, float, float]) -> float:
+    """Component `c` of a packed force field, shape (H, W, C), at a position as `between` returns it."""
+    row, col, down, right = place
+    upper = packed[row, col, c] * (1.0 - right) + packed[row, col + 1, c] * right
+    lower = packed[row + 1, col, c] * (1.0 - right) + packed[row + 1, col + 1, c] * right
+    value: float = upper * (1.0 - down) + lower * down
+    return value
+
+
+@compiled
+def value_at(volume: Single, plane: float, row: float, col: float) -> float:
+    """Trilinear interpolation at a position in voxels; beyond the outermost ones the value at the border."""
+    z = min(max(0.0, plane), volume.shape[0] - 1.0)  # 0 first: that is the larger one when the other is no number
+    y = min(max(0.0, row), volume.shape[1] - 1.0)
+    x = min(max(0.0, col), volume.shape[2] - 1.0)
+    i, j, k = min(int(z), volume.shape[0] - 2), min(int(y), volume.shape[1] - 2), min(int(x), volume.shape[2] - 2)
+    z, y, x = z - i, y - j, x - k
+    a = volume[i, j, k] * (1.0 - x) + volume[i, j, k + 1] * x
+    b = volume[i, j + 1, k] * (1.0 - x) + volume[i, j + 1, k + 1] * x
+    c = volume[i + 1, j, k] * (1.0 - x) + volume[i + 1, j, k + 1] * x
+    d = volume[i + 1, j + 1, k] * (1.0 - x) + volume[i + 1, j + 1, k + 1] * x
+    value: float = (a * (1.0 - y) + b * y) * (1.0 - z) + (c * (1.0 - y) + d * y) * z
+    return value
+
+
+@compiled
+def sampled(volume: Single, pitch: Vector, place: Vector) -> float:
+    """Value of a volume at a place."""
+    return value_at(volume, place[0] / pitch[0], place[1] / pitch[1], place[2] / pitch[2])
+
+
+@compiled
+def slope_at(volume: Single, pitch: Vector, place: Vector) -> Vector:
+    """Slope of a volume at a place: differences over one unit to both sides along each axis."""
+    z, y, x = place[0] / pitch[0], place[1] / pitch[1], place[2] / pitch[2]
+    dz, dy, dx = 1.0 / pitch[0], 1.0 / pitch[1], 1.0 / pitch[2]
+    return (
+        0.5 * (value_at(volume, z + dz, y, x) - value_at(volume, z - dz, y, x)),
+        0.5 * (value_at(volume, z, y + dy, x) - value_at(volume, z, y - dy, x)),
+        0.5 * (value_at(volume, z, y, x + dx) - value_at(volume, z, y, x - dx)),
+    )
+
+
+@compiled
+def normal_at(volume: Single, pitch: Vector, place: Vector) -> Vector:
+    """Direction in which a volume rises most steeply at a place; of no length where it is flat."""
+    z, y, x = slope_at(volume, pitch, place)
+    size = np.sqrt(z * z + y * y + x * x) + 1e-12
+    return z / size, y / size, x / size

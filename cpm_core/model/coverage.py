@@ -1,0 +1,180 @@
+"""Coverage: where and when particles have first been on an edge.
+
+The number of particles does not measure progress: particles gather and are deleted again. The number of covered cells
+of the image does: it can only rise and is bounded. Particles without newly covered cells around them for some steps are
+brought to rest, each neighborhood separately, so that every run ends and a distant front does not keep the others
+moving.
+
+In a volume a cell counts once for each side that a surface in it faces, so that the second wall of a thin object is new
+ground. The cells found are kept as a sorted list: surfaces fill few of them.
+"""
+
+from __future__ import annotations
+
+from functools import reduce
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.types import Array, Index, Mask
+
+
+@compiled
+def cell_of(place: float, size: float, along: int) -> int:
+    """Cell of side `size` [px] of a coordinate, of `along` cells; positions beyond belong to the outermost ones."""
+    return int(min(max(int((place + 0.5) / size), 0), along - 1))
+
+
+def cells_at(positions: Array, size: float, shape: tuple[int, ...]) -> Index:
+    """Cells of positions, shape (N, D), of so many along each axis; see `cell_of`."""
+    return np.clip(((positions + 0.5) / size).astype(np.int64), 0, np.array(shape) - 1)
+
+
+@compiled
+def sorted_by(cells: Index, count: int) -> tuple[Index, Index]:
+    """Order of things by the numbers of their cells, of so many, in which they keep theirs, and where each begins."""
+    order, start = np.empty(len(cells), np.int64), np.zeros(count + 1, np.int64)
+    for i in range(len(cells)):
+        start[cells[i] + 1] += 1
+    for c in range(count):
+        start[c + 1] += start[c]
+    cursor = start[:-1].copy()
+    for i in range(len(cells)):
+        order[cursor[cells[i]]] = i
+        cursor[cells[i]] += 1
+    return order, start
+
+
+Steps = NDArray[np.int32]
+
+NEVER = -1
+
+CELL = 4.0
+"""Side of the cells of the coverage [px]."""
+
+REACH = 4
+"""Cells to each side within which a newly covered cell counts as near."""
+
+
+class Coverage(NamedTuple):
+    r"""Coverage of an image; its arrays are never written to, since later states share them.
+
+    Attributes
+    ----------
+    found : ndarray of int32, shape (\*cells)
+        Step at which each cell was first covered, -1 for never.
+    latest : ndarray of int32, shape (\*cells)
+        Latest such step among the cells around each.
+    size : int
+        Number of covered cells.
+    """
+
+    found: Steps
+    latest: Steps
+    size: int
+
+
+def no_coverage(shape: tuple[int, ...]) -> Coverage:
+    """Coverage of an image of this shape before any particle has been on an edge."""
+    never = np.full(tuple(int(n / CELL) + 1 for n in shape), NEVER, np.int32)
+    return Coverage(never, never, 0)
+
+
+def cover(coverage: Coverage, positions: Array, on_edge: Mask, step: int) -> tuple[Coverage, int]:
+    """Mark the cells of particles on edges as covered at a step.
+
+    `positions`, shape (N, D) [px], are the particles, `on_edge`, shape (N,), is their edge contact. Returns the
+    coverage after it, the same one if no cell is new, and the number of newly covered cells.
+    """
+    cells = cells_at(positions[on_edge], CELL, coverage.found.shape)
+    fresh = cells[coverage.found[tuple(cells.T)] == NEVER]
+    if not len(fresh):
+        return coverage, 0
+    cells = np.argwhere(np.bincount(np.ravel_multi_index(tuple(fresh.T), coverage.found.shape)))
+    cells = np.stack(np.unravel_index(cells[:, 0], coverage.found.shape), axis=1)
+    found, latest = coverage.found.copy(), coverage.latest.copy()
+    found[tuple(cells.T)] = step
+    near = np.indices((2 * REACH + 1,) * found.ndim).reshape(found.ndim, -1) - REACH
+    around = cells[:, :, None] + near
+    latest[tuple(np.clip(around[:, axis], 0, n - 1) for axis, n in enumerate(latest.shape))] = step
+    return Coverage(found, latest, coverage.size + len(cells)), len(cells)
+
+
+def idle_at(coverage: Coverage, positions: Array, step: int, elsewhere: int) -> Index:
+    """Steps since cells around each particle were newly covered, shape (N,); `elsewhere` far from all covered cells."""
+    newest = coverage.latest[tuple(cells_at(positions, CELL, coverage.latest.shape).T)]
+    return np.where(newest == NEVER, elsewhere, step - newest.astype(np.int64))
+
+
+def renewed(coverage: Coverage, step: int) -> Coverage:
+    """Coverage as if all covered cells had been newly covered at this step."""
+    found, latest = (np.where(steps == NEVER, steps, np.int32(step)) for steps in coverage[:2])
+    return Coverage(found, latest, coverage.size)
+
+
+def renewed_near(coverage: Coverage, places: Array, reach: float, step: int) -> Coverage:
+    """Coverage as if all cells within reach of positions, shape (K, D) [px], were near a newly covered cell."""
+    latest = coverage.latest.copy()
+    for place in places:
+        parts, away = [], []
+        for along, x in zip(latest.shape, place, strict=True):
+            first, last = (cell_of(x + sign * reach, CELL, along) for sign in (-1, 1))
+            parts.append(slice(first, last + 1))
+            middle = CELL * (np.arange(first, last + 1) + 0.5) - 0.5
+            away.append(np.maximum(np.abs(middle - x) - 0.5 * CELL, 0.0) ** 2)
+        latest[tuple(parts)][reduce(np.add.outer, away) < reach**2] = step
+    return coverage._replace(latest=latest)
+
+
+_SIDE = np.array([1.0, 0.37, 0.21])
+"""Direction that tells the sides of a surface apart: in no plane of a usual grid."""
+
+_SPAN = 1 << 20
+"""Cells along an axis that a number has room for."""
+
+
+class SurfaceCoverage(NamedTuple):
+    """Coverage of a volume.
+
+    Attributes
+    ----------
+    cells : ndarray of int64, shape (K,)
+        Numbers of the cells found, with their sides, in ascending order.
+    side : float
+        Side of a cell [units].
+    """
+
+    cells: Index
+    side: float
+
+    @property
+    def size(self) -> int:
+        """Number of cells found, each side for itself."""
+        return len(self.cells)
+
+
+def no_surface(side: float = 1.0) -> SurfaceCoverage:
+    """The coverage before any surface has been found, with cells of this side [units]."""
+    return SurfaceCoverage(np.zeros(0, np.int64), side)
+
+
+def surface_cells(places: Array, normals: Array, side: float) -> Index:
+    """Number of the cell and side of each of some particles, shape (N,)."""
+    cell = np.floor(places / side).astype(np.int64) + 1
+    number = (cell[:, 0] * _SPAN + cell[:, 1]) * _SPAN + cell[:, 2]
+    return np.asarray(2 * number + (normals @ _SIDE > 0.0))
+
+
+def cover_surfaces(coverage: SurfaceCoverage, places: Array, normals: Array) -> tuple[SurfaceCoverage, Mask]:
+    """The coverage with the cells of seated particles, and which of these, shape (N,), are the first in theirs."""
+    number = surface_cells(places, normals, coverage.side)
+    new, first = np.unique(number, return_index=True)
+    place = np.searchsorted(coverage.cells, new)
+    known = np.zeros(len(new), np.bool_)
+    inside = place < len(coverage.cells)
+    known[inside] = coverage.cells[place[inside]] == new[inside]
+    fresh = np.zeros(len(places), np.bool_)
+    fresh[first[~known]] = True
+    return coverage._replace(cells=np.insert(coverage.cells, place[~known], new[~known])), fresh

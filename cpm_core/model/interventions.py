@@ -1,0 +1,128 @@
+"""Changes of a run under way: by the user, with the particles that they reactivate, and by the schedule of scales."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cpm_core.field.placed_charges import REACH, Charges, PlacedCharge, changed, near_charges, placed_in, radius_at
+from cpm_core.image.pyramid import shape_of_scale, to_image, to_scale
+from cpm_core.image.volume_regions import AnyRegions
+from cpm_core.model.coverage import no_coverage, no_surface, renewed, renewed_near
+from cpm_core.model.starts import allowed_by, inside_image, starting_points
+from cpm_core.model.state import Particles, State
+from cpm_core.numerics.types import Array
+from cpm_core.parameters import Parameters
+
+Chosen = NDArray[np.bool_] | Callable[[Array], ArrayLike]
+
+
+def applied(state: State, regions: AnyRegions | None, parameters: Parameters, charges: Sequence[PlacedCharge]) -> State:
+    """The state with which a step begins, reactivated where parameters, regions or charges have changed."""
+    if state.steering != parameters.steering or state.regions != regions:
+        state = replace(reactivated(within(state, regions)), steering=parameters.steering)
+    placed = placed_in(charges, len(state.shape))
+    return state if state.charges == placed else reactivated_near(state, placed)
+
+
+def reactivated(state: State) -> State:
+    """Reactivate all particles, so that those at rest follow the change."""
+    return replace(
+        state,
+        particles=state.particles.woken_at(state.step_of_scale),
+        coverage=renewed(state.coverage, state.step_of_scale),
+        annealed=1.0,
+        erased=False,
+        reactivated=state.step_of_scale,
+        idle=0,
+        quiet=0,
+        reseedings=0,
+        mesh=None,
+    )
+
+
+def within(state: State, regions: AnyRegions | None) -> State:
+    """Continue in other regions with the particles inside them."""
+    if state.regions == regions:
+        return state
+    allowed = allowed_by(state.position, regions)
+    return replace(state, particles=state.particles.where(allowed), regions=regions)
+
+
+def reactivated_near(state: State, charges: Charges) -> State:
+    """Continue with other placed charges, in order, and reactivate the particles within reach of a changed one."""
+    step, others = state.step_of_scale, replace(state, charges=changed(state.charges, charges)).placed
+    if state.space is not None:
+        near = near_charges(others, radius_at(state.scale), state.particles.position)
+        woken = state.particles.woken_at(step, near)
+        return replace(
+            state, particles=woken, charges=charges, annealed=1.0, reactivated=step, idle=0, quiet=0, reseedings=0
+        )
+    coverage = renewed_near(state.coverage, others[:, :2], REACH * 0.5**state.scale, step)
+    valid = state.mesh is not None and len(state.mesh.force) > 0  # else all particles may have been at rest
+    mesh = state.mesh if valid else None
+    return replace(state, charges=charges, coverage=coverage, annealed=1.0, reactivated=step, quiet=0, mesh=mesh)
+
+
+def joined(state: State, seeds: ArrayLike, regions: AnyRegions | None) -> State:
+    """Put more particles into a run; see `Engine.joined`."""
+    points = starting_points(seeds, state.shape, regions)
+    particles = state.particles.with_more(state.at_scale(points, state.scale), state.next_identity)
+    joined = replace(
+        state,
+        particles=particles,
+        start=np.concatenate([state.start, points]),
+        next_identity=state.next_identity + len(points),
+    )
+    return reactivated(joined).resumed()
+
+
+def erased(state: State, inside: Chosen) -> State:
+    """Take particles out of a run; see `Engine.erased`."""
+    if callable(inside):
+        gone = _mask(inside(state.position), state.count, "particles")
+        start = state.start[~_mask(inside(state.start), len(state.start), "starting particles")]
+    else:
+        gone, start = _mask(inside, state.count, "particles"), state.start
+    if not gone.any() and len(start) == len(state.start):
+        return state
+    rest = replace(state, particles=state.particles.where(~gone), start=start, mesh=None, erased=True)
+    return rest if rest.count else rest.stopped("all particles have been erased")
+
+
+def _mask(inside: ArrayLike, count: int, noun: str) -> NDArray[np.bool_]:
+    """Check a mask of the chosen particles, shape (N,)."""
+    mask = np.asarray(inside)
+    if mask.dtype != np.bool_ or mask.shape != (count,):
+        raise ValueError(f"which {noun} to erase must be given by {count} truth values, one for each.")
+    return mask
+
+
+def start_scale(state: State, scale: int, regions: AnyRegions | None) -> State:
+    """Begin a scale with the particles of the coarser one and with all seeds."""
+    position = np.concatenate([to_scale(places, scale, state.shape) for places in (state.position, state.start)])
+    shape = shape_of_scale(state.shape, scale)
+    position = position[inside_image(position, shape)]
+    position = position[allowed_by(to_image(position, scale, state.shape), regions)]
+    first, space = state.next_identity, state.space
+    if space is not None:
+        position, space = position * space.pitch, replace(space, covered=no_surface())
+    return replace(
+        state,
+        particles=Particles.at_rest(position, first),
+        scale=scale,
+        step_of_scale=0,
+        next_identity=first + len(position),
+        coverage=no_coverage(shape),
+        annealed=1.0,
+        reactivated=0,
+        idle=0,
+        quiet=0,
+        reseedings=0,
+        mesh=None,
+        epsilon=float("nan"),
+        space=space,
+    )

@@ -1,0 +1,127 @@
+"""What is measured of a state: the forces of eq. (12) on its particles, and their kinetic and potential energy.
+
+The forces of the model are normalized and have no potential. The energy is computed from the potentials of the forces
+before they are normalized, scaled to match:
+
+- The Lorentz force has unit size away from edges, however steep the potential of the fixed charges is there. This
+  potential counts in units of its mean slope, so that its force is w2 on average. That of placed charges is exact,
+  except for the cut of their sum.
+- The Coulomb force of two particles ``d_min`` apart is half of w1: a pair counts as ``0.5 w1 d_min^2 (1/r - 1/R)``, up
+  to the distance ``R = d_min + d_max`` of neighbors, and in a volume, where the force decays with the third power, as
+  ``0.25 w1 d_min^3 (1/r^2 - 1/R^2)``, up to the distance of those that repel each other there. Farther pairs make
+  little difference, since the force on a particle is scaled by the distance to its neighbors.
+
+So the energy of particles that are neither inserted nor deleted falls as long as they are on their way. On an edge they
+are drawn to its ridge, which is not quite where the potential of the fixed charges is lowest: where a surface is
+curved, that is nearer to the center of the curvature. On a ball with a radius of 20 voxels it is 0.3 voxels inside the
+ridge and 0.7 % deeper, and while 150 particles settle there their energy rises by 2 %; on a torus by 0.1 %.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.model.state import State
+from cpm_core.numerics.types import Array, Index
+from cpm_core.parameters.quotation import counted, described
+
+PAIR = 0.5
+"""Coulomb force of two particles d_min apart, in w1."""
+
+
+@dataclass(frozen=True, slots=True)
+class Energies:
+    """Energies of all particles together, of unit mass each [px^2 of the image / unit of time^2].
+
+    In a volume a px is the smallest side of a voxel.
+
+    Attributes
+    ----------
+    kinetic : float
+        Sum of ``v^2 / 2``.
+    potential : float
+        In the field of the fixed and placed charges, and of pairs of near particles.
+
+    Examples
+    --------
+    >>> engine = cpm.Engine(cpm.example("disk"))
+    >>> engine.energies(engine.start(cpm.circle((32, 32), 8)), cpm.Parameters()).kinetic
+    0.0
+    """
+
+    kinetic: float
+    potential: float
+
+
+def kinetic_energy(state: State) -> float:
+    """Kinetic energy of the particles of a state [px^2 of the image / unit of time^2]; fast."""
+    velocity = state.particles.velocity
+    return 0.5 * 4.0**state.scale * float(np.einsum("ni,ni->", velocity, velocity))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Forces:
+    """Forces on particles in eq. (12), with their weights; all of shape (N, D) [px of the scale / unit of time^2].
+
+    Attributes
+    ----------
+    coulomb : ndarray
+        ``w1 F_c``, as far as the repulsion has not faded.
+    lorentz : ndarray
+        ``w2 F_l``, of the image alone.
+    placed : ndarray
+        ``w2`` times the force of the placed charges.
+    friction : ndarray
+        What holds a slow particle, or one at rest, on its edge: it cancels the part of the other forces along the edge.
+    damping : ndarray
+        ``-beta v``, with a larger beta for particles that are brought to rest; zero for those that a step skips.
+
+    Examples
+    --------
+    >>> engine = cpm.Engine(cpm.example("disk"))
+    >>> forces = engine.forces(engine.start(cpm.circle((32, 32), 8)), cpm.Parameters())
+    >>> forces.coulomb.shape, bool(np.allclose(forces.total, forces.coulomb + forces.lorentz + forces.placed))
+    ((25, 2), True)
+    """
+
+    coulomb: Array
+    lorentz: Array
+    placed: Array
+    friction: Array
+    damping: Array
+
+    @property
+    def total(self) -> Array:
+        """Sum of all forces: the acceleration with which the next step begins."""
+        return self.coulomb + self.lorentz + self.placed + self.friction + self.damping
+
+    def __repr__(self) -> str:
+        return described("Forces", f"on {counted(len(self.coulomb), 'particle')}")
+
+
+def forces_asked(state: State, changed: State, asked: Index, of: Callable[[Index], Forces]) -> Forces:
+    """Forces on some particles of a state, of which `changed` is the one with which a step begins.
+
+    `of` gives those on particles of `changed`; they are NaN for particles that it has no more.
+    """
+    row = _places(state.particles.identity, changed.particles.identity)[asked]
+    there = row >= 0
+    found = of(row[there])
+    return found if there.all() else Forces(*(_spread(getattr(found, f.name), there) for f in fields(Forces)))
+
+
+def _places(before: Index, after: Index) -> Index:
+    """For each earlier identity its index among the later ones, which keep their order; -1 where it is gone."""
+    stays = np.isin(before, after)
+    return np.where(stays, np.cumsum(stays) - 1, -1)
+
+
+def _spread(rows: Array, there: NDArray[np.bool_]) -> Array:
+    """Rows, shape (K, D), at the positions where `there`, shape (M,), is true; NaN elsewhere."""
+    spread = np.full((len(there), rows.shape[1]), np.nan)
+    spread[there] = rows
+    return spread

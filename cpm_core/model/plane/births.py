@@ -1,0 +1,480 @@
+"""Insertion and deletion of particles in the plane (section 3.6).
+
+Two rules of insertion let particles cover an edge. Between: two particles on edges at ``d_min < d <= d_min + d_max``
+with nothing between them get one at their midpoint, as in section 3.6, if the edge continues there and its ridge is
+free next to the midpoint. Ahead: a particle on an edge that continues within one spacing, without other particles
+there, gets one there. Annealing ends the first rule; the second one does not depend on it and moves a front along every
+edge that is connected to its own, through bends and junctions. Neither of them reaches across a barrier.
+
+Of two particles nearer than half of ``d_min`` the one on the weaker edge is deleted, and of equal ones the later. A
+deleted particle deletes no other: particles are examined from the strongest edge to the weakest, and each is compared
+with those that stay.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from cpm_core.field.interpolation import between, component
+from cpm_core.field.scale_field import FAINTEST, ScaleField
+from cpm_core.image.barriers import BarrierMap, crosses
+from cpm_core.model.coverage import cell_of
+from cpm_core.model.equations import NEAR, STRIDE, STRIDE_ROOM, by_strength
+from cpm_core.model.plane.repulsion import Cells, build_cells, cells_around, row_of_cells
+from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.parallel import share
+from cpm_core.numerics.types import Array, Index, Mask, Single
+from cpm_core.parameters import Parameters
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class EdgeContact:
+    """Edge contact and neighbors of the particles of a step.
+
+    Attributes
+    ----------
+    strength : ndarray, shape (N,)
+        Edge strength at each.
+    on_edge : ndarray of bool, shape (N,)
+        Which are on an edge; see `is_on_edge`.
+    cells : Cells
+        The particles sorted into cells, for neighbors up to a distance.
+    """
+
+    strength: Array
+    on_edge: Mask
+    cells: Cells
+
+
+_LEAST_CELL = 4.0
+"""Least side of a cell, which limits the memory however small the distance of the search [px]."""
+
+_WORTH_A_THREAD = 10_000
+"""Particles from which a second thread makes the search faster."""
+
+
+def deletion(positions: Array, strength: Array, shape: tuple[int, ...], d_min: float) -> Mask:
+    """Which of the particles at `positions`, shape (N, 2), stay, shape (N,), on an image of this shape.
+
+    Of two nearer than ``d_min / 2`` [px] the one on the weaker edge is deleted; with equal `strength`, shape (N,), the
+    later one.
+    """
+    places = np.ascontiguousarray(positions, dtype=float)
+    cells = build_cells(places, shape, max(d_min, _LEAST_CELL))
+    every = np.ones(len(places), np.bool_)
+    return thinned(EdgeContact(strength, every, cells), every, d_min)
+
+
+def thinned(contact: EdgeContact, has_moved: Mask, d_min: float) -> Mask:
+    """Which particles stay, shape (N,), by the rule of `deletion`, where only some have moved since its last use.
+
+    `has_moved`, shape (N,), marks the particles that have moved or are new.
+    """
+    count = len(contact.strength)
+    kept = np.ones(count, np.bool_)
+    share(partial(_find_close, contact.cells, has_moved, NEAR * d_min, kept), count, _WORTH_A_THREAD)
+    close = np.flatnonzero(~kept)
+    if len(close):
+        _thin(contact.cells, by_strength(close, contact.strength), NEAR * d_min, kept)
+    return kept
+
+
+@compiled
+def _find_close(cells: Cells, has_moved: Mask, distance: float, alone: Mask, first: int, last: int) -> None:
+    """Mark the particles with another one nearer than a distance as not alone; one of each pair has moved."""
+    for k in range(first, last):
+        if not has_moved[cells.order[k]]:
+            continue
+        y, x = cells.y[k], cells.x[k]
+        top, bottom, left, right = cells_around(cells, y, x, distance)
+        for row in range(top, bottom + 1):
+            start, end = row_of_cells(cells, row, left, right)
+            for other in range(start, end):
+                squared = (cells.y[other] - y) ** 2 + (cells.x[other] - x) ** 2
+                if squared < distance * distance and other != k:
+                    alone[cells.order[k]] = alone[cells.order[other]] = False
+
+
+@compiled
+def _thin(cells: Cells, order: Index, distance: float, kept: Mask) -> None:
+    """Of the particles in `order` keep those that have no kept one nearer than a distance."""
+    sorted_as = np.empty(len(cells.order), np.int64)
+    for k in range(len(cells.order)):
+        sorted_as[cells.order[k]] = k
+    for n in range(len(order)):
+        kept[order[n]] = not _has_near(cells, sorted_as[order[n]], distance, kept)
+
+
+@compiled
+def _has_near(cells: Cells, k: int, distance: float, counting: Mask) -> bool:
+    """Whether one of the sorted particles has another one nearer than a distance among those that count."""
+    y, x = cells.y[k], cells.x[k]
+    top, bottom, left, right = cells_around(cells, y, x, distance)
+    for row in range(top, bottom + 1):
+        first, last = row_of_cells(cells, row, left, right)
+        for other in range(first, last):
+            squared = (cells.y[other] - y) ** 2 + (cells.x[other] - x) ** 2
+            if squared < distance * distance and other != k and counting[cells.order[other]]:
+                return True
+    return False
+
+
+CROWD_RANGE, CROWD = 1.5, 3
+"""Distance, in d_min, and the largest number of particles within it around a position: more are two rows on one
+edge."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Births:
+    """New particles, shape (M, D), and the two parents of each (the same twice for a position ahead of one)."""
+
+    position: Array
+    parent: Index
+    other: Index
+
+
+class Search(NamedTuple):
+    """Which particles search for positions in a step; all of shape (N,).
+
+    Attributes
+    ----------
+    present : ndarray of bool
+        Which have not been deleted.
+    looking : ndarray of bool
+        Which of them search in this step.
+    thorough : ndarray of bool
+        Which of those search even if they have others on both sides along their edge.
+    ahead : ndarray of bool
+        Which of those also search ahead.
+    """
+
+    present: Mask
+    looking: Mask
+    thorough: Mask
+    ahead: Mask
+
+
+class Rule(NamedTuple):
+    """Conditions on a position.
+
+    Attributes
+    ----------
+    floor : float
+        Least edge strength.
+    d_min, reach : float
+        Spacing, and annealed distance up to which two particles get one between them [px].
+    range : float
+        Distance up to which other particles are examined [px].
+    """
+
+    floor: float
+    d_min: float
+    reach: float
+    range: float
+
+
+def search_range(parameters: Parameters) -> float:
+    """Distance up to which a step examines the particles around one [px]."""
+    d_min, reach = parameters.d_min, parameters.d_min + parameters.d_max
+    return max(reach, 0.5 * reach + CROWD_RANGE * d_min, (STRIDE + CROWD_RANGE) * d_min)
+
+
+Place = tuple[bool, float, float, float, int]
+"""Whether it is free, where, its distance from all others [px], and the number of particles around it."""
+
+_DIRECTIONS = 2.0 * np.pi * np.arange(8) / 8
+
+_TURNS = np.stack([np.sin(_DIRECTIONS), np.cos(_DIRECTIONS)], axis=1)
+"""Unit vectors in which a particle searches for a position ahead, in opposite pairs."""
+
+_ALONG = 0.36
+"""Largest square of the part across the edge of a direction along the edge."""
+
+_FLANK = 1.6
+"""Distance, in d_min, of others on both sides along an edge between which there is no position ahead."""
+
+_SLIDES, _SLIDE = 6, 1.0
+"""Number of times that a position is moved by the Lorentz force, and by how much of it [px]; across an edge the force
+falls from one to zero within a pixel or more, so that each move removes a good part of the distance."""
+
+_RESTING, _RESTED = 0.2, 0.1
+"""Lorentz force under which the position is then on an edge, and under which it need not be moved any more."""
+
+_MOST_PLACES = 8
+"""Positions that one particle may offer in a step."""
+
+_MOST_NEAR, _NEAR_RANGE = 64, 2.75
+"""Particles within a distance from one, in d_min, beyond which there is certainly no room for more."""
+
+_FULL = 1_000_000
+"""More than any number of particles: the count around a position where a particle is too near."""
+
+_SEARCHES_A_THREAD = 400
+"""Particles from which a second thread makes the search faster."""
+
+
+class _Offers(NamedTuple):
+    """Positions that the particles offer, up to a number M each.
+
+    Attributes
+    ----------
+    number : ndarray of int64, shape (N,)
+        How many each offers.
+    place : ndarray, shape (N, M, 2)
+        Where [px].
+    other : ndarray of int64, shape (N, M)
+        The second of the two particles beside each position; the first itself for a position ahead.
+    room : ndarray, shape (N, M)
+        Distance of each position from all other particles [px].
+    crowd : ndarray of int64, shape (N, M)
+        Particles around each.
+    """
+
+    number: Index
+    place: Array
+    other: Index
+    room: Array
+    crowd: Index
+
+
+def insertion(
+    contact: EdgeContact, search: Search, scale_field: ScaleField, d_max: float, parameters: Parameters, turn: int = 0
+) -> Births:
+    """Find positions for new particles.
+
+    `search` selects the particles that take part, `d_max` is the annealed insertion range [px], `turn` the pair of
+    opposite directions that is searched besides those along the edge; the pairs take turns.
+    """
+    count, d_min = len(contact.strength), parameters.d_min
+    rule = Rule(scale_field.floor, d_min, d_min + d_max, search_range(parameters))
+    room = np.empty((count, _MOST_PLACES))
+    other, crowd = np.empty(room.shape, np.int64), np.empty(room.shape, np.int64)
+    offers = _Offers(np.empty(count, np.int64), np.empty((*room.shape, 2)), other, room, crowd)
+    eligible, there = contact.on_edge & search.present, search.present[contact.cells.order]
+    asked = search._replace(present=there, thorough=search.thorough & search.looking)
+    seen = (contact.cells, contact.strength, asked, eligible, scale_field.packed, scale_field.barrier_map)
+    share(partial(_find_places, *seen, rule, _TURNS, turn, offers), count, _SEARCHES_A_THREAD)
+    most = int(offers.number.sum())
+    position, parents = np.empty((most, 2)), np.empty((most, 2), np.int64)
+    born = _occupy(contact.cells, offers, d_min, position, parents) if most else 0
+    return Births(position[:born], parents[:born, 0], parents[:born, 1])
+
+
+@compiled
+def _find_places(
+    cells: Cells,
+    strength: Array,
+    search: Search,
+    eligible: Mask,
+    packed: Single,
+    barrier_map: BarrierMap,
+    rule: Rule,
+    turns: Array,
+    turn: int,
+    offers: _Offers,
+    first: int,
+    last: int,
+) -> None:
+    """Let some of the sorted particles search for positions, each as if alone; `present` is in their order."""
+    # a wider range contains more particles
+    most = min(int(_MOST_NEAR * max(1.0, rule.range / (_NEAR_RANGE * rule.d_min)) ** 2), len(cells.order) + 1)
+    near_y, near_x, index = np.empty(most + 1), np.empty(most + 1), np.empty(most + 1, np.int64)
+    here, there = np.empty(2), np.empty(2)
+    present, thorough = search.present, search.thorough
+    for k in range(first, last):
+        i, y, x = cells.order[k], cells.y[k], cells.x[k]
+        offers.number[i] = 0
+        if not (eligible[i] and search.looking[i]):
+            continue
+        if not thorough[i] and _is_flanked(cells, present, y, x, packed, _FLANK * rule.d_min):
+            continue
+        length = _list_near(cells, present, y, x, rule.range, near_y, near_x, index)
+        if length == most:
+            continue
+        faintest = max(rule.floor, FAINTEST * strength[i])
+        for n in range(length + len(turns) if search.ahead[i] else length):
+            j, far_y, far_x = i, y, x
+            if n < length:
+                j, far_y, far_x = index[n], near_y[n], near_x[n]
+                if not (eligible[j] and (j > i or not thorough[j])):
+                    continue
+                found = _halfway(near_y, near_x, length, y, x, far_y, far_x, packed, faintest, rule)
+            else:
+                down, right = turns[n - length, 0], turns[n - length, 1]
+                if (n - length - turn) % (len(turns) // 2) and not _is_along(packed, y, x, down, right):
+                    continue
+                found = _ahead(near_y, near_x, length, y, x, down, right, packed, faintest, rule)
+                far_y, far_x = found[1], found[2]
+            if not found[0] or offers.number[i] == _MOST_PLACES:
+                continue
+            here[0], here[1], there[0], there[1] = y, x, far_y, far_x
+            if not crosses(barrier_map, here, there):
+                _offer(offers, i, j, found)
+
+
+@compiled
+def _offer(offers: _Offers, i: int, j: int, found: Place) -> None:
+    """Add a position to those that a particle offers."""
+    n = offers.number[i]
+    offers.place[i, n, 0], offers.place[i, n, 1] = found[1], found[2]
+    offers.other[i, n], offers.room[i, n], offers.crowd[i, n] = j, found[3], found[4]
+    offers.number[i] = n + 1
+
+
+@compiled
+def _halfway(
+    near_y: Array,
+    near_x: Array,
+    length: int,
+    y: float,
+    x: float,
+    far_y: float,
+    far_x: float,
+    packed: Single,
+    faintest: float,
+    rule: Rule,
+) -> Place:
+    """Midpoint of two particles, if it is free and the ridge beside it does not belong to another row."""
+    squared = (far_y - y) ** 2 + (far_x - x) ** 2
+    if not rule.d_min**2 < squared <= rule.reach**2:
+        return False, y, x, 0.0, _FULL
+    keep = 0.5 * np.sqrt(squared) - 1e-9  # nothing between: no particle in the circle over the pair
+    p_y, p_x = 0.5 * (y + far_y), 0.5 * (x + far_x)
+    about = _crowd(near_y, near_x, length, p_y, p_x, keep, rule.d_min)
+    free = about <= CROWD
+    if free:
+        free, c_y, c_x = _relax(packed, faintest, 0.5 * rule.d_min, p_y, p_x)
+        free = free and _crowd(near_y, near_x, length, c_y, c_x, keep, rule.d_min) <= CROWD
+    return free, p_y, p_x, keep, about
+
+
+@compiled
+def _ahead(
+    near_y: Array,
+    near_x: Array,
+    length: int,
+    y: float,
+    x: float,
+    down: float,
+    right: float,
+    packed: Single,
+    faintest: float,
+    rule: Rule,
+) -> Place:
+    """Position one stride from a particle, if its edge, or one that meets it, continues there and is free."""
+    keep, about = STRIDE_ROOM * rule.d_min, _FULL
+    p_y, p_x = y + STRIDE * rule.d_min * down, x + STRIDE * rule.d_min * right
+    free = _crowd(near_y, near_x, length, p_y, p_x, keep, rule.d_min) < _FULL  # cheap, and few directions pass
+    if free:
+        free, p_y, p_x = _relax(packed, faintest, 0.5 * rule.d_min, p_y, p_x)
+    if free:
+        about = _crowd(near_y, near_x, length, p_y, p_x, keep, rule.d_min)
+        free = about <= CROWD
+    return free, p_y, p_x, keep, about
+
+
+@compiled
+def _is_flanked(cells: Cells, present: Mask, y: float, x: float, packed: Single, distance: float) -> bool:
+    """Whether a particle has others on both sides along its edge, so near that there is no position ahead of it."""
+    at = between(packed, y, x)
+    n_y, n_x = component(packed, 2, at), component(packed, 3, at)
+    before, behind = 0, 0
+    top, bottom, left, right = cells_around(cells, y, x, distance)
+    for row in range(top, bottom + 1):
+        first, last = row_of_cells(cells, row, left, right)
+        for k in range(first, last):
+            d_y, d_x = cells.y[k] - y, cells.x[k] - x
+            across, along = d_y * n_y + d_x * n_x, d_y * n_x - d_x * n_y
+            near = (d_y**2 + d_x**2 < distance**2) & (across**2 < along**2) & present[k]
+            before += near & (along > 0.0)
+            behind += near & (along < 0.0)
+    return before > 0 and behind > 0
+
+
+@compiled
+def _is_along(packed: Single, y: float, x: float, down: float, right: float) -> bool:
+    """Whether a direction is along the edge at a position."""
+    at = between(packed, y, x)
+    n_y, n_x = component(packed, 2, at), component(packed, 3, at)
+    return (down * n_y + right * n_x) ** 2 <= _ALONG * (n_y**2 + n_x**2)
+
+
+@compiled
+def _list_near(
+    cells: Cells, present: Mask, y: float, x: float, distance: float, near_y: Array, near_x: Array, index: Index
+) -> int:
+    """List the particles around a position; return how many they are, or one less than fit in if they are more."""
+    length = 0
+    top, bottom, left, right = cells_around(cells, y, x, distance)
+    for row in range(top, bottom + 1):
+        first, last = row_of_cells(cells, row, left, right)
+        for k in range(first, last):
+            near_y[length], near_x[length], index[length] = cells.y[k], cells.x[k], cells.order[k]
+            # what does not count is overwritten by the next one, which is cheaper than a branch
+            counts = ((cells.y[k] - y) ** 2 + (cells.x[k] - x) ** 2 < distance**2) & present[k]
+            length += counts & (length < len(near_y) - 1)
+    return length
+
+
+@compiled
+def _crowd(near_y: Array, near_x: Array, length: int, y: float, x: float, room: float, d_min: float) -> int:
+    """Number of particles around a position; more than any number if one is nearer than `room`."""
+    crowd = 0
+    for n in range(length):
+        squared = (near_y[n] - y) ** 2 + (near_x[n] - x) ** 2
+        crowd += 1 if squared < (CROWD_RANGE * d_min) ** 2 else 0
+        crowd += _FULL if squared < room * room else 0
+    return crowd
+
+
+@compiled
+def _relax(packed: Single, faintest: float, farthest: float, y: float, x: float) -> tuple[bool, float, float]:
+    """Let a position slide along the Lorentz force; return whether it ends on an edge within reach, and where."""
+    start_y, start_x = y, x
+    for slide in range(_SLIDES + 1):
+        if not (0.0 <= y <= packed.shape[0] - 1.0 and 0.0 <= x <= packed.shape[1] - 1.0):
+            break
+        if (y - start_y) ** 2 + (x - start_x) ** 2 >= farthest**2:
+            break
+        place = between(packed, y, x)
+        if component(packed, 4, place) < faintest:
+            break
+        f_y, f_x = component(packed, 0, place), component(packed, 1, place)
+        squared = f_y**2 + f_x**2
+        if slide == _SLIDES or squared < _RESTED**2:
+            return squared < _RESTING**2, y, x
+        y += _SLIDE * f_y
+        x += _SLIDE * f_x
+    return False, y, x
+
+
+@compiled
+def _occupy(cells: Cells, offers: _Offers, d_min: float, position: Array, parents: Index) -> int:
+    """Insert particles at the offered positions, in order, if they keep their distance from one another."""
+    newest = np.full(cells.rows * cells.cols, -1, np.int64)
+    earlier = np.empty(len(position), np.int64)
+    born = 0
+    for i in range(len(offers.number)):
+        for n in range(offers.number[i]):
+            y, x = offers.place[i, n, 0], offers.place[i, n, 1]
+            row, col = cell_of(y, cells.size, cells.rows), cell_of(x, cells.size, cells.cols)
+            about = offers.crowd[i, n]
+            for r in range(max(row - 1, 0), min(row + 2, cells.rows)):
+                for c in range(max(col - 1, 0), min(col + 2, cells.cols)):
+                    j = newest[r * cells.cols + c]
+                    while j >= 0:
+                        squared = (position[j, 0] - y) ** 2 + (position[j, 1] - x) ** 2
+                        about += 1 if squared < (CROWD_RANGE * d_min) ** 2 else 0
+                        about += _FULL if squared < offers.room[i, n] ** 2 else 0
+                        j = earlier[j]
+            if about <= CROWD:
+                position[born, 0], position[born, 1] = y, x
+                parents[born, 0], parents[born, 1] = i, offers.other[i, n]
+                earlier[born] = newest[row * cells.cols + col]
+                newest[row * cells.cols + col] = born
+                born += 1
+    return born

@@ -1,0 +1,138 @@
+"""Enclosed regions of which the particles at rest have found one boundary but not the others.
+
+A start inside a ring finds the hole or the outline, whichever attracts more strongly, and while repulsion is weaker
+than the attraction of edges (w1 < w2) no particle crosses to the other one. A region between edges that does not reach
+the image border is the inside of an object. Once one of its boundaries has been reached, the others belong to the same
+object, and particles are reseeded beside them. Regions at the image border, and those that a barrier crosses, depend on
+the seeds alone.
+"""
+
+from __future__ import annotations
+
+from typing import cast
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from cpm_core.field.interpolation import interpolate
+from cpm_core.field.scale_field import ScaleField
+from cpm_core.model.plane.births import deletion
+from cpm_core.numerics.types import Array
+
+Labels = NDArray[np.int64]
+
+RESEEDINGS = 3
+"""Greatest number of reseedings until parameters are changed."""
+
+_AT_BARRIER = 1.0
+"""Distance to a barrier under which it crosses a pixel [px]."""
+
+_LEAST_AREA = 16
+"""Least area of a region [px²]."""
+
+_REACH, _REACH_SMOOTHING = 3.0, 2.0
+"""Greatest distance from a region's rim to the ridge of the edge around it: a length [px] plus a multiple of sigma."""
+
+_COVERED = 0.5
+"""Fraction of a boundary that must have particles beside it to count as reached."""
+
+_LEAST_STRETCH = 8
+"""Least length of a stretch without particles that is reseeded [px]: boundaries a few pixels apart share their rim, and
+only one of them may be missing."""
+
+_NEIGHBORS = 8
+"""Number of nearest particles that are examined for a pixel of a rim."""
+
+_STRIDE = 6.0
+"""Distance between reseeded particles [px]."""
+
+
+def reseeding_places(scale_field: ScaleField, positions: Array) -> Array:
+    """Positions, shape (M, 2), beside the boundaries of enclosed regions that have been reached only elsewhere [px].
+
+    `positions`, shape (N, 2), are those of the particles on an edge [px of the scale].
+    """
+    none = np.zeros((0, 2))
+    if not len(positions):
+        return none
+    blocked = np.zeros(scale_field.shape, bool)
+    if len(scale_field.barrier_map.segments):
+        blocked = scale_field.barrier_map.clearance < _AT_BARRIER
+    regions = _enclosed(scale_field.edge_map < scale_field.floor, blocked)
+    rims, region_of = _rims(regions)
+    if not len(region_of):
+        return none
+    place = np.argwhere(rims > 0)
+    number = rims[rims > 0]
+    reach = _REACH + _REACH_SMOOTHING * scale_field.smoothing
+    near = _has_near(scale_field, place, positions, reach)
+    size = np.bincount(number, minlength=len(region_of))
+    covered = np.bincount(number, weights=near, minlength=len(region_of)) / np.maximum(size, 1)
+    known = np.zeros(region_of.max() + 1, bool)
+    known[region_of[covered >= _COVERED]] = True
+    missing = ~near & known[region_of][number]
+    places: Array = place[missing & (_stretch(place, missing, scale_field.shape) >= _LEAST_STRETCH)].astype(float)
+    return places[deletion(places, np.zeros(len(places)), scale_field.shape, 2.0 * _STRIDE)]
+
+
+def _has_near(scale_field: ScaleField, place: NDArray[np.int64], positions: Array, reach: float) -> NDArray[np.bool_]:
+    """Which pixels of a rim, shape (N, 2), have a particle near them on the same side of an edge, shape (N,).
+
+    Of two edges close to each other one rises where the other falls.
+    """
+    uphill = scale_field.gradient[(slice(None), *place.T)].T
+    known = interpolate(scale_field.gradient, positions)
+    nearest = np.arange(1, min(_NEIGHBORS, len(positions)) + 1)
+    distance, index = scipy.spatial.cKDTree(positions).query(place, k=nearest, distance_upper_bound=reach)
+    found = np.isfinite(distance)
+    along = np.einsum("ni,nki->nk", uphill, known[np.where(found, index, 0)])
+    return np.asarray((found & (along > 0.0)).any(axis=1))
+
+
+def _stretch(place: NDArray[np.int64], chosen: NDArray[np.bool_], shape: tuple[int, ...]) -> NDArray[np.int64]:
+    """Size of the connected stretch of chosen pixels that each pixel belongs to; 0 for pixels that are not chosen."""
+    mask = np.zeros(shape, bool)
+    mask[tuple(place[chosen].T)] = True
+    labels, _ = scipy.ndimage.label(mask, structure=np.ones((3, 3), bool))
+    size = np.bincount(labels.ravel())
+    size[0] = 0
+    return np.asarray(size[labels[tuple(place.T)]])
+
+
+def _enclosed(free: NDArray[np.bool_], blocked: NDArray[np.bool_]) -> Labels:
+    """Number the regions between edges that touch neither the image border nor a barrier."""
+    labels, count = scipy.ndimage.label(free)
+    outside = np.unique(np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1], labels[blocked]]))
+    small = np.flatnonzero(np.bincount(labels.ravel(), minlength=count + 1) < _LEAST_AREA)
+    dropped = np.zeros(count + 1, bool)
+    dropped[outside], dropped[small], dropped[0] = True, True, True
+    return np.where(dropped[labels], 0, labels).astype(np.int64)
+
+
+def _rims(regions: Labels) -> tuple[Labels, Labels]:
+    """Number the rims of the regions: each closed curve of pixels around or inside one has its own number.
+
+    Returns
+    -------
+    rims : ndarray of int64
+        Number of the rim that each pixel lies on, 0 for none.
+    region_of : ndarray of int64
+        Region of each rim; entry 0 is unused.
+    """
+    eight = np.ones((3, 3), bool)
+    beside = np.where(regions > 0, 0, scipy.ndimage.maximum_filter(regions, size=3, mode="nearest"))
+    rims = np.zeros_like(regions)
+    region_of = [np.zeros(1, np.int64)]
+    count = 0
+    windows = cast("list[tuple[slice, ...] | None]", scipy.ndimage.find_objects(beside))
+    for number, window in enumerate(windows, start=1):
+        if window is None:  # all pixels beside the region belong to other regions
+            continue
+        labels, found = scipy.ndimage.label(beside[window] == number, structure=eight)
+        part = rims[window]
+        part[labels > 0] = labels[labels > 0] + count
+        region_of.append(np.full(found, number))
+        count += found
+    every = np.concatenate(region_of)
+    return rims, every if count else every[:0]

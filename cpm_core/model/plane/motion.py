@@ -1,0 +1,374 @@
+"""The motion of all particles of the plane in one time step: the laws of `equations`, applied in one compiled loop.
+
+A step skips a particle that is at rest where no cell has been newly covered for long: nothing that could move it
+changes, until cells near it are newly covered or an intervention reactivates the run. A particle whose step would cross
+a barrier slides along it, or stays where it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import lru_cache, partial
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.field.interpolation import between, component
+from cpm_core.field.scale_field import GATE, ScaleField
+from cpm_core.image.barriers import BarrierMap, crosses
+from cpm_core.model.coverage import cell_of
+from cpm_core.model.equations import (
+    FADED,
+    LATEST,
+    Moved,
+    advance,
+    coulomb_scale,
+    damped_series,
+    damping,
+    is_stuck,
+    repulsion_left,
+)
+from cpm_core.model.plane.repulsion import (
+    LANES,
+    NO_MESH,
+    Cells,
+    build_cells,
+    gather,
+    mesh_force,
+    mesh_force_at,
+    nodes,
+    pair_sum,
+    two_nearest,
+    two_nearest_of_many,
+)
+from cpm_core.model.state import MEMORY, MESH_EVERY, MeshForce, Particles, State
+from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.parallel import share
+from cpm_core.numerics.segments import meet, side
+from cpm_core.numerics.types import Array, Index, Mask, Single
+from cpm_core.parameters import Parameters
+
+
+@compiled
+def is_on_edge(squared: float, strength: float, floor: float) -> bool:
+    """Whether a particle is on an edge: the Lorentz force is weak, and the edge strength at least `floor`.
+
+    `squared` is the squared length of the interpolated Lorentz force, which is of unit size away from edges and below
+    the gate on an edge.
+    """
+    return squared < GATE**2 and strength >= floor
+
+
+def contact_at(positions: Array, scale_field: ScaleField) -> tuple[Array, Mask]:
+    """Edge strength at particles, shape (N, 2), and which of them are on an edge."""
+    strength, on_edge = np.empty(len(positions)), np.empty(len(positions), np.bool_)
+    _contact_at(scale_field.packed, scale_field.floor, positions, strength, on_edge)
+    return strength, on_edge
+
+
+@compiled
+def _contact_at(packed: Single, floor: float, position: Array, strength: Array, on_edge: Mask) -> None:
+    for i in range(len(position)):
+        strength[i], on_edge[i] = on_edge_at(packed, position[i, 0], position[i, 1], floor)
+
+
+@compiled
+def on_edge_at(packed: Single, y: float, x: float, floor: float) -> tuple[float, bool]:
+    """Edge strength at a position, and whether a particle there is on an edge."""
+    place = between(packed, y, x)
+    f_y, f_x, strength = component(packed, 0, place), component(packed, 1, place), component(packed, 4, place)
+    return strength, is_on_edge(f_y**2 + f_x**2, strength, floor)
+
+
+REACH = 2.0
+"""Reach of the pairs where a mesh carries the rest, in d_min + d_max."""
+
+NEIGHBOR_RANGE = 8.0
+"""Largest distance at which the two nearest neighbors are searched, in d_min + d_max."""
+
+REST_SPEED = 5e-4
+"""Speed under which a particle is at rest where no cell has been newly covered for long [px / unit of time]."""
+
+
+class Law(NamedTuple):
+    """The parameters of motion: weights of eq. (12), spacing, time step, and `NEIGHBOR_RANGE` in px."""
+
+    w1: float
+    w2: float
+    d_min: float
+    dt: float
+    neighbor_range: float
+
+
+@lru_cache(maxsize=8)
+def damped_motion(beta: float, dt: float) -> Array:
+    """Series of the damped motion by the steps without newly covered cells; the last row is for all later ones.
+
+    This is the damping ``-beta v`` of eq. (12), integrated in closed form; ``beta = 0`` gives eq. (14).
+    """
+    return np.array([damped_series(damping(beta, idle) * dt) for idle in range(LATEST + 1)])
+
+
+def is_at_rest(particles: Particles, idle: Index) -> Mask:
+    """Which particles the next step skips, shape (N,)."""
+    slow = np.einsum("ni,ni->n", particles.velocity, particles.velocity) < REST_SPEED**2
+    return np.asarray(slow & (idle >= FADED) & ~particles.young)
+
+
+Four = tuple[float, float, float, float]
+
+_PAIRS_A_NODE = 28
+"""Pairs that are summed in the time of one node of the padded mesh, divided by the steps for which the mesh is used."""
+
+_WORTH_A_THREAD = 400
+"""Particles from which a second thread makes the step faster."""
+
+_FEW = 8
+"""Particles up to which it is faster to compute the force on each of them than on all."""
+
+
+def mesh_force_for(particles: Particles, idle: Index, scale_field: ScaleField, parameters: Parameters) -> MeshForce:
+    """Mesh of a step, or none where summing all pairs is faster or the repulsion has faded for all particles.
+
+    `idle`, shape (N,), are the steps since cells around each particle were newly covered.
+    """
+    reach = REACH * (parameters.d_min + parameters.d_max)
+    repelled = np.count_nonzero(idle < FADED)
+    if repelled * len(particles) < _PAIRS_A_NODE * nodes(scale_field.shape, reach):
+        return NO_MESH
+    return mesh_force(particles.position, scale_field.shape, reach)
+
+
+def mesh_force_of(state: State, idle: Index, scale_field: ScaleField, parameters: Parameters) -> MeshForce:
+    """Mesh of the step after a state: the present one, or a new one every `MESH_EVERY` steps."""
+    if state.step_of_scale % MESH_EVERY == 0 or state.mesh is None:
+        return mesh_force_for(state.particles, idle, scale_field, parameters)
+    return state.mesh
+
+
+def move(particles: Particles, idle: Index, mesh: MeshForce, scale_field: ScaleField, parameters: Parameters) -> Moved:
+    """One time step of all particles.
+
+    `idle`, shape (N,), are the steps since cells around each were newly covered, `mesh` is the smooth part of the
+    Coulomb force. The parameters act at once.
+    """
+    cells = _cells(particles, mesh, scale_field.shape)
+    moved, work = _prepared(particles, cells, idle, mesh, scale_field.packed, scale_field.floor, parameters)
+    share(work, len(particles), _WORTH_A_THREAD)
+    return moved
+
+
+def undamped_force(
+    particles: Particles,
+    index: Index,
+    idle: Index,
+    mesh: MeshForce,
+    packed: Single,
+    shape: tuple[int, ...],
+    parameters: Parameters,
+) -> Array:
+    """Force of eq. (12) on some particles without the damping, reduced by friction, shape (M, 2).
+
+    `index`, shape (M,), selects from the particles; `idle`, shape (N,), are the steps since cells around each were
+    newly covered; `packed`, shape (H, W, 5), is the packed force field of an image of this shape. The result for a
+    particle at rest is the force of its last step.
+    """
+    cells = _cells(particles, mesh, shape)
+    moved, work = _prepared(particles, cells, idle, mesh, packed, np.inf, parameters)
+    if len(index) > _FEW:
+        share(work, len(particles), _WORTH_A_THREAD)
+    else:
+        rank = np.empty(len(particles), np.int64)
+        rank[cells.order] = np.arange(len(particles))
+        for k in rank[index].tolist():
+            work(k, k + 1)
+    return moved.particles.force.take(index, axis=0)[:, 0]
+
+
+def _cells(particles: Particles, mesh: MeshForce, shape: tuple[int, ...]) -> Cells:
+    """Particles on an image of this shape, sorted by the reach of their pairs."""
+    size = mesh.reach if np.isfinite(mesh.reach) else float(max(shape) + 1)
+    return build_cells(particles.position, shape, size)
+
+
+def _prepared(
+    particles: Particles,
+    cells: Cells,
+    idle: Index,
+    mesh: MeshForce,
+    packed: Single,
+    floor: float,
+    parameters: Parameters,
+) -> tuple[Moved, Callable[[int, int], object]]:
+    """Arrays for the result of a step, and the function that computes it for some of the sorted particles."""
+    law = Law(
+        w1=parameters.w1,
+        w2=parameters.w2,
+        d_min=parameters.d_min,
+        dt=parameters.time_step,
+        neighbor_range=NEIGHBOR_RANGE * (parameters.d_min + parameters.d_max),
+    )
+    damped = damped_motion(parameters.beta, parameters.time_step)
+    moved = Moved.unset(particles)
+    before, after = (particles.velocity, particles.force, particles.distance), moved.particles
+    motion = (after.position, after.velocity, after.force, after.distance, moved.motion)
+    contact = (moved.strength, moved.on_edge)
+    return moved, partial(_move, cells, packed, idle, mesh, damped, law, before, motion, contact, floor)
+
+
+@compiled
+def _move(
+    cells: Cells,
+    packed: Single,
+    idle: Index,
+    mesh: MeshForce,
+    damped: Array,
+    law: Law,
+    before: tuple[Array, Array, Array],
+    after: tuple[Array, Array, Array, Array, Array],
+    contact: tuple[Array, Mask],
+    floor: float,
+    first: int,
+    last: int,
+) -> None:
+    """Move some of the sorted particles.
+
+    One function, although long: with the Coulomb force in a function of its own, compiled or inlined, it takes 40 %
+    longer.
+    """
+    velocity, force, distance = before
+    to_position, to_velocity, to_force, to_distance, motion = after
+    strength, on_edge = contact
+    smooth, softening = mesh.force, mesh.softening  # taking an array out of a tuple is too slow for every particle
+    room = len(cells.order) + LANES
+    near_y, near_x, squared = np.empty(room, np.float32), np.empty(room, np.float32), np.empty(room, np.float32)
+    bits, reach = squared.view(np.int32), np.float32(mesh.reach)
+    listed, length, own = -1, 0, 0
+    for k in range(first, last):
+        i, y, x = cells.order[k], cells.y[k], cells.x[k]
+        left = repulsion_left(idle[i])
+        v_y, v_x = velocity[i, 0], velocity[i, 1]
+        for t in range(MEMORY - 1):
+            to_distance[i, t + 1] = distance[i, t]
+        to_y, to_x = y, x
+        history = (force[i, 0, 0], force[i, 0, 1], force[i, 1, 0], force[i, 1, 1])
+        if left == 0.0 and v_y**2 + v_x**2 < REST_SPEED**2 and not np.isnan(distance[i, MEMORY - 1]):
+            v_y, v_x = 0.0, 0.0
+        else:
+            c_y, c_x = 0.0, 0.0
+            if left > 0.0:
+                row, col = cell_of(y, cells.size, cells.rows), cell_of(x, cells.size, cells.cols)
+                if row * cells.cols + col != listed:
+                    listed = row * cells.cols + col
+                    length, own = gather(cells, row, col, near_y, near_x)
+                # from the list: with a difference that is rounded in another way, a particle would act on itself
+                here_y, here_x = near_y[own + k], near_x[own + k]
+                c_y, c_x = pair_sum(near_y, near_x, squared, length, here_y, here_x, reach, softening)
+                if len(smooth):
+                    far_y, far_x = mesh_force_at(
+                        smooth, (y - mesh.first[0]) / mesh.pitch, (x - mesh.first[1]) / mesh.pitch
+                    )
+                    c_y, c_x = c_y + far_y, c_x + far_x
+                one, other = two_nearest(squared, bits, length)
+                if other > cells.size**2:  # a particle outside the list may be nearer
+                    one, other = two_nearest_of_many(cells, y, x, law.neighbor_range)
+                spacing = 0.5 * (min(np.sqrt(one), law.neighbor_range) + min(np.sqrt(other), law.neighbor_range))
+                scale = coulomb_scale(np.sqrt(c_y**2 + c_x**2), spacing, law.d_min)
+                c_y, c_x = c_y * scale, c_x * scale
+                c_y, c_x = left * c_y, left * c_x
+            late = min(idle[i], len(damped) - 1)
+            series = (damped[late, 0], damped[late, 1], damped[late, 2], damped[late, 3])
+            to_y, to_x, v_y, v_x, history = _step(packed, law, idle[i], series, y, x, v_y, v_x, c_y, c_x, history)
+        to_position[i, 0], to_position[i, 1], to_velocity[i, 0], to_velocity[i, 1] = to_y, to_x, v_y, v_x
+        to_force[i, 0, 0], to_force[i, 0, 1], to_force[i, 1, 0], to_force[i, 1, 1] = history
+        to_distance[i, 0] = np.sqrt(to_y**2 + to_x**2)
+        motion[i] = np.sqrt((to_y - y) ** 2 + (to_x - x) ** 2)
+        strength[i], on_edge[i] = on_edge_at(packed, to_y, to_x, floor)
+
+
+@compiled
+def _step(
+    packed: Single,
+    law: Law,
+    idle: int,
+    series: Four,
+    y: float,
+    x: float,
+    v_y: float,
+    v_x: float,
+    c_y: float,
+    c_x: float,
+    history: Four,
+) -> tuple[float, float, float, float, Four]:
+    """Total force of eq. (12) on a particle under the Coulomb force c, and the step of eq. (14)-(15)."""
+    last_y, last_x, old_y, old_x = history
+    place = between(packed, y, x)
+    l_y, l_x = component(packed, 0, place), component(packed, 1, place)
+    f_y, f_x = law.w1 * c_y + law.w2 * l_y, law.w1 * c_x + law.w2 * l_x
+    if l_y**2 + l_x**2 < GATE**2:
+        n_y, n_x = component(packed, 2, place), component(packed, 3, place)
+        size = max(np.sqrt(n_y**2 + n_x**2), 1e-30)
+        n_y, n_x = n_y / size, n_x / size
+        if is_stuck(_along(f_y, f_x, n_y, n_x), _along(v_y, v_x, n_y, n_x), law.w1, idle):
+            f_y, f_x = _across(f_y, f_x, n_y, n_x)
+            v_y, v_x = _across(v_y, v_x, n_y, n_x)
+            last_y, last_x = _across(last_y, last_x, n_y, n_x)
+            old_y, old_x = _across(old_y, old_x, n_y, n_x)
+    to_y, v_y = advance(y, v_y, f_y, last_y, old_y, law.dt, series)
+    to_x, v_x = advance(x, v_x, f_x, last_x, old_x, law.dt, series)
+    return to_y, to_x, v_y, v_x, (f_y, f_x, last_y, last_x)
+
+
+@compiled
+def _across(a_y: float, a_x: float, n_y: float, n_x: float) -> tuple[float, float]:
+    """Part of a vector along the unit vector n, the normal of an edge: the part across the edge."""
+    size = a_y * n_y + a_x * n_x
+    return size * n_y, size * n_x
+
+
+@compiled
+def _along(a_y: float, a_x: float, n_y: float, n_x: float) -> float:
+    """Size of the part that `_across` removes from a vector; the whole vector where there is no normal."""
+    b_y, b_x = _across(a_y, a_x, n_y, n_x)
+    return float(np.sqrt((a_y - b_y) ** 2 + (a_x - b_x) ** 2))
+
+
+def held_back(barrier_map: BarrierMap, before: Particles, after: Particles) -> Particles:
+    """Particles after a step, held back where they cross a barrier or the boundary of a region of interest.
+
+    Such a particle keeps the part of its step and of its velocity that is along the barrier, if this part crosses no
+    other barrier; otherwise it stays where it was before, at rest.
+    """
+    blocked = barrier_map.crossed(before.position, after.position)
+    if not blocked.any():
+        return after
+    position, velocity = after.position.copy(), after.velocity.copy()
+    _hold(barrier_map, np.flatnonzero(blocked), before.position, position, velocity)
+    return replace(after, position=position, velocity=velocity)
+
+
+@compiled
+def _hold(barrier_map: BarrierMap, blocked: NDArray[np.int64], before: Array, position: Array, velocity: Array) -> None:
+    """Let blocked particles slide along the barrier, in place."""
+    for n in range(len(blocked)):
+        i = blocked[n]
+        first, barrier = np.inf, -1
+        for s in range(len(barrier_map.segments)):
+            if meet(barrier_map.segments[s], before[i], position[i]):
+                here = side(barrier_map.segments[s, :2], barrier_map.segments[s, 2:], before[i])
+                there = side(barrier_map.segments[s, :2], barrier_map.segments[s, 2:], position[i])
+                way = here / (here - there) if here != there else 0.0
+                if way < first:
+                    first, barrier = way, s
+        row = barrier_map.segments[barrier, 2] - barrier_map.segments[barrier, 0]
+        col = barrier_map.segments[barrier, 3] - barrier_map.segments[barrier, 1]
+        squared = row**2 + col**2
+        slide = ((position[i, 0] - before[i, 0]) * row + (position[i, 1] - before[i, 1]) * col) / squared
+        speed = (velocity[i, 0] * row + velocity[i, 1] * col) / squared
+        position[i, 0], position[i, 1] = before[i, 0] + row * slide, before[i, 1] + col * slide
+        velocity[i, 0], velocity[i, 1] = row * speed, col * speed
+        if crosses(barrier_map, before[i], position[i]):
+            position[i, 0], position[i, 1] = before[i, 0], before[i, 1]
+            velocity[i, 0], velocity[i, 1] = 0.0, 0.0

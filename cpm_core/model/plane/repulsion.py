@@ -1,0 +1,311 @@
+"""The Coulomb force of eq. (9) in a run in the plane: near pairs, and a mesh for the rest.
+
+Particles are sorted into cells. Up to a reach ``R`` the inverse square is softened to the polynomial ``r (35/8 - 21/4 u
++ 15/8 u^2) / R^3`` with ``u = (r/R)^2``, which joins it at ``R`` with its first two derivatives. What the polynomial
+leaves out is summed over the pairs nearer than ``R`` at every step, in single precision over a list of the particles in
+the cells around one, relative to that cell. The rest is smooth in space and slow in time: a mesh of pitch ``R / 2``
+carries it (quadratic splines, deconvolved, one zero-padded convolution in single precision), and it is computed only
+every few steps.
+
+At a reach of 10 px the error of the mesh is about 0.004 on curves and 0.01 to 0.02 in crowds, where the force between
+two particles 2 px apart is 0.25; the age of the mesh adds 0.03 for 95 of 100 particles. Friction holds particles at
+rest against more than that, and contours do not depend on it. `coulomb_force` keeps any tolerance, by another sum: a
+mesh is uniform, and particles may be clustered.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from cpm_core.model.coverage import cell_of, cells_at, sorted_by
+from cpm_core.model.state import MeshForce
+from cpm_core.numerics.jit import compiled, reordered
+from cpm_core.numerics.types import Array, Index, Single
+
+
+class Cells(NamedTuple):
+    """Particles sorted into square cells; a plain tuple for the compiled loops.
+
+    All particles nearer to a position than the side of a cell lie in its cell and the eight around it, and the
+    particles of a row of cells are contiguous.
+
+    Attributes
+    ----------
+    size : float
+        Side of a cell [px].
+    rows, cols : int
+        Cells along the axes; positions beyond the grid belong to its outermost cells.
+    start : ndarray of int64, shape (rows cols + 1,)
+        Where the particles of each cell begin in the sorted order.
+    order : ndarray of int64, shape (N,)
+        Index of each of the sorted particles.
+    y, x : ndarray, shape (N,)
+        Positions of the sorted particles [px].
+    """
+
+    size: float
+    rows: int
+    cols: int
+    start: Index
+    order: Index
+    y: Array
+    x: Array
+
+
+def build_cells(position: Array, shape: tuple[int, ...], size: float) -> Cells:
+    """Sort the particles `position`, shape (N, 2), on an image of this shape into cells of side `size` [px]."""
+    rows, cols = (int(n / size) + 1 for n in shape)
+    row, col = cells_at(position, size, (rows, cols)).T
+    order, start = sorted_by(row * cols + col, rows * cols)
+    return Cells(size, rows, cols, start, order, *np.ascontiguousarray(position[order].T))
+
+
+@compiled
+def cells_around(cells: Cells, y: float, x: float, distance: float) -> tuple[int, int, int, int]:
+    """First and last row, first and last column of the cells that contain all nearer to a position than a distance."""
+    return (
+        cell_of(y - distance, cells.size, cells.rows),
+        cell_of(y + distance, cells.size, cells.rows),
+        cell_of(x - distance, cells.size, cells.cols),
+        cell_of(x + distance, cells.size, cells.cols),
+    )
+
+
+@compiled
+def row_of_cells(cells: Cells, row: int, left: int, right: int) -> tuple[int, int]:
+    """First of the sorted particles in a row of cells from column `left` to `right`, and the one behind the last."""
+    return cells.start[row * cells.cols + left], cells.start[row * cells.cols + right + 1]
+
+
+Bits = NDArray[np.int32]
+
+LANES = 16
+"""Lists are filled up to a multiple of it, so that their sums use vector registers to the end."""
+
+FILLER = 1e6
+"""Coordinate that fills up a list [px]; its force is next to nothing, and its cube is still a number."""
+
+SAME_SPOT = 1e-10
+"""Squared distance below which two particles are at the same position: a bound instead of a branch keeps the loop on
+vector registers, and such a pair adds its vanishing distance, which is nothing."""
+
+NEAREST = 0.1
+"""Least distance of two particles in their energy [px], which thus stays finite."""
+
+_INFINITE = np.float32(np.inf).view(np.int32)
+"""Bits of infinity."""
+
+
+@compiled
+def two_nearest(squared: Single, bits: Bits, length: int) -> tuple[float, float]:
+    """Least two of some squared distances, other than zero; `bits` views the same memory, which is overwritten.
+
+    The bits of positive numbers have the order of the numbers, and integers are compared many at once.
+    """
+    first = _INFINITE
+    for j in range(length):
+        here = bits[j]
+        here = here if here > 0 else _INFINITE
+        first = here if here < first else first
+    second, ties = _INFINITE, 0
+    for j in range(length):
+        here = bits[j]
+        ties += 1 if here == first else 0
+        here = here if here > first else _INFINITE
+        second = here if here < second else second
+    bits[0], bits[1] = first, first if ties > 1 else second
+    return squared[0], squared[1]
+
+
+@compiled
+def gather(cells: Cells, row: int, col: int, near_y: Single, near_x: Single) -> tuple[int, int]:
+    """List the particles in a cell and around it, relative to the corner of the cell.
+
+    Return how many they are, filled up to lanes, and the offset of the particles of the cell from their sorted order.
+    """
+    origin_y, origin_x = row * cells.size, col * cells.size
+    length, own = 0, 0
+    top, bottom, left, right = cells_around(cells, origin_y, origin_x, cells.size)
+    for r in range(top, bottom + 1):
+        first, last = row_of_cells(cells, r, left, right)
+        own = length - first if r == row else own
+        for k in range(first, last):
+            near_y[length] = cells.y[k] - origin_y
+            near_x[length] = cells.x[k] - origin_x
+            length += 1
+    while length % LANES:
+        near_y[length] = near_x[length] = FILLER
+        length += 1
+    return length, own
+
+
+@reordered
+def pair_sum(
+    near_y: Single,
+    near_x: Single,
+    squares: Single,
+    length: int,
+    y: np.float32,
+    x: np.float32,
+    reach: np.float32,
+    softening: Single,
+) -> tuple[float, float]:
+    """Sum what the mesh leaves out of eq. (9), in single precision, and keep the squared distances."""
+    one, nothing, tiny = np.float32(1.0), np.float32(0.0), np.float32(SAME_SPOT)
+    f_y, f_x, a, b, c = nothing, nothing, softening[0], softening[1], softening[2]
+    for j in range(length):
+        d_y, d_x = y - near_y[j], x - near_x[j]
+        squared = d_y * d_y + d_x * d_x
+        squares[j] = squared
+        bounded = max(squared, tiny)
+        weight = one / (bounded * np.sqrt(bounded)) - (a + squared * (b + squared * c))
+        weight = weight if squared < reach * reach else nothing
+        f_y += weight * d_y
+        f_x += weight * d_x
+    return float(f_y), float(f_x)
+
+
+@compiled
+def two_nearest_of_many(cells: Cells, y: float, x: float, farthest: float) -> tuple[float, float]:
+    """Squared distances of the two nearest particles, of those up to a distance at least; infinite for none."""
+    first, second = np.inf, np.inf
+    top, bottom, left, right = cells_around(cells, y, x, farthest)
+    for row in range(top, bottom + 1):
+        start, end = row_of_cells(cells, row, left, right)
+        for k in range(start, end):
+            squared = (cells.y[k] - y) ** 2 + (cells.x[k] - x) ** 2
+            if 0.0 < squared < first:
+                first, second = squared, first
+            elif 0.0 < squared < second:
+                second = squared
+    return first, second
+
+
+@compiled
+def pair_energy(cells: Cells, reach: float) -> float:
+    """Sum of ``1/r - 1/R`` over the pairs nearer than R."""
+    total = 0.0
+    for k in range(len(cells.y)):
+        y, x = cells.y[k], cells.x[k]
+        top, bottom, left, right = cells_around(cells, y, x, reach)
+        for row in range(top, bottom + 1):
+            first, last = row_of_cells(cells, row, left, right)
+            for j in range(max(first, k + 1), last):
+                squared = (cells.y[j] - y) ** 2 + (cells.x[j] - x) ** 2
+                if squared < reach**2:
+                    total += 1.0 / max(np.sqrt(squared), NEAREST) - 1.0 / reach
+    return total
+
+
+PITCH = 0.5
+"""Pitch of the mesh, in reaches."""
+
+_MARGIN = 4
+"""Nodes along an axis beyond those that the image needs: splines reach one node further to each side."""
+
+
+def mesh_shape(shape: tuple[int, ...], reach: float) -> tuple[int, ...]:
+    """Nodes along each axis of the mesh over an image of this shape."""
+    return tuple(int(np.ceil(n / (PITCH * reach))) + _MARGIN for n in shape)
+
+
+def nodes(shape: tuple[int, ...], reach: float) -> int:
+    """Nodes of the padded mesh for an image of this shape: its cost is proportional to them."""
+    return int(2 ** len(shape) * np.prod(mesh_shape(shape, reach)))
+
+
+def softening(reach: float) -> Single:
+    """Coefficients of the polynomial that replaces the inverse square up to R."""
+    return np.array([35 / 8 / reach**3, -21 / 4 / reach**5, 15 / 8 / reach**7], np.float32)
+
+
+def convolved(charge: Single, reach: float) -> Single:
+    r"""Smooth part of the force of charges on the nodes of a mesh, shape (\*nodes), shape (\*nodes, D)."""
+    padded, kernels = _spectra(charge.shape, reach)
+    axes = tuple(range(1, charge.ndim + 1))
+    spectrum = scipy.fft.rfftn(charge, padded) * np.complex64(1j)
+    smooth = scipy.fft.irfftn(spectrum * kernels, padded, axes)
+    return np.ascontiguousarray(np.moveaxis(smooth[(slice(None), *map(slice, charge.shape))], 0, -1))
+
+
+@lru_cache(maxsize=8)
+def _spectra(mesh: tuple[int, ...], reach: float) -> tuple[tuple[int, ...], Single]:
+    """Shape of the padded mesh, and the transforms of the components of the softened inverse square on it, over i."""
+    padded = tuple(scipy.fft.next_fast_len(2 * n - 1, True) for n in mesh)
+    offsets = np.meshgrid(*(PITCH * reach * size * np.fft.fftfreq(size) for size in padded), indexing="ij")
+    squared = sum(offset * offset for offset in offsets)
+    a, b, c = softening(reach)
+    beyond = np.maximum(squared, reach**2)
+    soft = np.where(squared < reach**2, a + squared * (b + squared * c), 1.0 / (beyond * np.sqrt(beyond)))
+    smoothing = np.ones(())
+    for axis, size in enumerate(padded):
+        if size % 2 == 0:  # farther than any two nodes; without it each component is odd, its transform imaginary
+            np.moveaxis(soft, axis, 0)[size // 2] = 0.0
+        frequency = np.fft.rfftfreq(size) if axis == len(padded) - 1 else np.fft.fftfreq(size)
+        smoothing = np.multiply.outer(smoothing, np.sinc(frequency) ** 3)
+    axes = tuple(range(1, len(padded) + 1))
+    spectra = scipy.fft.rfftn(np.stack([soft * offset for offset in offsets]), axes=axes).imag
+    return padded, (spectra / (smoothing * smoothing)).astype(np.float32)
+
+
+@compiled
+def spline(place: float) -> tuple[int, float, float, float]:
+    """Node before the one nearest to a position, in units of the pitch, and weights of it and of the next two."""
+    node = int(place + 0.5)
+    beyond = place - node
+    return node - 1, 0.5 * (0.5 - beyond) ** 2, 0.75 - beyond**2, 0.5 * (0.5 + beyond) ** 2
+
+
+NO_MESH = MeshForce(np.zeros((0, 0, 2), np.float32), (0.0, 0.0), 1.0, np.inf, np.zeros(3, np.float32))
+"""No mesh: the whole force is summed over pairs."""
+
+
+def mesh_force(position: Array, shape: tuple[int, ...], reach: float) -> MeshForce:
+    """Smooth part of the Coulomb force of all particles, shape (N, 2) [px], on the nodes of a mesh over an image.
+
+    `reach` is the distance R up to which pairs add what the mesh leaves out [px].
+    """
+    rows, cols = mesh_shape(shape, reach)
+    pitch = PITCH * reach
+    # centered, so that a mirrored image has a mirrored mesh
+    top, left = (0.5 * (n - 1) - 0.5 * pitch * (m - 1) for n, m in zip(shape, (rows, cols), strict=True))
+    charge = np.zeros((rows, cols), np.float32)
+    _spread_charges(position, top, left, 1.0 / pitch, charge)
+    return MeshForce(convolved(charge, reach), (top, left), pitch, reach, softening(reach))
+
+
+@compiled
+def mesh_force_at(force: Single, down: float, right: float) -> tuple[float, float]:
+    """Smooth part of the Coulomb force at a position between the nodes of a mesh, in units of the pitch."""
+    row, a, b, c = spline(down)
+    col, d, e, f = spline(right)
+    return _mixed(force, row, col, 0, a, b, c, d, e, f), _mixed(force, row, col, 1, a, b, c, d, e, f)
+
+
+@compiled
+def _mixed(
+    force: Single, row: int, col: int, k: int, a: float, b: float, c: float, d: float, e: float, f: float
+) -> float:
+    """Component `k` of the force on nine nodes, weighted."""
+    upper = d * force[row, col, k] + e * force[row, col + 1, k] + f * force[row, col + 2, k]
+    middle = d * force[row + 1, col, k] + e * force[row + 1, col + 1, k] + f * force[row + 1, col + 2, k]
+    lower = d * force[row + 2, col, k] + e * force[row + 2, col + 1, k] + f * force[row + 2, col + 2, k]
+    mixed: float = a * upper + b * middle + c * lower
+    return mixed
+
+
+@compiled
+def _spread_charges(position: Array, top: float, left: float, density: float, charge: Single) -> None:
+    """Spread unit charges over the nodes of a mesh."""
+    for i in range(len(position)):
+        row, a, b, c = spline((position[i, 0] - top) * density)
+        col, d, e, f = spline((position[i, 1] - left) * density)
+        for m, down in ((0, a), (1, b), (2, c)):
+            charge[row + m, col] += down * d
+            charge[row + m, col + 1] += down * e
+            charge[row + m, col + 2] += down * f

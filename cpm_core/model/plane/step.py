@@ -1,0 +1,346 @@
+"""A step of a run in the plane: motion, deletion, insertion and annealing, and how scale and run come to their end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.field.interpolation import interpolate
+from cpm_core.field.placed_charges import at_scale, near_charges, placed_force, placed_potential, radius_at
+from cpm_core.field.scale_field import GATE, ScaleField
+from cpm_core.image.volume_regions import AnyRegions
+from cpm_core.model.coverage import cover, idle_at
+from cpm_core.model.equations import (
+    FADED,
+    IDLE_STEPS,
+    LATEST,
+    QUIET_STEPS,
+    STILL,
+    Moved,
+    damping,
+    epsilon,
+    is_idle,
+    is_quiet,
+)
+from cpm_core.model.interventions import start_scale
+from cpm_core.model.measures import PAIR, Energies, Forces, kinetic_energy
+from cpm_core.model.plane.births import EdgeContact, Search, insertion, search_range, thinned
+from cpm_core.model.plane.enclosed_regions import RESEEDINGS, reseeding_places
+from cpm_core.model.plane.motion import contact_at, held_back, is_at_rest, mesh_force_of, move, undamped_force
+from cpm_core.model.plane.repulsion import build_cells, pair_energy
+from cpm_core.model.starts import inside_image
+from cpm_core.model.state import State
+from cpm_core.numerics.types import Array, Index
+from cpm_core.parameters import Parameters
+
+_UNDER_WAY, _PATIENCE = 0.3, 2
+"""Fraction of the speed that the field alone gives a particle, above which one outside the coverage map counts as
+under way, and the factor by which it then comes to rest more slowly: it may have far to go."""
+
+_TRAVELLING = 0.25
+"""Fraction of the particles that may be under way at the end of a coarser scale."""
+
+_CERTAIN = 1.25
+"""Edge strength, in multiples of the edge floor, that holds particles in any case."""
+
+_LEAST_BETA = 0.1
+"""Damping with which the speed is estimated where there is none."""
+
+_OUTSIDE = -1
+"""Value for the idle steps of a particle outside the coverage map."""
+
+_GATHERING, _GATHERED = 100, 0.02
+"""Steps without new coverage in which particles gather around a charge, and the speed under which one has done so
+earlier [px / unit of time]."""
+
+
+def idle_steps_of(state: State, scale_field: ScaleField, parameters: Parameters) -> Index:
+    """Steps since there was new coverage around each particle, shape (N,), which bring it to rest.
+
+    `state` is the one before the step, and `scale_field` includes the placed charges.
+    """
+    particles = state.particles
+    idle = idle_at(state.coverage, particles.position, state.step_of_scale, _OUTSIDE)
+    away = idle == _OUTSIDE
+    if away.any():
+        under_way = state.idle // _PATIENCE if state.coverage.size else 0  # before the first coverage there is no limit
+        idle[away] = np.where(_is_fast(state.particles.velocity[away], parameters), under_way, state.idle)
+    if state.charges:
+        _let_gather(state, scale_field, idle)
+    return idle
+
+
+def is_travelling(state: State, parameters: Parameters) -> bool:
+    """Whether so many particles are still under way to their first edge that a coarser scale has not done its work.
+
+    A start far from all edges would else be handed on to the finest scale, where noise stops particles that have far
+    to go.
+    """
+    idle = idle_at(state.coverage, state.particles.position, state.step_of_scale, _OUTSIDE)
+    flying = int(np.count_nonzero(_is_fast(state.particles.velocity[idle == _OUTSIDE], parameters)))
+    return flying > _TRAVELLING * state.count
+
+
+def _is_fast(velocity: Array, parameters: Parameters) -> NDArray[np.bool_]:
+    """Which particles of these velocities, shape (N, D), move so fast that the field alone must drive them."""
+    driven = parameters.w2 / max(parameters.beta, _LEAST_BETA)
+    return np.asarray(np.einsum("ni,ni->n", velocity, velocity) > (_UNDER_WAY * driven) ** 2)
+
+
+def _let_gather(state: State, scale_field: ScaleField, idle: Index) -> None:
+    """Keep the repulsion of particles that gather around an attracting charge off the edges, then fix them (in place).
+
+    If the repulsion faded first, they would all move to one position, and all but one would be deleted.
+    """
+    near = np.flatnonzero(_drawn(state))
+    strength, _ = contact_at(state.particles.position[near], scale_field)
+    near = near[strength < scale_field.floor]
+    velocity = state.particles.velocity[near]
+    slow = np.einsum("ni,ni->n", velocity, velocity) < _GATHERED**2
+    gathered = (idle[near] >= _GATHERING) | (slow & (idle[near] >= FADED))
+    idle[near] = np.where(gathered, LATEST, 0)
+
+
+def _drawn(state: State) -> NDArray[np.bool_]:
+    """Which particles are within reach of a charge that attracts them, shape (N,)."""
+    attracting = [charge for charge in state.charges if charge.strength > 0.0]
+    placed = at_scale(attracting, state.scale, state.shape)
+    return near_charges(placed, radius_at(state.scale), state.particles.position)
+
+
+def reseeded(state: State, scale_field: ScaleField) -> State | None:
+    """Reseed beside enclosed boundaries that no particle has reached; None when none is missing.
+
+    There is no reseeding in a run with erased particles, nor where a placed charge is stronger than an edge.
+    """
+    if state.reseedings == RESEEDINGS or state.erased:
+        return None
+    places = reseeding_places(scale_field, without_off_edge(state, scale_field).particles.position)
+    if state.charges:
+        places = places[~_is_cleared(state, scale_field, places)]
+    if not len(places):
+        return None
+    state = without_resting_off_edge(state, scale_field)  # else they would be reactivated in vain
+    return replace(
+        state,
+        particles=state.particles.with_more(places, state.next_identity),
+        next_identity=state.next_identity + len(places),
+        reseedings=state.reseedings + 1,
+        born=state.born + len(places),
+        annealed=1.0,
+        reactivated=state.step_of_scale,
+        idle=0,
+        quiet=0,
+    )
+
+
+def _is_cleared(state: State, scale_field: ScaleField, places: Array) -> NDArray[np.bool_]:
+    """At which pixels, shape (N, 2), the placed charges are stronger than an edge, shape (N,)."""
+    charges, radius = at_scale(state.charges, state.scale, state.shape), radius_at(state.scale)
+    force = placed_force(charges, radius, (0, scale_field.shape[0], 0, scale_field.shape[1]))
+    return np.asarray((force[tuple(places.astype(int).T)] ** 2).sum(axis=1) > GATE**2)
+
+
+def without_resting_off_edge(state: State, scale_field: ScaleField) -> State:
+    """Leave out the particles at rest off the edge, if any particle has found an edge.
+
+    In a hole of one or two pixels no particle has edge contact in the strict sense, but the edge around it is strong.
+    Particles around an attracting charge stay.
+    """
+    position = state.particles.position
+    strength, on_edge = contact_at(position, scale_field)
+    found = on_edge | (strength >= _CERTAIN * scale_field.floor)
+    if not found.any():
+        return state
+    found |= _drawn(state)
+    if found.all():
+        return state
+    return replace(state, particles=state.particles.where(found), deleted=state.deleted + int((~found).sum()))
+
+
+def without_off_edge(state: State, scale_field: ScaleField, and_drawn: bool = False) -> State:
+    """Leave out the particles off the edge, since a finer scale begins with all seeds again.
+
+    Those within reach of an attracting charge can be kept.
+    """
+    _, found = contact_at(state.particles.position, scale_field)
+    if and_drawn:
+        found |= _drawn(state)
+    return replace(state, particles=state.particles.where(found))
+
+
+_FRONT, _SEARCH_EVERY, _AHEAD_EVERY = 20, 4, 8
+"""Steps since newly covered cells up to which a particle belongs to a front and searches at every step; how often
+others search, and how often they search ahead."""
+
+_LATE_EVERY, _FADED_EVERY = 2, 4
+"""How often particles are deleted and inserted once coverage hardly grows, and once no repulsion is left."""
+
+
+def displaced(state: State, idle: Index, scale_field: ScaleField, parameters: Parameters) -> tuple[State, Moved]:
+    """Forces and motion, and removal of particles that leave the image."""
+    particles, step = state.particles, state.step_of_scale
+    mesh = mesh_force_of(state, idle, scale_field, parameters)
+    moved = move(particles, idle, mesh, scale_field, parameters)
+    held = held_back(scale_field.barrier_map, particles, moved.particles)
+    if held is not moved.particles:
+        moved = Moved.held_at(held, particles.position, contact_at(held.position, scale_field))
+    inside = inside_image(held.position, scale_field.shape)
+    left = len(held) - int(np.count_nonzero(inside))
+    if left:
+        moved = moved.where(inside)
+    motion = moved.motion
+    state = replace(
+        state,
+        particles=moved.particles,
+        mesh=mesh,
+        step=state.step + 1,
+        step_of_scale=step + 1,
+        born=0,
+        deleted=left,
+        displacement=float(motion.mean()) if len(motion) else float("nan"),
+        moving=int(np.count_nonzero(motion > STILL)),
+        epsilon=epsilon(moved.particles.distance),
+    )
+    return state, moved
+
+
+def populated(
+    state: State, moved: Moved, repulsion_gone: bool, scale_field: ScaleField, parameters: Parameters
+) -> State:
+    """Deletion, insertion and annealing; late in a run the first two happen only at some steps."""
+    annealed = state.annealed * parameters.annealing
+    every = _FADED_EVERY if repulsion_gone else _LATE_EVERY if state.idle >= IDLE_STEPS else 1
+    if state.step % every:
+        return replace(state, annealed=annealed, idle=state.idle + 1)
+    particles, step, has_moved = state.particles, state.step_of_scale, moved.motion > 0.0
+    cells = build_cells(particles.position, scale_field.shape, search_range(parameters))
+    contact = EdgeContact(moved.strength, moved.on_edge, cells)
+    kept = thinned(contact, has_moved, parameters.d_min)
+    coverage, new = cover(state.coverage, particles.position, contact.on_edge & kept, step)
+    round_ = state.step // every
+    turn = particles.identity + round_
+    front = idle_at(coverage, particles.position, step, state.idle) < _FRONT
+    thorough = (turn % _SEARCH_EVERY == 0) | particles.young | repulsion_gone
+    looking = (thorough | front) & has_moved
+    ahead = (turn % _AHEAD_EVERY == 0) | front
+    d_max = state.annealed * parameters.d_max
+    search = Search(kept, looking, thorough, ahead)
+    births = insertion(contact, search, scale_field, d_max, parameters, round_)
+    born, deleted = len(births.position), len(kept) - int(np.count_nonzero(kept))
+    if born:
+        particles = particles.joined_by(births.position, births.parent, births.other, state.next_identity)
+    if deleted:  # in the order of their cells: what is near in space is then near in memory
+        stay = contact.cells.order[kept[contact.cells.order]]
+        particles = particles.taken(np.concatenate([stay, np.arange(len(kept), len(kept) + born)]))
+    return replace(
+        state,
+        particles=particles,
+        annealed=annealed,
+        next_identity=state.next_identity + born,
+        born=born,
+        deleted=state.deleted + deleted,
+        coverage=coverage,
+        idle=state.idle + 1 if is_idle(new, coverage.size) else 0,
+    )
+
+
+_STEPS_A_PIXEL = 2.0
+"""Greatest number of steps of a scale for each pixel of the longest side: a front advances about two pixels a step."""
+
+_LEAST_STEPS = 400
+"""Number of steps that every scale may take."""
+
+
+def advanced(state: State, scale_field: ScaleField, regions: AnyRegions | None, parameters: Parameters) -> State:
+    """End a scale or the run at equilibrium or after the greatest number of steps; else return the state."""
+    quiet = is_quiet(state.epsilon, state.moving, state.born + state.deleted, state.count)
+    state = replace(state, quiet=state.quiet + 1 if quiet else 0)
+    most = max(_LEAST_STEPS, int(_STEPS_A_PIXEL * max(scale_field.shape)))
+    overdue = state.step_of_scale - state.reactivated >= most
+    if state.scale > 0:
+        done = state.idle >= IDLE_STEPS and not is_travelling(state, parameters)
+        if state.count == 0 or done or overdue:
+            return start_scale(without_off_edge(state, scale_field, and_drawn=True), state.scale - 1, regions)
+        return state
+    if state.count == 0:
+        return state.stopped("all particles left the image")
+    if state.quiet >= QUIET_STEPS:
+        continued = reseeded(state, scale_field)
+        if continued is not None:
+            return continued
+        reason = f"at rest: nothing has moved, appeared or vanished for {QUIET_STEPS} steps"
+        return without_resting_off_edge(state, scale_field).stopped(reason, True)
+    if overdue:
+        return state.stopped(f"not at rest after {most} steps at full size")
+    return state
+
+
+Populate = Callable[[State, Moved, bool, ScaleField, Parameters], State]
+"""Insertion and deletion of a step."""
+
+
+def stepped(
+    state: State,
+    field: ScaleField,
+    regions: AnyRegions | None,
+    parameters: Parameters,
+    populate: Populate = populated,
+) -> State:
+    """The state after one time step, and after the end of its scale or its run if that has come.
+
+    `field` includes the placed charges; `populate` can be replaced in experiments.
+    """
+    idle = idle_steps_of(state, field, parameters)
+    repulsion_gone = not (idle < FADED).any()
+    state, moved = displaced(state, idle, field, parameters)
+    if len(state.particles):
+        state = populate(state, moved, repulsion_gone, field, parameters)
+    return advanced(state, field, regions, parameters)
+
+
+_NO_EDGES = np.zeros((2, 2, 5), np.float32)
+
+_NO_EDGES[..., 0] = 1.0
+"""Packed force field without edges, hence without friction; its Lorentz force is one, downwards."""
+
+
+def forces(state: State, scale_field: ScaleField, charged: ScaleField, parameters: Parameters, which: Index) -> Forces:
+    """Forces on the particles `which`, shape (M,), of a state as the next step begins; see `Engine.forces`.
+
+    `scale_field` and `charged` are the fields of its scale without and with the placed charges.
+    """
+    particles, idle = state.particles, idle_steps_of(state, charged, parameters)
+    chosen = particles.taken(which)
+    mesh = mesh_force_of(state, idle, scale_field, parameters)
+    lorentz = parameters.w2 * interpolate(scale_field.lorentz, chosen.position)
+    placed = parameters.w2 * interpolate(charged.lorentz, chosen.position) - lorentz
+    coulomb = np.zeros_like(lorentz)
+    repelled = np.flatnonzero(idle[which] < FADED)
+    if len(repelled):
+        coulomb[repelled] = undamped_force(
+            particles, which[repelled], idle, mesh, _NO_EDGES, scale_field.shape, parameters
+        )
+        coulomb[repelled, 0] -= parameters.w2
+    applied = undamped_force(particles, which, idle, mesh, charged.packed, scale_field.shape, parameters)
+    late, kinds = np.unique(np.minimum(idle[which], LATEST), return_inverse=True)
+    beta = np.array([damping(parameters.beta, int(steps)) for steps in late])[kinds]
+    damped = -beta[:, None] * chosen.velocity
+    at_rest = is_at_rest(chosen, idle[which])
+    applied[at_rest], damped[at_rest] = 0.0, 0.0
+    return Forces(coulomb, lorentz, placed, applied - (coulomb + lorentz + placed), damped)
+
+
+def energies(state: State, scale_field: ScaleField, parameters: Parameters) -> Energies:
+    """Energies of a state with its placed charges; `scale_field` is without them. See `Engine.energies`."""
+    particles = state.particles
+    in_image = 4.0**state.scale
+    reach = parameters.d_min + parameters.d_max
+    pairs = pair_energy(build_cells(particles.position, scale_field.shape, reach), reach)
+    fixed = interpolate(scale_field.potential[None], particles.position).sum() / scale_field.slope
+    placed = placed_potential(state.placed, radius_at(state.scale), particles.position).sum()
+    mutual = PAIR * parameters.w1 * parameters.d_min**2 * pairs
+    return Energies(kinetic_energy(state), in_image * (mutual + parameters.w2 * float(fixed + placed)))

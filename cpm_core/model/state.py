@@ -1,0 +1,364 @@
+"""The free particles, and the state of a run: all that the next step depends on besides image and parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.field.placed_charges import Charges, at_scale
+from cpm_core.image.pyramid import to_image, to_scale
+from cpm_core.image.volume_regions import AnyRegions
+from cpm_core.model.coverage import Coverage, SurfaceCoverage
+from cpm_core.numerics.types import Array, Index, Mask, Single
+from cpm_core.numerics.vectors import Vector
+from cpm_core.parameters.quotation import counted, described
+
+MESH_EVERY = 4
+"""Steps for which the force on a mesh is used: during these, particles move by a small part of its reach."""
+
+
+class MeshForce(NamedTuple):
+    r"""Smooth part of the Coulomb force on the nodes of a mesh; a plain tuple for the compiled loops.
+
+    Attributes
+    ----------
+    force : ndarray of float32, shape (\*nodes, D)
+        The force; no nodes when the whole force is summed over pairs.
+    first : tuple of float
+        Position of the first node [px].
+    pitch : float
+        Distance of the nodes [px].
+    reach : float
+        Distance R up to which pairs add what the mesh leaves out [px]; infinite when there is no mesh.
+    softening : ndarray of float32, shape (3,)
+        Coefficients of the polynomial that replaces the inverse square up to R, by powers of the squared distance; zero
+        when there is no mesh.
+    """
+
+    force: Single
+    first: tuple[float, ...]
+    pitch: float
+    reach: float
+    softening: Single
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SurfaceContact:
+    """Contact of particles with surfaces.
+
+    Attributes
+    ----------
+    normal : ndarray, shape (N, 3)
+        Direction in which the smoothed volume rises at each.
+    seated : ndarray of bool, shape (N,)
+        Which lie on the ridge of an edge that is strong enough.
+    strength : ndarray, shape (N,)
+        Edge strength at each.
+    woken : ndarray of int64, shape (N,)
+        Step of the scale at which new ground was last found near each.
+    """
+
+    normal: Array
+    seated: Mask
+    strength: Array
+    woken: Index
+
+    @classmethod
+    def none(cls, count: int) -> SurfaceContact:
+        """Contact of particles that are not on any surface, awake since the first step."""
+        return cls(np.zeros((count, 3)), np.zeros(count, np.bool_), np.zeros(count), np.zeros(count, np.int64))
+
+    @classmethod
+    def of_seated(cls, normal: Array, strength: Array, step: int) -> SurfaceContact:
+        """Contact of particles that lie on surfaces with these normals, awake since a step."""
+        count = len(normal)
+        return cls(normal, np.ones(count, np.bool_), strength, np.full(count, step))
+
+    def taken(self, index: Index) -> SurfaceContact:
+        """That of the particles with the given indices, in this order."""
+        return SurfaceContact(*(getattr(self, f.name)[index] for f in fields(self)))
+
+    def joined(self, other: SurfaceContact) -> SurfaceContact:
+        """That of these particles and others behind them."""
+        pairs = ((getattr(self, f.name), getattr(other, f.name)) for f in fields(self))
+        return SurfaceContact(*map(np.concatenate, pairs))
+
+    def woken_at(self, step: int, which: Mask | None = None) -> SurfaceContact:
+        """The same with some particles awake at a step, all of them by default."""
+        if which is None:
+            return replace(self, woken=np.full_like(self.woken, step))
+        return replace(self, woken=np.where(which, step, self.woken))
+
+
+MEMORY = 4
+"""Number T of steps in eq. (23)."""
+
+
+_ARRAYS = ("position", "velocity", "force", "distance", "identity")
+"""Arrays of particles."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Particles:
+    """The free particles as a struct of arrays.
+
+    Attributes
+    ----------
+    position : ndarray, shape (N, D)
+        Positions [px of their scale]; in a volume in units of the smallest side of a voxel (`SpaceState`).
+    velocity : ndarray, shape (N, D)
+        Velocities [px / unit of time].
+    force : ndarray, shape (N, 2, D)
+        Undamped force on each at the last step and at the one before: the history of eq. (15).
+    distance : ndarray, shape (N, T)
+        ``|r|`` at the last T steps, newest first: the history of eq. (23); NaN before the particle was inserted.
+    identity : ndarray of int64, shape (N,)
+        Number of each, used once only in a run.
+    contact : SurfaceContact or None
+        Contact of each with surfaces, in a volume; None in the plane.
+
+    Examples
+    --------
+    >>> particles = cpm.Particles.at_rest(np.array([(4.0, 4.0), (4.0, 9.0), (9.0, 9.0)]))
+    >>> particles, bool(particles.young.all())
+    (<Particles 3, 2 coordinates each>, True)
+    >>> particles.where(particles.position[:, 0] < 5), particles.taken(np.array([2])).position.tolist()
+    (<Particles 2, 2 coordinates each>, [[9.0, 9.0]])
+    >>> particles.with_more(np.array([(1.0, 1.0)]), 3).identity.tolist()
+    [0, 1, 2, 3]
+    >>> particles.joined_by(np.array([(4.0, 6.5)]), np.array([0]), np.array([1]), 3).position[-1].tolist()
+    [4.0, 6.5]
+    >>> particles.woken_at(5) is particles  # in the plane the coverage knows who is awake
+    True
+    """
+
+    position: Array
+    velocity: Array
+    force: Array
+    distance: Array
+    identity: NDArray[np.int64]
+    contact: SurfaceContact | None = None
+
+    @classmethod
+    def at_rest(cls, position: Array, first_identity: int = 0) -> Particles:
+        """Particles without motion or history at positions of shape (N, D)."""
+        count, dimension = position.shape
+        return cls(
+            np.array(position, dtype=float),
+            np.zeros((count, dimension)),
+            np.zeros((count, 2, dimension)),
+            np.full((count, MEMORY), np.nan),
+            np.arange(first_identity, first_identity + count),
+            SurfaceContact.none(count) if dimension == 3 else None,
+        )
+
+    def __len__(self) -> int:
+        return len(self.position)
+
+    @property
+    def young(self) -> NDArray[np.bool_]:
+        """Which were inserted less than T steps ago, shape (N,)."""
+        return np.isnan(self.distance[:, -1])
+
+    def where(self, kept: NDArray[np.bool_]) -> Particles:
+        """The particles for which `kept`, shape (N,), is true."""
+        return self.taken(np.flatnonzero(kept))
+
+    def taken(self, index: NDArray[np.int64]) -> Particles:
+        """The particles with the given indices, shape (M,), in this order."""
+        arrays: dict[str, Any] = {name: getattr(self, name).take(index, axis=0) for name in _ARRAYS}
+        return Particles(**arrays, contact=self.contact and self.contact.taken(index))
+
+    def woken_at(self, step: int, which: NDArray[np.bool_] | None = None) -> Particles:
+        """The same, some of them awake at a step, by default all; in the plane the coverage knows this."""
+        return self if self.contact is None else replace(self, contact=self.contact.woken_at(step, which))
+
+    def with_more(self, position: Array, first: int, contact: SurfaceContact | None = None) -> Particles:
+        """Add particles without motion or history at positions of shape (M, D), numbered from `first` on.
+
+        In a volume they may have contact with surfaces.
+        """
+        more = Particles.at_rest(position, first)
+        arrays: dict[str, Any] = {name: np.concatenate([getattr(self, name), getattr(more, name)]) for name in _ARRAYS}
+        met = contact or more.contact
+        return Particles(**arrays, contact=self.contact and met and self.contact.joined(met))
+
+    def joined_by(self, position: Array, parent: NDArray[np.int64], other: NDArray[np.int64], first: int) -> Particles:
+        """Add particles at positions of shape (M, D), with the mean velocity and force history of their two parents.
+
+        `parent` and `other`, shape (M,), are the indices of the parents, the same twice for a single parent; `first` is
+        the identity of the first new particle.
+        """
+        joined, born = self.with_more(position, first), slice(len(self), None)
+        joined.velocity[born] = 0.5 * (self.velocity[parent] + self.velocity[other])
+        joined.force[born] = 0.5 * (self.force[parent] + self.force[other])
+        return joined
+
+    def __repr__(self) -> str:
+        return described("Particles", f"{len(self):,}", f"{self.position.shape[1]} coordinates each")
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SpaceState:
+    """What a state holds in a volume only.
+
+    Attributes
+    ----------
+    pitch : tuple of float
+        Sides of a voxel, in units of the smallest one, in which the particles are measured.
+    covered : SurfaceCoverage
+        Where surfaces have been found at the scale.
+    """
+
+    pitch: Vector
+    covered: SurfaceCoverage
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class State:
+    """A moment of a run: all that the next step depends on besides image and parameters.
+
+    Attributes
+    ----------
+    particles : Particles
+        The free particles, in px of their scale.
+    start : ndarray, shape (M, D)
+        The seeds [px of the image]; every scale begins with them as well.
+    shape : tuple of int
+        Shape of the image.
+    scale : int
+        0 is the image itself, 1 half its size, and so on.
+    coverage : Coverage
+        When particles were first on an edge in each cell of the scale.
+    mesh : MeshForce or None
+        Smooth part of the Coulomb force, used for some steps; None before the first step of a scale.
+    step : int
+        Number of steps of the run.
+    step_of_scale : int
+        Number of steps at this scale.
+    annealed : float
+        Fraction of the insertion range d_max that annealing has left.
+    steering : tuple
+        `Parameters.steering` of the last step; empty before the first.
+    regions : Regions or VolumeRegions or None
+        Regions of interest and barriers of the last step.
+    charges : tuple of PlacedCharge
+        Placed charges of the last step.
+    erased : bool
+        Whether particles have been erased since all were last reactivated.
+    reactivated : int
+        Step of this scale at which the particles were last reactivated, by its beginning or by other parameters.
+    next_identity : int
+        Identity of the next particle to be inserted.
+    born, deleted : int
+        Particles inserted and deleted in the last step.
+    epsilon : float
+        Left side of eq. (23) [px of the scale]; NaN while it has no history.
+    displacement : float
+        Mean distance that a particle moved in the last step [px of the scale].
+    moving : int
+        Particles that moved by more than `equilibrium.STILL` in the last step.
+    idle : int
+        Consecutive steps with next to no newly covered cells at this scale.
+    quiet : int
+        Consecutive steps in which hardly any particle moved, was inserted or was deleted.
+    reseedings : int
+        Number of reseedings beside boundaries of enclosed regions at this scale.
+    stop_reason : str
+        Why the run ended, in words; empty while it continues.
+    converged : bool
+        Whether it ended at rest.
+    space : SpaceState or None
+        What belongs to a volume; None in the plane.
+
+    Examples
+    --------
+    >>> engine = cpm.Engine(cpm.example("disk"))
+    >>> state = engine.step(engine.start(cpm.circle((32, 32), 8)), cpm.Parameters())
+    >>> state
+    <State step 1, scale 2, 9 particles>
+    >>> state.count, state.position.shape, state.placed.shape, len(state.arrays()) > 5
+    (9, (9, 2), (0, 3), True)
+    >>> state.at_scale(np.array([[32.0, 32.0]]), 1).tolist()
+    [[15.75, 15.75]]
+    >>> ended = state.stopped("seen enough")
+    >>> ended.stop_reason, ended.resumed().stop_reason
+    ('seen enough', '')
+    """
+
+    particles: Particles
+    start: Array
+    shape: tuple[int, ...]
+    scale: int
+    coverage: Coverage
+    mesh: MeshForce | None = None
+    step: int = 0
+    step_of_scale: int = 0
+    annealed: float = 1.0
+    steering: tuple[object, ...] = ()
+    regions: AnyRegions | None = None
+    charges: Charges = ()
+    erased: bool = False
+    reactivated: int = 0
+    next_identity: int = 0
+    born: int = 0
+    deleted: int = 0
+    epsilon: float = float("nan")
+    displacement: float = float("nan")
+    moving: int = 0
+    idle: int = 0
+    quiet: int = 0
+    reseedings: int = 0
+    stop_reason: str = ""
+    converged: bool = False
+    space: SpaceState | None = None
+
+    @property
+    def position(self) -> Array:
+        """Positions in px of the image itself, at every scale; shape (N, D)."""
+        places = self.particles.position
+        return to_image(places if self.space is None else places / self.space.pitch, self.scale, self.shape)
+
+    def at_scale(self, places: Array, scale: int) -> Array:
+        """Positions of the image [px], shape (M, D), as those of particles at a scale."""
+        found = to_scale(places, scale, self.shape)
+        return found if self.space is None else found * self.space.pitch
+
+    @property
+    def placed(self) -> Array:
+        """Position of each placed charge, as those of particles at the scale, and its strength; shape (K, D + 1)."""
+        placed = at_scale(self.charges, self.scale, self.shape)
+        return placed if self.space is None else placed * (*self.space.pitch, 1.0)
+
+    @property
+    def count(self) -> int:
+        """Number of particles."""
+        return len(self.particles)
+
+    def arrays(self) -> list[NDArray[Any]]:
+        """The arrays that keeping this state costs, without the start, which all states of a run share."""
+        particles, mesh, contact = self.particles, self.mesh, self.particles.contact
+        return [
+            *(getattr(particles, name) for name in _ARRAYS),
+            *self.coverage[:2],
+            *(() if mesh is None else (mesh.force,)),
+            *(() if self.space is None else (self.space.covered.cells,)),
+            *(() if contact is None else (getattr(contact, f.name) for f in fields(contact))),
+        ]
+
+    def resumed(self) -> State:
+        """State as this one that continues, for other parameters to act on."""
+        return replace(self, stop_reason="", converged=False, quiet=0)
+
+    def stopped(self, reason: str, converged: bool = False) -> State:
+        """State as this one, the last one of its run."""
+        return replace(self, stop_reason=reason, converged=converged)
+
+    def __repr__(self) -> str:
+        particles = counted(self.count, "particle")
+        return described(
+            "State", f"step {self.step}", f"scale {self.scale}", particles, self.stop_reason.partition(":")[0]
+        )

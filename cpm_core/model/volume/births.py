@@ -1,0 +1,376 @@
+"""Insertion and deletion of particles on a surface in a volume.
+
+Between: two seated particles of one sheet at ``d_min < d <= d_min + d_max``, with no other one of it in the ball whose
+diameter they are, get one at their midpoint, pulled to the ridge of the edge map. Annealing ends this rule.
+
+Ahead: a seated particle sorts its neighbors on the same sheet by their direction in the tangent plane. A gap between
+two of them is divided into steps of about 60 degrees, and each step is a place for a new particle, ``0.9 d_min`` ahead,
+pulled to the ridge of the edge map: there must be an edge that is strong enough, not turned to another sheet, and room.
+
+Of two particles of one sheet nearer than half of ``d_min`` one is deleted, as in the plane.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+
+from cpm_core.field.interpolation import normal_at, sampled
+from cpm_core.field.scale_field import FAINTEST
+from cpm_core.field.volume.placed_charges import NOTHING_PLACED, Placed, torn_off
+from cpm_core.field.volume.surface_force import faces_alike, is_ridge, on_ridge
+from cpm_core.field.volume.volume_field import VolumeField
+from cpm_core.model.equations import NEAR, STRIDE, by_strength
+from cpm_core.model.state import Particles
+from cpm_core.model.volume.motion import Cells, near, on_one_sheet
+from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.parallel import share
+from cpm_core.numerics.types import Array, Index, Mask, Single
+from cpm_core.numerics.vectors import Vector, difference, dot, length, moved, row_of, scaled
+
+_WORTH_A_THREAD = 2_000
+"""Particles from which a second thread makes the search faster."""
+
+
+def thinned(particles: Particles, cells: Cells, turn: Index, d_min: float) -> Mask:
+    """Which particles stay, shape (N,).
+
+    Of two nearer than ``d_min / 2`` the one on the weaker edge is deleted, and of equal ones the later, unless both are
+    seated, on different sheets. Only those that have their `turn` have moved since the last use.
+    """
+    kept = np.ones(len(particles), np.bool_)
+    contact = particles.contact
+    assert contact is not None
+    sheets = (particles.position, contact.normal, contact.seated)
+    share(partial(_find_close, cells, turn, *sheets, NEAR * d_min, kept), len(turn), _WORTH_A_THREAD)
+    close = np.flatnonzero(~kept)
+    if len(close):
+        _thin(cells, by_strength(close, contact.strength), *sheets, NEAR * d_min, kept)
+    return kept
+
+
+@compiled
+def _find_close(
+    cells: Cells,
+    turn: Index,
+    position: Array,
+    normals: Array,
+    seated: Mask,
+    distance: float,
+    alone: Mask,
+    first: int,
+    last: int,
+) -> None:
+    """Mark the particles with another one nearer than a distance as not alone; one of each pair has its turn."""
+    for q in range(first, last):
+        i = turn[q]
+        place = row_of(position, i)
+        for k in near(cells, place, distance):
+            j = cells.order[k]
+            away = length(difference(place, (cells.z[k], cells.y[k], cells.x[k])))
+            if away < distance and j != i and on_one_sheet(i, j, normals, seated):
+                alone[i] = alone[j] = False
+
+
+@compiled
+def _thin(
+    cells: Cells, order: Index, position: Array, normals: Array, seated: Mask, distance: float, kept: Mask
+) -> None:
+    """Of the particles in `order` keep those that have no kept one nearer than a distance."""
+    for n in range(len(order)):
+        kept[order[n]] = not _has_near(cells, order[n], position, normals, seated, distance, kept)
+
+
+@compiled
+def _has_near(
+    cells: Cells, i: int, position: Array, normals: Array, seated: Mask, distance: float, counting: Mask
+) -> bool:
+    """Whether a particle has another one of its sheet nearer than a distance among those that count."""
+    place = row_of(position, i)
+    for k in near(cells, place, distance):
+        j = cells.order[k]
+        away = length(difference(place, (cells.z[k], cells.y[k], cells.x[k])))
+        if away < distance and j != i and counting[j] and on_one_sheet(i, j, normals, seated):
+            return True
+    return False
+
+
+ROOM = 0.68
+"""Least distance of a new particle from others of its sheet, in d_min."""
+
+_NEIGHBORS = 1.7
+"""Distance up to which neighbors close a gap, in strides."""
+
+_WIDEST_GAP = np.radians(100.0)
+"""Gap between the directions of two neighbors from which on there is room between them."""
+
+_STEP, _ROUNDING = np.pi / 3.0, 0.35
+"""Angle between new particles in a gap, and how readily a gap gets one more."""
+
+_MOST = 6
+"""New particles around one."""
+
+_MOST_NEIGHBORS = 64
+"""Neighbors that are sorted; there are no more on a sheet that deletion keeps thin."""
+
+_FARTHEST = 1.6
+"""Distance of a new particle from the one that it is ahead of, in strides."""
+
+_TURNED = -0.5
+"""Scalar product of the normals under which the edge ahead belongs to another sheet."""
+
+_ROUNDS, _RIDGE = 6, 0.7
+"""Steps to the ridge, and the distance at which the edge must be weaker on both sides."""
+
+_ROUNDING_ERROR = 1e-9
+"""What rounding may take of half the distance of two particles [units]."""
+
+_SAME_PLACE = 0.5
+"""Distance up to which two particles are in each other's way on any sheets [units]."""
+
+_SEARCHES_A_THREAD = 100
+"""Particles from which a second thread makes the search faster."""
+
+_Sheets = tuple[Array, Array, Mask, Array]
+"""Positions of the particles, normals, which are seated, and edge strengths."""
+
+_Edge = tuple[Single, Single, Vector, float]
+"""Smoothed volume, edge map, sides of a voxel, and least edge strength."""
+
+
+class Births(NamedTuple):
+    """New particles: positions and normals, shape (M, 3), and edge strengths, shape (M,)."""
+
+    position: Array
+    normal: Array
+    strength: Array
+
+
+def insertion(
+    particles: Particles,
+    cells: Cells,
+    turn: Index,
+    field: VolumeField,
+    d_min: float,
+    d_max: float = 0.0,
+    placed: Placed = NOTHING_PLACED,
+) -> Births:
+    """Places that the seated particles offer that have their turn, in the order of these.
+
+    `d_max` is the annealed insertion range [units]. They are where the placed charges leave particles on the edge.
+    """
+    contact = particles.contact
+    assert contact is not None
+    looking, looks = turn[contact.seated[turn]], np.zeros(len(particles), np.bool_)
+    looks[looking] = True
+    found, count = np.empty((len(looking), _MOST, 7)), np.zeros(len(looking), np.int64)
+    sheets = (particles.position, contact.normal, contact.seated, contact.strength)
+    edge = (field.smoothed, field.edge_map, field.pitch, field.floor)
+    search = partial(_search, looking, looks, cells, sheets, edge, d_min, d_min + d_max, found, count)
+    share(search, len(looking), _SEARCHES_A_THREAD)
+    places, parents = found[np.arange(_MOST) < count[:, None]], np.repeat(looking, count)
+    places = places[~field.crossed(particles.position[parents], places[:, :3])]
+    places = places[~torn_off(placed, places[:, :3], places[:, 3:6])]
+    some = places[apart(places, ROOM * d_min)]
+    return Births(some[:, :3].copy(), some[:, 3:6].copy(), some[:, 6].copy())
+
+
+@compiled
+def _search(
+    looking: Index,
+    looks: Mask,
+    cells: Cells,
+    sheets: _Sheets,
+    edge: _Edge,
+    d_min: float,
+    reach: float,
+    found: Array,
+    count: Index,
+    first: int,
+    last: int,
+) -> None:
+    """Find the places that some particles offer, up to `_MOST` each."""
+    angles = np.empty(_MOST_NEIGHBORS)
+    for q in range(first, last):
+        if reach > d_min:
+            _look_between(q, looking[q], looks, cells, sheets, edge, d_min, reach, found, count)
+        _look_ahead(q, looking[q], cells, sheets, edge, d_min, angles, found, count)
+
+
+@compiled
+def _look_between(
+    q: int,
+    i: int,
+    looks: Mask,
+    cells: Cells,
+    sheets: _Sheets,
+    edge: _Edge,
+    d_min: float,
+    reach: float,
+    found: Array,
+    count: Index,
+) -> None:
+    """Offer the midpoints of a particle and others of its sheet, with nothing between the two."""
+    position, normals, seated, _ = sheets
+    place, normal = row_of(position, i), row_of(normals, i)
+    for k in near(cells, place, reach):
+        j = cells.order[k]
+        if not seated[j] or (looks[j] and j <= i) or not faces_alike(normal, row_of(normals, j)):
+            continue
+        away = difference((cells.z[k], cells.y[k], cells.x[k]), place)
+        distance = length(away)
+        if d_min < distance <= reach:
+            middle, room = moved(place, 0.5, away), 0.5 * distance - _ROUNDING_ERROR
+            if not _is_taken(cells, middle, normal, normals, room):
+                _offer(q, i, middle, 0.0, distance, room, cells, sheets, edge, found, count)
+
+
+@compiled
+def _look_ahead(
+    q: int,
+    i: int,
+    cells: Cells,
+    sheets: _Sheets,
+    edge: _Edge,
+    d_min: float,
+    angles: Array,
+    found: Array,
+    count: Index,
+) -> None:
+    """Offer the places a stride ahead of a particle, in the widest gap between its neighbors."""
+    position, normals, seated, _ = sheets
+    place, stride, room = row_of(position, i), STRIDE * d_min, ROOM * d_min
+    one, other = tangents(row_of(normals, i))
+    start, gap, steps = _widest_gap(cells, place, i, normals, seated, one, other, _NEIGHBORS * stride, angles)
+    for step in range(1, steps):
+        angle = start + gap * step / steps
+        ahead = moved(moved(place, stride * np.cos(angle), one), stride * np.sin(angle), other)
+        _offer(q, i, ahead, room, _FARTHEST * stride, room, cells, sheets, edge, found, count)
+
+
+@compiled
+def _offer(
+    q: int,
+    i: int,
+    place: Vector,
+    nearest: float,
+    farthest: float,
+    room: float,
+    cells: Cells,
+    sheets: _Sheets,
+    edge: _Edge,
+    found: Array,
+    count: Index,
+) -> None:
+    """Pull a place to the ridge, and offer it if the edge of the particle goes on there and there is room."""
+    position, normals, _, strength = sheets
+    smoothed, edges, pitch, floor = edge
+    place = on_ridge(smoothed, edges, pitch, place, _ROUNDS)
+    away = length(difference(place, row_of(position, i)))
+    here = sampled(edges, pitch, place)
+    turned = normal_at(smoothed, pitch, place)
+    fits = nearest <= away <= farthest and here >= max(floor, FAINTEST * strength[i])
+    fits = fits and dot(turned, row_of(normals, i)) >= _TURNED and _inside(place, edges.shape, pitch)
+    fits = fits and count[q] < _MOST and is_ridge(smoothed, edges, pitch, place, _RIDGE)
+    if fits and not _is_taken(cells, place, turned, normals, room):
+        entry = found[q, count[q]]
+        for axis in range(3):
+            entry[axis], entry[3 + axis] = place[axis], turned[axis]
+        entry[6] = here
+        count[q] += 1
+
+
+@compiled
+def tangents(normal: Vector) -> tuple[Vector, Vector]:
+    """Two unit vectors of the plane across a normal, at right angles to each other; of no length if it has none."""
+    one = (0.0, -normal[2], normal[1]) if abs(normal[0]) < 0.7 else (normal[1], -normal[0], 0.0)
+    size = length(one)
+    one = scaled(one, 1.0 / size if size > 0.0 else 0.0)
+    other = (
+        normal[1] * one[2] - normal[2] * one[1],
+        normal[2] * one[0] - normal[0] * one[2],
+        normal[0] * one[1] - normal[1] * one[0],
+    )
+    return one, other
+
+
+@compiled
+def _widest_gap(
+    cells: Cells,
+    place: Vector,
+    i: int,
+    normals: Array,
+    seated: Mask,
+    one: Vector,
+    other: Vector,
+    reach: float,
+    angles: Array,
+) -> tuple[float, float, int]:
+    """Where the widest gap around a particle begins, how wide it is, and the steps that it is divided into.
+
+    Without room for a particle there is one step, and without neighbors there are seven: six particles around.
+    """
+    own, count = row_of(normals, i), 0
+    for k in near(cells, place, reach):
+        j = cells.order[k]
+        if j != i and seated[j] and count < _MOST_NEIGHBORS and faces_alike(own, row_of(normals, j)):
+            away = difference((cells.z[k], cells.y[k], cells.x[k]), place)
+            if dot(away, away) < reach * reach:
+                angles[count] = np.arctan2(dot(away, other), dot(away, one))
+                count += 1
+    if count == 0:
+        return 0.0, 7.0 * _STEP, 7
+    around = np.sort(angles[:count])
+    begin, gap = around[count - 1], around[0] + 2.0 * np.pi - around[count - 1]
+    for n in range(count - 1):
+        if around[n + 1] - around[n] > gap:
+            begin, gap = around[n], around[n + 1] - around[n]
+    if gap < _WIDEST_GAP:
+        return 0.0, 0.0, 1
+    return begin, gap, max(2, int(gap / _STEP + _ROUNDING))
+
+
+@compiled
+def _inside(place: Vector, shape: tuple[int, int, int], pitch: Vector) -> bool:
+    """Whether a place lies between the centers of the outermost voxels."""
+    inside = True
+    for axis in range(3):
+        inside = inside and 0.0 <= place[axis] <= (shape[axis] - 1) * pitch[axis]
+    return inside
+
+
+@compiled
+def _is_taken(cells: Cells, place: Vector, normal: Vector, normals: Array, room: float) -> bool:
+    """Whether a particle is too near to a place: one of its sheet, or one at nearly the same place."""
+    for k in near(cells, place, room):
+        away = length(difference((cells.z[k], cells.y[k], cells.x[k]), place))
+        if away < room:
+            alike = faces_alike(normal, row_of(normals, cells.order[k]))
+            if alike or away < _SAME_PLACE:
+                return True
+    return False
+
+
+def apart(places: Array, room: float) -> Mask:
+    """Which of some places stay, shape (M,), so that none has an earlier one of its sheet nearer than `room`.
+
+    `places`, shape (M, 6) or more, are positions and normals.
+    """
+    kept = np.ones(len(places), np.bool_)
+    if len(places):
+        pairs = scipy.spatial.cKDTree(places[:, :3]).query_pairs(room, output_type="ndarray")
+        _keep_apart(places, room, pairs[np.lexsort(pairs.T)], kept)
+    return kept
+
+
+@compiled
+def _keep_apart(places: Array, room: float, pairs: Index, kept: Mask) -> None:
+    """Drop the second place of each pair whose first one stays, in the order of the second ones."""
+    for n in range(len(pairs)):
+        one, other = places[pairs[n, 0]], places[pairs[n, 1]]
+        away = np.sqrt((one[0] - other[0]) ** 2 + (one[1] - other[1]) ** 2 + (one[2] - other[2]) ** 2)
+        if kept[pairs[n, 0]] and away < room and faces_alike((other[3], other[4], other[5]), (one[3], one[4], one[5])):
+            kept[pairs[n, 1]] = False

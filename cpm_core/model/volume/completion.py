@@ -1,0 +1,150 @@
+"""Completion of a scale of a volume: surfaces that fronts did not reach, and the particles that remain.
+
+Fronts stop at some narrow joints between vessels, although the edge goes on. When a run is quiet, particles are
+launched on the stretches that no particle covers, of all parts of the edge map that particles have reached, and of
+those that cannot be moved apart from them (`inseparable`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from cpm_core.field.placed_charges import radius_at
+from cpm_core.field.volume.placed_charges import Placed, torn_off
+from cpm_core.field.volume.ridges import Ridges
+from cpm_core.field.volume.surface_force import faces_alike, on_ridges
+from cpm_core.field.volume.volume_field import VolumeField
+from cpm_core.image.volume_barriers import Walls
+from cpm_core.model.state import State, SurfaceContact
+from cpm_core.model.volume.births import apart
+from cpm_core.model.volume.inseparable import inseparable
+from cpm_core.model.volume.motion import Cells, build_cells, near
+from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.parallel import share
+from cpm_core.numerics.types import Array, Index
+from cpm_core.numerics.vectors import difference, length, row_of
+
+LAUNCHES = 16
+"""Number of launches at a scale."""
+
+WORTHWHILE = 0.0005
+"""Fraction of the particles that a launch must add for another one to follow."""
+
+_COVERED, _APART = 2.2, 3.0
+"""Distance, in d_min, up to which a particle covers the ridge around it, and that of launched particles."""
+
+_TOUCHED = 1.5
+"""Distance up to which a particle lies on the ridge of a voxel [units]."""
+
+_BARE, _NEAR, _ON = 0, 1, 2
+"""Ridges without a particle near, with one, and with one on them."""
+
+_ROUNDS = 12
+"""Steps to the ridge at the end."""
+
+_ASTRAY = 2.0
+"""Distance from which a particle on its way to the ridge has lost its place [units]."""
+
+_WORTH_A_THREAD = 2_000
+"""Ridges from which a second thread makes the search faster."""
+
+
+def launched(state: State, field: VolumeField, d_min: float) -> State | None:
+    """The state with particles on the stretches that fronts did not reach; None when there are none."""
+    if state.reseedings >= LAUNCHES or state.erased:
+        return None
+    ridges = _within_walls(field.ridges, state, field.walls)
+    cover = _cover(state, field, ridges, d_min)
+    reached = np.zeros(int(ridges.component.max(initial=-1)) + 1, np.bool_)
+    reached[ridges.component[cover == _ON]] = True
+    more = inseparable(field, ridges, reached, cover != _BARE)
+    bare = np.flatnonzero((cover == _BARE) & (reached | more)[ridges.component])
+    return _with_launched(state, field, ridges.where(bare), d_min, bool(more.any()))
+
+
+def _with_launched(state: State, field: VolumeField, ridges: Ridges, d_min: float, leads_on: bool) -> State | None:
+    """The state with particles on some ridges, the strongest first, and not too near to each other.
+
+    Another launch follows one that is worthwhile, and one that `leads_on` to new boundaries.
+    """
+    if not len(ridges.place):
+        return None
+    order = np.argsort(-ridges.strength, kind="stable")
+    places = np.concatenate([ridges.place[order], ridges.normal[order]], axis=1)
+    chosen = order[apart(places, _APART * d_min)]
+    position = _pulled(field, ridges.place[chosen])
+    free = ~field.crossed(ridges.place[chosen], position)
+    free &= ~torn_off(Placed(state.placed, radius_at(state.scale)), position, ridges.normal[chosen])
+    chosen, position = chosen[free], position[free]
+    step = state.step_of_scale
+    contact = SurfaceContact.of_seated(ridges.normal[chosen], ridges.strength[chosen], step)
+    worthwhile = leads_on or len(chosen) > WORTHWHILE * state.count
+    return replace(
+        state,
+        particles=state.particles.with_more(position, state.next_identity, contact),
+        next_identity=state.next_identity + len(chosen),
+        reseedings=state.reseedings + 1 if worthwhile else LAUNCHES,
+        born=state.born + len(chosen),
+        annealed=1.0,
+        reactivated=step,
+        idle=0,
+        quiet=0,
+    )
+
+
+def _within_walls(ridges: Ridges, state: State, walls: Walls | None) -> Ridges:
+    """The ridges in rooms with particles; walls part what is connected."""
+    if walls is None:
+        return ridges
+    rooms, taken = walls.rooms(ridges.place), walls.rooms(state.particles.position)
+    _, number = np.unique(np.stack([ridges.component, rooms]), axis=1, return_inverse=True)
+    inside = np.flatnonzero((rooms >= 0) & np.isin(rooms, taken))
+    return ridges._replace(component=number.ravel()).where(inside)
+
+
+def _cover(state: State, field: VolumeField, ridges: Ridges, d_min: float) -> Index:
+    """How particles cover each ridge voxel, shape (M,)."""
+    contact = state.particles.contact
+    assert contact is not None
+    cover = np.zeros(len(ridges.place), np.int64)
+    position, normal = state.particles.position[contact.seated], contact.normal[contact.seated]
+    reach = max(_COVERED * d_min, _TOUCHED)
+    cells = build_cells(position, field.extent, reach)
+    share(partial(_find_cover, cells, normal, ridges.place, ridges.normal, reach, cover), len(cover), _WORTH_A_THREAD)
+    return cover
+
+
+@compiled
+def _find_cover(
+    cells: Cells, normals: Array, place: Array, facing: Array, reach: float, cover: Index, first: int, last: int
+) -> None:
+    """Find how the particles of the same sheet cover some voxels."""
+    for q in range(first, last):
+        here, normal = row_of(place, q), row_of(facing, q)
+        for k in near(cells, here, reach):
+            away = length(difference((cells.z[k], cells.y[k], cells.x[k]), here))
+            if away < reach and cover[q] < _ON and faces_alike(normal, row_of(normals, cells.order[k])):
+                cover[q] = max(cover[q], _ON if away < _TOUCHED else _NEAR)
+
+
+def settled(state: State, field: VolumeField) -> State:
+    """The particles on surfaces, each pulled to the ridge; the others are left out."""
+    contact = state.particles.contact
+    assert contact is not None
+    found = state.particles.where(contact.seated & (contact.strength >= field.floor))
+    position = _pulled(field, found.position)
+    crossing = field.crossed(found.position, position)
+    position[crossing] = found.position[crossing]
+    kept = np.linalg.norm(position - found.position, axis=1) < _ASTRAY
+    found = replace(found, position=position).where(kept)
+    return replace(state, particles=found, deleted=state.deleted + len(state.particles) - len(found))
+
+
+def _pulled(field: VolumeField, places: Array) -> Array:
+    """Places moved to the ridge, which may lie behind the outermost voxels, and no farther than their centers."""
+    position = np.empty_like(places)
+    on_ridges(field.smoothed, field.edge_map, field.pitch, places, _ROUNDS, position)
+    return np.clip(position, 0.0, (np.array(field.shape) - 1) * field.pitch)

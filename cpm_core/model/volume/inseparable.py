@@ -1,0 +1,137 @@
+"""Boundaries in a volume that cannot be moved apart from those that particles have found.
+
+Fronts creep along one connected part of the edge map, a boundary. Two rules lead from one to another, both without a
+distance. Enclosed: a region between edges that does not reach the border of the volume is the inside of an object, or a
+hollow in it. Once particles cover one of its boundaries, the others belong to the same object, as in the plane
+(`enclosed_regions`). Linked: a ring belongs to a ring that it is linked with, and so do all boundaries with closed
+ways inside that are linked. What could be pulled out, such as a rod in a ring or a ball in a cup, depends on the seeds
+alone.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+import scipy
+
+from cpm_core.field.volume.ridges import Ridges
+from cpm_core.field.volume.volume_field import VolumeField
+from cpm_core.numerics.parts import Parts, parts_of
+from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.numerics.voxel_graph import loops_of, neighbors, passes, winds
+
+_LEAST_SIZE = 32
+"""Ridge voxels of the least boundary that is launched on: those of a ball with a radius of 1.6 voxels."""
+
+_LEAST_STRENGTH = 0.35
+"""Least median edge strength of a boundary, as a fraction of that of what has been found."""
+
+_COVERED = 0.5
+"""Fraction of a boundary that must be covered to count as found."""
+
+_REACH, _REACH_SMOOTHING = 3.0, 2.0
+"""Greatest distance of a region from the ridge of the edge around it: a length [units] plus a multiple of sigma."""
+
+
+def inseparable(field: VolumeField, ridges: Ridges, reached: Mask, covered: Mask) -> Mask:
+    """Which boundaries cannot be moved apart from those found, by their numbers `Ridges.component`.
+
+    `reached` tells which boundaries have a particle on them, `covered`, shape (M,), which ridge voxels have one of
+    their sheet near them.
+    """
+    none = np.zeros_like(reached)
+    if not reached.any():
+        return none
+    covered = covered & reached[ridges.component]
+    size = np.maximum(np.bincount(ridges.component), 1)
+    found = np.bincount(ridges.component, covered) >= _COVERED * size
+    fitting = ~reached & (size >= _LEAST_SIZE)
+    usual = float(np.median(ridges.strength[covered]))
+    large = np.flatnonzero(fitting)
+    strength = scipy.ndimage.median(ridges.strength, ridges.component, large) if len(large) else np.zeros(0)
+    fitting[large] = np.asarray(strength) >= _LEAST_STRENGTH * usual
+    if not fitting.any():
+        return none
+    return _enclosed(field, ridges, covered, fitting) | _linked(field, ridges, found, fitting)
+
+
+def _enclosed(field: VolumeField, ridges: Ridges, covered: Mask, fitting: Mask) -> Mask:
+    """Which fitting boundaries bound an enclosed region of which another boundary has been found."""
+    regions = parts_of(field.edge_map < field.floor, corners=False)
+    open_ = regions.at_border
+    if field.walls is not None:
+        crossed = regions.part_at(np.argwhere(field.walls.filled(field.shape, field.pitch)))
+        open_[crossed[crossed >= 0]] = True
+    chosen = fitting.copy()
+    chosen[ridges.component[covered]] = True
+    some = np.flatnonzero(chosen[ridges.component])
+    launched = np.zeros_like(fitting)
+    rims, near = [], []
+    for side in (-1.0, 1.0):
+        region = _region_beside(field, regions, ridges.place[some], side * ridges.normal[some])
+        inner = (region >= 0) & ~open_[region]
+        rims.append(np.stack([ridges.component[some][inner], region[inner]], axis=1))
+        near.append(covered[some][inner])
+    rim, number = np.unique(np.concatenate(rims), axis=0, return_inverse=True)
+    if not len(rim):
+        return launched
+    number = number.ravel()
+    share = np.bincount(number, np.concatenate(near)) / np.bincount(number)
+    known = np.zeros(regions.count, np.bool_)
+    known[rim[share >= _COVERED, 1]] = True
+    launched[rim[known[rim[:, 1]], 0]] = True
+    return launched & fitting
+
+
+def _region_beside(field: VolumeField, regions: Parts, place: Array, toward: Array) -> Index:
+    """The first region in a direction from each place, shape (N,); -1 where there is none within reach."""
+    found = np.full(len(place), -1, np.int64)
+    last = np.array(field.shape) - 1
+    for step in range(1, int(_REACH + _REACH_SMOOTHING * field.smoothing) + 1):
+        voxel = np.rint((place + step * toward) / field.pitch).astype(np.int64)
+        here = regions.part_at(np.ascontiguousarray(np.clip(voxel, 0, last)))
+        found = np.where(found < 0, here, found)
+    return found
+
+
+def _linked(field: VolumeField, ridges: Ridges, found: Mask, fitting: Mask) -> Mask:
+    """Which fitting boundaries are linked with found ones."""
+    launched = np.zeros_like(fitting)
+    voxels = np.rint(ridges.place / field.pitch).astype(np.int64)
+    known = _Boundaries(voxels[found[ridges.component]], ridges.component[found[ridges.component]])
+    some = np.flatnonzero(fitting[ridges.component])
+    some = some[np.argsort(ridges.component[some], kind="stable")]
+    numbers, first = np.unique(ridges.component[some], return_index=True)
+    for number, part in zip(numbers, np.split(voxels[some], first[1:]), strict=True):
+        launched[number] = known.are_linked_with(part)
+    return launched
+
+
+class _Boundaries:
+    """Boundaries that have been found, as graphs of voxels that touch each other."""
+
+    def __init__(self, voxels: Index, number: Index) -> None:
+        self._voxels = voxels
+        self._number = number
+
+    @cached_property
+    def _pairs(self) -> Index:
+        pairs = neighbors(self._voxels)
+        return np.asarray(pairs[self._number[pairs[:, 0]] == self._number[pairs[:, 1]]])
+
+    def are_linked_with(self, boundary: Index) -> bool:
+        """Whether a closed way along them is linked with one inside another boundary, voxels of shape (M, 3)."""
+        low, high = boundary.min(0), boundary.max(0)
+        near = self._voxels[((self._voxels >= low) & (self._voxels <= high)).all(axis=1)]
+        steps = neighbors(near)
+        loops = loops_of(boundary) if len(steps) else []
+        return any(passes(near[steps[:, 0]], near[steps[:, 1]], loop).any() and self._wind(loop) for loop in loops)
+
+    def _wind(self, loop: Array) -> bool:
+        one, other = self._voxels[self._pairs.T]
+        low, high = loop.min(0) - 1.0, loop.max(0) + 1.0
+        near = np.flatnonzero(((one >= low) & (one <= high)).all(axis=1))
+        turns = np.zeros(len(one), np.int64)
+        turns[near] = passes(one[near], other[near], loop)
+        return winds(len(self._voxels), self._pairs, turns)

@@ -1,0 +1,375 @@
+"""The motion of particles of a volume in one time step.
+
+The Coulomb force falls with the third power of the distance, as the field of the fixed charges does, and is summed over
+near pairs only: on a surface, those within a few spacings screen the others. Two particles that are seated on different
+sheets, such as the two walls of a vessel, do not repel each other. On a surface the Coulomb force acts along it alone,
+and static friction holds a particle against it and against the part of the placed charges along the surface.
+
+Particles are sorted into cubic cells. Surfaces fill few of the cells of a large volume: the list has an entry for each
+row of cells along the last axis and not for each cell; within a row the particles are sorted by their cells, and those
+of some cells are found by bisection.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+
+from cpm_core.field.volume.placed_charges import NOTHING_PLACED, Placed, placed_at
+from cpm_core.field.volume.surface_force import GATE, faces_alike, felt_at
+from cpm_core.field.volume.volume_field import VolumeField
+from cpm_core.image.volume_barriers import Walls
+from cpm_core.model.coverage import cell_of, cells_at, sorted_by
+from cpm_core.model.equations import Moved, advance, damped_series, damping, is_stuck, repulsion_left
+from cpm_core.model.state import Particles, SurfaceContact
+from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.parallel import share
+from cpm_core.numerics.types import Array, Index, Mask, Single
+from cpm_core.numerics.vectors import Vector, difference, dot, length, moved, row_of, scaled, set_row
+from cpm_core.parameters import Parameters
+
+
+class Cells(NamedTuple):
+    """Particles sorted into cubic cells; a plain tuple for the compiled loops.
+
+    The particles of a row of cells along the last axis are contiguous.
+
+    Attributes
+    ----------
+    size : float
+        Side of a cell [px].
+    planes, rows, cols : int
+        Cells along the axes; positions beyond the grid belong to its outermost cells.
+    start : ndarray of int64, shape (planes rows + 1,)
+        Where the particles of each row of cells begin in the sorted order.
+    col : ndarray of int64, shape (N,)
+        Column of the cell of each of the sorted particles.
+    order : ndarray of int64, shape (N,)
+        Index of each of the sorted particles.
+    z, y, x : ndarray, shape (N,)
+        Positions of the sorted particles [px].
+    """
+
+    size: float
+    planes: int
+    rows: int
+    cols: int
+    start: Index
+    col: Index
+    order: Index
+    z: Array
+    y: Array
+    x: Array
+
+
+def build_cells(position: Array, shape: Vector, size: float) -> Cells:
+    """Sort the particles `position`, shape (N, 3), in a volume of this size into cells of side `size` [px]."""
+    planes, rows, cols = (int(n / size) + 1 for n in shape)
+    plane, row, col = cells_at(position, size, (planes, rows, cols)).T
+    by_col, _ = sorted_by(col, cols)
+    by_line, start = sorted_by((plane * rows + row)[by_col], planes * rows)
+    order = by_col[by_line]
+    return Cells(size, planes, rows, cols, start, col[order], order, *np.ascontiguousarray(position[order].T))
+
+
+@compiled
+def near(cells: Cells, place: Vector, reach: float) -> Index:
+    """The sorted particles in the cells that contain all nearer to a place than a reach."""
+    front = cell_of(place[1] - reach, cells.size, cells.rows)
+    back = cell_of(place[1] + reach, cells.size, cells.rows)
+    left = cell_of(place[2] - reach, cells.size, cells.cols)
+    right = cell_of(place[2] + reach, cells.size, cells.cols)
+    first = cell_of(place[0] - reach, cells.size, cells.planes)
+    last = cell_of(place[0] + reach, cells.size, cells.planes)
+    spans = np.empty(((last - first + 1) * (back - front + 1), 2), np.int64)
+    lines, count = 0, 0
+    for plane in range(first, last + 1):
+        for line in range(plane * cells.rows + front, plane * cells.rows + back + 1):
+            start, end = cells.start[line], cells.start[line + 1]
+            spans[lines, 0] = _first_from(cells.col, left, start, end)
+            spans[lines, 1] = _first_from(cells.col, right + 1, spans[lines, 0], end)
+            count += spans[lines, 1] - spans[lines, 0]
+            lines += 1
+    found = np.empty(count, np.int64)
+    count = 0
+    for line in range(lines):
+        for k in range(spans[line, 0], spans[line, 1]):
+            found[count] = k
+            count += 1
+    return found
+
+
+@compiled
+def _first_from(col: Index, wanted: int, low: int, high: int) -> int:
+    """First of some entries in ascending order that is not below a wanted one; `high` if all are."""
+    while low < high:
+        middle = (low + high) // 2
+        if col[middle] < wanted:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
+@compiled
+def is_seated(slope: float, near: float, strength: float, floor: float) -> bool:
+    """Whether a particle is on the ridge of an edge that is strong enough.
+
+    `slope` is the relative slope of the edge map along the normal, to which that of placed charges is added, `near` how
+    much of the force it is.
+    """
+    return near >= 1.0 and abs(slope) < GATE and strength >= floor
+
+
+@compiled
+def on_one_sheet(i: int, j: int, normals: Array, seated: Mask) -> bool:
+    """Whether two particles count as neighbors: those that are seated, only if they are on the same sheet."""
+    return not (seated[i] and seated[j]) or faces_alike(row_of(normals, i), row_of(normals, j))
+
+
+REACH = 2.2
+"""Distance up to which particles repel each other, in d_min."""
+
+_FAR_NEIGHBOR = 4.0
+"""Distance at which a particle without a second neighbor has one in effect, in d_min."""
+
+_SOFTNESS = 0.5
+"""Slope of the normalized Coulomb force near equilibrium, as in `equations`."""
+
+_NEAREST = 1e-4
+"""Least squared distance of two particles in their force [units^2]."""
+
+_Fields = tuple[Single, Single, Single]
+"""Smoothed volume, edge map, and far field."""
+
+_Grid = tuple[Vector, Vector, float, float]
+"""Sides of a voxel, voxels along the sides of a block, least edge strength, and the radius of placed charges."""
+
+_Law = tuple[float, float, float, float, float]
+"""Weights w1 and w2, damping, time step, and particle spacing."""
+
+_Felt = tuple[_Fields, _Grid, Array, _Law]
+"""All of these, with the placed charges."""
+
+_WORTH_A_THREAD = 100
+"""Particles from which a second thread makes the step faster."""
+
+
+def move(
+    particles: Particles,
+    turn: Index,
+    cells: Cells,
+    idle: Index,
+    field: VolumeField,
+    law: Parameters,
+    placed: Placed = NOTHING_PLACED,
+) -> Moved:
+    """One time step of some particles, `turn` in the order of the cells; the others stay as they are.
+
+    `idle`, shape (N,), are the steps since new ground was found near each; `placed` are the placed charges.
+    """
+    old = particles.contact
+    assert old is not None
+    new = SurfaceContact(old.normal.copy(), old.seated.copy(), old.strength.copy(), old.woken)
+    distance = np.roll(particles.distance, 1, axis=1)
+    moving = particles.position.copy(), particles.velocity.copy(), particles.force.copy()
+    after = Particles(*moving, distance, particles.identity, new)
+    before = particles.position, particles.velocity, particles.force, old.normal
+    felt = _felt(field, law, placed)
+    work = partial(_move, turn, cells, idle, before, old.seated, (*moving, new.normal, new.strength), new.seated, *felt)
+    share(work, len(turn), _WORTH_A_THREAD)
+    distance[:, 0] = np.linalg.norm(after.position, axis=1)
+    return Moved(after, np.linalg.norm(after.position - particles.position, axis=1), new.strength, new.seated)
+
+
+def parts_of_force(
+    particles: Particles,
+    which: Index,
+    cells: Cells,
+    idle: Index,
+    field: VolumeField,
+    law: Parameters,
+    placed: Placed = NOTHING_PLACED,
+) -> tuple[Array, Array, Array, Array]:
+    """Coulomb force, Lorentz force, that of placed charges, and friction on some particles, shape (M, 3) each.
+
+    With their weights, as in a step; see `move`.
+    """
+    contact = particles.contact
+    assert contact is not None
+    fields, grid, charges, weights = _felt(field, law, placed)
+    position = particles.position
+    parts = np.empty((4, len(which), 3))
+    _parts(which, cells, idle, position, contact.normal, contact.seated, fields, grid, charges, weights, parts)
+    return parts[0], parts[1], parts[2], parts[3]
+
+
+def _felt(field: VolumeField, law: Parameters, placed: Placed) -> _Felt:
+    """What particles feel besides each other."""
+    return (
+        (field.smoothed, field.edge_map, field.far.force),
+        (field.pitch, field.far.block, field.floor, placed.radius),
+        placed.charges,
+        (float(law.w1), float(law.w2), float(law.beta), float(law.time_step), float(law.d_min)),
+    )
+
+
+@compiled
+def _move(
+    turn: Index,
+    cells: Cells,
+    idle: Index,
+    before: tuple[Array, Array, Array, Array],
+    was_seated: Mask,
+    after: tuple[Array, Array, Array, Array, Array],
+    seated: Mask,
+    fields: _Fields,
+    grid: _Grid,
+    charges: Array,
+    law: _Law,
+    first: int,
+    last: int,
+) -> None:
+    """Move some of the particles that have their turn."""
+    position, velocity, force, normals = before
+    to_position, to_velocity, to_force, to_normal, strength = after
+    beta, dt = law[2], law[3]
+    for q in range(first, last):
+        i = turn[q]
+        place, speed = row_of(position, i), row_of(velocity, i)
+        coulomb, lorentz, placed, held, normal, here, on_edge = _forces_on(
+            i, place, cells, idle[i], normals, was_seated, fields, grid, charges, law
+        )
+        total = moved(moved(coulomb, 1.0, lorentz), 1.0, placed)
+        if held:
+            along = moved(coulomb, 1.0, placed)
+            total = moved(total, -1.0, moved(along, -dot(along, normal), normal))
+            speed = scaled(normal, dot(speed, normal))
+        series = damped_series(damping(beta, idle[i]) * dt)
+        for axis in range(3):
+            now = total[axis]
+            old, older = (now, now) if on_edge else (force[i, 0, axis], force[i, 1, axis])
+            x, v = advance(place[axis], speed[axis], now, old, older, dt, series)
+            to_position[i, axis], to_velocity[i, axis] = x, v
+            to_force[i, 0, axis], to_force[i, 1, axis] = now, force[i, 0, axis]
+        set_row(to_normal, i, normal)
+        strength[i], seated[i] = here, on_edge
+
+
+@compiled
+def _forces_on(
+    i: int,
+    place: Vector,
+    cells: Cells,
+    idle: int,
+    normals: Array,
+    was_seated: Mask,
+    fields: _Fields,
+    grid: _Grid,
+    charges: Array,
+    law: _Law,
+) -> tuple[Vector, Vector, Vector, bool, Vector, float, bool]:
+    """Coulomb force, Lorentz force and that of placed charges on a particle, and whether friction holds it.
+
+    Then the normal of the edge there, its strength, and whether the particle is on it.
+    """
+    w1, w2, d_min = law[0], law[1], law[4]
+    coulomb = (0.0, 0.0, 0.0)
+    left = repulsion_left(idle)
+    if left > 0.0:
+        coulomb = scaled(_repulsion(cells, place, i, normals, was_seated, d_min), w1 * left)
+    pull, normal, here, slope, near = felt_at(*fields, grid[0], grid[1], grid[2], place)
+    drawn = placed_at(charges, grid[3], place)
+    placed = scaled(drawn, w2)
+    on_edge, held = is_seated(slope + dot(drawn, normal), near, here, grid[2]), False
+    if on_edge:
+        coulomb = moved(coulomb, -dot(coulomb, normal), normal)
+        along = moved(coulomb, 1.0, moved(placed, -dot(placed, normal), normal))
+        held = is_stuck(length(along), 0.0, w1, idle)
+    return coulomb, scaled(pull, w2), placed, held, normal, here, on_edge
+
+
+@compiled
+def _parts(
+    which: Index,
+    cells: Cells,
+    idle: Index,
+    position: Array,
+    normals: Array,
+    seated: Mask,
+    fields: _Fields,
+    grid: _Grid,
+    charges: Array,
+    law: _Law,
+    parts: Array,
+) -> None:
+    """Write the forces on some particles."""
+    for q in range(len(which)):
+        i = which[q]
+        place = row_of(position, i)
+        coulomb, lorentz, placed, held, normal, _, _ = _forces_on(
+            i, place, cells, idle[i], normals, seated, fields, grid, charges, law
+        )
+        along = moved(coulomb, 1.0, placed)
+        friction = scaled(moved(along, -dot(along, normal), normal), -1.0 if held else 0.0)
+        for axis in range(3):
+            parts[0, q, axis], parts[1, q, axis] = coulomb[axis], lorentz[axis]
+            parts[2, q, axis], parts[3, q, axis] = placed[axis], friction[axis]
+
+
+@compiled
+def _repulsion(cells: Cells, place: Vector, i: int, normals: Array, seated: Mask, d_min: float) -> Vector:
+    """Normalized Coulomb force on a particle from those near it, but for those on other sheets."""
+    reach = REACH * d_min
+    total = (0.0, 0.0, 0.0)
+    nearest, second = np.inf, (_FAR_NEIGHBOR * d_min) ** 2
+    for k in near(cells, place, reach):
+        away = difference(place, (cells.z[k], cells.y[k], cells.x[k]))
+        squared = dot(away, away)
+        j = cells.order[k]
+        if squared < reach * reach and j != i and on_one_sheet(i, j, normals, seated):
+            squared = max(squared, _NEAREST)
+            total = moved(total, 1.0 / (squared * squared), away)
+            if squared < nearest:
+                nearest, second = squared, min(nearest, second)
+            elif squared < second:
+                second = squared
+    if nearest == np.inf:
+        return total
+    spacing = 0.5 * (np.sqrt(nearest) + np.sqrt(second))
+    scale = _SOFTNESS * spacing**3 * min(1.0, spacing / d_min)
+    return scaled(total, scale / max(1.0, scale * length(total)))
+
+
+def held_back(walls: Walls, before: Particles, after: Particles) -> Particles:
+    """Particles after a step, held back where they would cross a wall.
+
+    Such a particle keeps the part of its step and of its velocity along the plane that it would cross, or along the
+    faces of painted voxels: the first of these parts that crosses no wall. Otherwise it stays where it was, at rest.
+    """
+    blocked = np.flatnonzero(walls.crossed(before.position, after.position))
+    if not len(blocked):
+        return after
+    position, velocity = after.position.copy(), after.velocity.copy()
+    for along in _ways(walls):
+        step = position[blocked] - before.position[blocked]
+        ends = before.position[blocked] + step @ along
+        free = ~walls.crossed(before.position[blocked], ends)
+        chosen = blocked[free]
+        position[chosen], velocity[chosen] = ends[free], velocity[chosen] @ along
+        blocked = blocked[~free]
+    position[blocked], velocity[blocked] = before.position[blocked], 0.0
+    return replace(after, position=position, velocity=velocity)
+
+
+def _ways(walls: Walls) -> list[Array]:
+    """Projections, shape (3, 3), of a step: on each plane, then on the faces of voxels, then on their edges."""
+    across = walls.planes[:, :3] * walls.size
+    across = across / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-300)
+    on_planes = [np.eye(3) - np.outer(normal, normal) for normal in across]
+    axes = np.eye(3)
+    return [*on_planes, *(np.diag(axes[list(kept)].sum(axis=0)) for n in (2, 1) for kept in combinations(range(3), n))]

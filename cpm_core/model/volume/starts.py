@@ -1,0 +1,251 @@
+"""Starts in a volume: on a sphere or a box, at what is drawn in slices, evenly, on strong edges, between edges."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy
+from numpy.typing import ArrayLike
+
+from cpm_core.field.volume.volume_field import edge_strength, pitch_of, smoothed_volume
+from cpm_core.image.image import Image, as_image
+from cpm_core.model.starts import STRONG, centers_between, uniform_grid
+from cpm_core.numerics.real_numbers import checked_number, real_numbers, three_numbers, voxel_sides
+from cpm_core.numerics.types import Array
+from cpm_core.parameters.quotation import shown
+
+_GOLDEN = np.pi * (1.0 + 5.0**0.5)
+"""Turn from one particle on a sphere to the next: no two of them line up."""
+
+_LARGEST, _MOST = 1e5, 10_000_000
+"""Largest radius, beyond any volume that can be processed [voxels], and the most particles."""
+
+_CUBES = 2e6
+"""Number of cubes in which centers are looked for in a large volume."""
+
+_FARTHEST = 1e9
+"""Largest coordinate of a corner [voxels]."""
+
+
+def sphere(
+    center: tuple[float, float, float],
+    radius: float,
+    count: int = 625,
+    spacing: tuple[float, float, float] = (1.0, 1.0, 1.0),
+) -> Array:
+    """Particles on a sphere, evenly spread.
+
+    Parameters
+    ----------
+    center : tuple of float
+        Center (plane, row, col) [voxels].
+    radius : float
+        Radius, in the unit of `spacing`: voxels unless a spacing is given.
+    count : int
+        Number of particles.
+    spacing : tuple of float
+        Sides of a voxel (plane, row, col), for a sphere in a volume whose voxels are no cubes.
+
+    Returns
+    -------
+    ndarray, shape (N, 3)
+        Positions (plane, row, col) [voxels].
+
+    Raises
+    ------
+    ValueError
+        When the center is not three finite numbers, radius or spacing is not positive, or the count is not a positive
+        whole number.
+
+    Examples
+    --------
+    >>> cpm.sphere((15, 15, 15), radius=4, count=60).shape
+    (60, 3)
+    """
+    middle, sides = three_numbers("center", center), voxel_sides("spacing", spacing)
+    checked_number("radius", radius, lambda r: 0.0 < r <= _LARGEST, f"above 0 and at most {_LARGEST:g}")
+    checked_number("count", count, lambda n: n == int(n) and 1 <= n <= _MOST, f"a whole number from 1 to {_MOST}")
+    step = np.arange(int(count)) + 0.5
+    down, around = np.arccos(1.0 - 2.0 * step / count), _GOLDEN * step
+    out = np.stack([np.cos(down), np.sin(down) * np.sin(around), np.sin(down) * np.cos(around)], axis=1)
+    return np.asarray(middle + radius * out / sides)
+
+
+def box(first: tuple[float, float, float], last: tuple[float, float, float], spacing: float = 2.0) -> Array:
+    """Particles on the faces of a box.
+
+    Parameters
+    ----------
+    first, last : tuple of float
+        Two opposite corners (plane, row, col) [voxels].
+    spacing : float
+        Distance between particles along each axis [voxels]; adapted so that there are particles on all edges.
+
+    Returns
+    -------
+    ndarray, shape (N, 3)
+        Positions (plane, row, col).
+
+    Raises
+    ------
+    ValueError
+        When the corners are not three finite numbers each or have no distance along an axis, or when the spacing is
+        not positive or so small that there would be too many particles.
+
+    Examples
+    --------
+    >>> cpm.box((4, 4, 4), (10, 10, 10)).shape[1]
+    3
+    """
+    low, high = np.sort([three_numbers("first", first), three_numbers("last", last)], axis=0)
+    if not (high > low).all():
+        raise ValueError(
+            f"the corners of the box are {shown(first)} and {shown(last)} but must differ along every axis."
+        )
+    farthest = max(-float(low.min()), float(high.max()))
+    if farthest > _FARTHEST:
+        raise ValueError(f"a corner of the box lies at {farthest:g} voxels but must lie within {_FARTHEST:g}.")
+    checked_number("spacing", spacing, lambda side: side > 0.0, "above 0")
+    counts = np.maximum(1.0, np.round((high - low) / spacing))
+    if np.prod(counts + 1.0) - np.prod(np.maximum(counts - 1.0, 0.0)) > _MOST:
+        raise ValueError(f"spacing is {spacing:g}, which makes more than {_MOST} particles: choose a larger one.")
+    faces = []
+    for axis in range(3):
+        lines = [np.linspace(low[k], high[k], int(counts[k]) + 1) for k in range(3)]
+        lines = [line[1:-1] if k < axis else line for k, line in enumerate(lines)]  # edges belong to one face
+        lines[axis] = np.array([low[axis], high[axis]])
+        faces.append(np.stack([part.ravel() for part in np.meshgrid(*lines, indexing="ij")], axis=1))
+    return np.concatenate(faces)
+
+
+def in_slice(
+    points: ArrayLike, at: float, axis: int = 0, spacing: tuple[float, float, float] = (1.0, 1.0, 1.0)
+) -> Array:
+    """What is drawn in a slice of a volume, such as the particles of a circle or a stroke, at its place in the volume.
+
+    Parameters
+    ----------
+    points : array_like, shape (N, 2)
+        Positions along the two axes of the slice, in the order of the volume's axes and in the unit of `spacing`:
+        voxels unless a spacing is given.
+    at : float
+        Where the slice lies along the other axis [voxels].
+    axis : int
+        The axis across the slice: 0 for a plane (row, col), 1 for (plane, col), 2 for (plane, row).
+    spacing : tuple of float
+        Sides of a voxel (plane, row, col), for a volume whose voxels are no cubes: a circle is then round.
+
+    Returns
+    -------
+    ndarray, shape (N, 3)
+        Positions (plane, row, col) [voxels].
+
+    Raises
+    ------
+    ValueError
+        When the points are not rows of two finite numbers, the axis is none of the three, the slice is at no finite
+        place, or the spacing is not positive.
+
+    Examples
+    --------
+    >>> seeds = cpm.in_slice(cpm.circle((15, 15), 4), at=12)
+    >>> seeds.shape[1], set(seeds[:, 0].tolist())
+    (3, {12.0})
+    """
+    drawn, sides = real_numbers(points), voxel_sides("spacing", spacing)
+    if drawn.ndim != 2 or drawn.shape[1] != 2:
+        raise ValueError(f"what is drawn in a slice has the shape {drawn.shape} but must be (N, 2), one row a point.")
+    if not np.isfinite(drawn).all():
+        raise ValueError(f"{int((~np.isfinite(drawn)).sum())} coordinates of what is drawn in a slice are not finite.")
+    across = int(checked_number("axis", axis, lambda number: number in (0, 1, 2), "0, 1 or 2"))
+    place = checked_number("at", at, lambda number: True, "a finite number of voxels")
+    return np.insert(drawn / np.delete(sides, across), across, place, axis=1)
+
+
+def everywhere(volume: Image | ArrayLike, spacing: float = 8.0) -> Array:
+    """Particles evenly spread over a volume, at this distance [smallest sides of a voxel]; shape (N, 3) [voxels].
+
+    Examples
+    --------
+    >>> cpm.everywhere(cpm.example("ball")).shape[1]
+    3
+    """
+    volume = _volume(volume)
+    pitch = np.array(pitch_of(volume.spacing))
+    extent = tuple(int(side) for side in np.ceil((np.array(volume.shape) - 1) * pitch) + 1)
+    places = uniform_grid(extent, spacing)
+    inset = 0.5 * ((np.array(extent) - 1) - (np.array(volume.shape) - 1) * pitch)
+    return np.asarray((places - inset) / pitch)
+
+
+def on_strong_edges(volume: Image | ArrayLike, fraction: float = STRONG, smoothing: float = 1.0) -> Array:
+    """Particles on every voxel whose edge strength is above a fraction of the largest; shape (N, 3) [voxels].
+
+    `smoothing` is the sigma of the Gaussian before the gradient [smallest sides of a voxel].
+
+    Examples
+    --------
+    >>> seeds = cpm.on_strong_edges(cpm.example("ball"))
+    >>> bool((np.abs(np.linalg.norm(seeds - 15, axis=1) - 9) < 3).all())
+    True
+    """
+    checked_number("fraction", fraction, lambda share: 0.0 <= share <= 1.0, "from 0 to 1")
+    sigma = checked_number("smoothing", smoothing, lambda width: width >= 0.0, "0 or more")
+    strength = strength_of(_volume(volume), sigma)
+    return np.argwhere(strength > fraction * strength.max()).astype(float)
+
+
+def strength_of(volume: Image, smoothing: float) -> Array:
+    """Edge strength of every voxel; `smoothing` as for `on_strong_edges`."""
+    pitch = pitch_of(volume.spacing)
+    return np.asarray(edge_strength(smoothed_volume(volume.values, [smoothing / side for side in pitch]), pitch))
+
+
+def at_centers(volume: Image | ArrayLike, smoothing: float = 2.0, spacing: float = 4.0) -> Array:
+    """Particles in the middle between edges, where the field diverges; shape (N, 3) [voxels].
+
+    Parameters
+    ----------
+    volume : Image or array_like, shape (P, R, C)
+        Volume. A large one is looked at more coarsely, in cubes of about two million in number.
+    smoothing : float
+        Sigma of the Gaussian before the gradient [smallest sides of a voxel].
+    spacing : float
+        Of two centers at most this far apart along each axis only the stronger is kept [smallest sides of a voxel, or
+        of those cubes].
+
+    Returns
+    -------
+    ndarray, shape (N, 3)
+        Positions; see `divergence_centers`.
+
+    Raises
+    ------
+    ValueError
+        When it is no volume, smoothing is negative, or spacing is not a positive number.
+
+    Examples
+    --------
+    >>> seeds = cpm.at_centers(cpm.example("ball"))
+    >>> bool((np.linalg.norm(seeds - 15, axis=1) < 2).any()), len(seeds) < len(cpm.everywhere(cpm.example("ball")))
+    (True, True)
+    """
+    sigma = checked_number("smoothing", smoothing, lambda width: width >= 0.0, "0 or more")
+    apart = checked_number("spacing", spacing, lambda number: number > 0.0, "above 0")
+    volume = _volume(volume)
+    pitch = np.array(pitch_of(volume.spacing))
+    smooth = smoothed_volume(volume.values, (sigma / pitch).tolist())
+    extent = np.maximum(np.array(volume.shape) - 1, 1) * pitch
+    cube = max(1.0, float(np.prod(extent) / _CUBES) ** (1.0 / 3.0))
+    shape = np.maximum(np.rint(extent / cube).astype(int) + 1, 2)
+    even = scipy.ndimage.zoom(smooth, shape / np.array(volume.shape), order=1, grid_mode=False)
+    strength = edge_strength(even, (1.0, 1.0, 1.0))
+    found = centers_between(np.asarray(strength, dtype=np.float64), apart)
+    return np.asarray(found * (np.array(volume.shape) - 1) / (np.array(even.shape) - 1))
+
+
+def _volume(values: Image | ArrayLike) -> Image:
+    """A volume from an image or from gray levels, whose voxels are cubes then."""
+    volume = as_image(values)
+    if len(volume.shape) != 3:
+        raise ValueError(f"{volume.source} has the shape {volume.shape} but must be a volume, (planes, rows, columns).")
+    return volume

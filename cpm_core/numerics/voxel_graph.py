@@ -1,0 +1,319 @@
+"""Voxels as graphs: solids thinned to lines, chains between their ends and branches, and closed ways in solids."""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.parts import parts_of
+from cpm_core.numerics.types import Array, Index, Mask
+
+
+def thinned(inside: Mask, depth: Array) -> Mask:
+    """Lines of voxels in the middle of a mask whose outermost voxels are False; `depth` is the distance inward."""
+    lines = inside.copy()
+    voxels = np.argwhere(lines)
+    voxels = voxels[np.argsort(depth[tuple(voxels.T)], kind="stable")]
+    while _thin(lines, voxels):
+        voxels = voxels[lines[tuple(voxels.T)]]
+    return lines
+
+
+@compiled
+def _thin(lines: Mask, voxels: Index) -> int:
+    """Take simple voxels away, in order; return their number."""
+    around, waiting = np.empty(27, np.bool_), np.empty(27, np.int64)
+    taken = 0
+    for n in range(len(voxels)):
+        p, r, c = voxels[n]
+        count = 0
+        for k in range(27):
+            around[k] = lines[p + k // 9 - 1, r + k // 3 % 3 - 1, c + k % 3 - 1]
+            count += around[k]
+        if count > 2 and _is_simple(around, waiting):
+            lines[p, r, c] = False
+            taken += 1
+    return taken
+
+
+@compiled
+def _is_simple(around: Mask, waiting: NDArray[np.int64]) -> bool:
+    """Whether the inside around the middle of 27 voxels hangs together, and so does the outside at its sides."""
+    return _parts(around, waiting, True) == 1 and _parts(around, waiting, False) == 1
+
+
+@compiled
+def _parts(around: Mask, waiting: NDArray[np.int64], inside: bool) -> int:
+    """Number of parts of the inside with 26 neighbors, or of the outside with 6 that touch the middle by a side."""
+    seen = np.zeros(27, np.bool_)
+    count = 0
+    for start in range(27):
+        x, y, z = start // 9 - 1, start // 3 % 3 - 1, start % 3 - 1
+        off = abs(x) + abs(y) + abs(z)
+        if start == 13 or seen[start] or around[start] != inside or (not inside and off != 1):
+            continue
+        count += 1
+        seen[start] = True
+        waiting[0], many = start, 1
+        while many:
+            many -= 1
+            at = waiting[many]
+            for other in range(27):
+                if other == 13 or seen[other] or around[other] != inside:
+                    continue
+                u, v, w = other // 9 - 1, other // 3 % 3 - 1, other % 3 - 1
+                if not inside and abs(u) + abs(v) + abs(w) == 3:
+                    continue  # corners do not belong to the outside around the middle
+                a, b, d = abs(u - (at // 9 - 1)), abs(v - (at // 3 % 3 - 1)), abs(w - (at % 3 - 1))
+                if max(a, b, d) == 1 and (inside or a + b + d == 1):
+                    seen[other] = True
+                    waiting[many] = other
+                    many += 1
+    return count
+
+
+_AROUND = np.array([step for step in product((-1, 0, 1), repeat=3) if any(step)])
+
+
+class Chain(NamedTuple):
+    """A line of voxels.
+
+    Attributes
+    ----------
+    points : ndarray, shape (N, 3)
+        Places along it; at a junction of several voxels their mean.
+    own : ndarray of int64, shape (M, 3)
+        Voxels that belong to no junction.
+    nodes : tuple of int
+        Numbers of the places at its ends.
+    free_end : int
+        0 or 1 when that end lies in the open and the other at a junction, else -1.
+    """
+
+    points: Array
+    own: Index
+    nodes: tuple[int, int]
+    free_end: int
+
+    @property
+    def free(self) -> bool:
+        """Whether it hangs at a junction with its other end in the open."""
+        return self.free_end >= 0
+
+
+def chains_of(lines: Mask) -> list[Chain]:
+    """Chains of a mask of lines one voxel thick, whose outermost voxels are False."""
+    voxels = np.argwhere(lines)
+    number = np.full(lines.shape, -1, np.int64)
+    number[tuple(voxels.T)] = np.arange(len(voxels))
+    near = number[tuple((voxels[:, None] + _AROUND).transpose(2, 0, 1))]
+    degree = (near >= 0).sum(1)
+    crowded = np.zeros(lines.shape, bool)
+    crowded[tuple(voxels[degree > 2].T)] = True
+    labels, count = scipy.ndimage.label(crowded, np.ones((3, 3, 3)))
+    junction = labels[tuple(voxels.T)] - 1  # -1 for voxels of chains
+    centers = np.array([voxels[junction == k].mean(0) for k in range(count)]).reshape(-1, 3)
+    neighbors = [row[row >= 0].tolist() for row in near]
+    return _traced(voxels, neighbors, junction.astype(np.int64), centers)
+
+
+def _traced(voxels: Index, neighbors: list[list[int]], junction: Index, centers: Array) -> list[Chain]:
+    """Follow every line from its ends, then what is left: rings, and junctions without lines are no chains."""
+    used: set[int] = set()
+    chains = []
+    plain = [k for k in range(len(voxels)) if junction[k] < 0]
+    inner = {k: [n for n in neighbors[k] if junction[n] < 0] for k in plain}
+    starts = [k for k in plain if len(inner[k]) < 2]
+    for start in [*starts, *plain]:
+        if start in used:
+            continue
+        way = [start]
+        used.add(start)
+        while True:
+            following = next((n for n in inner[way[-1]] if n not in used), None)
+            if following is None:
+                break
+            way.append(following)
+            used.add(following)
+        chains.append(_chain(way, voxels, neighbors, junction, centers))
+    return chains
+
+
+def _chain(way: list[int], voxels: Index, neighbors: list[list[int]], junction: Index, centers: Array) -> Chain:
+    """A chain with the junctions at its ends."""
+    own = voxels[way]
+    at = [_junction_at(way[k], neighbors, junction) for k in (0, -1)]
+    if len(way) == 1:  # between two junctions, or at one
+        touched = sorted({int(junction[n]) for n in neighbors[way[0]] if junction[n] >= 0})
+        at = [*touched[:2], *[-1] * (2 - len(touched[:2]))]
+    ring = at == [-1, -1] and len(way) > 2 and way[0] in neighbors[way[-1]]
+    pieces = [centers[at[0]][None]] if at[0] >= 0 else []
+    pieces.append(own.astype(float))
+    if at[1] >= 0:
+        pieces.append(centers[at[1]][None])
+    if ring:
+        pieces.append(own[:1].astype(float))
+    first, last = (
+        k if k >= 0 else len(centers) + end for k, end in zip(at, (way[0], way[0] if ring else way[-1]), strict=True)
+    )
+    free = (at[0] < 0) != (at[1] < 0)
+    return Chain(np.concatenate(pieces), own, (first, last), (0 if at[0] < 0 else 1) if free else -1)
+
+
+def _junction_at(voxel: int, neighbors: list[list[int]], junction: Index) -> int:
+    return next((int(junction[n]) for n in neighbors[voxel] if junction[n] >= 0), -1)
+
+
+_OFF_GRID = np.array([0.0317, 0.0271, 0.0193])
+"""Offset of one loop from another [voxels], so that no segment meets the edge of a triangle."""
+
+_AT_ONCE = 1_000_000
+"""Pairs of a segment and a triangle that are tested at once."""
+
+_AHEAD = np.array([step for step in product((-1, 0, 1), repeat=3) if step > (0, 0, 0)])
+"""Half of the steps to the 26 voxels around one."""
+
+
+def loops_of(boundary: Index) -> list[Array]:
+    """Loops along the center lines of what a boundary encloses, each of shape (K, 3), closed.
+
+    `boundary`, shape (M, 3), are voxels on it. Every other closed way in there is made up of these loops.
+    """
+    low = boundary.min(0) - 3
+    solid = np.zeros(boundary.max(0) - low + 4, np.bool_)
+    solid[tuple((boundary - low).T)] = True
+    solid = _filled(np.asarray(scipy.ndimage.binary_dilation(solid, np.ones((3, 3, 3), bool))))
+    lines = thinned(solid, scipy.ndimage.distance_transform_cdt(solid).astype(float))
+    return [loop + low for loop in _cycles(chains_of(lines))]
+
+
+def _filled(mask: Mask) -> Mask:
+    """A mask with its hollows."""
+    empty = parts_of(~mask, corners=False)
+    hollow = np.flatnonzero(~empty.at_border)
+    if not len(hollow):
+        return mask
+    voxels = np.argwhere(~mask)
+    filled = mask.copy()
+    filled[tuple(voxels[np.isin(empty.part_at(voxels), hollow)].T)] = True
+    return filled
+
+
+def _cycles(chains: list[Chain]) -> list[Array]:
+    """A loop for each chain beyond those of a spanning tree: the chain, and the way back through the tree."""
+    way: dict[int, tuple[int, Array]] = {}  # node -> the one before it, and the points from there
+    places: dict[int, list[tuple[int, int, Array]]] = {}
+    for k, chain in enumerate(chains):
+        places.setdefault(chain.nodes[0], []).append((k, chain.nodes[1], chain.points))
+        places.setdefault(chain.nodes[1], []).append((k, chain.nodes[0], chain.points[::-1]))
+    seen: set[int] = set()
+    used: set[int] = set()
+    loops = []
+    for root in places:
+        if root in seen:
+            continue
+        seen.add(root)
+        waiting = [root]
+        while waiting:
+            node = waiting.pop(0)
+            for k, other, points in places[node]:
+                if k in used:
+                    continue
+                used.add(k)
+                if other in seen:
+                    back = _way_up(way, node), _way_up(way, other)
+                    loops.append(np.concatenate([back[0][::-1], points, back[1]]))
+                else:
+                    seen.add(other)
+                    way[other] = node, points
+                    waiting.append(other)
+    return loops
+
+
+def _way_up(way: dict[int, tuple[int, Array]], node: int) -> Array:
+    """The points from a node to the root of its tree."""
+    pieces = [np.empty((0, 3))]
+    while node in way:
+        node, points = way[node]
+        pieces.append(points[::-1])
+    return np.concatenate(pieces)
+
+
+def neighbors(voxels: Index) -> Index:
+    """Pairs of voxels, shape (N, 3), that touch each other by a side, an edge or a corner: their indices, (E, 2)."""
+    if not len(voxels):
+        return np.empty((0, 2), np.int64)
+    place = voxels - voxels.min(0) + 1
+    sides = place.max(0) + 2
+    number = np.ravel_multi_index(tuple(place.T), tuple(sides))
+    order = np.argsort(number, kind="stable")
+    number = number[order]
+    pairs = []
+    for step in _AHEAD:
+        wanted = number + (step[0] * sides[1] + step[1]) * sides[2] + step[2]
+        at = np.minimum(np.searchsorted(number, wanted), len(number) - 1)
+        met = number[at] == wanted
+        pairs.append(np.stack([order[met], order[at[met]]], axis=1))
+    return np.concatenate(pairs)
+
+
+def passes(start: Array, end: Array, loop: Array) -> Index:
+    """How often segments, shape (N, 3) each, pass through a surface with a loop as its rim, counted by direction.
+
+    The surface is made of triangles around the middle of the loop, which has the shape (K, 3) and is closed.
+    """
+    tip = loop.mean(0)
+    a, b = loop - tip, np.roll(loop, -1, axis=0) - tip
+    step = max(1, _AT_ONCE // len(a))
+    from_, to = start - tip + _OFF_GRID, end - tip + _OFF_GRID
+    found = [_passes(from_[k : k + step], to[k : k + step], a, b) for k in range(0, len(start), step)]
+    return np.concatenate([np.zeros(0, np.int64), *found])
+
+
+def _passes(start: Array, end: Array, a: Array, b: Array) -> Index:
+    """How often segments pass through triangles with one corner at the origin and the others at `a` and `b`."""
+    normal = np.cross(a, b)
+    from_, to = start @ normal.T, end @ normal.T
+    segment, triangle = np.nonzero((from_ < 0.0) != (to < 0.0))
+    before, after = from_[segment, triangle], to[segment, triangle]
+    place = start[segment] + (before / (before - after))[:, None] * (end[segment] - start[segment])
+    n = normal[triangle]
+    inside = np.ones(len(segment), bool)
+    for u, v in ((np.zeros_like(n), a[triangle]), (a[triangle], b[triangle]), (b[triangle], np.zeros_like(n))):
+        inside &= np.einsum("ij,ij->i", np.cross(v - u, place - u), n) >= 0.0
+    turns = np.where(before < 0.0, 1, -1) * inside
+    return np.bincount(segment, turns, minlength=len(start)).astype(np.int64)
+
+
+def winds(count: int, pairs: Index, turns: Index) -> bool:
+    """Whether a closed way through a graph makes turns: those of its edges, shape (E,), do not add up to zero.
+
+    `pairs`, shape (E, 2), are the edges between `count` places; against their direction they turn the other way.
+    """
+    plain = pairs[turns == 0]
+    graph = scipy.sparse.coo_array((np.ones(len(plain), np.int8), (plain[:, 0], plain[:, 1])), shape=(count, count))
+    _, part = scipy.sparse.csgraph.connected_components(graph, directed=False)
+    turning = turns != 0
+    edges = np.unique(np.column_stack([part[pairs[turning]], turns[turning]]), axis=0).tolist()
+    ways: dict[int, list[tuple[int, int]]] = {}
+    for one, other, turn in edges:
+        ways.setdefault(one, []).append((other, turn))
+        ways.setdefault(other, []).append((one, -turn))
+    height: dict[int, int] = {}
+    for root in ways:
+        waiting = [] if root in height else [root]
+        height.setdefault(root, 0)
+        while waiting:
+            node = waiting.pop()
+            for other, turn in ways[node]:
+                if other not in height:
+                    height[other] = height[node] + turn
+                    waiting.append(other)
+                elif height[other] != height[node] + turn:
+                    return True
+    return False

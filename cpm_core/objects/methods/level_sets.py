@@ -1,0 +1,309 @@
+"""Level sets: contours that are the zero of a function on the pixels, which an equation moves.
+
+A function phi is above 0 inside the contour. It follows::
+
+    dphi/dt = a kappa |grad phi| + b |grad phi| - v . grad phi
+
+with the curvature ``kappa = div(grad phi / |grad phi|)``, weights a and b, and a velocity v on the pixels. The first
+term takes central differences, the second those of Godunov, the third those from where v comes (Osher and Sethian 1988,
+doi:10.1016/0021-9991(88)90002-2). The function moves near the contour only, within `BAND` of it, and is made a signed
+distance again every few steps. A step is as long as is stable.
+
+The geodesic active contour is short in a metric of edges; the geometric GVF contour, eq. (3), moves in the field of
+gradient vector flow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from cpm_core.field.edge_map import gradient
+from cpm_core.image.image import Image
+from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.types import Array, Mask
+from cpm_core.objects.methods.gray import unit_edges
+from cpm_core.objects.methods.method import ContourMethod, Start
+from cpm_core.objects.methods.settings import Settings, number
+from cpm_core.objects.methods.snakes import evened, gradient_vector_flow
+from cpm_core.objects.methods.states import LevelSetState, until_at_rest
+
+MOST_STEPS = 4000
+
+BAND = 6.0
+"""Distance from the contour within which the function moves [px]."""
+
+FARTHEST = BAND + 2.0
+"""Distance at which the function is cut [px]."""
+
+_FAR = 1e9
+
+_FASTEST, _SMOOTHEST = 0.5, 0.2
+"""How far a front moves in a step at most [px], and the largest product of time step and weight of the curvature."""
+
+_AGAIN = 5
+"""Steps after which the function is made a signed distance again."""
+
+_EVERY, _REST = 40, 0.002
+"""A front is at rest when within so many steps it has changed less than this fraction of its pixels."""
+
+
+@dataclass(frozen=True, eq=False)
+class Speeds:
+    """What moves a level set; see above: weights of curvature and pressure, shape (H, W), velocity, (2, H, W)."""
+
+    curvature: Array
+    pressure: Array
+    velocity: Array
+
+    @property
+    def time_step(self) -> float:
+        """The longest step that is stable."""
+        drift = np.abs(self.pressure) + np.abs(self.velocity).sum(axis=0)
+        fastest, bending = float(drift.max()), float(np.abs(self.curvature).max())
+        return min(_FASTEST / max(fastest, 1e-9), _SMOOTHEST / max(bending, 1e-9))
+
+
+def distance_of(inside: Mask) -> Array:
+    """Signed distance from the boundary of a region, shape (H, W), above 0 inside [px]."""
+    edt = scipy.ndimage.distance_transform_edt
+    return np.where(inside, edt(inside) - 0.5, 0.5 - edt(~inside))
+
+
+def evolution(inside: Mask, speeds: Speeds, most_steps: int) -> Iterator[LevelSetState]:
+    """States of a front that begins around a region, until it is at rest or vanishes."""
+    return until_at_rest(_fronts(inside, speeds), _EVERY, _REST, most_steps)
+
+
+def _fronts(inside: Mask, speeds: Speeds) -> Iterator[LevelSetState]:
+    phi, time, step = np.clip(distance_of(inside), -FARTHEST, FARTHEST), speeds.time_step, 0
+    while True:
+        yield LevelSetState(step, values=phi)
+        step += 1
+        phi = moved(phi, speeds.curvature, speeds.pressure, speeds.velocity, time)
+        if step % _AGAIN == 0:
+            phi = signed_distance(phi)
+
+
+@compiled
+def moved(phi: Array, curvature: Array, pressure: Array, velocity: Array, time: float) -> Array:
+    """The function after a time, shape (H, W).
+
+    `curvature` and `pressure` are the weights a and b, shape (H, W), `velocity` is v, shape (2, H, W) [px]. Beyond the
+    border the function continues with its outermost values.
+    """
+    rows, width = phi.shape
+    out = phi.copy()
+    for row in range(rows):
+        up, down = max(row - 1, 0), min(row + 1, rows - 1)
+        for col in range(width):
+            here = phi[row, col]
+            if abs(here) > BAND:
+                continue
+            left, right = max(col - 1, 0), min(col + 1, width - 1)
+            to_up, to_down = here - phi[up, col], phi[down, col] - here
+            to_left, to_right = here - phi[row, left], phi[row, right] - here
+            change = 0.0
+            weight = curvature[row, col]
+            if weight != 0.0:
+                by_row, by_col = 0.5 * (to_up + to_down), 0.5 * (to_left + to_right)
+                square = by_row * by_row + by_col * by_col
+                if square > 1e-12:
+                    mixed = 0.25 * (phi[down, right] - phi[down, left] - phi[up, right] + phi[up, left])
+                    second = (to_down - to_up) * by_col * by_col + (to_right - to_left) * by_row * by_row
+                    # a curvature above 1/px is that of noise on the grid
+                    length = np.sqrt(square)
+                    bend = (second - 2.0 * mixed * by_row * by_col) / (square * length)
+                    change += weight * min(max(bend, -1.0), 1.0) * length
+            push = pressure[row, col]
+            if push > 0.0:  # the contour grows: the function rises, from where it is higher
+                steep = max(-to_up, 0.0) ** 2 + max(to_down, 0.0) ** 2
+                steep += max(-to_left, 0.0) ** 2 + max(to_right, 0.0) ** 2
+                change += push * np.sqrt(steep)
+            elif push < 0.0:
+                steep = max(to_up, 0.0) ** 2 + max(-to_down, 0.0) ** 2
+                steep += max(to_left, 0.0) ** 2 + max(-to_right, 0.0) ** 2
+                change += push * np.sqrt(steep)
+            drift_row, drift_col = velocity[0, row, col], velocity[1, row, col]
+            change -= drift_row * (to_up if drift_row > 0.0 else to_down)
+            change -= drift_col * (to_left if drift_col > 0.0 else to_right)
+            out[row, col] = here + time * change
+    return out
+
+
+@compiled
+def _next_to_zero(phi: Array, out: Array) -> NDArray[np.bool_]:
+    """The pixels between which the sign changes; their distance from the zero is written to `out` [px]."""
+    rows, width = phi.shape
+    fixed = np.zeros(phi.shape, dtype=np.bool_)
+    for row in range(rows):
+        for col in range(width):
+            here = phi[row, col]
+            by_row = by_col = _FAR
+            for other in (row - 1, row + 1):
+                if 0 <= other < rows and (phi[other, col] > 0.0) != (here > 0.0):
+                    by_row = min(by_row, abs(here) / max(abs(here - phi[other, col]), 1e-12))
+            for other in (col - 1, col + 1):
+                if 0 <= other < width and (phi[row, other] > 0.0) != (here > 0.0):
+                    by_col = min(by_col, abs(here) / max(abs(here - phi[row, other]), 1e-12))
+            if by_row < _FAR and by_col < _FAR:
+                out[row, col] = by_row * by_col / max(np.sqrt(by_row * by_row + by_col * by_col), 1e-12)
+            else:
+                out[row, col] = min(by_row, by_col)
+            fixed[row, col] = out[row, col] < _FAR
+    return fixed
+
+
+@compiled
+def signed_distance(phi: Array) -> Array:
+    """Distance from the zero of a function, shape (H, W), with its sign, cut at `FARTHEST` [px].
+
+    Next to the zero the distance is that of a straight contour through the pixels between which the sign changes;
+    elsewhere it solves ``|grad d| = 1`` by sweeps in four directions (Zhao 2005, doi:10.1090/S0025-5718-04-01678-3).
+    """
+    rows, width = phi.shape
+    out = np.full(phi.shape, _FAR)
+    fixed = _next_to_zero(phi, out)
+    for sweep in range(4):
+        for i in range(rows):
+            row = i if sweep % 2 == 0 else rows - 1 - i
+            for j in range(width):
+                col = j if sweep < 2 else width - 1 - j
+                if fixed[row, col]:
+                    continue
+                a = min(out[max(row - 1, 0), col], out[min(row + 1, rows - 1), col])
+                b = min(out[row, max(col - 1, 0)], out[row, min(col + 1, width - 1)])
+                onward = min(a, b) + 1.0
+                if onward > max(a, b):
+                    onward = 0.5 * (a + b + np.sqrt(2.0 - (a - b) * (a - b)))
+                out[row, col] = min(out[row, col], onward)
+    for row in range(rows):
+        for col in range(width):
+            size = min(out[row, col], FARTHEST)
+            out[row, col] = size if phi[row, col] > 0.0 else -size
+    return out
+
+
+@dataclass(frozen=True)
+class GeodesicSettings(Settings):
+    """Parameters of the geodesic active contour."""
+
+    balloon: float = number(
+        0.3, "c", "Balloon", "Constant pressure that drives it on: outwards, or inwards from around the object.",
+        "More of it drives the contour on faster, and over edges.",
+        (-20.0, 20.0), (-2.0, 2.0), 0.1, equation="w₀ of eq. (2)",
+    )  # fmt: skip
+    curvature: float = number(
+        0.2, "w₁", "Smoothness", "Weight of the curvature, which shortens the contour.",
+        "More of it keeps the contour out of gaps, bays and noise.",
+        (0.0, 20.0), (0.0, 2.0), 0.05, equation="w₁ of eq. (2)",
+    )  # fmt: skip
+    pull: float = number(
+        1.0, "w₂", "Pull to edges", "Weight of the pull back to edges that the contour has begun to cross.",
+        "More of it holds the contour on edges against the balloon; at 0 they only slow it down.",
+        (0.0, 100.0), (0.0, 20.0), 0.5,
+    )  # fmt: skip
+    area: float = number(
+        0.0, "w₃", "Area", "Weight of the area in the metric of edges, which attracts the contour from farther away.",
+        "More of it moves the contour to edges at some distance.",
+        (0.0, 20.0), (0.0, 1.0), 0.05, advanced=True,
+    )  # fmt: skip
+    exponent: float = number(
+        1.0, "m", "Exponent", "Exponent of the factor by which edges slow the contour down.",
+        "More of it also stops the contour at weak edges and at noise; less lets it cross them.",
+        (0.1, 20.0), (0.5, 8.0), 0.5, equation="m of eq. (2)",
+    )  # fmt: skip
+    contrast: float = number(
+        0.05, "k", "Edge contrast", "Edge strength that counts as an edge, as a fraction of the largest.",
+        "More of it lets the contour cross weak edges.",
+        (1e-4, 10.0), (0.01, 1.0), 0.01,
+    )  # fmt: skip
+    smoothing: float = number(
+        1.5, "σ", "Smoothing", "Width of the Gaussian that smooths the image before its edges are found.",
+        "More of it removes noise and rounds corners.", (0.0, 50.0), (0.5, 8.0), 0.5, "px",
+    )  # fmt: skip
+
+
+def stopping(image: Image, settings: GeodesicSettings) -> Array:
+    """The factor by which edges slow a contour down, shape (H, W), from 1 in flat regions to nearly 0 on edges."""
+    strength = unit_edges(image, settings.smoothing) / settings.contrast
+    return np.asarray((1.0 + strength) ** -settings.exponent)
+
+
+def _geodesic(image: Image, start: Start, settings: GeodesicSettings) -> Iterator[LevelSetState]:
+    factor = stopping(image, settings)
+    slope = gradient(factor, 0.0)
+    inside = start.mask(image.shape)
+    pressure = start.onward * settings.balloon * factor
+    if settings.area > 0.0:  # g + x . grad g / 2 of Siddiqi et al., with the places x from the center of the start
+        center = np.argwhere(inside).mean(axis=0) if inside.any() else np.zeros(2)
+        away = np.indices(image.shape) - center[:, None, None]
+        pressure = pressure - settings.area * (factor + 0.5 * (away * slope).sum(axis=0))
+    speeds = Speeds(settings.curvature * factor, pressure, -settings.pull * slope)
+    yield from evolution(inside, speeds, MOST_STEPS)
+
+
+GEODESIC = ContourMethod(
+    "gac",
+    "Geodesic active contour",
+    "A level set that edges slow down and pull back, with a balloon that drives it on.",
+    "Caselles, Kimmel and Sapiro (1997), doi:10.1023/A:1007979827043; area term of Siddiqi et al. (1998), "
+    "doi:10.1109/83.661193",
+    GeodesicSettings,
+    _geodesic,
+    MOST_STEPS,
+)
+
+
+@dataclass(frozen=True)
+class GeometricGvfSettings(Settings):
+    """Parameters of the geometric GVF contour."""
+
+    mu: float = number(
+        0.02, "μ", "Smoothness of the field", "How much the field is smoothed, against how closely it follows edges.",
+        "More of it carries the edges farther and evens out noise.",
+        (1e-4, 100.0), (0.01, 1.0), 0.01, equation="gradient vector flow",
+    )  # fmt: skip
+    curvature: float = number(
+        0.02, "w", "Smoothness", "Weight of the curvature, which shortens the contour.",
+        "More of it keeps the contour out of gaps, bays and noise.",
+        (0.0, 20.0), (0.0, 2.0), 0.05, equation="w of eq. (3)",
+    )  # fmt: skip
+    pressure: float = number(
+        0.5, "w₀", "Pressure", "Constant pressure that drives it on: outwards, or inwards from around the object.",
+        "More of it drives the contour over places where the field does not, and into gaps.",
+        (-20.0, 20.0), (-1.0, 1.0), 0.05,
+    )  # fmt: skip
+    evenness: float = number(
+        0.5, "e", "Evenness", "How far the vectors of the field are made equally long: from 0, as the equation gives "
+        "them, to 1, all of the length 1.",
+        "More of it moves the contour also far from edges, and holds it better against the pressure in gaps.",
+        (0.0, 1.0), (0.0, 1.0), 0.1,
+    )  # fmt: skip
+    smoothing: float = number(
+        2.0, "σ", "Smoothing", "Width of the Gaussian that smooths the image before its edges are found.",
+        "More of it removes noise and rounds corners.", (0.0, 50.0), (0.5, 8.0), 0.5, "px",
+    )  # fmt: skip
+
+
+def _geometric_gvf(image: Image, start: Start, settings: GeometricGvfSettings) -> Iterator[LevelSetState]:
+    field = evened(gradient_vector_flow(unit_edges(image, settings.smoothing), settings.mu), settings.evenness)
+    curvature, pressure = (
+        np.full(image.shape, float(weight)) for weight in (settings.curvature, start.onward * settings.pressure)
+    )
+    yield from evolution(start.mask(image.shape), Speeds(curvature, pressure, field), MOST_STEPS)
+
+
+GEOMETRIC_GVF = ContourMethod(
+    "geometric_gvf",
+    "Geometric GVF contour",
+    "A level set that the field of gradient vector flow carries to edges; its contours can divide and merge.",
+    "Xu, Yezzi and Prince (2000), doi:10.1109/ACSSC.2000.911003",
+    GeometricGvfSettings,
+    _geometric_gvf,
+    MOST_STEPS,
+)

@@ -1,1 +1,0 @@
-"""Snakes: closed curves that forces of an image move and forces of their own keep smooth."""

@@ -1,0 +1,148 @@
+"""Following: a run on each page of a stack, from the contours of the page before or from the same start each time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from typing import Any, TypeGuard
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cpm_core.contours.result import Result
+from cpm_core.field.placed_charges import PlacedCharge
+from cpm_core.image.image import Image, as_plane
+from cpm_core.image.pyramid import most_scales
+from cpm_core.image.volume_regions import AnyRegions
+from cpm_core.pages.page import Page, StartingLine, seeds_along, starts_after, without_image
+from cpm_core.pages.tracks import Tracker
+from cpm_core.parameters import Parameters
+from cpm_core.parameters.quotation import shown
+from cpm_core.segmentation.segment import segment
+
+Seeds = ArrayLike | Callable[[Image], ArrayLike]
+"""Positions of particles, or what gives them for an image."""
+
+
+def follow(
+    pages: Sequence[ArrayLike | Image],
+    seeds: Seeds,
+    parameters: Parameters | None = None,
+    *,
+    numbers: Sequence[int] | None = None,
+    fresh: bool = False,
+    max_steps: int | None = None,
+    regions: AnyRegions | None = None,
+    charges: Sequence[PlacedCharge] = (),
+    known: Sequence[Page] = (),
+) -> Iterator[Page]:
+    """Find the contours on each page of a stack, and follow objects from page to page.
+
+    Parameters
+    ----------
+    pages : sequence of array_like or Image
+        The pages, each an image; those of `load_pages` are read one at a time.
+    seeds : array_like, shape (N, 2), or callable
+        Where particles start on the first page, (row, col) [px], or a function that gives it for an image.
+    parameters : Parameters, optional
+        As for `segment`; a page that has no room for so many scales takes fewer.
+    numbers : sequence of int, optional
+        Which pages, from 1, in the order in which they are followed; all by default.
+    fresh : bool
+        Whether each page starts from `seeds` rather than from the contours of the last page that has any.
+    max_steps, regions, charges
+        As for `segment`, on every page.
+    known : sequence of Page
+        Pages that have been followed before those of `numbers`.
+
+    Yields
+    ------
+    Page
+        Each page as soon as it is done. The numbers of its contours are their tracks, which overlap from page to page.
+        A page that cannot be used has a sentence in place of a result; ValueError for one that there is not.
+
+    Examples
+    --------
+    >>> pages = [cpm.example("disk").values, np.roll(cpm.example("disk").values, 3, axis=1)]
+    >>> for page in cpm.follow(pages, cpm.circle((32, 32), 8)):
+    ...     print(page.number, [contour.number for contour in page.contours])
+    1 [1]
+    2 [1]
+    """
+    wanted = _checked(pages, numbers, known)
+
+    def found_on(number: int, follower: Follower) -> Result:
+        image = as_plane(pages[number - 1])
+        start = seeds(image) if callable(seeds) else seeds
+        if follower.starts and not fresh:
+            start = seeds_along(follower.starts)
+        chosen = fitting(parameters or Parameters(), image)
+        return segment(image, start, chosen, max_steps=max_steps, regions=regions, charges=charges)
+
+    return _followed(wanted, found_on, Follower(known))
+
+
+def _checked(pages: object, numbers: Sequence[int] | None, known: object) -> Sequence[int]:
+    """The pages that are wanted, all by default; ValueError for one that there is not, and for what are no pages."""
+    if not _is_row(pages):
+        raise ValueError(f"pages is {shown(pages)} but must be a sequence of images, such as load_pages(path).")
+    if not isinstance(known, Sequence) or not all(isinstance(page, Page) for page in known):
+        raise ValueError(f"known is {shown(known)} but must be the pages that have been followed before.")
+    count = len(pages)
+    wanted = range(1, count + 1) if numbers is None else numbers
+    if not _is_row(wanted):
+        raise ValueError(f"numbers is {shown(numbers)} but must be a sequence of the numbers of pages.")
+    for number in wanted:
+        if not isinstance(number, int | np.integer) or not 1 <= number <= count:
+            raise ValueError(f"page is {shown(number)}, but there are {count} pages: choose 1 to {count}.")
+    return wanted
+
+
+def _is_row(given: object) -> TypeGuard[Sequence[Any]]:
+    """Whether something has a first, a second, and so on; an array without axes has not."""
+    return isinstance(given, Sequence) or (isinstance(given, np.ndarray) and given.ndim > 0)
+
+
+def _followed(
+    numbers: Sequence[int], found_on: Callable[[int, Follower], Result], follower: Follower
+) -> Iterator[Page]:
+    for number in numbers:
+        try:
+            found = found_on(number, follower)
+        except (ValueError, MemoryError) as error:
+            yield Page(number, None, trouble=trouble_of(error))
+        else:
+            yield follower.take(number, found)
+
+
+class Follower:
+    """Follows objects from page to page: where the next page starts, and which tracks its contours belong to."""
+
+    def __init__(self, known: Sequence[Page] = ()) -> None:
+        """`known` are the pages that have been followed before."""
+        self._last = next((page.contours for page in reversed(known) if page.contours), ())
+        tracks = max((contour.number for page in known for contour in page.contours), default=0)
+        self._tracker = Tracker(self._last, tracks)
+
+    @property
+    def starts(self) -> tuple[StartingLine, ...]:
+        """Where the next page starts: along the contours of the last page that has any."""
+        return starts_after(self._last)
+
+    def take(self, number: int, found: Result) -> Page:
+        """The next page, with what was found on it; the numbers of its contours are their tracks."""
+        light = without_image(found)
+        contours, events = self._tracker.follow(number, light.contours, light.shape)
+        self._last = contours or self._last
+        return Page(number, replace(light, contours=contours), events)
+
+
+def fitting(parameters: Parameters, image: Image) -> Parameters:
+    """Parameters with no more scales than an image has room for."""
+    most = most_scales(image.shape)
+    return replace(parameters, scales=most) if parameters.scales > most else parameters
+
+
+def trouble_of(error: Exception) -> str:
+    """Why a page could not be used, in one sentence."""
+    return "There is not enough memory for this page." if isinstance(error, MemoryError) else str(error)

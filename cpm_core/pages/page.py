@@ -1,0 +1,183 @@
+"""What is found on a page of a stack, and where the next page starts from it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.result import Result
+from cpm_core.model.starts import loop, stroke
+from cpm_core.numerics.polyline import thinned
+from cpm_core.numerics.types import Array, Position
+from cpm_core.pages.tracks import TrackEvent
+from cpm_core.parameters.quotation import counted, described
+
+_DECIMALS, _OF_MEASURES = 4, 6
+"""Decimals of the vertices of contours [px], and of what is measured in the image, as files hold them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Page:
+    """What has been found on a page.
+
+    Attributes
+    ----------
+    number : int
+        The page, from 1.
+    result : Result or None
+        Its contours, whose numbers are their tracks, without the image; None for a page that could not be used.
+    events : tuple of TrackEvent
+        Which tracks begin, split, merge, end or leave the image here.
+    trouble : str
+        Why the page could not be used, one sentence; empty where it could.
+
+    Examples
+    --------
+    >>> page = next(cpm.follow([cpm.example("disk")], cpm.circle((32, 32), 8)))
+    >>> page
+    <Page 1, 1 contour>
+    >>> page.number, len(page.contours), page.trouble
+    (1, 1, '')
+    """
+
+    number: int
+    result: Result | None
+    events: tuple[TrackEvent, ...] = ()
+    trouble: str = ""
+
+    @property
+    def contours(self) -> tuple[Contour, ...]:
+        """Its contours; none for a page that could not be used."""
+        return () if self.result is None else self.result.contours
+
+    def __repr__(self) -> str:
+        return described("Page", str(self.number), self.trouble or counted(len(self.contours), "contour"))
+
+
+@dataclass(frozen=True, eq=False)
+class StackResult:
+    """What has been found in a stack, or in those of its pages that are done.
+
+    Attributes
+    ----------
+    source : str
+        Name of the stack for the user.
+    count : int
+        Number of its pages.
+    pages : tuple of Page
+        Those that have been followed, in that order.
+    axis : {"z", "t", "c"}
+        What the pages are: planes, points in time, channels.
+    alone : bool
+        Whether the stack has no further axis.
+    drawn : tuple of mapping
+        What was drawn before the first page, as session files hold shapes.
+    """
+
+    source: str
+    count: int
+    pages: tuple[Page, ...]
+    axis: Literal["z", "t", "c"] = "z"
+    alone: bool = True
+    drawn: tuple[Mapping[str, Any], ...] = ()
+
+    @property
+    def results(self) -> tuple[tuple[int, Result], ...]:
+        """The pages that could be used, by number, with what was found on each."""
+        return tuple((page.number, page.result) for page in self.pages if page.result is not None)
+
+    @property
+    def tracks(self) -> tuple[Track, ...]:
+        """The tracks, by number."""
+        on: dict[int, list[int]] = {}
+        for page in self.pages:
+            for contour in page.contours:
+                on.setdefault(contour.number, []).append(page.number)
+        events = [event for page in self.pages for event in page.events]
+        origins = {other: event.track for event in events if event.kind == "splits" for other in event.others}
+        ends = {event.track: event for event in events if event.kind in ("merges", "ends", "leaves")}
+        return tuple(Track(track, tuple(on[track]), origins.get(track, 0), ends.get(track)) for track in sorted(on))
+
+
+@dataclass(frozen=True, slots=True)
+class Track:
+    """An object through the pages of a stack.
+
+    Attributes
+    ----------
+    number : int
+        Its number, from 1.
+    pages : tuple of int
+        Pages that it is on, in the order in which they were followed.
+    origin : int
+        The track that it split off; 0 for none.
+    end : TrackEvent or None
+        How it came to its end; None when it is on the last page.
+    """
+
+    number: int
+    pages: tuple[int, ...]
+    origin: int
+    end: TrackEvent | None
+
+
+@dataclass(frozen=True)
+class StartingLine:
+    """A line that particles of the next page start on: the corners of a contour, (row, col) in px."""
+
+    corners: tuple[Position, ...]
+    closed: bool
+
+    def seeds(self) -> Array:
+        """Positions of the particles, shape (N, 2)."""
+        return loop(self.corners) if self.closed else stroke(self.corners)
+
+
+@dataclass(frozen=True, slots=True)
+class MeasuredContrast:
+    """A contrast that has been measured, in place of the image that it was measured in."""
+
+    contrast: float
+
+
+def without_image(result: Result) -> Result:
+    """A result that takes little memory: contours as files hold them, with their contrast, and no image."""
+    contours = tuple(
+        replace(
+            contour,
+            points=np.round(contour.points, _DECIMALS),
+            strength=round(contour.strength, _OF_MEASURES),
+            sides=None if contour.sides is None else MeasuredContrast(round(contour.contrast, _OF_MEASURES)),
+        )
+        for contour in result.contours
+    )
+    bridges = tuple(
+        replace(
+            bridge,
+            points=np.round(bridge.points, _DECIMALS),
+            length=round(bridge.length, _DECIMALS),
+            strength=round(bridge.strength, _OF_MEASURES),
+        )
+        for bridge in result.bridges
+    )
+    return replace(result, contours=contours, bridges=bridges, image=None)
+
+
+def starts_after(contours: Sequence[Contour]) -> tuple[StartingLine, ...]:
+    """Where the next page starts: along the contours of this one, with the corners that matter."""
+    lines = []
+    for contour in contours:
+        corners = tuple((row, col) for row, col in np.round(contour.path, _DECIMALS).tolist())
+        few = thinned(corners)
+        closed = contour.closed and len(set(few)) > 2
+        lines.append(StartingLine(few[:-1] if closed else few, closed))
+    return tuple(lines)
+
+
+def seeds_along(starts: Sequence[StartingLine]) -> Array:
+    """Positions of the particles along lines, shape (N, 2)."""
+    return np.concatenate([np.empty((0, 2)), *(line.seeds() for line in starts)])

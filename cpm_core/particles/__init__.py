@@ -1,1 +1,0 @@
-"""The free particles: their state, initialization, neighbors and coverage, and the Coulomb force, eq. (9)."""

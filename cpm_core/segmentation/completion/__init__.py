@@ -1,1 +1,0 @@
-"""Completion of a scale: what is added before it ends, and which particles remain; `plane` and `space`."""

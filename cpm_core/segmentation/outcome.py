@@ -1,0 +1,73 @@
+"""What is found at a state of a run: contours through its particles, or a surface."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from cpm_core.contours.contour import Bridge
+from cpm_core.contours.result import Result
+from cpm_core.field.scale_field import ScaleField
+from cpm_core.field.volume.volume_field import VolumeField
+from cpm_core.image.image import Image
+from cpm_core.image.pyramid import to_image
+from cpm_core.model.state import State
+from cpm_core.parameters import Parameters
+from cpm_core.reconstruction import find_contours
+from cpm_core.segmentation.reach.reach_map import ReachMap
+
+
+def result_of(state: State, image: Image, parameters: Parameters, **found: Any) -> Result:
+    """The result of a run at a state, with what has been found: contours and bridges, or a surface."""
+    return Result(
+        particles=state.position,
+        steps=state.step,
+        converged=state.converged,
+        stop_reason=state.stop_reason,
+        shape=image.shape,
+        spacing=image.spacing,
+        unit=image.unit,
+        source=image.source,
+        image=image,
+        regions=state.regions,
+        channel=image.channel(parameters.channel),
+        **found,
+    )
+
+
+def contours_of(
+    state: State,
+    image: Image,
+    field: ScaleField,
+    parameters: Parameters,
+    reached: ReachMap | None,
+) -> Result:
+    """Contours through the particles of a state, from the fields of its scale, in px of the image."""
+    scale, shape, size = state.scale, image.shape, 2.0**state.scale
+    # an edge without particles may have been cleared by the user; it is then not traced
+    filled = state.converged and not state.charges and not state.erased
+    found, bridged = find_contours(state.particles.position, field, parameters, at_rest=filled)
+    contours = tuple(replace(c, points=to_image(c.points, scale, shape), strength=c.strength / size) for c in found)
+    if reached is not None:
+        contours = tuple(replace(c, reached=reached.way_of(c.points)) for c in contours)
+    bridges = tuple(Bridge(to_image(b.points, scale, shape), b.length * size, b.strength / size) for b in bridged)
+    return result_of(state, image, parameters, contours=contours, surface=None, bridges=bridges)
+
+
+def surface_of(state: State, image: Image, field: VolumeField, parameters: Parameters) -> Result:
+    """Particles of a state and the surface through those that are seated, in voxels; it ends at walls."""
+    from cpm_core.reconstruction.surface.iso.pipeline import find_surface  # noqa: PLC0415 - loads scipy.spatial
+
+    particles, scale = state.particles, state.scale
+    assert state.space is not None
+    assert particles.contact is not None
+    points = particles.position[particles.contact.seated] / state.space.pitch
+    shut = None
+    if field.walls is not None:
+        shut = field.walls.shut(field.shape, field.pitch, particles.position[particles.contact.seated])
+    spacing = tuple(side * 2.0**scale for side in image.spacing)
+    fields = field.smoothed, field.edge_map
+    surface = find_surface(*fields, points, spacing, image.unit, smoothing=field.smoothing, shut=shut)
+    if scale:
+        surface = replace(surface, vertices=to_image(surface.vertices, scale, image.shape), spacing=image.spacing)
+    return result_of(state, image, parameters, contours=(), surface=surface)
