@@ -16,18 +16,8 @@ from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.numerics.zero_surface import zero_surface
-from cpm_core.reconstruction.surface.components import support
+from cpm_core.reconstruction.surface.components import support, typical_distance
 from cpm_core.reconstruction.surface.iso.sides import fill_regions
-
-_APART = 4
-"""The distance to this neighbor is about that between points, in regular patterns and at random."""
-
-
-def typical_distance(places: Array) -> float:
-    """Typical distance between neighboring places, shape (N, 3), in their unit."""
-    distances = scipy.spatial.KDTree(places).query(places, [min(_APART, len(places) - 1) + 1])[0]
-    return float(np.median(distances))
-
 
 _STEPS = 2.0
 """Steps of the grid between neighboring points."""
