@@ -2,6 +2,6 @@
 
 from cpm_core.reconstruction.curve.crust import reconstruct_curve
 from cpm_core.reconstruction.curve.pipeline import find_contours
-from cpm_core.reconstruction.surface.from_points.reconstruct import reconstruct_surface
+from cpm_core.reconstruction.surface.from_points import reconstruct_surface
 
 __all__ = ["find_contours", "reconstruct_curve", "reconstruct_surface"]

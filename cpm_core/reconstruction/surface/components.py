@@ -1,4 +1,4 @@
-"""Components of a surface: which of them enough particles bear out."""
+"""Components of a surface: which of them enough particles bear out, and how densely these sample it."""
 
 from __future__ import annotations
 
@@ -9,6 +9,9 @@ import scipy
 
 from cpm_core.contours.surface import Surface
 from cpm_core.numerics.types import Array, Index, Mask
+
+_APART = 4
+"""The distance to this neighbor is about that between points, in regular patterns and at random."""
 
 
 @dataclass(frozen=True)
@@ -61,3 +64,9 @@ def well_supported(
     unsupported = 1.0 - float(supported[stays].mean()) if stays.any() else np.nan
     left_out = int(len(kept) - kept.sum())
     return Surface(vertices[stays], number[faces[stays[faces[:, 0]]]], spacing, unit, unsupported, left_out)
+
+
+def typical_distance(places: Array) -> float:
+    """Typical distance between neighboring places, shape (N, 3), in their unit."""
+    distances = scipy.spatial.KDTree(places).query(places, [min(_APART, len(places) - 1) + 1])[0]
+    return float(np.median(distances))

@@ -232,8 +232,6 @@ def sound() -> Mapping[str, tuple[Any, ...]]:
             "fast",
             "convolution",
             "pppm",
-            "implicit",
-            "crust",
             "x",
             *cpm_core.CONTOUR_METHODS.values(),
         ),

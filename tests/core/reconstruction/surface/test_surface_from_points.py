@@ -30,7 +30,6 @@ def on_ring(radius, tube, axis=0, center=solids.MIDDLE, apart=1.5):
 SHELL, ON_SHELL = without(ball(16), ball(8)), np.concatenate([on_ball(16), on_ball(8)])
 
 
-@pytest.mark.parametrize("method", ["implicit", "crust"])
 @pytest.mark.parametrize(
     ("solid", "points", "euler", "parts"),
     [
@@ -40,8 +39,8 @@ SHELL, ON_SHELL = without(ball(16), ball(8)), np.concatenate([on_ball(16), on_ba
     ],
     ids=["ball", "torus", "shell"],
 )
-def test_points_alone_give_the_surface(solid, points, euler, parts, method):
-    surface = reconstruct_surface(points, method=method)
+def test_points_alone_give_the_surface(solid, points, euler, parts):
+    surface = reconstruct_surface(points)
     assert (surface.euler, surface.components, surface.closed) == (euler, parts, True)
     assert np.abs(solid(surface.vertices)).mean() < 0.15
     assert surface.volume == pytest.approx((solid(solids.grid()) > 0.0).sum(), rel=0.1)
@@ -53,14 +52,6 @@ def test_a_thin_plate_has_two_sides():
     surface = reconstruct_surface(thinned(zero_surface(solid(solids.grid()).astype(np.float32))[0], 1.5))
     assert (surface.euler, surface.closed) == (2, True)
     assert np.abs(solid(surface.vertices)).mean() < 0.4
-
-
-def test_the_crust_joins_the_points_themselves():
-    points = on_ring(11, 5)
-    surface = reconstruct_surface(points, method="crust")
-    given = set(map(tuple, points))
-    assert set(map(tuple, surface.vertices)) <= given
-    assert len(surface.vertices) > 0.9 * len(points)
 
 
 def test_given_normals_tell_the_outside():
@@ -80,28 +71,25 @@ def test_units_do_not_matter(scale):
 
 
 @pytest.mark.parametrize(
-    ("points", "normals", "method", "said"),
+    ("points", "normals", "said"),
     [
-        (np.ones((5, 2)), None, "implicit", r"shape \(5, 2\)"),
-        (np.ones((5, 3), complex), None, "implicit", "real numbers"),
-        (np.full((5, 3), np.nan), None, "implicit", "NaN"),
-        (np.ones((5, 3)), None, "implicit", "lie in a plane"),
-        (np.random.default_rng(0).normal(size=(9, 3)) * (1, 1, 0), None, "crust", "lie in a plane"),
-        (np.random.default_rng(0).normal(size=(9, 3)), np.ones((8, 3)), "implicit", "9 points, but 8 normals"),
-        (np.random.default_rng(0).normal(size=(9, 3)), np.zeros((9, 3)), "implicit", "length zero"),
-        (np.random.default_rng(0).normal(size=(9, 3)), None, "poisson", 'method is "poisson"'),
-        (np.random.default_rng(0).normal(size=(9, 3)), None, "x\n" * 10**5, r'method is "x\\nx\\n'),
-        (np.random.default_rng(0).normal(size=(9, 3)), None, np.zeros((2, 2)), "method is array"),
-        ([[1.0], [1.0, 2.0]], None, "implicit", "differ in length"),
-        (np.empty((0, 3)), None, "implicit", "these 0 lie in a plane"),
-        (np.random.default_rng(0).normal(size=(9, 3)), None, "implicit", "9 different points are too few"),
-        (1e200 * np.random.default_rng(0).normal(size=(50, 3)), None, "crust", "in another unit"),
-        (1e-200 * np.random.default_rng(0).normal(size=(50, 3)), None, "implicit", "in another unit"),
+        (np.ones((5, 2)), None, r"shape \(5, 2\)"),
+        (np.ones((5, 3), complex), None, "real numbers"),
+        (np.full((5, 3), np.nan), None, "NaN"),
+        (np.ones((5, 3)), None, "lie in a plane"),
+        (np.random.default_rng(0).normal(size=(9, 3)) * (1, 1, 0), None, "lie in a plane"),
+        (np.random.default_rng(0).normal(size=(9, 3)), np.ones((8, 3)), "9 points, but 8 normals"),
+        (np.random.default_rng(0).normal(size=(9, 3)), np.zeros((9, 3)), "length zero"),
+        ([[1.0], [1.0, 2.0]], None, "differ in length"),
+        (np.empty((0, 3)), None, "these 0 lie in a plane"),
+        (np.random.default_rng(0).normal(size=(9, 3)), None, "9 different points are too few"),
+        (1e200 * np.random.default_rng(0).normal(size=(50, 3)), None, "in another unit"),
+        (1e-200 * np.random.default_rng(0).normal(size=(50, 3)), None, "in another unit"),
     ],
 )
-def test_what_makes_no_surface_is_refused_in_a_sentence(points, normals, method, said):
+def test_what_makes_no_surface_is_refused_in_a_sentence(points, normals, said):
     with pytest.raises(ValueError, match=said) as refused:
-        reconstruct_surface(points, normals, method)
+        reconstruct_surface(points, normals)
     assert str(refused.value).isprintable()
     assert len(str(refused.value)) < 200
 
@@ -110,9 +98,3 @@ def test_points_spread_too_far_are_refused_before_memory_is_taken():
     points = np.concatenate([on_ball(13), [[1e9, 1e9, 1e9]]])
     with pytest.raises(ValueError, match="would not fit into memory"):
         reconstruct_surface(points)
-
-
-def test_a_sample_with_gaps_is_no_crust():
-    points = thinned(on_ring(11, 5), 3.5)
-    with pytest.raises(ValueError, match="not dense enough"):
-        reconstruct_surface(points, method="crust")

@@ -1,0 +1,213 @@
+"""Surfaces from points alone: where the height over the planes of the nearest points is zero.
+
+The points are so dense on a grid of their own that neighbors are two voxels apart. Each gives the height over the
+plane through it, weighted by a Gaussian of the distance (implicit moving least squares; Kolluri 2005, DOI
+10.1145/1361192.1361195), and marching cubes follow the zero. Normals that are not given are estimated.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy
+from numpy.typing import ArrayLike
+
+from cpm_core.contours.surface import Surface
+from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.real_numbers import real_numbers
+from cpm_core.numerics.types import Array, Index, Mask, Single
+from cpm_core.numerics.zero_surface import zero_surface
+from cpm_core.reconstruction.surface.components import support, typical_distance
+from cpm_core.reconstruction.surface.iso.sides import fill_regions
+
+_STEPS = 2.0
+"""Steps of the grid between neighboring points."""
+
+_WIDTH, _BAND = 1.5, 3.5
+"""Width of the Gaussian, and how far from a point the height is known [steps of the grid]."""
+
+_MOST = 400_000_000
+"""Largest number of steps of the grid: more need too much memory."""
+
+
+def implicit_surface(points: Array, normals: Array, apart: float) -> tuple[Array, Index]:
+    """Vertices and triangles of a closed surface through points, shape (N, 3), with unit normals outward.
+
+    `apart` is the typical distance between the points, in their unit. ValueError when they are strewn so far apart
+    that the grid would not fit into memory.
+    """
+    step = apart / _STEPS
+    begin = points.min(0) - step * (_BAND + 2.0)
+    shape = np.ceil((points.max(0) - begin) / step + _BAND + 2.0)
+    if not shape.prod() < _MOST:
+        raise ValueError(
+            f"The points are {apart:g} apart, but spread over {np.ptp(points, axis=0).max():g}: a grid for them would "
+            "not fit into memory. Leave out points far from the others, or give fewer."
+        )
+    height, weight = np.zeros((2, *shape.astype(int)), np.float32)
+    _add(height, weight, (points - begin) / step, normals)
+    with np.errstate(invalid="ignore"):
+        np.divide(height, weight, out=height)
+    outermost = np.ones(height.shape, bool)
+    outermost[1:-1, 1:-1, 1:-1] = False
+    height[outermost] = np.inf
+    fill_regions(height)
+    height[outermost] = -1.0
+    vertices, faces = zero_surface(height)
+    return vertices * step + begin, faces
+
+
+@compiled
+def _add(height: Single, weight: Single, points: Array, normals: Array) -> None:
+    """Add up the weighted heights below the planes of all points, and the weights."""
+    reach = int(_BAND) + 1
+    for i in range(len(points)):
+        a, b, c = int(points[i, 0]), int(points[i, 1]), int(points[i, 2])
+        for p in range(a - reach + 1, a + reach + 1):
+            x = p - points[i, 0]
+            for r in range(b - reach + 1, b + reach + 1):
+                y = r - points[i, 1]
+                for s in range(c - reach + 1, c + reach + 1):
+                    z = s - points[i, 2]
+                    off = x * x + y * y + z * z
+                    if off <= _BAND * _BAND:
+                        part = np.exp(-0.5 * off / _WIDTH**2)
+                        height[p, r, s] -= part * (x * normals[i, 0] + y * normals[i, 1] + z * normals[i, 2])
+                        weight[p, r, s] += part
+
+
+_NEIGHBORS = 12
+"""Points that tell a normal: the two rings around a point in a hexagonal pattern, less the farthest."""
+
+_LINKS, _FARTHEST = 10, 2.5
+"""Neighbors through which the direction spreads, and their largest distance [typical distances]."""
+
+_LEAST_PRICE = 1e-6
+"""A price of zero would be no link."""
+
+
+def estimated_normals(points: Array, apart: float) -> Array:
+    """Unit normals of points, shape (N, 3), outward; `apart` is the typical distance between them.
+
+    The normal is the direction in which the neighbors spread least. Its sign spreads from point to point along the
+    links where normals agree best (Hoppe et al. 1992, DOI 10.1145/133994.134011). What lies inside another surface,
+    like the inner wall of a shell, is the surface of a hollow, and points inward.
+    """
+    tree = scipy.spatial.KDTree(points)
+    near = np.asarray(tree.query(points, min(_NEIGHBORS, len(points) - 1) + 1)[1])
+    spread = points[near] - points[near].mean(1, keepdims=True)
+    normals = np.linalg.eigh(np.einsum("nki,nkj->nij", spread, spread))[1][:, :, 0]
+    distances, links = map(np.asarray, tree.query(points, min(_LINKS, len(points) - 1) + 1))
+    # the only indices of graphs that all releases of SciPy take
+    one = np.repeat(np.arange(len(points), dtype=np.int32), links.shape[1])
+    other = links.ravel().astype(np.int32)
+    close = (distances.ravel() <= _FARTHEST * apart) & (one != other)
+    one, other = one[close], other[close]
+    price = 1.0 - np.abs((normals[one] * normals[other]).sum(1)) + _LEAST_PRICE
+    graph = scipy.sparse.csr_array((price, (one, other)), shape=(len(points), len(points)))
+    count, labels = scipy.sparse.csgraph.connected_components(graph, directed=False)
+    part = labels.astype(np.int64)
+    forest = scipy.sparse.csgraph.minimum_spanning_tree(graph)
+    forest = forest + forest.T
+    for number in range(count):
+        _spread_sign(points, normals, forest, np.flatnonzero(part == number))
+    normals[hollow(points, normals, part)[part]] *= -1.0
+    return normals
+
+
+def _spread_sign(points: Array, normals: Array, forest: scipy.sparse.csr_array, members: Index) -> None:
+    """Turn the normals of a part outward, beginning with its outermost point."""
+    first = members[points[members, 0].argmax()]
+    if normals[first, 0] < 0.0:
+        normals[first] *= -1.0
+    order, before = scipy.sparse.csgraph.breadth_first_order(forest, first, directed=False)
+    for k in order[1:]:
+        if normals[k] @ normals[before[k]] < 0.0:
+            normals[k] *= -1.0
+
+
+def hollow(points: Array, normals: Array, part: Index) -> Mask:
+    """Which parts, numbered from 0 up, lie inside an odd number of others; normals point out of each by itself."""
+    members = [np.flatnonzero(part == number) for number in range(int(part.max()) + 1)]
+    within = np.zeros(len(members), int)
+    for outer, around in enumerate(members):
+        tree = scipy.spatial.KDTree(points[around])
+        for inner, own in enumerate(members):
+            if inner != outer:
+                nearest = around[tree.query(points[own])[1]]
+                inward = ((points[own] - points[nearest]) * normals[nearest]).sum(1) < 0.0
+                within[inner] += bool(inward.mean() > 0.5)
+    return np.asarray(within % 2 == 1)
+
+
+_FEWEST, _FEWEST_FOR_NORMALS = 4, 13
+"""Least number of points, and the least from which normals are estimated."""
+
+_SMALLEST, _LARGEST = 1e-100, 1e100
+"""Least and largest extent of the points: its cube is still a number."""
+
+
+def reconstruct_surface(points: ArrayLike, normals: ArrayLike | None = None) -> Surface:
+    """Surface through points that lie densely on it, without the volume in which they were found.
+
+    Parameters
+    ----------
+    points : array_like of real numbers, shape (N, 3)
+        Places on the surface, in any unit, about equally far from their neighbors.
+    normals : array_like of real numbers, shape (N, 3), optional
+        Directions outward at the points, of any length. Without them they are estimated from the neighbors.
+
+    Returns
+    -------
+    Surface
+        Vertices are in the unit of the points.
+
+    Raises
+    ------
+    ValueError
+        When points or normals are not three finite real numbers each, when all points lie in a plane, or when they
+        are too few.
+
+    Notes
+    -----
+    Sheets, nested ones as well, have to be apart by more than about twice the distance between neighboring points, or
+    they grow together. A sheet that ends in the open bounds nothing, and is closed by a guess.
+
+    Examples
+    --------
+    >>> surface = cpm.reconstruct_surface(cpm.sphere((15, 15, 15), 9, 400))
+    >>> surface.closed, surface.euler
+    (True, 2)
+    """
+    places = np.unique(_triples(points, "points"), axis=0) if normals is None else _triples(points, "points")
+    extent = float(np.abs(places - places[:1]).max()) if len(places) else 0.0
+    if extent and not _SMALLEST < extent < _LARGEST:
+        raise ValueError(f"The points spread over {extent:g}: give them in another unit.")
+    if len(places) < _FEWEST or not extent or np.linalg.matrix_rank((places - places.mean(0)) / extent, tol=1e-9) < 3:
+        raise ValueError(f"A surface needs points that span a volume, but these {len(places)} lie in a plane.")
+    apart = typical_distance(places)
+    if normals is not None:
+        outward = _triples(normals, "normals")
+        if len(outward) != len(places):
+            raise ValueError(f"There are {len(places)} points, but {len(outward)} normals: give one for each point.")
+        lengths = np.linalg.norm(outward, axis=1)
+        if not (lengths > 0.0).all():
+            raise ValueError("A normal of length zero points nowhere: leave its point out.")
+        outward = outward / lengths[:, None]
+    elif len(places) < _FEWEST_FOR_NORMALS:
+        raise ValueError(
+            f"{len(places)} different points are too few to estimate normals: give {_FEWEST_FOR_NORMALS} or more, or "
+            "their normals."
+        )
+    else:
+        outward = estimated_normals(places, apart)
+    vertices, faces = implicit_surface(places, outward, apart)
+    return Surface(vertices, faces, unsupported=1.0 - float(support(vertices, places, apart).mean()))
+
+
+def _triples(given: ArrayLike, name: str) -> Array:
+    found = real_numbers(given)
+    if found.ndim != 2 or found.shape[1] != 3:
+        raise ValueError(f"The {name} have the shape {found.shape}, but must be real numbers of shape (N, 3).")
+    if not np.isfinite(found).all():
+        raise ValueError(f"The {name} hold NaN or infinite numbers: leave them out.")
+    return found

@@ -1,1 +1,0 @@
-"""Surfaces from points alone, without the volume in which they were found."""
