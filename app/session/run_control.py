@@ -10,15 +10,14 @@ from PySide6.QtCore import QObject, Qt, QTimer
 from app.model.document.document import Document
 from app.model.document.modes import MODES, needs_start
 from app.model.state.resolve import FIRST_PACE, PACES, Resolved, resolve
-from app.model.state.situation import Situation, can_step
-from app.model.state.status import RunStatus
+from app.model.state.situation import RunStatus, Situation, can_step
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.session.core_functions import Core
-from app.session.document.editing import Editing
-from app.session.document.live_edits import Live
-from app.session.document.undo_history import Erasure
-from app.session.exchange.pacing import Pacer
+from app.session.editing import Editing
+from app.session.exchange.mailbox import Pacer
+from app.session.live_edits import Live
+from app.session.undo_history import Erasure
 from app.session.signals import RUNNING
 from app.session.tasks.tasks import Tasks
 from app.session.updates import Progress
@@ -136,7 +135,7 @@ class RunControl(Editing):
         self.post(RunCall(None, Run.set_pace, steps_per_second))
 
     def want_overlay(self, name: str, wanted: bool) -> None:
-        """Choose whether an overlay is kept up to date; see `app.session.worker.overlays`."""
+        """Choose whether an overlay is kept up to date; see `app.session.worker.prepared_methods`."""
         before = self._overlays
         self._overlays = before | {name} if wanted else before - {name}
         if self._overlays != before:

@@ -140,7 +140,7 @@ class Scene:
     """What is shown on the canvas.
 
     The image of the scene of a session may be a volume; each view draws the scene of a slice of it, which
-    `app.session.features.volumes.sections` makes: that has an image, and `volume` and `near` beside it.
+    `app.session.features.slices` makes: that has an image, and `volume` and `near` beside it.
 
     Attributes
     ----------
@@ -169,7 +169,7 @@ class Scene:
     hovered_contour : int or None
         Key of the contour under the pointer.
     overlays : mapping of str to what is drawn
-        The requested overlays by name; see `app.session.worker.overlays`.
+        The requested overlays by name; see `app.session.worker.prepared_methods`.
     probed : Probed or None
         Forces on a particle.
     compared : Compared or None

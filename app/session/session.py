@@ -14,7 +14,7 @@ from app.model.document.modes import fresh_parameters, starting
 from app.model.document.samples import sample_at
 from app.model.document.saving import restored
 from app.model.export.order import ExportOrder
-from app.model.state.status import RunStatus
+from app.model.state.situation import RunStatus
 from app.model.text.language import from_core, tr
 from app.model.volume.slices import Slices
 from app.session.core_functions import Core

@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Any
 
 from app.model.export.order import in_words
-from app.model.state.status import Phase, RunStatus
+from app.model.state.situation import Phase, RunStatus
 from app.model.text.language import tr
 from app.session.exchange.messages import (
     CommandFailed,

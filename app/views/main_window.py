@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QMainWindow
 
 from app.model.display.lengths import prefer_unit
 from app.model.preferences.table import UNIT
-from app.model.state.volume_limits import NOT_IN_VOLUMES
+from app.model.state.situation import NOT_IN_VOLUMES
 from app.model.text.keys import use_names
 from app.model.text.language import tr
 from app.session.storage.preferences import Preferences

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from app.model.document.document import Document
-from app.model.document.naming import describe
 from app.model.parameters.choices import choice_controls
 from app.model.parameters.controls import Control, controls, value_of
-from app.model.text.language import tr
+from app.model.text.language import from_core, tr
 from app.model.text.numbers import written
 from cpm_core.numerics.types import Place
 from cpm_core.shapes import (
@@ -120,7 +119,7 @@ def _with_place(words: str, otherwise: str, shape: Shape) -> str:
     place = _place(shape)
     if place is None:
         return otherwise
-    name = describe(shape)
+    name = from_core(shape.title)
     return words.format(shape=name[:1].upper() + name[1:], place=", ".join(written(f"{at:.0f}") for at in place))
 
 

@@ -1,4 +1,4 @@
-"""Modes: purposes of a run, each with its preset and its initialization."""
+"""Modes: purposes of a run, each with its preset and its initialization; settings for kinds of images."""
 
 from __future__ import annotations
 
@@ -8,9 +8,11 @@ from types import MappingProxyType
 from typing import cast
 
 from app.model.document.document import Document, ImageReference, Mode
+from app.model.document.edits import use_preset
 from app.model.parameters.controls import RATIO
 from app.model.text.language import tr
 from cpm_core.image.image import Image
+from cpm_core.image.kind import Kind
 from cpm_core.medial_axis.outlines import Outlined
 from cpm_core.parameters import OF_PLANES, OF_VOLUMES, PRESETS, Parameters
 from cpm_core.segmentation.method import METHODS
@@ -141,3 +143,33 @@ def starting(mode: Mode, shapes: tuple[Shape, ...]) -> tuple[Shape, ...]:
     if mode == "shape":
         return tuple(shape for shape in shapes if not isinstance(shape, Everywhere))
     return shapes
+
+
+@dataclass(frozen=True, slots=True)
+class Advice:
+    """The preset for a kind of image, among the core's `PRESETS`, and the sentence that offers it."""
+
+    preset: str
+    sentence: str
+
+
+ADVICE: Mapping[Kind, Advice] = MappingProxyType(
+    {
+        "fluorescence": Advice(
+            "fluorescence",
+            tr("This looks like a fluorescence image. Find all objects with settings for fluorescence?"),
+        ),
+        "angiogram": Advice(
+            "angiogram", tr("This looks like an X-ray image of vessels. Find all vessels with settings for them?")
+        ),
+        "ultrasound": Advice(
+            "ultrasound", tr("This looks like an ultrasound image. Find strong outlines with settings for ultrasound?")
+        ),
+    }
+)
+"""Kinds that are not listed do best with the usual settings."""
+
+
+def use_kind(document: Document, kind: Kind) -> Document:
+    """The document in the mode Automatic with the settings for a kind of image."""
+    return use_preset(use_mode(document, "automatic"), PRESETS[ADVICE[kind].preset])

@@ -9,11 +9,8 @@ from app.model.display.lengths import measured
 from app.model.display.round_numbers import scientific_text
 from app.model.document.document import Document, ImageReference
 from app.model.document.modes import MODES, needs_start
-from app.model.document.naming import describe
-from app.model.state.situation import Situation
-from app.model.state.status import RunStatus
+from app.model.state.situation import RunStatus, Situation, has_volume
 from app.model.state.surface_figures import SURFACE, VOLUME, in_words
-from app.model.state.volume_limits import has_volume
 from app.model.text.keys import with_keys
 from app.model.text.language import from_core, tr
 from app.model.text.numbers import written
@@ -181,7 +178,7 @@ def _hint_on_run(status: RunStatus) -> str:
 
 
 def _what_can_be_done_to(shape: Shape) -> str:
-    name = describe(shape)
+    name = from_core(shape.title)
     if isinstance(shape, Everywhere):
         return with_keys(tr("Press {key:run} to run; {key:delete} removes the {shape}."), shape=name)
     spaced = tr(
@@ -210,7 +207,7 @@ def _what_a_charge_does(charge: Charge) -> str:
         "Drag the {shape} of strength {strength} or move it with arrow keys; < and > make it weaker and stronger; "
         "{key:delete} removes it."
     )
-    return with_keys(message, shape=describe(charge), strength=written(f"{abs(charge.strength):g}"))
+    return with_keys(message, shape=from_core(charge.title), strength=written(f"{abs(charge.strength):g}"))
 
 
 def _sentence(text: str) -> str:

@@ -1,12 +1,95 @@
-"""The situation: document, selection and run together, and the conditions of actions."""
+"""The situation: document, selection and run together, the conditions of actions, and what a volume lacks."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Literal
 
 from app.model.document.document import Document
-from app.model.state.status import RunStatus
+from app.model.state.surface_figures import SurfaceFigures
+from app.model.text.language import tr
+
+Phase = Literal["empty", "ready", "running", "paused", "finished"]
+
+
+@dataclass(frozen=True, slots=True)
+class RunStatus:
+    """State of the run.
+
+    Attributes
+    ----------
+    phase : {"empty", "ready", "running", "paused", "finished"}
+        No image; no run; stepping; stopped by the user; ended.
+    busy : str
+        What is being prepared, empty for nothing.
+    stale : bool
+        Whether a run from the document as it is now would begin otherwise than the existing one.
+    steered : bool
+        Whether the run has ended and the document's parameters differ from those it ended with.
+    method : str
+        Name of the method.
+    steering : tuple
+        `Method.steering` of the last step.
+    step, count, scale : int
+        Steps taken, particles, scale (0 is the image itself).
+    epsilon : float
+        Eq. (23); NaN before it is known.
+    stop_reason : str
+        Why the run ended.
+    converged : bool
+        Whether it ended in equilibrium.
+    steps_per_second : float
+        Measured speed of the run.
+    closed, open : int
+        Contours reconstructed so far.
+    bridges : int
+        Gaps in contours that were bridged.
+    longest_bridge : float
+        Length of the longest of them [px].
+    length, thickness, width : float
+        Of a skeleton: its length, the thickness that most of it stays below, the largest width that counted, 0 for any
+        [px].
+    polarity : int
+        Of a skeleton: -1 if it is of what is dark, 1 of what is light, 0 of both.
+    surface : SurfaceFigures or None
+        Of a volume: figures of the surface that has been reconstructed last.
+    """
+
+    phase: Phase = "empty"
+    busy: str = ""
+    stale: bool = False
+    steered: bool = False
+    method: str = "cpm"
+    steering: tuple[object, ...] = ()
+    step: int = 0
+    count: int = 0
+    scale: int = 0
+    epsilon: float = math.nan
+    stop_reason: str = ""
+    converged: bool = False
+    steps_per_second: float = 0.0
+    closed: int = 0
+    open: int = 0
+    bridges: int = 0
+    longest_bridge: float = 0.0
+    length: float = 0.0
+    thickness: float = 0.0
+    width: float = 0.0
+    polarity: int = 0
+    surface: SurfaceFigures | None = None
+
+    @property
+    def started(self) -> bool:
+        """Whether there is a run."""
+        return self.phase in ("running", "paused", "finished")
+
+    @property
+    def moved(self) -> bool:
+        """Whether particles have been shown; before the very first run the kernels may have to be compiled."""
+        return self.started and (self.step > 0 or self.count > 0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,3 +164,99 @@ def can_step(situation: Situation) -> bool:
     status = situation.status
     over = status.phase == "finished" and not (status.stale or status.steered)
     return has_image(situation) and status.phase != "running" and not over
+
+
+_CONTOUR = tr("Contours are found in images; a run in a volume finds a surface.")
+_BRUSH = tr("Objects are painted in images; in a volume they are bodies that a surface encloses.")
+_ALIKE = tr("Objects that are alike are found in images by their gray values and size, not in volumes.")
+_METHODS = tr("In a volume methods are compared by cpm compare VOLUME --sphere PLANE,ROW,COL,RADIUS.")
+_MOSAIC = tr("A mosaic shows runs with different parameters side by side; in a volume each of them takes too long.")
+_BATCH = tr("Many images are run at once; volumes are run one by one.")
+
+NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
+    {
+        **dict.fromkeys(
+            ("contours", "edit_contours", "outline", "close_contours", "join_contours", "cut_contour",
+             "contour_skeleton", "next_contour", "all_contours", "other_contours",
+             "show_rejected"), _CONTOUR),
+        "brush": _BRUSH,
+        "objects_alike": _ALIKE,
+        "mosaic": _MOSAIC,
+        "compare_methods": _METHODS,
+        "apply_to_folder": _BATCH,
+    }
+)  # fmt: skip
+"""Names of actions and of tools -> why they are not offered while a volume is open."""
+
+
+OTHERWISE_IN_VOLUMES: Mapping[str, tuple[str, str]] = MappingProxyType(
+    {
+        "circle": (tr("Sphe&re tool"), tr("Drag from the center to draw a sphere.")),
+        "add_circle": (
+            tr("Add sphere in the &middle"),
+            tr("Add a sphere in the middle of the visible part of the slice."),
+        ),
+        "ellipse": (
+            tr("Bo&x tool"),
+            tr("Drag from corner to corner to draw a box, as deep as its shorter side; Shift makes it a square."),
+        ),
+        "grid_area": (
+            tr("&Grid tool"),
+            tr("Drag a box, as deep as its shorter side, to fill with an even grid; < and > change its spacing."),
+        ),
+        "threshold": (
+            tr("T&hreshold tool"),
+            tr(
+                "Drag a box, as deep as its shorter side, in which to start on strong edges; < and > change how strong."
+            ),
+        ),
+        "points": (tr("&Point tool"), tr("Click to place a point in the slice.")),
+        "import_contours": (
+            tr("&Import surface…"),
+            tr("Read a surface, labels or center lines, as a start, as objects or as ground truth."),
+        ),
+        "region": (
+            tr("Region of &interest tool"),
+            tr("Drag a box, or click corner by corner around what particles are to stay in, through all slices."),
+        ),
+        "barrier": (
+            tr("&Barrier tool"),
+            tr("Drag, or click corner by corner, where no particle is to cross, through all slices."),
+        ),
+    }
+)
+"""Names of actions that do something else in a volume -> their text and tip there."""
+
+ICONS_IN_VOLUMES: Mapping[str, str] = MappingProxyType({"ellipse": "box"})
+"""Names of actions with another icon in a volume -> its name."""
+
+
+def has_volume(situation: Situation) -> bool:
+    """A volume is open."""
+    return situation.document.is_about_volume
+
+
+SURE_AFTER = 1.0
+"""Time after which an estimate is shown [s]."""
+
+_LEAST_FRACTION = 0.02
+
+
+def seconds_left(elapsed: float, fraction: float | None) -> float | None:
+    """Remaining time [s] after `elapsed` seconds, when a `fraction` from 0 to 1 is done; None while it is not known."""
+    if fraction is None or fraction < _LEAST_FRACTION or elapsed < SURE_AFTER:
+        return None
+    return elapsed * (1.0 - min(fraction, 1.0)) / fraction
+
+
+def in_words(seconds: float | None) -> str:
+    """A remaining time as text, empty when it is not known."""
+    if seconds is None:
+        return ""
+    if seconds < 10.0:
+        return tr("a few seconds left")
+    if seconds < 100.0:
+        return tr("about {seconds} s left").format(seconds=5 * round(seconds / 5))
+    if seconds < 6000.0:
+        return tr("about {minutes} min left").format(minutes=round(seconds / 60))
+    return tr("about {hours} h left").format(hours=round(seconds / 3600))

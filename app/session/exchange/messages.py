@@ -109,7 +109,7 @@ Drawn = NDArray[np.generic] | DisplayImage | DisplayVolume | SampledForce | Samp
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Overlays:
-    """The requested overlays by name, for the image opened as `generation`; see `app.session.worker.overlays`.
+    """The requested overlays by name, for the image opened as `generation`; see `app.session.worker.prepared_methods`.
 
     `trouble` says what those that are missing failed with.
     """

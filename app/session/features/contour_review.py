@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 from PySide6.QtCore import QObject, Signal
 
-from app.model.document import marking
+from app.model.document import contours
+from app.model.document.contours import Target
 from app.model.document.document import Document
-from app.model.document.marking import Target
 from app.model.text.language import tr
 from app.session.scene import NO_CONTOURS, Item, ReviewedContours
 from app.session.session import Session
@@ -123,17 +123,17 @@ class ContourReview(QObject):
         if all(item.reviewed.verdict == verdict for item in chosen):
             verdict = ""
         words = {"kept": tr("keep {what}"), "rejected": tr("reject {what}"), "": tr("leave open {what}")}
-        self._edit(words[verdict], chosen, lambda document, targets: marking.judge(document, targets, verdict))
+        self._edit(words[verdict], chosen, lambda document, targets: contours.judge(document, targets, verdict))
 
     def rename(self, key: int, name: str) -> None:
         """Name a contour."""
         if key in self and name.strip() != self[key].contour.name:
-            rename: _Edit = lambda document, targets: marking.rename(document, targets, name)  # noqa: E731
+            rename: _Edit = lambda document, targets: contours.rename(document, targets, name)  # noqa: E731
             self._edit(tr("name {what}"), [self[key]], rename)
 
     def paint(self, color: str) -> None:
         """Color the selected contours; an empty color removes their own."""
-        self._edit(tr("color {what}"), self.chosen, lambda document, targets: marking.paint(document, targets, color))
+        self._edit(tr("color {what}"), self.chosen, lambda document, targets: contours.paint(document, targets, color))
 
     def _edit(self, words: str, items: Iterable[Item], edit: _Edit) -> None:
         items = list(items)

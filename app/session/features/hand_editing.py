@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Sequence
 import numpy as np
 from PySide6.QtCore import QObject, Signal
 
-from app.model.document.contour_editing import NAMES, add_hand_edits, drop_hand_edits
+from app.model.document.contours import NAMES, add_hand_edits, drop_hand_edits
 from app.model.document.document import Document
 from app.model.text.language import tr
 from app.session.exchange.messages import CommandFailed

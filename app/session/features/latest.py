@@ -1,15 +1,59 @@
-"""A thread that does only the newest work of a kind, and says in the window when it fails."""
+"""Work on other threads of which only the newest counts, and parts that are made again only when they would differ."""
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, TypeVar
 
 from PySide6.QtCore import QObject, Signal
 
+from app.model.text.language import tr
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.mailbox import Mailbox
 from app.session.signals import SessionSignals
+
+T = TypeVar("T")
+
+
+class Same:
+    """Stands for a value that is compared by its identity."""
+
+    def __init__(self, value: object) -> None:
+        self._value = value
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Same) and self._value is other._value
+
+    def __hash__(self) -> int:
+        return id(self._value)
+
+
+class MadeOnce:
+    """Keeps the newest part of each name, with what it was made of."""
+
+    def __init__(self) -> None:
+        self._made: dict[str, tuple[tuple[Any, ...], Any]] = {}
+
+    def of(self, name: str, given: tuple[Any, ...], make: Callable[[], T]) -> T:
+        """What has been made of the same things before, or is made now."""
+        known = self._made.get(name)
+        if known is None or not is_same(known[0], given):
+            known = self._made[name] = (given, make())
+        made: T = known[1]
+        return made
+
+    def forget(self) -> None:
+        """Keep nothing."""
+        self._made.clear()
+
+
+def is_same(known: tuple[Any, ...], given: tuple[Any, ...]) -> bool:
+    """Whether what something is made of is what it was made of: the same objects, or equal values."""
+    return len(known) == len(given) and all(
+        one is other or one == other for one, other in zip(known, given, strict=True)
+    )
 
 
 class Latest(QObject):
@@ -86,3 +130,58 @@ class Latest(QObject):
 
     def _fail(self, trouble: str) -> None:
         self._session.trouble(trouble, self._name)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Made:
+    """A part, and what it was made of."""
+
+    given: tuple[Any, ...]
+    part: Any
+    whole: bool
+
+
+class _Newest(QObject):
+    """The newest part of one name."""
+
+    def __init__(self, session: SessionSignals, tell: Callable[[], None]) -> None:
+        super().__init__(session)
+        self._tell = tell
+        self._made: _Made | None = None
+        self.latest = Latest(session, "cpm-slices", tr("drawing a slice"))
+        self.latest.done.connect(self._take)
+
+    def of(self, given: tuple[Any, ...], make: Callable[[], Any], meanwhile: Callable[[], Any]) -> Any:
+        if self._made is None or not is_same(self._made.given, given):
+            self._made = _Made(given, meanwhile(), False)
+            self.latest.ask(lambda: _Made(given, make(), True))
+        return self._made.part
+
+    def _take(self, made: _Made) -> None:
+        if self._made is not None and not self._made.whole and is_same(self._made.given, made.given):
+            self._made = made
+            self._tell()
+
+
+class MadeLater(QObject):
+    """Gives the newest parts of the slice of one view, each by its name."""
+
+    completed = Signal()
+    """A part that was asked for is whole now."""
+
+    def __init__(self, session: SessionSignals) -> None:
+        super().__init__(session)
+        self._session = session
+        self._parts: dict[str, _Newest] = {}
+
+    def of(self, name: str, given: tuple[Any, ...], make: Callable[[], T], meanwhile: Callable[[], T]) -> T:
+        """What is made of something, or at first what stands in its place meanwhile."""
+        if name not in self._parts:
+            self._parts[name] = _Newest(self._session, self.completed.emit)
+        part: T = self._parts[name].of(given, make, meanwhile)
+        return part
+
+    def close(self) -> None:
+        """End the threads."""
+        for newest in self._parts.values():
+            newest.latest.close()

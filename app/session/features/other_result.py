@@ -11,7 +11,7 @@ from PySide6.QtCore import QObject, Signal
 from app.model.text.language import tr
 from app.session.exchange.contour_tracking import TrackedContours
 from app.session.exchange.messages import Reconstruction
-from app.session.features.timeline.navigation import TimelineNavigation
+from app.session.features.timeline import TimelineNavigation
 from app.session.scene import NO_CONTOURS, ReviewedContours, Scene
 from app.session.session import Session
 from app.session.worker.commands.timeline import Compared

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,17 +15,93 @@ from app.model.text.reasons import reason
 from app.model.volume.parts import Parts
 from app.session.core_functions import Core
 from app.session.exchange.messages import ImageReady, NotOpened, Opened, Report, Saved
-from app.session.tasks.folder_images import images_beside, session_beside
 from app.session.tasks.tasks import Task, Tasks
-from app.session.tasks.volume_files import opens_as_volume, parts_of
+from cpm_core.formats import READABLE, open_stack
+from cpm_core.formats.images import raster
+from cpm_core.formats.images.choice import UnchosenError
+from cpm_core.formats.images.medical.dicom.reader import dicom_files_beside
 from cpm_core.formats.images.reading import DEFAULT, Reading
 from cpm_core.formats.sessions.session_file import SUFFIX, find_image, load_session
-from cpm_core.image.image import Image
+from cpm_core.image.image import MINIMUM_SIDE, Image
 from cpm_core.image.kind import guessed_kind
 from cpm_core.image.pyramid import most_scales
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.large_images import large_image_settings
 from cpm_core.shapes.document_shapes import check_axes
+
+_NUMBER = re.compile(r"(\d+)")
+
+
+def images_beside(image: Path) -> tuple[Path, ...]:
+    """The images in the folder of an image, this one among them: 2 comes before 10."""
+    others = {path.name for path in images_in(image.parent)}
+    return tuple(image.parent / name for name in sorted(others | {image.name}, key=_counted))
+
+
+def images_in(folder: Path) -> tuple[Path, ...]:
+    """The images in a folder; none in one that cannot be read."""
+    try:
+        with os.scandir(folder) as entries:
+            names = [entry.name for entry in entries if _is_image(entry)]
+    except OSError:
+        return ()
+    return tuple(folder / name for name in sorted(names, key=_counted))
+
+
+def session_beside(image: Path) -> Path | None:
+    """The session of an image in its folder, of the same name, or None when there is none that can be used."""
+    path = image.with_suffix(SUFFIX)
+    if path == image or not path.is_file():
+        return None
+    try:
+        file = load_session(path).image
+        found, _ = find_image(file, path.absolute().parent) if file is not None else (None, ())
+    except ValueError:
+        return None
+    return path if found is not None and found == image.resolve() else None
+
+
+def _is_image(entry: os.DirEntry[str]) -> bool:
+    return Path(entry.name).suffix.lower() in READABLE and not entry.name.startswith(".") and entry.is_file()
+
+
+def _counted(name: str) -> tuple[list[str | int], str]:
+    """Key of the natural order: numbers count by value, letters regardless of case."""
+    parts = _NUMBER.split(name.casefold())
+    return [int(part) if index % 2 else part for index, part in enumerate(parts)], name
+
+
+PAGED = frozenset({".tif", ".tiff", *raster.READS})
+"""Suffixes of files whose pages are most often images of their own."""
+
+
+def parts_of(path: Path, reading: Reading) -> tuple[Parts | None, Reading]:
+    """What a file holds, None where it cannot be read, and how it is read: of several images the first one.
+
+    What is wrong with a file is told when it is read.
+    """
+    paged = path.suffix.lower() in PAGED
+    try:
+        try:
+            return Parts.of(open_stack(path, reading.series), paged, _series_around(path)), reading
+        except UnchosenError as error:
+            if not error.images:
+                raise
+            first = replace(reading, series=error.images[0] + 1)
+            return Parts.of(open_stack(path, first.series), paged), first
+    except ValueError:
+        return None, reading
+
+
+def _series_around(path: Path) -> Path | None:
+    """The folder of a file, where both it and enough files beside it are DICOM."""
+    around = dicom_files_beside(path, MINIMUM_SIDE)
+    return path.parent if len(around) >= MINIMUM_SIDE else None
+
+
+def opens_as_volume(parts: Parts | None) -> bool:
+    """Whether a file is opened as a volume unless a page of it is asked for; if that fails, the sentence says why."""
+    return parts is not None and parts.pages >= MINIMUM_SIDE and parts.deep
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 from PySide6.QtCore import QObject, Signal
 
-from app.model.state.time_left import seconds_left
+from app.model.state.situation import seconds_left
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.messages import CommandFailed, Report
 

@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 
 from app.model.document.document import Document
-from app.session.exchange.mailbox import Mailbox
+from app.session.exchange.mailbox import Mailbox, Pacer
 from app.session.exchange.messages import Reconstruction, Snapshot
-from app.session.exchange.pacing import Pacer
 from app.session.timeline.run_actions import Stepped
 from app.session.worker.reconstruction import Reconstructor, Request, edited
 from app.session.worker.recorded_run import RecordedRun, RunRecord

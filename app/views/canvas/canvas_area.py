@@ -8,9 +8,8 @@ from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
 
 from app.model.document import edits
-from app.model.document.naming import describe
 from app.model.text.keys import with_keys
-from app.model.text.language import tr
+from app.model.text.language import from_core, tr
 from app.session.scene import Scene
 from app.session.signals import OF_THE_PROGRAM, OPENING
 from app.session.workspace import Workspace
@@ -221,7 +220,7 @@ class CanvasArea(QWidget):
             elif index is None:
                 self.canvas.pan(_PAN * col, _PAN * row)
             else:
-                name = tr("move {shape}").format(shape=describe(self._session.document.shapes[index]))
+                name = tr("move {shape}").format(shape=from_core(self._session.document.shapes[index].title))
                 by = _displaced(self._session.scene, self.canvas.toward(factor * row, factor * col))
                 self._session.edit(name, lambda document: edits.move_shape(document, index, by), f"nudge {index}")
             return True
@@ -237,7 +236,7 @@ class CanvasArea(QWidget):
         """Make a shape larger, or smaller for `by` below 0."""
         shape = self._session.document.shapes[index]
         verb = tr("resize {shape}") if shape.outline.size else tr("change {shape}")
-        name, resized = verb.format(shape=describe(shape)), shape.resized(by)
+        name, resized = verb.format(shape=from_core(shape.title)), shape.resized(by)
         self._session.edit(name, lambda document: edits.replace_shape(document, index, resized), f"grow {index}")
 
 

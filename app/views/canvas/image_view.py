@@ -12,7 +12,7 @@ from PySide6.QtGui import QResizeEvent
 
 from app.model.volume.axis_names import flips_of
 from app.model.volume.slices import Slice
-from app.session.features.volumes.sections import Sections
+from app.session.features.slices import Sections
 from app.session.scene import Scene
 from app.views.canvas.coordinates import image_rectangle, to_position
 from app.views.canvas.layers import Layers

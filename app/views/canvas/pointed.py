@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.model.volume.slices import Slice
-from app.session.features.volumes.hits import hit_in
+from app.session.features.slices import hit_in
 from app.session.workspace import Workspace
 from cpm_core.numerics.types import Place
 from cpm_core.shapes import Charge

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QDialog, QHBoxLayout, QLabel, QProgressBar, QPushB
 from app.model.display.comparison import Tile, pick
 from app.model.display.display_image import DisplayImage
 from app.model.document.objects import add_region
-from app.model.state.time_left import in_words
+from app.model.state.situation import in_words
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.model.text.reasons import reason

@@ -17,7 +17,7 @@ from app.model.display.space.view_in_space import ColoredMesh, Particles, Wires
 from app.model.volume.kept_with_surface import kept_with_surface
 from app.model.volume.shape_wires import wires
 from app.session.exchange.messages import Reconstruction, Snapshot
-from app.session.features.volumes.made_once import MadeOnce
+from app.session.features.latest import MadeOnce
 from app.session.scene import Proposal, Scene
 from app.views.canvas.layers import Layers
 from app.views.canvas.layers.contours.skeleton import banded

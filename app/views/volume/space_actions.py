@@ -7,8 +7,7 @@ from functools import partial
 
 from PySide6.QtWidgets import QApplication
 
-from app.model.state.situation import Condition, Situation
-from app.model.state.volume_limits import has_volume
+from app.model.state.situation import Condition, Situation, has_volume
 from app.model.text.language import tr
 from app.model.volume.axis_names import ends_of
 from app.model.volume.slices import AXES

@@ -9,8 +9,7 @@ from PySide6.QtCore import QEvent, QObject, QPointF, Qt
 from PySide6.QtGui import QGuiApplication, QMouseEvent
 
 from app.model.document import edits
-from app.model.document.naming import describe
-from app.model.text.language import tr
+from app.model.text.language import from_core, tr
 from app.model.volume.shape_wires import wires
 from app.session.features.objects.object_selection import ObjectSelection
 from app.session.session import Session
@@ -111,7 +110,7 @@ class SpaceHand(QObject):
         by = (way.x() * camera.axes[0] + way.y() * camera.axes[1]) / camera.scale / np.array(image.spacing)
         moved, index = shape.moved(tuple(by.tolist())), self._index
         if index < len(self._session.document.shapes):
-            name = tr("move {shape}").format(shape=describe(shape))
+            name = tr("move {shape}").format(shape=from_core(shape.title))
             self._session.edit(name, lambda document: edits.replace_shape(document, index, moved), self._gesture)
         return True
 

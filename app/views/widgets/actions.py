@@ -8,8 +8,14 @@ from dataclasses import replace
 from PySide6.QtGui import QAction, QActionGroup, QKeySequence
 from PySide6.QtWidgets import QWidget
 
-from app.model.state.situation import Situation, always
-from app.model.state.volume_limits import ICONS_IN_VOLUMES, NOT_IN_VOLUMES, OTHERWISE_IN_VOLUMES, has_volume
+from app.model.state.situation import (
+    ICONS_IN_VOLUMES,
+    NOT_IN_VOLUMES,
+    OTHERWISE_IN_VOLUMES,
+    Situation,
+    always,
+    has_volume,
+)
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
 from app.views.widgets.action_spec import STATE, TOGGLE, ActionSpec

@@ -5,7 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QToolButton, QWidget
 
-from app.model.state.time_left import in_words
+from app.model.state.situation import in_words
 from app.model.text.language import tr
 from app.session.tasks.tasks import Task, Tasks
 from app.views.theme.icons import icon

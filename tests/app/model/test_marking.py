@@ -2,35 +2,35 @@
 
 from __future__ import annotations
 
-from app.model.document import marking
+from app.model.document import contours
+from app.model.document.contours import Target
 from app.model.document.document import Document
-from app.model.document.marking import Target
 from cpm_core.contours.review import Mark
 
 HERE, THERE = (10.0, 12.0), (40.0, 41.0)
 
 
 def test_a_first_word_on_a_contour_puts_a_mark_on_it_and_later_ones_change_that_mark() -> None:
-    document = marking.judge(Document(), [Target(None, HERE)], "rejected")
+    document = contours.judge(Document(), [Target(None, HERE)], "rejected")
     assert document.marks == (Mark(HERE, "rejected"),)
-    named = marking.rename(document, [Target(document.marks[0], THERE)], " aorta ")
+    named = contours.rename(document, [Target(document.marks[0], THERE)], " aorta ")
     assert named.marks == (Mark(HERE, "rejected", "aorta"),)
-    assert marking.paint(named, [Target(named.marks[0], HERE)], "#e69f00").marks[0].color == "#e69f00"
+    assert contours.paint(named, [Target(named.marks[0], HERE)], "#e69f00").marks[0].color == "#e69f00"
     assert document.marks == (Mark(HERE, "rejected"),)
 
 
 def test_an_empty_mark_is_removed() -> None:
-    document = marking.judge(Document(), [Target(None, HERE), Target(None, THERE)], "kept")
+    document = contours.judge(Document(), [Target(None, HERE), Target(None, THERE)], "kept")
     assert len(document.marks) == 2
-    document = marking.judge(document, [Target(document.marks[0], HERE)], "")
+    document = contours.judge(document, [Target(document.marks[0], HERE)], "")
     assert document.marks == (Mark(THERE, "kept"),)
-    assert marking.rename(Document(), [Target(None, HERE)], "  ") == Document()
+    assert contours.rename(Document(), [Target(None, HERE)], "  ") == Document()
 
 
 def test_everything_can_be_forgotten_at_once() -> None:
-    document = marking.judge(Document(), [Target(None, HERE), Target(None, THERE)], "kept")
-    assert marking.clear_marks(document) == Document()
+    document = contours.judge(Document(), [Target(None, HERE), Target(None, THERE)], "kept")
+    assert contours.clear_marks(document) == Document()
 
 
 def test_marks_change_nothing_that_a_run_starts_from() -> None:
-    assert marking.judge(Document(), [Target(None, HERE)], "kept").sources == Document().sources
+    assert contours.judge(Document(), [Target(None, HERE)], "kept").sources == Document().sources

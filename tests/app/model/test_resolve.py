@@ -7,8 +7,7 @@ import pytest
 from app.model.document import edits
 from app.model.document.document import Document, ImageReference
 from app.model.state.resolve import resolve
-from app.model.state.situation import Situation, can_redo, can_step, can_undo, has_image, is_started
-from app.model.state.status import RunStatus
+from app.model.state.situation import RunStatus, Situation, can_redo, can_step, can_undo, has_image, is_started
 from cpm_core.shapes import Barrier, Charge, Circle
 
 IMAGE = ImageReference("disc.png", "disc.png", (64, 64), 180.0)

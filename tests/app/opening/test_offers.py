@@ -9,7 +9,7 @@ import pytest
 from PySide6.QtCore import Qt
 from scipy.ndimage import gaussian_filter
 
-from app.model.document.kinds import ADVICE
+from app.model.document.modes import ADVICE
 from app.model.preferences.table import OFFER_SETTINGS
 from app.views.features.file.beginning import BeginningFeature
 from app.views.main_window import MainWindow

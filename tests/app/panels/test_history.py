@@ -9,7 +9,7 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, 
 
 from app.model.document import edits
 from app.model.document.document import Document
-from app.session.document.editing import Editing
+from app.session.editing import Editing
 from cpm_core.shapes import Circle
 
 pytestmark = pytest.mark.shared_window

@@ -12,8 +12,7 @@ from PySide6.QtWidgets import QCheckBox, QLabel, QToolButton
 from app.model.display.plots import RunMetrics
 from app.model.parameters.controls import controls
 from app.model.state.resolve import resolve
-from app.model.state.situation import Situation
-from app.model.state.status import RunStatus
+from app.model.state.situation import RunStatus, Situation
 from app.views.canvas.items.curves import pieces
 from app.views.canvas.layers.fields.field import ARROW_SPACING, arrow_lines, arrows
 from app.views.panels.run.plot_panel import PlotPanel

@@ -10,7 +10,7 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.model.document import edits
-from app.model.document.contour_editing import add_hand_edits
+from app.model.document.contours import add_hand_edits
 from app.session.exchange.messages import Saved
 from app.session.storage.session_file import DocumentFile
 from app.session.tasks.opening import Wanted

@@ -24,7 +24,7 @@ from PySide6.QtCore import QCoreApplication
 
 from app.model.document import edits
 from app.model.document.document import Document
-from app.session.features.timeline.navigation import TimelineNavigation
+from app.session.features.timeline import TimelineNavigation
 from app.session.session import Session
 from app.session.storage.autosave import Journal
 from app.session.storage.preferences import Preferences

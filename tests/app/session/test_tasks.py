@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from PySide6.QtCore import QObject, Qt
 from PySide6.QtWidgets import QProgressBar, QToolButton
 
-from app.model.state.time_left import SURE_AFTER, in_words, seconds_left
+from app.model.state.situation import SURE_AFTER, in_words, seconds_left
 from app.session.core_functions import Core
 from app.session.exchange.messages import CommandFailed, Report
 from app.session.tasks.tasks import Cancelled, Task, Tasks

@@ -19,9 +19,8 @@ import pytest
 from app.model.document import edits
 from app.model.document.document import Document
 from app.session.core_functions import Core
-from app.session.exchange.mailbox import Mailbox
+from app.session.exchange.mailbox import Mailbox, Pacer
 from app.session.exchange.messages import CommandFailed, Opened, Reconstruction, RunFailed, SeedsFound, Snapshot, WentOn
-from app.session.exchange.pacing import Pacer
 from app.session.tasks.tasks import Task
 from app.session.worker.commands.forces import Probe, Probed
 from app.session.worker.commands.run import Export, FindSeeds, RunCall, Start, WarmUp

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
-from app.model.document.contour_editing import add_hand_edits
+from app.model.document.contours import add_hand_edits
 from app.views.features.contours.contours import ContoursFeature
 from app.views.features.file.open_save import OpenSaveFeature
 from app.views.main_window import MainWindow

@@ -9,7 +9,7 @@ from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QWheelEvent
 from PySide6.QtWidgets import QApplication
 
-from app.model.state.volume_limits import NOT_IN_VOLUMES, OTHERWISE_IN_VOLUMES
+from app.model.state.situation import NOT_IN_VOLUMES, OTHERWISE_IN_VOLUMES
 from app.views.features.file.stack import StackFeature
 from app.views.features.view.slices import SlicesFeature
 from cpm_core import PRESETS

@@ -1,23 +1,85 @@
-"""The objects of the document: which are chosen, and what is done to them."""
+"""The objects of the document: figures, which are chosen, what is done to them, and the brush that paints them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import replace
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from app.model.document import objects
 from app.model.document.document import Document
+from app.model.document.objects import brushed
 from app.model.text.language import tr
 from app.model.volume.object_sections import holds, size_of
+from app.model.volume.surface_section import prepare
 from app.session.features.latest import Latest
-from app.session.features.objects.object_figures import AllFigures, Figures
 from app.session.session import Session
+from cpm_core.contours.surface import Surface
 from cpm_core.image.image import Image
-from cpm_core.numerics.types import Place
+from cpm_core.numerics import polyline
+from cpm_core.numerics.types import Array, Place, Position
+from cpm_core.objects.segmented.painted_area import PaintedArea
 from cpm_core.objects.segmented.segmented_object import SegmentedObject, SegmentedObjects
+
+
+@dataclass(frozen=True, slots=True)
+class Figures:
+    """Figures of an object.
+
+    Attributes
+    ----------
+    gray : float
+        Mean gray value; NaN where it has no pixel.
+    volume, area : float
+        Of an object in a volume, in the unit of the image; 0 in an image, as the rest.
+    parts, euler : int
+        Parts of its surface that do not hang together, and its Euler characteristic.
+    """
+
+    gray: float
+    volume: float = 0.0
+    area: float = 0.0
+    parts: int = 0
+    euler: int = 0
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class AllFigures:
+    """Figures of objects in an image by their numbers, each with the boundary that it had."""
+
+    image: Image
+    known: Mapping[int, tuple[object, Figures]]
+
+    def of(self, item: SegmentedObject) -> Figures | None:
+        """Those of an object; None if they are not known, or it has another boundary by now."""
+        boundary, figures = self.known.get(item.number, (None, None))
+        return figures if boundary is _boundary(item) else None
+
+    def with_all(self, items: Iterable[SegmentedObject]) -> AllFigures:
+        """Those of all these objects."""
+        found = ((item, self.of(item)) for item in items)
+        return AllFigures(
+            self.image,
+            {item.number: (_boundary(item), known or _measured(item, self.image)) for item, known in found},
+        )
+
+
+def _boundary(item: SegmentedObject) -> object:
+    return item.surface or item.boundary
+
+
+def _measured(item: SegmentedObject, image: Image) -> Figures:
+    inside = item.mask(image.shape)
+    gray = float(image.values[inside].mean()) if inside.any() else float("nan")
+    if item.body is None:
+        return Figures(gray)
+    prepare(item.body)  # slices are cut on the window's thread, and limits made of it
+    assert all(len(packed.shell.mask) for packed in item.surface)
+    surface: Surface = replace(item.body, spacing=image.spacing, unit=image.unit)
+    return Figures(gray, surface.volume, surface.area, surface.components, surface.euler)
 
 
 class ObjectList(QObject):
@@ -211,3 +273,91 @@ class ObjectList(QObject):
 
 def _encloses(item: SegmentedObject, at: Place) -> bool:
     return holds(item, at) if len(at) == 3 else bool(item.encloses(np.array([at], dtype=float))[0])
+
+
+_LEAST_MOVE = 0.3
+"""Distance that the brush moves before it paints on [px]."""
+
+
+class ObjectBrush:
+    """Paints one object from the press of the button to its release.
+
+    Of the objects that the brush touches, one that is chosen comes first, then the one that it is in. A brush that adds
+    and touches none when it is pressed makes a new object; one that takes away waits until it comes to one.
+    """
+
+    def __init__(self, session: Session, object_list: ObjectList) -> None:
+        self._session = session
+        self._list = object_list
+        self._area = PaintedArea((), ())
+        self._path: list[Position] = []
+        self._before: SegmentedObject | None = None
+        self._number, self._radius, self._adds, self._gesture = 0, 0.0, True, ""
+
+    @property
+    def painting(self) -> bool:
+        """Whether a stroke has begun."""
+        return bool(self._path)
+
+    def begin(self, at: Position, radius: float, adds: bool, gesture: str) -> None:
+        """Begin a stroke at a place; `gesture` makes one step of undo of it."""
+        self._path, self._radius, self._adds, self._gesture = [at], radius, adds, gesture
+        self._number, self._before = 0, None
+        self._find()
+        self._apply()
+
+    def paint(self, to: Position) -> None:
+        """Paint on to a place."""
+        if self._path and math.dist(self._path[-1], to) >= _LEAST_MOVE:
+            self._path.append(to)
+            self._find()
+            self._apply()
+
+    def end(self) -> None:
+        """End the stroke; say so if it has come to no object."""
+        if self._path and not self._number:
+            self._session.say(tr("There is no object under the brush from which it could take away."))
+        self._path = []
+
+    def _find(self) -> None:
+        """Find the object to be painted, unless it is known; a frozen one is left alone, with a word to the user."""
+        image = self._session.document.image
+        if self._number or image is None:
+            return
+        item = self._touched()
+        if item is not None and item.frozen:
+            name = self._list.title(item)
+            self._session.say(tr("{name} is frozen: release it to paint it, or paint another one.").format(name=name))
+            self._path = []
+        elif item is not None or self._adds:
+            self._before = item
+            self._number = self._session.document.objects.next_number if item is None else item.number
+            self._area = PaintedArea(() if item is None else item.boundary, image.shape)
+
+    def _touched(self) -> SegmentedObject | None:
+        """The object that the newest stretch of the path touches."""
+        items, newest = self._session.document.objects.items, np.array(self._path[-2:])
+        way = polyline.sampled(newest, 0.5 * self._radius) if len(newest) > 1 else newest
+        near = [item for item in items if not item.hidden and _touches(item, way, self._radius)]
+        under = self._list.under(self._path[-1])
+        near.sort(key=lambda item: (item.number not in self._list.chosen, item.number != under, item.area))
+        return near[0] if near else None
+
+    def _apply(self) -> None:
+        """Paint the newest stretch of the path."""
+        if not self._path or not self._number:
+            return
+        self._area = self._area.painted(self._path[-2:], self._radius, self._adds)
+        before, number, radius = self._before, self._number, self._radius
+        boundary, path = self._area.boundary, tuple(self._path)
+        self._session.edit(
+            tr("paint object"),
+            lambda document: brushed(document, before, number, boundary, path, radius),
+            self._gesture,
+        )
+        self._list.choose((number,) if boundary else ())
+
+
+def _touches(item: SegmentedObject, way: Array, radius: float) -> bool:
+    """Whether a disk touches an object at one of some places, shape (N, 2)."""
+    return bool(item.encloses(way).any() or (polyline.distances_from_closed(item.boundary, way) < radius).any())

@@ -1,4 +1,4 @@
-"""The pages of the stack that is open: all of them run in the background, and what was found on all."""
+"""The pages of the stack that is open: which is shown, all of them run in the background, and what was found on all."""
 
 from __future__ import annotations
 
@@ -8,30 +8,163 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from PySide6.QtCore import QTimer, Signal
+import numpy as np
+from PySide6.QtCore import QObject, QTimer, Signal
 
 from app.model.display.page_rows import PageRow, page_rows
+from app.model.document.document import Document
 from app.model.document.saving import to_file
 from app.model.text.language import tr
 from app.session.core_functions import Core
-from app.session.document.undo_history import Change, History
-from app.session.exchange.messages import Exported, Opened, Report
+from app.session.exchange.messages import Exported, Opened, Report, Saved
+from app.session.features.contour_review import ContourReview
 from app.session.features.latest import Latest
-from app.session.features.pages.kept_page import KeptPage, with_change
-from app.session.features.pages.linking import linked
+from app.session.features.pages.kept_pages import (
+    Found,
+    KeptPage,
+    PlainPages,
+    StackSource,
+    StoredPages,
+    bare,
+    linked,
+    started_by,
+    starts_along,
+    with_change,
+)
 from app.session.features.pages.page_runs import PageDone, PageOrder, run_pages
-from app.session.features.pages.paging import Paging
-from app.session.features.pages.stack_source import StackSource
-from app.session.features.pages.stored_pages import PlainPages, StoredPages
+from app.session.scene import Item
 from app.session.session import Session
 from app.session.signals import EXPORTING, OPENING, RUNNING
-from app.session.storage.session_file import DocumentFile
+from app.session.storage.session_file import DocumentFile, Written
+from app.session.tasks.opening import Wanted
 from app.session.tasks.tasks import Task
+from app.session.undo_history import Change, History
+from cpm_core.contours.measurements import centroid
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply
 from cpm_core.formats.contours.pages.files import export_stack
 from cpm_core.formats.provenance import plain_shapes
-from cpm_core.pages.page import StackResult
+from cpm_core.formats.sessions.session_file import ImageFile
+from cpm_core.pages.page import StackResult, starts_after
+from cpm_core.shapes import Start
+
+
+class Paging(QObject):
+    """Goes through the pages of a stack, each with its own document, history and runs."""
+
+    changed = Signal()
+    """Another page is open, or pages are being run, or no longer."""
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session)
+        self.following = True
+        """Whether each page starts from the contours of the one before."""
+        self._session = session
+        self._file: DocumentFile | None = None
+        self._source = StackSource()
+        self._ahead = 0
+        self._turning = False
+        self._kept: dict[int, KeptPage] = {}
+        self._coming: dict[int, KeptPage] = {}
+        self._found: dict[int, Found] = {}
+        self._given: tuple[Start, ...] = ()
+        session.listen(Opened, self._take_opened)
+        session.listen(Written, self._take_written)
+
+    def keep(self, document_file: DocumentFile) -> None:
+        """Be saved with the session file."""
+        self._file = document_file
+
+    @property
+    def count(self) -> int:
+        """Number of pages of the stack; 0 where none is open as pages."""
+        return self._source.count
+
+    @property
+    def number(self) -> int:
+        """The page that is open, from 1."""
+        return self._source.number
+
+    @property
+    def ahead(self) -> int:
+        """The page that is wanted, which is open or being opened."""
+        return self._ahead
+
+    def is_drawn(self, document: Document) -> bool:
+        """Whether a person has drawn where the run of the open page starts, not the page before."""
+        return not self._given or document.starts != self._given
+
+    def go(self, by: int) -> None:
+        """Go to a page after this one, or before it; beyond a page that could not be opened."""
+        self.open(min(max(self._ahead + by, 1), self.count))
+
+    def open(self, number: int) -> None:
+        """Go to a page, once the runs of this one have been collected."""
+        if self._file is None or not 1 <= number <= self.count or number == self._ahead:
+            return
+        self._ahead = number
+        if not self._turning:
+            self._turning = True
+            self._session.pause()
+            self._file.runs.collect(lambda _: self._turn())
+
+    def _turn(self) -> None:
+        """Keep the page that is open, and open the one that is wanted."""
+        self._turning = False
+        if self._file is None or not self.count or self._ahead == self.number:
+            return
+        here = self._kept[self.number] = self._here(self._file)
+        self._begin(self._ahead, self._kept.get(self._ahead) or self._fresh(here))
+
+    def _begin(self, number: int, page: KeptPage) -> None:
+        """Open a page with what is kept of it; the image stays where it is on the canvas."""
+        image = self._session.document.image
+        if image is None or self._file is None:
+            return
+        place = ImageFile(image.path, "", image.shape, reading=self._source.reading_of(number))
+        content = replace(page.seen(self._file.file.view), image=place)
+        self._coming[number] = page
+        saved = Saved(self._file.path, content, turned=True, known=page.known)
+        self._session.begin(Wanted(Path(image.path), page.document.parameters, saved=saved))
+
+    def _here(self, file: DocumentFile) -> KeptPage:
+        """The page that is open, as it is kept."""
+        session, content = self._session, replace(file.file, pages={}, truth=None)
+        return KeptPage(content, session.document, session.history, file.known, self._given, file.runs.unsaved)
+
+    def _fresh(self, here: KeptPage) -> KeptPage:
+        """A page on which nothing has been done yet: it takes over the drawing, or follows the page before."""
+        document, given = bare(here.document), here.given or here.document.starts
+        before = self._found.get(self._ahead - 1)
+        if self.following and isinstance(before, Result) and before.contours:
+            given = starts_along(starts_after(before.contours))
+            document = started_by(document, given)
+        return KeptPage(to_file(document, {}), document, known=document, given=given)
+
+    def _take_opened(self, opened: Opened) -> None:
+        """Another page has been opened, or another file."""
+        parts = opened.parts if opened.image.ndim == 2 else None
+        source = StackSource.of(str(opened.path), opened.path.name, parts, opened.reading)
+        if opened.saved is not None and opened.saved.turned:
+            # another page may be wanted by now: what is kept of this one stays until it is left by way of `_turn`
+            page = self._coming.pop(source.number, None)
+            self._source = source.of_the_same(self._source)
+            if page is not None:
+                self._given = page.given
+                self._session.use_history(page.history.on(self._session.document.image))
+        else:
+            self._begin_stack(source, opened)
+        self.changed.emit()
+
+    def _begin_stack(self, source: StackSource, _opened: Opened) -> None:
+        """Another file has been opened: nothing is known of its pages."""
+        self._source, self._ahead = source, source.number
+        self._kept, self._coming, self._found, self._given = {}, {}, {}, ()
+
+    def _take_written(self, written: Written) -> None:
+        if self._file is not None and self._file.is_current(written):
+            self._kept = {number: page.saved() for number, page in self._kept.items()}
+
 
 _QUIET, _WHILE_RUNNING = 200, 1500
 """Time from a change until the tracks are found again, at rest and while pages are run [ms]."""
@@ -219,3 +352,46 @@ def _kept(done: PageDone, before: KeptPage | None) -> KeptPage:
         return KeptPage(file, document, History(), None, done.given, runs_unsaved=True)
     history = with_change(before.history, Change(tr("run all pages"), before.document, document))
     return KeptPage(file, document, history, before.known, done.given, runs_unsaved=True)
+
+
+_NEAR, _ALIKE = 1.0, 0.02
+"""How far the center of a contour may lie from where it was [px], and by how much its length may differ, of 1."""
+
+
+class WantedContour(QObject):
+    """Opens the page of a contour, and selects the contour as soon as it is shown there."""
+
+    def __init__(self, pages: StackPages, review: ContourReview) -> None:
+        super().__init__(pages)
+        self._pages, self._review = pages, review
+        self._wanted: PageRow | None = None
+        review.changed.connect(self._look)
+        pages.changed.connect(self._look)
+
+    def show(self, row: PageRow) -> None:
+        """Go to the contour of a row, or to the page of a row that has none."""
+        self._wanted = row if row.measures is not None else None
+        self._pages.open(row.page)
+        self._look()
+
+    def _look(self) -> None:
+        """Select the contour if it is there; forget it when another page is wanted meanwhile."""
+        row = self._wanted
+        if row is None:
+            return
+        if self._pages.ahead != row.page:
+            self._wanted = None
+        elif self._pages.number == row.page:
+            near = min(self._review.items, key=lambda item: _away(item, row), default=None)
+            if near is not None and _is_meant(near, row):
+                self._wanted = None
+                self._review.select((near.key,))
+
+
+def _away(item: Item, row: PageRow) -> float:
+    return float(np.hypot(*np.subtract(centroid(item.contour), (row.row, row.col))))
+
+
+def _is_meant(item: Item, row: PageRow) -> bool:
+    length = 0.0 if row.measures is None else row.measures.length
+    return _away(item, row) <= _NEAR and abs(item.measures.length - length) <= _ALIKE * length

@@ -23,7 +23,7 @@ class Requests(Protocol):
         """Send a command to the worker."""
 
     def want_overlay(self, name: str, wanted: bool) -> None:
-        """Switch the updates of an overlay on or off; see `app.session.worker.overlays`."""
+        """Switch the updates of an overlay on or off; see `app.session.worker.prepared_methods`."""
 
 
 class Layer(QObject):

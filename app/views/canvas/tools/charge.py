@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 
-from app.model.document.naming import describe
-from app.model.text.language import tr
+from app.model.text.language import from_core, tr
 from app.views.canvas.tools.tool import ShapeTool
 from cpm_core.numerics.types import Place
 from cpm_core.shapes import Charge
@@ -34,7 +33,7 @@ class ChargeTool(ShapeTool):
 
     def _place(self, charge: Charge) -> None:
         verb = tr("drop {charge}") if self._before is None else tr("move {charge}")
-        self._put(verb.format(charge=describe(charge)), charge)
+        self._put(verb.format(charge=from_core(charge.title)), charge)
 
     def _found(self, at: Place, reach: float) -> int | None:
         """Index of the charge nearest to the pointer, the topmost of equally near ones."""

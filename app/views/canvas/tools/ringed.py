@@ -8,7 +8,7 @@ import numpy as np
 
 from app.model.document import edits
 from app.model.text.language import tr
-from app.session.document.undo_history import Erasure
+from app.session.undo_history import Erasure
 from app.views.canvas.tools.tool import ShapeTool, ToolContext
 from app.views.theme import theme
 from cpm_core.numerics.types import Place

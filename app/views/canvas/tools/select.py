@@ -5,9 +5,8 @@ from __future__ import annotations
 import operator
 
 from app.model.document.hit_testing import Hit
-from app.model.document.naming import describe
-from app.model.text.language import tr
-from app.session.features.volumes.hits import hit_in
+from app.model.text.language import from_core, tr
+from app.session.features.slices import hit_in
 from app.views.canvas.tools.tool import Cursor, ShapeTool, ToolContext
 from cpm_core.numerics.types import Place
 from cpm_core.shapes import Circle
@@ -45,10 +44,12 @@ class SelectTool(ShapeTool):
         if shape is None or at == self._anchor:
             return
         if self._part == "handle":
-            self._put(tr("reshape {shape}").format(shape=describe(shape)), shape.with_handle_at(self._anchor, at))
+            self._put(
+                tr("reshape {shape}").format(shape=from_core(shape.title)), shape.with_handle_at(self._anchor, at)
+            )
         else:
             by = tuple(map(operator.sub, at, self._anchor))
-            self._put(tr("move {shape}").format(shape=describe(shape)), shape.moved(by))
+            self._put(tr("move {shape}").format(shape=from_core(shape.title)), shape.moved(by))
 
     def release(self) -> None:
         """Keep shape and cross as they are."""

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 
 from app.model.text.language import tr
 from app.model.volume.slices import AXES, Slices
-from app.session.features.volumes.sections import Sections
+from app.session.features.slices import Sections
 from app.session.scene import Scene
 from app.views.canvas.canvas import ZOOM, Canvas, Panning, Wheel
 from app.views.canvas.coordinates import image_rectangle

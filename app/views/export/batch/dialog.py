@@ -22,12 +22,12 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.export.formats import formats
-from app.model.state.time_left import in_words
+from app.model.state.situation import in_words
 from app.model.text.language import tr
 from app.session.features.image_batch import ImageBatch
 from app.session.features.latest import Latest
 from app.session.session import Session
-from app.session.tasks.folder_images import images_in
+from app.session.tasks.opening import images_in
 from app.views.export.batch.table import ImageTable
 from app.views.window.file_dialogs import ask_for_folder, ask_for_images
 

@@ -8,7 +8,7 @@ from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QMenu
 
-from app.model.document import marking
+from app.model.document import contours
 from app.model.preferences.table import UNIT
 from app.model.state.situation import Situation
 from app.model.text.language import tr
@@ -72,7 +72,7 @@ class ContoursFeature(Feature):
                 name="forget_verdicts",
                 menu="Contours",
                 text=tr("C&lear verdicts, names and colors"),
-                do=lambda: self.context.session.edit(tr("clear verdicts, names and colors"), marking.clear_marks),
+                do=lambda: self.context.session.edit(tr("clear verdicts, names and colors"), contours.clear_marks),
                 tip=tr("Remove all contour reviews."),
                 when=lambda situation: bool(situation.document.marks),
             ),

@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from functools import partial
 
 from app.model.document import edits
-from app.model.document.naming import describe
 from app.model.state.situation import Condition, has_image
-from app.model.text.language import tr
+from app.model.text.language import from_core, tr
 from app.views.canvas.canvas_area import FIRST_TOOL
 from app.views.canvas.tools import TOOLS
 from app.views.widgets.action_spec import STATE, ActionSpec
@@ -67,7 +66,7 @@ class DrawFeature(Feature):
 
     def _toggle(self, start: Everywhere) -> None:
         session = self.context.session
-        name = describe(start)
+        name = from_core(start.title)
         if start in session.document.shapes:
             name = tr("remove {start}").format(start=name)
         session.edit(name, lambda document: edits.toggle_everywhere(document, start.kind))

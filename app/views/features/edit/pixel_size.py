@@ -6,8 +6,7 @@ from collections.abc import Sequence
 
 from app.model.display.lengths import size_text
 from app.model.document import edits
-from app.model.state.situation import Situation, has_image
-from app.model.state.volume_limits import has_volume
+from app.model.state.situation import Situation, has_image, has_volume
 from app.model.text.language import tr
 from app.session.exchange.messages import Opened
 from app.views.features.file.offering import OfferingFeature

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
-from app.model.document.kinds import ADVICE, use_kind
+from app.model.document.modes import ADVICE, use_kind
 from app.model.document.samples import sample_at
 from app.model.preferences.table import KEEP_PARAMETERS, OFFER_SETTINGS
 from app.model.state.situation import Situation

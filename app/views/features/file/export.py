@@ -11,8 +11,7 @@ from PySide6.QtWidgets import QApplication
 
 from app.model.document.modes import needs_start
 from app.model.export.order import ExportOrder, can_be_exported
-from app.model.state.situation import Situation, has_contours, has_image
-from app.model.state.volume_limits import has_volume
+from app.model.state.situation import Situation, has_contours, has_image, has_volume
 from app.model.text.language import tr
 from app.session.exchange.messages import Exported, Opened
 from app.session.features.skeleton import description_of

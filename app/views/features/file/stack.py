@@ -7,13 +7,12 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from app.model.state.situation import Situation
-from app.model.state.volume_limits import has_volume
+from app.model.state.situation import Situation, has_volume
 from app.model.text.language import from_core, tr
 from app.model.volume.parts import Parts
 from app.session.exchange.messages import Opened
 from app.session.features.latest import Latest
-from app.session.tasks.volume_files import parts_of
+from app.session.tasks.opening import parts_of
 from app.views.features.file.offering import OfferingFeature
 from app.views.files.part_dialog import PartDialog
 from app.views.widgets.action_spec import ActionSpec

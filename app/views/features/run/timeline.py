@@ -13,7 +13,7 @@ from app.model.preferences.table import TIMELINE_MEMORY
 from app.model.state.situation import has_particles, is_running
 from app.model.text.language import tr
 from app.model.text.numbers import written
-from app.session.features.timeline.navigation import TimelineNavigation
+from app.session.features.timeline import TimelineNavigation
 from app.session.worker.commands.run import RunCall
 from app.session.worker.recorded_run import MEGABYTE
 from app.session.worker.run import Run

@@ -8,7 +8,7 @@ from pathlib import Path
 from app.model.preferences.table import UNIT
 from app.model.state.situation import Situation
 from app.model.text.language import tr
-from app.session.features.pages.wanted_contour import WantedContour
+from app.session.features.pages.stack_pages import WantedContour
 from app.session.storage.session_file import DocumentFile
 from app.views.panels.pages.page_bar import PageBar
 from app.views.panels.pages.panel import PagePanel

@@ -8,11 +8,10 @@ from functools import partial
 from PySide6.QtCore import QPoint
 
 from app.model.preferences.table import UNIT
-from app.model.state.situation import Condition
-from app.model.state.volume_limits import has_volume
+from app.model.state.situation import Condition, has_volume
 from app.model.text.language import tr
 from app.model.volume.slices import AXES, Slices
-from app.session.features.volumes.made_later import MadeLater
+from app.session.features.latest import MadeLater
 from app.session.scene import Scene
 from app.views.canvas.image_view import ImageView
 from app.views.canvas.volume.side_view import Cross, SideView

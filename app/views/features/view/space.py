@@ -8,7 +8,7 @@ from pathlib import Path
 
 from app.model.display.space.view_in_space import ViewInSpace
 from app.model.export.provenance import comment_on
-from app.model.state.volume_limits import has_volume
+from app.model.state.situation import has_volume
 from app.model.text.language import tr
 from app.session.exchange.messages import Exported, Report
 from app.session.tasks.tasks import Task

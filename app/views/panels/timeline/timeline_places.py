@@ -5,7 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import QRectF
 from PySide6.QtWidgets import QWidget
 
-from app.session.features.timeline.navigation import TimelineNavigation
+from app.session.features.timeline import TimelineNavigation
 
 ROW = 24
 """Height of a branch [px]."""

@@ -13,7 +13,7 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
 from app.model.text.language import tr
-from app.session.features.timeline.navigation import TimelineNavigation
+from app.session.features.timeline import TimelineNavigation
 from app.views.panels.timeline.timeline_painter import TimelinePainter
 from app.views.panels.timeline.timeline_places import SIDE, TimelinePlaces
 

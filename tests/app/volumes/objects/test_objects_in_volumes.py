@@ -7,7 +7,7 @@ import pytest
 import tifffile
 from PySide6.QtCore import QPoint, Qt
 
-from app.model.state.volume_limits import NOT_IN_VOLUMES
+from app.model.state.situation import NOT_IN_VOLUMES
 from app.model.volume.shape_sections import RegionSection
 from app.session.features.objects.object_list import ObjectList
 from app.session.storage.session_file import DocumentFile

@@ -16,9 +16,9 @@ import numpy as np
 from app.model.document import edits
 from app.model.document.document import Document
 from app.model.text.language import tr
-from app.session.document.editing import Editing
-from app.session.document.undo_history import Erasure
+from app.session.editing import Editing
 from app.session.timeline.run_actions import Erased
+from app.session.undo_history import Erasure
 from app.session.updates import Progress
 from app.session.worker.commands.run import Command, FindSeeds, RunCall
 from app.session.worker.run import Run

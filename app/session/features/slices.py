@@ -1,4 +1,4 @@
-"""What a slice shows of a scene with a volume: a scene with an image, which any canvas draws."""
+"""The slices of a volume: which are shown, the scene of each, and what lies under the pointer."""
 
 from __future__ import annotations
 
@@ -13,24 +13,25 @@ from app.model.display.display_image import DisplayImage, DisplayVolume, Intensi
 from app.model.display.iso_lines import iso_lines
 from app.model.display.truth.surfaces import differences_in, truth_in
 from app.model.document.document import Document
+from app.model.document.hit_testing import Hit, hit
 from app.model.volume.object_sections import objects_in, selection_in
 from app.model.volume.sampled_volumes import SampledForce, SampledValues
 from app.model.volume.shape_sections import sections
 from app.model.volume.skeleton_sections import skeleton_in
-from app.model.volume.slices import Slice
+from app.model.volume.slices import Slice, Slices
 from app.model.volume.surface_section import section as lines_of
 from app.model.volume.surface_section import unmeasured
 from app.session.exchange.messages import Reconstruction, Snapshot
-from app.session.features.volumes.made_later import MadeLater
-from app.session.features.volumes.made_once import MadeOnce, Same
+from app.session.features.latest import MadeLater, MadeOnce, Same
 from app.session.scene import NO_CONTOURS, Item, NearParticles, ReviewedContours, Scene, ShownObjects
+from app.session.session import Session
 from app.session.worker.commands.forces import Probed
 from app.session.worker.commands.timeline import Compared
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import ReviewedContour
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.numerics.types import Array, Index
+from cpm_core.numerics.types import Array, Index, Place
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects
 from cpm_core.shapes import Shape
 from cpm_core.shapes.image_starts import ImageSeeds, ImageStart
@@ -257,3 +258,88 @@ def _contours(reconstruction: Reconstruction | None, here: Slice) -> ReviewedCon
             for number, contour in found
         )
     )
+
+
+def hit_in(scene: Scene, place: Place, tolerance: float, here: Slice | None = None) -> Hit | None:
+    """The shape of a scene under a place; of a volume only what a slice shows can be hit.
+
+    The slice is by default the one that is worked on.
+    """
+    shapes, selected = scene.document.shapes, scene.selected
+    if scene.slices is None or scene.whole is None:
+        return hit(shapes, place, tolerance, selected)
+    here = scene.slices.current if here is None else here
+    seen = list(sections_of(shapes, here, scene.whole))
+    chosen: list[int | None] = [number for number, (index, _) in enumerate(seen) if index == selected]
+    cuts = tuple(section for _, section in seen)
+    found = None
+    for number in chosen or [None]:  # a shape may have several sections, each with handles
+        found = hit(cuts, here.within(place), tolerance, number)
+        if found is not None and found.part == "handle":
+            break
+    if found is None:
+        return None
+    at = None if found.at is None else here.lifted(found.at)
+    return replace(found, index=seen[found.index][0], at=at)
+
+
+_FAR = 10**6
+"""Largest index that is taken from a file [voxels]."""
+
+
+class ShownSlices:
+    """Chooses the slices of the volume that is open; without a volume there are none, and nothing happens."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+
+    @property
+    def now(self) -> Slices | None:
+        """The slices that are shown; None while no volume is open."""
+        return self._session.scene.slices
+
+    def go(self, by: int) -> None:
+        """Show the slice so many further along its axis."""
+        if self.now is not None:
+            self._use(self.now.at(self.now.current.index + by))
+
+    def at(self, index: int) -> None:
+        """Show the slice at an index along its axis."""
+        if self.now is not None:
+            self._use(self.now.at(index))
+
+    def pass_on(self, axis: int, by: int) -> None:
+        """Show the slice so many further along an axis, whichever is worked on."""
+        if self.now is not None:
+            self._use(self.now.turned(axis).at(self.now.voxel[axis] + by).turned(self.now.axis))
+
+    def turn(self, axis: int) -> None:
+        """Work on the slice across another axis."""
+        if self.now is not None:
+            self._use(self.now.turned(axis))
+
+    def through(self, place: Place) -> None:
+        """Show the slices through a place of the volume."""
+        if self.now is not None:
+            self._use(self.now.through(place))
+
+    def view_state(self) -> dict[str, object]:
+        """Where the slices are, as plain JSON for a session file; empty for an image."""
+        now = self.now
+        return {} if now is None else {"slices": {"voxel": list(now.voxel), "axis": now.axis}}
+
+    def use_view_state(self, state: Mapping[str, Any]) -> None:
+        """Restore the slices from a session file; missing or invalid entries change nothing."""
+        kept = state.get("slices")
+        if self.now is None or not isinstance(kept, Mapping):
+            return
+        axis, voxel = kept.get("axis"), kept.get("voxel")
+        if axis in (0, 1, 2) and not isinstance(axis, bool):
+            self.turn(int(axis))
+        known = voxel if isinstance(voxel, list) and len(voxel) == len(self.now.voxel) else []
+        if known and all(isinstance(at, int) and abs(at) <= _FAR for at in known):
+            self.through(tuple(known))
+
+    def _use(self, slices: Slices) -> None:
+        if slices != self.now:
+            self._session.show(replace(self._session.scene, slices=slices))

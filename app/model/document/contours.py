@@ -1,15 +1,42 @@
-"""Marking: pure edits of the review of contours."""
+"""Contours of a document: pure edits of their review and of edits by hand."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 from app.model.document.document import Document
+from app.model.text.language import tr
 from cpm_core.contours.contour import Contour
+from cpm_core.contours.hand_edits import HandEdit, Kind
 from cpm_core.contours.kept import outline_of
 from cpm_core.contours.review import Mark, Outline, Verdict
 from cpm_core.numerics.types import Position
+
+NAMES: Mapping[Kind, str] = MappingProxyType(
+    {
+        "cut": tr("cut contour"),
+        "deletion": tr("delete stretch of contour"),
+        "redrawing": tr("redraw stretch of contour"),
+        "join": tr("join contours"),
+        "extension": tr("extend contour"),
+        "line": tr("draw contour"),
+        "outline": tr("draw outline"),
+    }
+)
+"""What each kind of edit is called after "Undo"."""
+
+
+def add_hand_edits(document: Document, edits: Sequence[HandEdit]) -> Document:
+    """The document with further edits of contours by hand, made last."""
+    return replace(document, hand_edits=(*document.hand_edits, *edits))
+
+
+def drop_hand_edits(document: Document, indices: Collection[int]) -> Document:
+    """The document without some edits of contours by hand."""
+    left = tuple(edit for index, edit in enumerate(document.hand_edits) if index not in indices)
+    return replace(document, hand_edits=left)
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -1,21 +1,179 @@
-"""Navigation along the timeline of the run."""
+"""Navigation along the timeline of the run, and comparison with another branch."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from PySide6.QtCore import QTimer, Signal
+from PySide6.QtCore import QObject, QTimer, Signal
 
 from app.model.text.language import tr
 from app.session.exchange.messages import CommandFailed, RunsKept, Snapshot
-from app.session.features.timeline.branch_comparison import BranchComparison
-from app.session.features.timeline.place import NOTHING, TimelinePlace
 from app.session.session import Session
+from app.session.timeline.branches import Branch
 from app.session.timeline.outline import Outline
 from app.session.worker.commands.run import RunCall
-from app.session.worker.commands.timeline import Seek
+from app.session.worker.commands.timeline import Compare, Compared, Seek
 from app.session.worker.run import Run
+from cpm_core.contours.result import Result
 from cpm_core.parameters import Parameters
+
+_EVERY, _SELDOM, _QUIET = 100, 500, 200
+"""Time between two comparisons while the timeline is scrubbed and during a run, and time without one after which
+contours are compared [ms]."""
+
+
+class BranchComparison(QObject):
+    """Requests the state of a branch at the step that is shown; the answer is `Scene.compared`."""
+
+    changed = Signal()
+    """Another branch is compared, or none."""
+    found_changed = Signal()
+    """`found` has been replaced."""
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session)
+        self._session = session
+        self._branch: int | None = None
+        self._snapshot: Snapshot | None = None
+        self._contours: Result | None = None
+        self._compared: Compared | None = None
+        self._look = QTimer(self, singleShot=True)
+        self._look.timeout.connect(lambda: self._compare(None))
+        self._quiet = QTimer(self, singleShot=True, interval=_QUIET)
+        self._quiet.timeout.connect(self._compare_contours)
+        session.scene_changed.connect(self._follow)
+
+    @property
+    def branch(self) -> int | None:
+        """The branch that is compared."""
+        return self._branch
+
+    @property
+    def found(self) -> Compared | None:
+        """The branch at the step that is shown; None while that is not known."""
+        return self._compared if self._compared is not None and self._compared.branch is not None else None
+
+    def compare(self, branch: int | None) -> None:
+        """Show another branch beside that of the run; None for none."""
+        self._branch = branch
+        self._compare(None)
+        self._quiet.start()
+        self.changed.emit()
+
+    def _follow(self) -> None:
+        scene = self._session.scene
+        if scene.contours.result is not self._contours:
+            self._contours = scene.contours.result
+            if self._branch is not None:
+                self._quiet.start()
+        if scene.snapshot is not self._snapshot:
+            self._snapshot = scene.snapshot
+            self._follow_run(scene.snapshot)
+        if scene.compared is not self._compared:
+            self._compared = scene.compared
+            self.found_changed.emit()
+
+    def _follow_run(self, snapshot: Snapshot | None) -> None:
+        if self._branch is None:
+            return
+        known = {branch.identity for branch in snapshot.timeline.branches} if snapshot is not None else set()
+        if snapshot is None or self._branch not in known or self._branch == snapshot.timeline.branch:
+            self._end()
+        elif not self._look.isActive():
+            running = self._session.status.phase == "running"
+            self._look.start(_SELDOM if running else _EVERY)
+            self._quiet.start()
+
+    def _end(self) -> None:
+        self._look.stop()
+        self._quiet.stop()
+        self._branch = None
+        self._session.show(replace(self._session.scene, compared=None))
+        self._compare(None)
+        self.changed.emit()
+
+    def _compare(self, against: Result | None) -> None:
+        step = self._snapshot.state.step if self._snapshot is not None else 0
+        self._session.post(Compare(self._session.generation, self._branch, step, against))
+
+    def _compare_contours(self) -> None:
+        if self._branch is not None and self._contours is not None and self._session.status.phase != "running":
+            self._compare(self._contours)
+
+
+NOTHING = Outline()
+
+
+class TimelinePlace(QObject):
+    """What is known of the timeline of a session."""
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session)
+        self._session = session
+        self._outline = NOTHING
+        self._here = (0, 0)
+        self._count = 0
+        self._target: tuple[int, int] | None = None
+
+    @property
+    def outline(self) -> Outline:
+        """The branches."""
+        return self._outline
+
+    @property
+    def place(self) -> tuple[int, int]:
+        """Branch and step of the run, or those that it has been sent to."""
+        return self._target or self._here
+
+    @property
+    def first(self) -> int:
+        """The first step of the runs."""
+        return next((branch.first for branch in self._outline.branches if branch.parent is None), 0)
+
+    @property
+    def recorded(self) -> bool:
+        """Whether there are runs to go to."""
+        return bool(self._outline.branches)
+
+    @property
+    def count(self) -> int:
+        """Number of particles shown."""
+        return self._count
+
+    def branch(self, identity: int) -> Branch | None:
+        """A branch by its number."""
+        return next((branch for branch in self._outline.branches if branch.identity == identity), None)
+
+    def last(self, identity: int) -> int:
+        """The last step of a branch, 0 when it does not exist."""
+        branch = self.branch(identity)
+        if branch is None:
+            return 0
+        return max(branch.last, self._here[1]) if identity == self._here[0] else branch.last
+
+    def beside(self, identity: int) -> int:
+        """The step of a branch to go to from the present one: the same step of the same run, the end of another run."""
+        here, there = self.branch(self.place[0]), self.branch(identity)
+        if here is None or there is None or here.run != there.run:
+            return self.last(identity)
+        return self.place[1]
+
+    def _take_outline(self, outline: Outline) -> None:
+        fallen = outline.fallen[len(self._outline.fallen) :]
+        self._outline = outline
+        if fallen:
+            message = tr(
+                "{runs} had to be removed from the timeline to make room; a run with a name of its own stays longer."
+            )
+            self._session.say(message.format(runs=", ".join(fallen)))
+
+    def _place_or_end(self) -> tuple[int, int]:
+        """The place, or the end of the last branch while the run is on none."""
+        if self.place[0] or not self._outline.branches:
+            return self.place
+        newest = self._outline.branches[-1].identity
+        return newest, self.last(newest) + 1
+
 
 _PLAY_EVERY = 50
 """Time between two steps of a replay [ms]."""

@@ -10,12 +10,11 @@ from PySide6.QtCore import QObject
 from app.model.document import edits
 from app.model.document.changes import ChangeInWords
 from app.model.document.document import Document
-from app.model.document.naming import describe
-from app.model.text.language import tr
+from app.model.text.language import from_core, tr
 from app.model.text.reasons import reason
-from app.session.document.undo_history import Change, Erasure, History, Turned
 from app.session.scene import ReviewedContours
 from app.session.signals import EDITING, RUNNING, SessionSignals
+from app.session.undo_history import Change, Erasure, History, Turned
 
 
 class Editing(SessionSignals):
@@ -115,7 +114,7 @@ class Editing(SessionSignals):
         """Remove the selected shape."""
         index = self.selected
         if index is not None:
-            name = tr("delete {shape}").format(shape=describe(self.document.shapes[index]))
+            name = tr("delete {shape}").format(shape=from_core(self.document.shapes[index].title))
             self.select(None)
             self.edit(name, lambda document: edits.delete_shape(document, index))
 

@@ -1,0 +1,329 @@
+"""Pages of a stack that are not open: the file, what is kept of each, their tracks, their part of a session."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from app.model.document.document import Document
+from app.model.document.saving import restored
+from app.model.text.language import tr
+from app.model.volume.parts import Parts
+from app.session.undo_history import Change, History
+from cpm_core.contours.result import Result
+from cpm_core.formats import load_pages
+from cpm_core.formats.contours.pages.stack_json import page_from_plain, page_to_plain
+from cpm_core.formats.images.reading import Reading
+from cpm_core.formats.images.stacks.pages import Pages
+from cpm_core.formats.sessions.session_file import SessionFile, decode, encode
+from cpm_core.pages.follow import Follower
+from cpm_core.pages.page import Page, StackResult, StartingLine, without_image
+from cpm_core.shapes import Polygon, Shape, Start, Stroke
+from cpm_core.shapes.document_shapes import check_axes, starts_of
+
+
+@dataclass(frozen=True, eq=False)
+class StackSource:
+    """A file whose pages are images of their own.
+
+    Attributes
+    ----------
+    path : str
+        The file.
+    name : str
+        Its name.
+    count : int
+        Number of its pages; 0 where nothing is open, or a volume.
+    by_channel : bool
+        Whether its pages are its channels, as it has neither planes nor times.
+    reading : Reading
+        How the page that is open is read.
+    usual : int
+        The page that is read when nobody chooses.
+    """
+
+    path: str = ""
+    name: str = ""
+    count: int = 0
+    by_channel: bool = False
+    reading: Reading = field(default_factory=Reading)
+    usual: int = 1
+
+    @classmethod
+    def of(cls, path: str, name: str, parts: Parts | None, reading: Reading) -> StackSource:
+        """The stack that a file holds."""
+        if parts is None:
+            return cls(path, name)
+        by_channel = parts.pages == 1 and parts.times == 1 and parts.channels > 1
+        count = parts.channels if by_channel else parts.pages
+        return cls(path, name, count if count > 1 else 0, by_channel, reading, parts.usual)
+
+    def of_the_same(self, other: StackSource) -> StackSource:
+        """Another page of a stack whose file has been opened already."""
+        if "pages" in other.__dict__:
+            self.__dict__["pages"] = other.pages
+        return self
+
+    @property
+    def number(self) -> int:
+        """The page that is open."""
+        if self.by_channel:
+            return self.reading.channel or 1
+        return self.reading.page or self.usual
+
+    def reading_of(self, number: int) -> Reading:
+        """How a page is read; that which is read when nobody chooses needs no number."""
+        chosen = None if number == (1 if self.by_channel else self.usual) else number
+        return replace(self.reading, channel=chosen) if self.by_channel else replace(self.reading, page=chosen)
+
+    @cached_property
+    def pages(self) -> Pages:
+        """The pages, which are read from the file when they are asked for; not on the window's thread."""
+        given = self.reading.arguments
+        given.pop("page", None)
+        if self.by_channel:
+            given.pop("channel", None)
+        return load_pages(self.path, **given)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class KeptPage:
+    """What is kept of a page while another one is open.
+
+    Attributes
+    ----------
+    file : SessionFile
+        All that a session file would hold of it: document, runs, view.
+    document : Document
+        Its document.
+    history : History
+        What can be undone in it.
+    known : Document or None
+        The document that the session file has of it; None where it has another one.
+    given : tuple of Start
+        Starts that it was given by what was found on the page before, which a person has not drawn.
+    runs_unsaved : bool
+        Whether there are runs that are in no file.
+    """
+
+    file: SessionFile
+    document: Document
+    history: History = field(default_factory=History)
+    known: Document | None = None
+    given: tuple[Start, ...] = ()
+    runs_unsaved: bool = False
+
+    @property
+    def own_start(self) -> bool:
+        """Whether a person has drawn where its run starts."""
+        return has_own_start(self.document, self.given)
+
+    @property
+    def unsaved(self) -> bool:
+        """Whether closing would lose something of it."""
+        return self.runs_unsaved or self.document != self.known
+
+    def saved(self) -> KeptPage:
+        """The same page after it has been written to a file."""
+        return replace(self, known=self.document, runs_unsaved=False)
+
+    def seen(self, view: Mapping[str, Any]) -> SessionFile:
+        """Its content with the view of another page, so that paging does not move the image."""
+        return replace(self.file, view=dict(view))
+
+
+def has_own_start(document: Document, given: tuple[Start, ...]) -> bool:
+    """Whether a person has drawn where the run of a document starts, which was `given` starts."""
+    return bool(document.starts) and document.starts != given
+
+
+def started_by(document: Document, starts: tuple[Start, ...]) -> Document:
+    """A document with these starts in place of its own; limits and charges stay."""
+    others = tuple(shape for shape in document.shapes if not isinstance(shape, Start))
+    shapes: tuple[Shape, ...] = (*starts, *others)
+    return replace(document, shapes=shapes)
+
+
+def starts_along(lines: tuple[StartingLine, ...]) -> tuple[Start, ...]:
+    """Starts along the contours of the page before, as shapes that can be seen and changed."""
+    drawn = [(Polygon if line.closed else Stroke)(line.corners) for line in lines]
+    return starts_of(drawn)
+
+
+def bare(document: Document) -> Document:
+    """What a page takes over from another one: drawing, parameters and mode, but nothing that belongs to contours."""
+    return Document(document.image, document.shapes, document.parameters, mode=document.mode)
+
+
+def with_change(history: History, change: Change) -> History:
+    """A history with one more change, unless that changes nothing."""
+    if change.before != change.after:
+        history.push(change)
+    return history
+
+
+Found = Result | str
+"""What was found on a page, or why it could not be used."""
+
+
+def linked(
+    source: StackSource, found: Mapping[int, Found], before: Mapping[int, Found], drawn: tuple[Mapping[str, Any], ...]
+) -> StackResult:
+    """Number the contours of all pages by their tracks, page by page.
+
+    `before` is what was known of the pages: where the same contours were found again, it stays.
+    """
+    follower, pages = Follower(), []
+    for number in sorted(found):
+        one = found[number]
+        if isinstance(one, str):
+            pages.append(Page(number, None, trouble=one))
+            continue
+        light, known = without_image(one), before.get(number)
+        same = isinstance(known, Result) and _alike(light, known)
+        pages.append(follower.take(number, known if same and isinstance(known, Result) else light))
+    stack = source.pages
+    return StackResult(stack.name, source.count, tuple(pages), stack.axis, stack.alone, drawn)
+
+
+def _alike(one: Result, other: Result) -> bool:
+    """Whether two results have the same contours, whatever their numbers."""
+    return len(one.contours) == len(other.contours) and all(
+        a.closed == b.closed and a.points.shape == b.points.shape and np.array_equal(a.points, b.points)
+        for a, b in zip(one.contours, other.contours, strict=True)
+    )
+
+
+_MOST = 24 * 2**20
+"""Largest size of the recorded runs of other pages in a session file [characters]; contours and drawings all stay."""
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class StoredPages:
+    """What a session file holds of the pages of a stack.
+
+    Attributes
+    ----------
+    kept : mapping of int to KeptPage
+        The pages that are not open, by number.
+    found : mapping of int to Result or str
+        What was found on each page, or why it could not be used.
+    following : bool
+        Whether each page starts from the contours of the one before.
+    drawn : tuple of mapping
+        What was drawn before all pages were run.
+    given : tuple of Start
+        Starts of the page that is open, if it was given them by the one before.
+    trouble : str
+        What had to be left out, in a sentence.
+    """
+
+    kept: Mapping[int, KeptPage] = field(default_factory=dict)
+    found: Mapping[int, Found] = field(default_factory=dict)
+    following: bool = True
+    drawn: tuple[Mapping[str, Any], ...] = ()
+    given: tuple[Start, ...] = ()
+    trouble: str = ""
+
+    def to_plain(self, here: int, result: StackResult | None) -> dict[str, Any]:
+        """The pages but that which is open `here` as plain JSON; runs are left out beyond a size that can be read."""
+        others = {number: page for number, page in sorted(self.kept.items()) if number != here}
+        if not others and result is None:
+            return {}
+        left, sessions = _MOST, []
+        for number, page in others.items():
+            file = replace(page.file, image=None, view={}, runs={}, pages={}, extra={})
+            session = json.loads(encode(file, Path()))
+            size = len(json.dumps(page.file.runs))
+            if page.file.runs and size <= left:
+                left -= size
+                session["runs"] = dict(page.file.runs)
+            sessions.append({"page": number, "given": not page.own_start, "session": session})
+        return {
+            "following": self.following,
+            "drawn": list(self.drawn),
+            "given": bool(self.given),
+            "sessions": sessions,
+            "found": [] if result is None else [page_to_plain(page) for page in result.pages],
+        }
+
+    @classmethod
+    def of(cls, plain: Mapping[str, Any], here: Document, source: StackSource) -> StoredPages:
+        """The pages of a session file, of which that with the document `here` is open; what is damaged is left out."""
+
+        def session(entry: Mapping[str, Any]) -> tuple[int, KeptPage]:
+            number = _checked(entry["page"], source)
+            file = decode(json.dumps(entry["session"]).encode(), tr("page {number}").format(number=number))
+            image = here.image and replace(here.image, reading=source.reading_of(number))
+            if image is None:
+                raise ValueError("there is no image")
+            check_axes(file.shapes, image.shape)
+            document = restored(file, image, file.parameters)
+            given = document.starts if entry.get("given") is True else ()
+            return number, KeptPage(file, document, known=document, given=given)
+
+        def found(entry: Mapping[str, Any]) -> tuple[int, Found]:
+            page = page_from_plain(entry)
+            return _checked(page.number, source), page.result or page.trouble
+
+        kept, first = _read(plain, "sessions", session)
+        pages, second = _read(plain, "found", found)
+        drawn = tuple(shape for shape in _listed(plain, "drawn") if isinstance(shape, dict))
+        given = here.starts if plain.get("given") is True else ()
+        trouble = tr("Some pages of the stack are damaged in the session and were left out.")
+        return cls(kept, pages, plain.get("following") is not False, drawn, given, trouble if first or second else "")
+
+
+class PlainPages(Mapping[str, Any]):
+    """Pages as plain JSON, made when it is asked for: on the thread that writes a file, and not in the window's."""
+
+    def __init__(self, stored: StoredPages, here: int, result: StackResult | None) -> None:
+        self._asked = stored, here, result
+
+    @cached_property
+    def _plain(self) -> dict[str, Any]:
+        stored, here, result = self._asked
+        return stored.to_plain(here, result)
+
+    def __getitem__(self, name: str) -> Any:
+        return self._plain[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._plain)
+
+    def __len__(self) -> int:
+        return len(self._plain)
+
+
+def _read(
+    plain: Mapping[str, Any], name: str, read: Callable[[Mapping[str, Any]], tuple[int, T]]
+) -> tuple[dict[int, T], bool]:
+    """The entries of a list by page, and whether any is damaged."""
+    entries: dict[int, T] = {}
+    damaged = False
+    for entry in _listed(plain, name):
+        try:
+            number, value = read(entry)
+            entries[number] = value
+        except (KeyError, TypeError, ValueError, IndexError, AttributeError):
+            damaged = True
+    return entries, damaged
+
+
+def _checked(given: object, source: StackSource) -> int:
+    if type(given) is not int or not 1 <= given <= source.count:
+        raise ValueError("there is no such page")
+    return given
+
+
+def _listed(plain: Mapping[str, Any], name: str) -> list[Any]:
+    given = plain.get(name)
+    return given if isinstance(given, list) else []

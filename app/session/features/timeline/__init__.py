@@ -1,1 +1,0 @@
-"""Going along the timeline, and comparing its branches."""
