@@ -17,9 +17,9 @@ from app.session.core_functions import Core
 from app.session.editing import Editing
 from app.session.exchange.mailbox import Pacer
 from app.session.live_edits import Live
-from app.session.undo_history import Erasure
 from app.session.signals import RUNNING
 from app.session.tasks.tasks import Tasks
+from app.session.undo_history import Erasure
 from app.session.updates import Progress
 from app.session.worker.commands.run import Command, RunCall, Start
 from app.session.worker.run import Run

@@ -19,7 +19,7 @@ from app.model.volume.parts import Parts
 from app.model.volume.sampled_volumes import SampledForce, SampledValues
 from app.model.volume.surface_section import prepare
 from app.session.exchange.contour_tracking import ContourTracker, TrackedContours
-from app.session.timeline.outline import Outline
+from app.session.timeline.timeline import Outline
 from cpm_core.contours.result import Result
 from cpm_core.formats.images.reading import DEFAULT, Reading
 from cpm_core.formats.sessions.session_file import SessionFile

@@ -9,8 +9,7 @@ from PySide6.QtCore import QObject, QTimer, Signal
 from app.model.text.language import tr
 from app.session.exchange.messages import CommandFailed, RunsKept, Snapshot
 from app.session.session import Session
-from app.session.timeline.branches import Branch
-from app.session.timeline.outline import Outline
+from app.session.timeline.timeline import Branch, Outline
 from app.session.worker.commands.run import RunCall
 from app.session.worker.commands.timeline import Compare, Compared, Seek
 from app.session.worker.run import Run

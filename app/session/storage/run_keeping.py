@@ -8,8 +8,8 @@ from PySide6.QtCore import QObject, QTimer, Signal
 
 from app.session.exchange.messages import Opened, RunsKept
 from app.session.session import Session
-from app.session.timeline.outline import Outline
 from app.session.timeline.stored.plain_runs import Plain, RunsWriter
+from app.session.timeline.timeline import Outline
 from app.session.worker.commands.stored_runs import CollectRuns, RunsCollected, RunsRestored
 
 _QUIET = 500

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -14,11 +14,9 @@ from app.model.display.plots import RunMetrics
 from app.model.document.document import Document
 from app.model.document.modes import MODES
 from app.model.text.reasons import reason
-from app.session.timeline.branches import BranchNode
-from app.session.timeline.outline import Outline
 from app.session.timeline.run_actions import RunAction, Stepped
 from app.session.timeline.stored.stored_runs import StoredBranch, StoredRun, StoredRuns
-from app.session.timeline.timeline import Timeline
+from app.session.timeline.timeline import Branch, Outline, Timeline
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.types import Array
 from cpm_core.segmentation.method import Method, MethodState
@@ -108,24 +106,6 @@ def _beginning(document: Document) -> tuple[object, ...]:
     )
 
 
-def parents_first(nodes: Sequence[BranchNode[RunAction]]) -> list[BranchNode[RunAction]]:
-    """The branches of a run, each after the one that it leaves."""
-    sorted_nodes: list[BranchNode[RunAction]] = []
-    waiting = list(nodes)
-    while waiting:
-        known = {None, *(node.identity for node in sorted_nodes)}
-        sorted_nodes += [node for node in waiting if node.parent in known]
-        waiting = [node for node in waiting if node.parent not in known]
-    return sorted_nodes
-
-
-def _node(branch: StoredBranch, run: int) -> BranchNode[RunAction]:
-    scales, steps = list(branch.scales), list(branch.steps)
-    return BranchNode(
-        branch.number, branch.name, branch.parent, branch.first, steps, run, scales, renamed=branch.renamed
-    )
-
-
 class RecordedRun:
     """Timeline and metrics of all runs on an image; `make` gives the method of a run that began with a document."""
 
@@ -158,8 +138,7 @@ class RecordedRun:
     @property
     def steered(self) -> bool:
         """Whether the current run was changed between its steps, or left another run."""
-        branch, _ = self.timeline.here or (0, 0)
-        return any(node.steered or node.parent is not None for node in self.timeline.nodes if node.identity == branch)
+        return self.timeline.here_steered
 
     def drawn(self) -> tuple[Shape, ...]:
         """What was drawn when the current run began."""
@@ -183,7 +162,7 @@ class RecordedRun:
             self.timeline.restart(run)
         self._begun = {known: self._begun.get(known, begun) for known in self.timeline.runs} | {run: begun}
         self._keep_method(run, method)
-        known = {node.identity for node in self.timeline.nodes}
+        known = {branch.identity for branch in self.timeline.branches}
         self._records = {branch: kept for branch, kept in self._records.items() if branch in known}
 
     def method(self, branch: int, regions: AnyRegions | None) -> Method[Any]:
@@ -227,25 +206,24 @@ class RecordedRun:
         runs = []
         for run in self.timeline.runs:
             begun = self._begun[run]
-            nodes = parents_first([node for node in self.timeline.nodes if node.run == run])
-            branches = tuple(self._stored_branch(node) for node in nodes)
+            branches = tuple(map(self._stored_branch, (one for one in self.timeline.branches if one.run == run)))
             runs.append(StoredRun(begun.document, drawn.get(begun.generation, begun.document.sources), branches))
         here = self.timeline.here
-        places = [(node.identity, node.last) for node in self.timeline.nodes]
+        places = [(of.number, of.first + len(of.steps) - 1) for each in runs for of in each.branches]
         known = {place: self.timeline.kept_state(*place) for place in {*places, *([here] if here else [])}}
         return StoredRuns(tuple(runs), here, {place: state for place, state in known.items() if state is not None})
 
-    def _stored_branch(self, node: BranchNode[RunAction]) -> StoredBranch:
-        record = self._records.get(node.identity, RunRecord())
-        steps, scales = tuple(node.actions), tuple(node.scales)
+    def _stored_branch(self, branch: Branch) -> StoredBranch:
+        rows = self._records.get(branch.identity, RunRecord()).rows.copy()
+        steps = self.timeline.own_actions(branch.identity)
         return StoredBranch(
-            node.identity, node.name, node.renamed, node.parent, node.first, steps, scales, record.rows.copy()
+            branch.identity, branch.name, branch.renamed, branch.parent, branch.first, steps, branch.scales, rows
         )
 
     def restore(self, stored: StoredRuns, first: Callable[[Method[Any], Document], MethodState]) -> str:
         """Take over the runs of a session; `first` gives the first state of one. Returns what one failed at, if any."""
         self.clear()
-        nodes: list[BranchNode[RunAction]] = []
+        branches: list[StoredBranch] = []
         begun: dict[int, MethodState] = {}
         fault = ""
         for generation, run in enumerate(stored.runs, 1):
@@ -259,10 +237,10 @@ class RecordedRun:
             self._begun[number] = Begun(run.document, -generation)
             self._keep_method(number, method)
             for branch in run.branches:
-                nodes.append(_node(branch, number))
+                branches.append(branch)
                 self._records[branch.number] = RunRecord.of(branch.figures)
-        known = {node.identity for node in nodes}
-        self.timeline.restore(nodes, begun, {at: state for at, state in stored.states.items() if at[0] in known})
+        known = {branch.number for branch in branches}
+        self.timeline.restore(branches, begun, {at: state for at, state in stored.states.items() if at[0] in known})
         return fault
 
     def _keep(self, record: RunRecord) -> None:

@@ -7,7 +7,7 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.model.document import edits
-from app.session.timeline.recording import MOST_RUNS
+from app.session.timeline.timeline import MOST_RUNS
 from app.views.features.run.timeline import TimelineFeature
 from cpm_core.shapes import Circle
 

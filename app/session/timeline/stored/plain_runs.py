@@ -16,11 +16,11 @@ from app.model.document.document import Document, ImageReference
 from app.model.document.saving import restored, to_file
 from app.model.text.language import tr
 from app.model.text.reasons import reason
-from app.session.timeline.recording import MOST_RUNS
+from app.session.timeline.kept_states import Place
 from app.session.timeline.run_actions import Stepped
-from app.session.timeline.state_cache import Place
 from app.session.timeline.stored.plain_actions import ActionTable, actions_from_plain, steps_from_plain
 from app.session.timeline.stored.stored_runs import StoredBranch, StoredRun, StoredRuns
+from app.session.timeline.timeline import MOST_RUNS
 from cpm_core.field.placed_charges import in_order
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.sessions.particle_state import state_from_plain, state_to_plain

@@ -7,8 +7,8 @@ from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
 
 from app.model.document.document import Document
+from app.session.timeline.kept_states import Place
 from app.session.timeline.run_actions import RunAction
-from app.session.timeline.state_cache import Place
 from cpm_core.numerics.types import Array, Position
 from cpm_core.segmentation.method import MethodState
 

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QLineEdit, QToolBu
 from app.model.text.language import tr
 from app.model.text.numbers import written
 from app.session.features.timeline import TimelineNavigation
-from app.session.timeline.branches import Branch
+from app.session.timeline.timeline import Branch
 
 _WIDTH = 276
 

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QWidget
 from app.model.display.round_numbers import round_up
 from app.model.text.language import tr
 from app.session.features.timeline import TimelineNavigation
-from app.session.timeline.branches import Branch
+from app.session.timeline.timeline import Branch
 from app.views.panels.timeline.timeline_places import FOOT, HEAD, ROW, SIDE, TimelinePlaces
 from app.views.theme import theme
 

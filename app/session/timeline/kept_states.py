@@ -1,0 +1,106 @@
+"""Cache of the states of a timeline: as many as memory allows, evenly spaced, and those used most recently."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+from cpm_core.segmentation.method import MethodState
+
+RunAction = TypeVar("RunAction")
+"""Leads from one state to the next; equal actions lead from the same state to the same next one."""
+
+Place = tuple[int, int]
+"""Branch and step."""
+
+_RECENT_SHARE = 3
+"""States on the grid for each one that is kept only because it was used recently."""
+
+
+@dataclass(eq=False, slots=True)
+class Moment(Generic[RunAction]):
+    """A state of a run: its step, the moment before it, and the action that leads from there; no action at the first.
+
+    An action that changes a state without a step leads to another moment of the same step.
+    """
+
+    run: int
+    step: int
+    before: Moment[RunAction] | None = None
+    action: RunAction | None = None
+
+    @property
+    def actions(self) -> tuple[RunAction, ...]:
+        """The action that the step was taken with, and those that changed its state afterwards."""
+        if self.before is None or self.action is None:
+            return ()
+        return (*(self.before.actions if self.before.step == self.step else ()), self.action)
+
+
+class KeptStates(Generic[RunAction]):
+    """States of at most `budget` bytes, except that the first of each run and the one at `here` are always kept.
+
+    States whose step is a multiple of the stride stay, so that every other state is a few steps from one of them. The
+    states in between stay until a newer one needs their memory, so that single steps backward are fast. When the memory
+    is full, the stride is doubled. Arrays that several states share, such as the far force of some steps in a row, are
+    counted once.
+    """
+
+    def __init__(self, budget: int) -> None:
+        self.budget = budget
+        self.here: Moment[RunAction] | None = None
+        self.clear()
+
+    def __len__(self) -> int:
+        return len(self._states)
+
+    def get(self, moment: Moment[RunAction]) -> MethodState | None:
+        """The state of a moment, which is the one used last then; None if it is not kept."""
+        state = self._states.pop(moment, None)
+        if state is not None:
+            self._states[moment] = state
+        return state
+
+    def put(self, moment: Moment[RunAction], state: MethodState) -> None:
+        """Keep a state in place of the one kept before."""
+        self.drop(moment)
+        self._states[moment] = state
+        for array in state.arrays():
+            self.used += 0 if self._owners[id(array)] else array.nbytes
+            self._owners[id(array)] += 1
+        self.make_room()
+
+    def drop(self, *moments: Moment[RunAction]) -> None:
+        """Remove states."""
+        for moment in moments:
+            state = self._states.pop(moment, None)
+            for array in () if state is None else state.arrays():
+                self._owners[id(array)] -= 1
+                if not self._owners[id(array)]:
+                    del self._owners[id(array)]
+                    self.used -= array.nbytes
+
+    def keep_only(self, run: int, moments: set[Moment[RunAction]]) -> None:
+        """Remove the states of a run except for these and its first one; without any, that too."""
+        self.drop(*(at for at in self._states if at.run == run and at not in moments and (at.before or not moments)))
+
+    def clear(self) -> None:
+        """Remove all states and restore the finest stride."""
+        self.used, self.stride = 0, 1
+        self._states: dict[Moment[RunAction], MethodState] = {}
+        self._owners: Counter[int] = Counter()
+
+    def make_room(self) -> None:
+        """Remove states until the others have room, those that were used least recently first."""
+        while self.used > self.budget:
+            free = [moment for moment in self._states if moment.before is not None and moment is not self.here]
+            if not free:
+                return
+            recent = [moment for moment in free if moment.step % self.stride]
+            if recent and _RECENT_SHARE * len(recent) > len(self._states) - len(recent):
+                self.drop(recent[0])
+            elif self.stride > max(moment.step for moment in free):
+                self.drop(free[0])
+            else:
+                self.stride *= 2
