@@ -15,7 +15,7 @@ from typing import Generic
 
 from app.model.text.language import tr
 from app.session.timeline.kept_states import KeptStates, Moment, Place, RunAction
-from app.session.timeline.stored.stored_runs import StoredBranch
+from app.session.timeline.stored_runs import StoredBranch
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.method import MethodState
 

@@ -11,7 +11,7 @@ from app.model.document.document import Document
 from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Overlays, Snapshot
 from app.session.timeline.run_actions import Erased, Joined, RunAction
-from app.session.timeline.stored.stored_runs import StoredRuns
+from app.session.timeline.stored_runs import StoredRuns
 from app.session.worker.prepared_methods import OverlayMaker, PreparedMethods
 from app.session.worker.reconstruction import Reconstructor
 from app.session.worker.recorded_run import Begun

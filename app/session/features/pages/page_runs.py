@@ -17,7 +17,7 @@ from app.session.features.pages.kept_pages import KeptPage, StackSource, bare, s
 from app.session.tasks.tasks import Cancelled, Task
 from app.session.timeline.run_actions import RunAction, Stepped
 from app.session.timeline.stored.plain_runs import FIGURES, RunsWriter
-from app.session.timeline.stored.stored_runs import StoredBranch, StoredRun, StoredRuns
+from app.session.timeline.stored_runs import StoredBranch, StoredRun, StoredRuns
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result

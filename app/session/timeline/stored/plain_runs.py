@@ -19,7 +19,7 @@ from app.model.text.reasons import reason
 from app.session.timeline.kept_states import Place
 from app.session.timeline.run_actions import Stepped
 from app.session.timeline.stored.plain_actions import ActionTable, actions_from_plain, steps_from_plain
-from app.session.timeline.stored.stored_runs import StoredBranch, StoredRun, StoredRuns
+from app.session.timeline.stored_runs import StoredBranch, StoredRun, StoredRuns
 from app.session.timeline.timeline import MOST_RUNS
 from cpm_core.field.placed_charges import in_order
 from cpm_core.formats.images.reading import Reading
