@@ -11,7 +11,8 @@ from PySide6.QtCore import QObject, Signal
 
 from app.model.text.language import tr
 from app.session.exchange.error_messages import sentence
-from app.session.signals import UNEXPECTED, SessionSignals
+from app.session.session import Session
+from app.session.signals import UNEXPECTED
 
 _log = logging.getLogger(__name__)
 
@@ -22,7 +23,7 @@ class UnexpectedErrors(QObject):
     happened = Signal(str)
     """A sentence on an error, from any thread."""
 
-    def __init__(self, session: SessionSignals) -> None:
+    def __init__(self, session: Session) -> None:
         super().__init__(session)
         self._session = session
         self._before = sys.excepthook, threading.excepthook
