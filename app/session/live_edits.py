@@ -16,7 +16,7 @@ import numpy as np
 from app.model.document import edits
 from app.model.document.document import Document
 from app.model.text.language import tr
-from app.session.editing import Editing
+from app.session.signals import SessionSignals
 from app.session.timeline.run_actions import Erased
 from app.session.undo_history import Erasure
 from app.session.updates import Progress
@@ -32,7 +32,7 @@ _MOVED = 2.0
 class Live:
     """Compares documents and sends changes to the worker."""
 
-    def __init__(self, session: Editing, progress: Progress, post: Callable[[Command], None]) -> None:
+    def __init__(self, session: SessionSignals, progress: Progress, post: Callable[[Command], None]) -> None:
         self._session = session
         self._progress = progress
         self._post = post
@@ -68,7 +68,7 @@ class Live:
 
     def restore(self, begun: Mapping[int, tuple[Document, Counter[Hashable]]]) -> None:
         """The runs of a session are there: their first documents and the sources of their particles."""
-        document = self._session.document
+        document = self._session.scene.document
         self._drawn, self._last_shapes = document.sources, document.shapes
         for run, (first, executed) in begun.items():
             self._others[run] = (replace(first, image=document.image).late, executed)
@@ -114,7 +114,7 @@ class Live:
 
     def end_gesture(self) -> None:
         """A gesture has ended: the starts that it has added join the run."""
-        document = self._session.document
+        document = self._session.scene.document
         if document.shapes is self._last_shapes:
             return  # most often only parameters changed, and many points take a while to compare
         self._last_shapes = document.shapes
@@ -139,8 +139,8 @@ class Live:
         Run and document stay consistent, so that the run is not out of date afterwards.
         """
         session = self._session
-        rest = edits.erase(session.document, path, radius)
-        lost = self._executed & (session.document.sources - rest.sources)
+        rest = edits.erase(session.scene.document, path, radius)
+        lost = self._executed & (session.scene.document.sources - rest.sources)
         self._executed = self._executed - lost
         if not self._progress.status.started:
             return rest, False

@@ -1,46 +1,85 @@
-"""The session: an image with its document and its run, opened and exported."""
+"""The session: an image with its document and its run, opened, edited, run and exported."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from PySide6.QtCore import QObject
+from PySide6.QtCore import QObject, Qt, QTimer
 
 from app.model.document import edits
+from app.model.document.changes import ChangeInWords
 from app.model.document.document import Document, ImageReference, Mode
-from app.model.document.modes import fresh_parameters, starting
+from app.model.document.modes import MODES, fresh_parameters, needs_start, starting
 from app.model.document.samples import sample_at
 from app.model.document.saving import restored
 from app.model.export.order import ExportOrder
-from app.model.state.situation import RunStatus
+from app.model.state.resolve import FIRST_PACE, PACES, Resolved, resolve
+from app.model.state.situation import RunStatus, Situation, can_step
+from app.model.text.keys import with_keys
 from app.model.text.language import from_core, tr
+from app.model.text.reasons import reason
 from app.model.volume.slices import Slices
 from app.session.core_functions import Core
+from app.session.exchange.mailbox import Pacer
 from app.session.exchange.messages import ImageReady, NotOpened, Opened
-from app.session.run_control import RunControl
-from app.session.scene import Scene
-from app.session.signals import EXPORTING, OPENING
+from app.session.live_edits import Live
+from app.session.scene import ReviewedContours, Scene
+from app.session.signals import EDITING, EXPORTING, OPENING, RUNNING, SessionSignals
 from app.session.tasks.opening import Opener, Wanted
-from app.session.worker.commands.run import Copy, Export, RunCall, WarmUp
+from app.session.tasks.tasks import Tasks
+from app.session.undo_history import Change, Erasure, History, Turned
+from app.session.updates import Progress
+from app.session.worker.commands.run import Command, Copy, Export, RunCall, Start, WarmUp
 from app.session.worker.commands.stored_runs import RestoreRuns, RunsRestored
 from app.session.worker.run import Run
+from app.session.worker.worker_thread import WorkerThread
 from cpm_core.formats.fingerprint import differ
 from cpm_core.formats.images import resolution
 from cpm_core.formats.images.reading import DEFAULT, Reading
+from cpm_core.image.image import Image
 from cpm_core.parameters import Parameters
+from cpm_core.segmentation.method import METHODS
 from cpm_core.shapes import Sphere
 
 _PREPARING = tr("Preparing (longer the very first time)…")
 
+FRAME = 16
+"""Time between two display frames, in each of which reports of the worker are taken [ms]."""
 
-class Session(RunControl):
-    """Document, history and run, and the files that they are read from and written to."""
+
+class Session(QObject):
+    """Document, history and run, and the files that they are read from and written to.
+
+    Views follow its signals, and read its scene; work that takes long is done by the worker thread and by tasks.
+    """
 
     def __init__(self, core: Core | None = None, parent: QObject | None = None) -> None:
+        super().__init__(parent)
         core = core or Core()
-        super().__init__(core, parent)
+        self._signals = signals = SessionSignals(self)
+        self.scene_changed, self.image_changed = signals.scene_changed, signals.image_changed
+        self.document_changed, self.status_changed = signals.document_changed, signals.status_changed
+        self.said, self.attempted = signals.said, signals.attempted
+        self.show, self.show_status = signals.show, signals.show_status
+        self.listen, self.stop_listening, self.pass_on = signals.listen, signals.stop_listening, signals.pass_on
+        self.say, self.trouble, self.attempt = signals.say, signals.trouble, signals.attempt
+        self._worker_thread = WorkerThread(core)
+        self.tasks = Tasks(self._worker_thread.report, self._wake, self)
+        self.tasks.changed.connect(self.show_status)
+        self._progress = Progress(signals, self._worker_thread)
+        self._numbered = 0
+        self.history = History()
+        """What can be undone and redone."""
+        self.live = Live(signals, self._progress, self.post)
+        self._overlays: frozenset[str] = frozenset()
+        self._frames = Pacer()
+        self._timer = QTimer(self)
+        self._timer.setTimerType(Qt.TimerType.PreciseTimer)
+        self._timer.setInterval(FRAME)
+        self._timer.timeout.connect(self._frame)
+        self.set_pace(PACES[FIRST_PACE])
         self._opener = Opener(core, self.tasks)
         self._asked_scales = self._used_scales = self.document.parameters.scales
         self.keeps_parameters = False
@@ -54,11 +93,232 @@ class Session(RunControl):
         self.listen(RunsRestored, self._take_runs)
         self.listen(NotOpened, self._keep_or_open_otherwise)
 
+    # State
+
+    @property
+    def scene(self) -> Scene:
+        """The scene that is shown."""
+        return self._signals.scene
+
+    @property
+    def generation(self) -> int:
+        """Number of the current run; snapshots and reports of other runs are not shown."""
+        return self._signals.generation
+
+    @property
+    def image_generation(self) -> int:
+        """Number under which the image was opened."""
+        return self._signals.image_generation
+
+    @property
+    def image(self) -> Image | None:
+        """The image that is open."""
+        return self.scene.image
+
+    @property
+    def document(self) -> Document:
+        """The document of the scene."""
+        return self.scene.document
+
+    @property
+    def selected(self) -> int | None:
+        """Index of the selected shape."""
+        return self.scene.selected
+
     @property
     def status(self) -> RunStatus:
         """State of the run."""
-        status = super().status
-        return replace(status, busy=self._opener.opening) if status.phase == "empty" and self.opening else status
+        status = self._progress.status
+        document, method = self.document, METHODS[status.method]
+        other = status.method != MODES[document.mode].method
+        stale = status.started and (other or (method.seeded and self.live.outdated(document)))
+        steered = status.phase == "finished" and status.steering != method.steering(document.parameters)
+        if status.phase == "empty" and self.opening:
+            return replace(status, busy=self.opening)
+        same = (stale, steered) == (status.stale, status.steered)
+        return status if same else replace(status, stale=stale, steered=steered)
+
+    @property
+    def situation(self) -> Situation:
+        """Everything that decides what the window shows and enables."""
+        return Situation(self.document, self.status, self.undo_name, self.redo_name, self.selected)
+
+    @property
+    def resolved(self) -> Resolved:
+        """What the window shows."""
+        return resolve(self.situation)
+
+    @property
+    def frames_per_second(self) -> float:
+        """Measured rate of display frames."""
+        return self._frames.per_second
+
+    @property
+    def idle(self) -> bool:
+        """Whether no work is going on and every report has been shown."""
+        return self._worker_thread.idle and self.tasks.idle
+
+    # Editing
+
+    @property
+    def undo_name(self) -> str:
+        """Name of the change that undo takes back, empty if there is none."""
+        return self.history.undo_name
+
+    @property
+    def redo_name(self) -> str:
+        """Name of the change that redo repeats, empty if there is none."""
+        return self.history.redo_name
+
+    @property
+    def changes(self) -> tuple[tuple[ChangeInWords, ...], int]:
+        """All changes to the document in words, and how many of them are done; the others are undone."""
+        return self.history.changes, self.history.done
+
+    def use_history(self, history: History) -> None:
+        """Take up the history of the document that is open, as it was left."""
+        self.history = history
+        self.show_status()
+
+    def edit(
+        self, name: str, edit: Callable[[Document], Document], gesture: str = "", erasure: Erasure | None = None
+    ) -> None:
+        """Change the document in a way that can be undone.
+
+        `name` is what follows "Undo" in the menu. Edits in a row with the same gesture are undone together, and with
+        them the `erasure` of particles. A `ValueError` of `edit` is shown to the user and changes nothing.
+        """
+        before = self.document
+        try:
+            after = edit(before)
+        except ValueError as error:
+            self.say(reason(error), True, EDITING)
+            return
+        if after != before or erasure is not None:
+            self.history.push(Change(name, before, after, gesture, erasure))
+            self._use(after, complete=not gesture)
+        if after == before and erasure is not None:
+            self._announce()
+
+    def seal(self) -> None:
+        """End a gesture: the next edit is undone separately."""
+        self.history.seal()
+        self.live.end_gesture()
+
+    def undo(self) -> None:
+        """Take back the last edit."""
+        self._turn(self.history.undo())
+
+    def redo(self) -> None:
+        """Repeat the edit that was undone last."""
+        self._turn(self.history.redo())
+
+    def go_to(self, done: int) -> None:
+        """Undo or redo until so many of the `changes` are done."""
+        self._turn(self.history.go_to(done))
+
+    def select(self, index: int | None) -> None:
+        """Select a shape, or none; none, too, in place of one that could not be drawn."""
+        if index is not None and index >= len(self.document.shapes):
+            index = None
+        if index != self.selected:
+            self.show(replace(self.scene, selected=index))
+            self.document_changed.emit(self.document)
+            self.show_status()
+
+    def select_next(self) -> None:
+        """Select the shape drawn after the selected one, the first after the last."""
+        count = len(self.document.shapes)
+        self.select(None if not count else 0 if self.selected is None else (self.selected + 1) % count)
+
+    def delete_selected(self) -> None:
+        """Remove the selected shape."""
+        index = self.selected
+        if index is not None:
+            name = tr("delete {shape}").format(shape=from_core(self.document.shapes[index].title))
+            self.select(None)
+            self.edit(name, lambda document: edits.delete_shape(document, index))
+
+    def begin_document(self, document: Document, before: Document | None = None) -> None:
+        """Use another document, with an empty undo history, in place of the present one or of one `before` it."""
+        self.history = History()
+        self._signals.scene = replace(self.scene, selected=None)
+        self._use(document, before=before)
+
+    # Running
+
+    def run(self) -> None:
+        """Continue, or restart when the shapes have changed or the run is over and no parameter has changed since."""
+        if not self._ready():
+            return
+        if self.status.phase != "running":
+            self._start_if_needed()
+            self._progress.phase("running")
+            self.post(RunCall(self._signals.generation, Run.go))
+
+    def pause(self) -> None:
+        """Stop after the current step."""
+        if self.status.phase == "running":
+            self.hold(RunCall(None, Run.halt))
+
+    def toggle(self) -> None:
+        """Pause when running, otherwise run."""
+        if self.status.phase == "running":
+            self.pause()
+        else:
+            self.run()
+
+    def step(self) -> None:
+        """Take one step; start a run first if there is none."""
+        if can_step(self.situation) and self._ready():
+            self._start_if_needed()
+            self.hold(RunCall(self._signals.generation, Run.go, 1))
+
+    def reset(self) -> None:
+        """Take the particles away and go back to the initialization; the run stays on the timeline."""
+        if self.status.started:
+            self.attempt(RUNNING)
+            kept = self.status.step > 0
+            self._signals.generation = self._next_generation()
+            self._progress.forget()
+            self.post(RunCall(None, Run.discard, self._signals.generation))
+            if kept:
+                kept_on = tr(
+                    "The run is kept on the timeline: click it there, or press {key:timeline_last}, to go back to it."
+                )
+                self.say(with_keys(kept_on))
+
+    def hold(self, command: Command) -> None:
+        """Pause the run by a command after which it stays at some step."""
+        self._progress.phase("paused")
+        self.post(command)
+
+    def set_pace(self, steps_per_second: float | None) -> None:
+        """Limit the steps per second; None for no limit."""
+        self.post(RunCall(None, Run.set_pace, steps_per_second))
+
+    def want_overlay(self, name: str, wanted: bool) -> None:
+        """Choose whether an overlay is kept up to date; see `app.session.worker.prepared_methods`."""
+        before = self._overlays
+        self._overlays = before | {name} if wanted else before - {name}
+        if self._overlays != before:
+            shown = {kept: array for kept, array in self.scene.overlays.items() if kept in self._overlays}
+            if len(shown) < len(self.scene.overlays):
+                self.show(replace(self.scene, overlays=shown))
+            self.post(RunCall(None, Run.set_overlays, self._overlays))
+
+    def post(self, command: Command) -> None:
+        """Send a command to the worker."""
+        self._worker_thread.post(command)
+        self._wake()
+
+    def close(self) -> None:
+        """Stop everything and wait for the worker to end."""
+        self._timer.stop()
+        self.tasks.close()
+        self._worker_thread.close()
+
+    # Files
 
     @property
     def opening(self) -> str:
@@ -132,13 +392,105 @@ class Session(RunControl):
         self._progress.busy("preparing", _PREPARING)
         self._opener.afterwards(lambda: self.post(WarmUp()))
 
+    # Internal
+
+    def _turn(self, turned: Turned | None) -> None:
+        """Use the document that undo or redo leads to, and bring particles back or take them away again."""
+        if turned is None:
+            return
+        erasures = [change.erasure for change in turned.changes if change.erasure is not None]
+        if erasures:
+            self._turn_erasures(erasures, turned.back)
+        same = turned.document == self.document
+        self._use(turned.document)
+        if same:
+            self._announce()
+
+    def _announce(self) -> None:
+        """The history has changed, and the document has not."""
+        self.document_changed.emit(self.document)
+        self.show_status()
+
+    def _use(self, document: Document | None, complete: bool = True, before: Document | None = None) -> None:
+        before, scene = before or self.document, self.scene
+        if document is None or document == before:
+            return
+        self.attempt(EDITING, RUNNING)  # an edit may be the remedy for why a run did not begin
+        selected = scene.selected
+        if selected is not None and selected >= len(document.shapes):
+            selected = None
+        contours = scene.contours
+        if document.marks != before.marks:
+            contours = ReviewedContours.of(contours.tracked, document.marks)
+        self._signals.scene = replace(scene, document=document, selected=selected, contours=contours)
+        self._follow(before, document, complete)
+        self.scene_changed.emit()
+        self.document_changed.emit(document)
+        self.show_status()
+
+    def _follow(self, before: Document, after: Document, complete: bool) -> None:
+        """Give the image the size of a pixel that has been set by hand, before all that follows from an edit."""
+        image, wanted = self.scene.image, after.image
+        if image is not None and wanted is not None and (image.spacing, image.unit) != (wanted.spacing, wanted.unit):
+            factor = resolution.factor(image.unit, wanted.unit) if image.unit and wanted.unit else 1.0
+            sized = image.sized(wanted.spacing, wanted.unit, factor)
+            self._signals.scene = replace(self.scene, image=sized)
+            self.post(RunCall(None, Run.rescale, sized, after))
+        self.live.follow(before, after, complete)
+
+    def _ready(self) -> bool:
+        self.attempt(RUNNING)
+        if self.document.image is None:
+            self.say(tr("There is no image to run on: open one first."), True, RUNNING)
+            return False
+        if needs_start(self.document.mode) and not self.document.starts:
+            self.say(self.document.nothing_to_start_from, True, RUNNING)
+            return False
+        return True
+
+    def _start_if_needed(self) -> None:
+        status = self.status
+        over = status.phase == "finished" and not status.steered
+        if status.phase == "ready" or over or status.stale:
+            self._signals.generation = self._next_generation()
+            self.live.begin(self._signals.generation, self.document)
+            self._progress.forget(MODES[self.document.mode].method)
+            self.post(Start(self._signals.generation, self._signals.image_generation, self.document))
+
+    def _next_generation(self) -> int:
+        self._numbered += 1
+        return self._numbered
+
+    def _turn_erasures(self, erasures: Sequence[Erasure], back: bool) -> None:
+        goes_on = self.status.phase == "running"
+        self.live.turn(erasures, back)
+        self.hold(RunCall(None, Run.turn_erasures, tuple(erasure.number for erasure in erasures), back))
+        if goes_on:
+            self._progress.phase("running")
+            self.post(RunCall(self._signals.generation, Run.go))
+
+    def _wake(self) -> None:
+        if not self._timer.isActive():
+            self._frames.begin()
+            self._timer.start()
+
+    def _frame(self) -> None:
+        self._frames.stepped()
+        with self._signals.gathering():
+            self.tasks.look()
+            self._progress.look()
+        if self.scene.snapshot is not None:
+            self.live.use(self.scene.snapshot.timeline.began)
+        if self.idle:
+            self._timer.stop()
+
     def _accept(self, opened: Opened) -> None:
         """Use an image that has been opened."""
         if self.document.image is not None:
             self.former_parameters = self.wanted_parameters
         self._asked_scales, self._used_scales = opened.scales, opened.parameters.scales
-        self._generation = self._image_generation = self._next_generation()
-        self.post(RunCall(None, Run.use, self._generation, opened.method, opened.parameters))
+        self._signals.generation = self._signals.image_generation = self._next_generation()
+        self.post(RunCall(None, Run.use, self._signals.generation, opened.method, opened.parameters))
         # With its own document from the first moment: the shapes of the former one may have another number of axes.
         before, document = self.document, _document(opened, self.document.mode)
         self.show(Scene(opened.image, opened.display, document=document, slices=Slices.of(opened.image.shape)))
@@ -156,16 +508,6 @@ class Session(RunControl):
         if opened.notes:
             self.say(" ".join(map(from_core, opened.notes)))
 
-    def _follow(self, before: Document, after: Document, complete: bool) -> None:
-        """Give the image the size of a pixel that has been set by hand, before all that follows from an edit."""
-        image, wanted = self.scene.image, after.image
-        if image is not None and wanted is not None and (image.spacing, image.unit) != (wanted.spacing, wanted.unit):
-            factor = resolution.factor(image.unit, wanted.unit) if image.unit and wanted.unit else 1.0
-            sized = image.sized(wanted.spacing, wanted.unit, factor)
-            self._scene = replace(self.scene, image=sized)
-            self.post(RunCall(None, Run.rescale, sized, after))
-        super()._follow(before, after, complete)
-
     def _show_start(self) -> None:
         """Show the slices through what is drawn first in a volume."""
         slices = self.scene.slices
@@ -182,12 +524,12 @@ class Session(RunControl):
         if known is not None and known.sha256 and differ(known.sha256, opened.sha256):
             return  # the notes tell that the image has changed
         self._progress.busy("restoring", tr("Bringing back the runs…"))
-        self.post(RunCall(None, Run.place, self._image_generation, self.document.charges))
+        self.post(RunCall(None, Run.place, self._signals.image_generation, self.document.charges))
         self.post(RunCall(None, Run.limit, self.document.regions))
-        self.post(RestoreRuns(self._image_generation, opened.saved.file.runs, image))
+        self.post(RestoreRuns(self._signals.image_generation, opened.saved.file.runs, image))
 
     def _take_runs(self, restored: RunsRestored) -> None:
-        if restored.generation == self._image_generation:
+        if restored.generation == self._signals.image_generation:
             self.live.restore(restored.begun)
 
     def _keep_or_open_otherwise(self, refused: NotOpened) -> None:

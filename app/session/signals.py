@@ -11,7 +11,6 @@ from PySide6.QtCore import QObject, Signal
 from app.model.text.shortening import shortened
 from app.session.exchange.messages import Report
 from app.session.scene import Scene
-from cpm_core.image.image import Image
 
 R = TypeVar("R", bound=Report)
 
@@ -43,36 +42,19 @@ class SessionSignals(QObject):
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
-        self._scene = Scene()
-        self._generation = 0
-        self._image_generation = 0
+        self.scene = Scene()
+        """The scene that is shown."""
+        self.generation = 0
+        """Number of the current run; snapshots and reports of other runs are not shown."""
+        self.image_generation = 0
+        """Number under which the image was opened."""
         self._troubles: dict[str, str] = {}
         self._gathering = self._gathered = False
         self._listeners: dict[type[Report], list[Callable[[Any], None]]] = {}
 
-    @property
-    def scene(self) -> Scene:
-        """The scene that is shown."""
-        return self._scene
-
-    @property
-    def generation(self) -> int:
-        """Number of the current run; snapshots and reports of other runs are not shown."""
-        return self._generation
-
-    @property
-    def image_generation(self) -> int:
-        """Number under which the image was opened."""
-        return self._image_generation
-
-    @property
-    def image(self) -> Image | None:
-        """The image that is open."""
-        return self._scene.image
-
     def show(self, scene: Scene) -> None:
         """Show another scene."""
-        self._scene = scene
+        self.scene = scene
         self.scene_changed.emit()
 
     def show_status(self) -> None:

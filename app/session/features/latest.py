@@ -12,7 +12,7 @@ from PySide6.QtCore import QObject, Signal
 from app.model.text.language import tr
 from app.session.exchange.error_messages import sentence
 from app.session.exchange.mailbox import Mailbox
-from app.session.signals import SessionSignals
+from app.session.session import Session
 
 T = TypeVar("T")
 
@@ -67,7 +67,7 @@ class Latest(QObject):
     failed = Signal(str)
     """What a piece of work failed with, in a sentence."""
 
-    def __init__(self, session: SessionSignals, name: str, activity: str) -> None:
+    def __init__(self, session: Session, name: str, activity: str) -> None:
         super().__init__(session)
         self._name = name
         self._activity = activity
@@ -144,7 +144,7 @@ class _Made:
 class _Newest(QObject):
     """The newest part of one name."""
 
-    def __init__(self, session: SessionSignals, tell: Callable[[], None]) -> None:
+    def __init__(self, session: Session, tell: Callable[[], None]) -> None:
         super().__init__(session)
         self._tell = tell
         self._made: _Made | None = None
@@ -169,7 +169,7 @@ class MadeLater(QObject):
     completed = Signal()
     """A part that was asked for is whole now."""
 
-    def __init__(self, session: SessionSignals) -> None:
+    def __init__(self, session: Session) -> None:
         super().__init__(session)
         self._session = session
         self._parts: dict[str, _Newest] = {}

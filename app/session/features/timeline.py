@@ -103,8 +103,11 @@ class BranchComparison(QObject):
 NOTHING = Outline()
 
 
-class TimelinePlace(QObject):
-    """What is known of the timeline of a session."""
+class TimelineNavigation(QObject):
+    """Goes along the timeline of a session's run; `comparison` shows another branch beside it."""
+
+    changed = Signal()
+    """The position or the branches have changed."""
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
@@ -113,6 +116,24 @@ class TimelinePlace(QObject):
         self._here = (0, 0)
         self._count = 0
         self._target: tuple[int, int] | None = None
+        self._snapshot: Snapshot | None = None
+        self.comparison = BranchComparison(session)
+        self.comparison.changed.connect(self.changed)
+        self._play = QTimer(self)
+        self._play.setInterval(_PLAY_EVERY)
+        self._play.timeout.connect(self._play_on)
+        self._stay = QTimer(self, singleShot=True, interval=_STAYING)
+        self._stay.timeout.connect(self._reconstruct)
+        session.scene_changed.connect(self._follow)
+        session.status_changed.connect(self._follow_phase)
+        session.image_changed.connect(lambda: self._use_outline(NOTHING))
+        session.listen(CommandFailed, self._give_up_going)
+        session.listen(RunsKept, self._take_kept)
+
+    @property
+    def playing(self) -> bool:
+        """Whether recorded steps are replayed."""
+        return self._play.isActive()
 
     @property
     def outline(self) -> Outline:
@@ -156,57 +177,6 @@ class TimelinePlace(QObject):
         if here is None or there is None or here.run != there.run:
             return self.last(identity)
         return self.place[1]
-
-    def _take_outline(self, outline: Outline) -> None:
-        fallen = outline.fallen[len(self._outline.fallen) :]
-        self._outline = outline
-        if fallen:
-            message = tr(
-                "{runs} had to be removed from the timeline to make room; a run with a name of its own stays longer."
-            )
-            self._session.say(message.format(runs=", ".join(fallen)))
-
-    def _place_or_end(self) -> tuple[int, int]:
-        """The place, or the end of the last branch while the run is on none."""
-        if self.place[0] or not self._outline.branches:
-            return self.place
-        newest = self._outline.branches[-1].identity
-        return newest, self.last(newest) + 1
-
-
-_PLAY_EVERY = 50
-"""Time between two steps of a replay [ms]."""
-
-_STAYING = 250
-"""Time at a step after which its contours are reconstructed at once [ms]."""
-
-
-class TimelineNavigation(TimelinePlace):
-    """Goes along the timeline of a session's run; `comparison` shows another branch beside it."""
-
-    changed = Signal()
-    """The position or the branches have changed."""
-
-    def __init__(self, session: Session) -> None:
-        super().__init__(session)
-        self._snapshot: Snapshot | None = None
-        self.comparison = BranchComparison(session)
-        self.comparison.changed.connect(self.changed)
-        self._play = QTimer(self)
-        self._play.setInterval(_PLAY_EVERY)
-        self._play.timeout.connect(self._play_on)
-        self._stay = QTimer(self, singleShot=True, interval=_STAYING)
-        self._stay.timeout.connect(self._reconstruct)
-        session.scene_changed.connect(self._follow)
-        session.status_changed.connect(self._follow_phase)
-        session.image_changed.connect(lambda: self._use_outline(NOTHING))
-        session.listen(CommandFailed, self._give_up_going)
-        session.listen(RunsKept, self._take_kept)
-
-    @property
-    def playing(self) -> bool:
-        """Whether recorded steps are replayed."""
-        return self._play.isActive()
 
     # Going
 
@@ -338,3 +308,26 @@ class TimelineNavigation(TimelinePlace):
     def _give_up_going(self, _: CommandFailed) -> None:
         """The failed command may have been the one that goes to another step."""
         self._target = None
+
+    def _take_outline(self, outline: Outline) -> None:
+        fallen = outline.fallen[len(self._outline.fallen) :]
+        self._outline = outline
+        if fallen:
+            message = tr(
+                "{runs} had to be removed from the timeline to make room; a run with a name of its own stays longer."
+            )
+            self._session.say(message.format(runs=", ".join(fallen)))
+
+    def _place_or_end(self) -> tuple[int, int]:
+        """The place, or the end of the last branch while the run is on none."""
+        if self.place[0] or not self._outline.branches:
+            return self.place
+        newest = self._outline.branches[-1].identity
+        return newest, self.last(newest) + 1
+
+
+_PLAY_EVERY = 50
+"""Time between two steps of a replay [ms]."""
+
+_STAYING = 250
+"""Time at a step after which its contours are reconstructed at once [ms]."""

@@ -1,32 +1,47 @@
-"""The run on the worker thread: how a document and its edits change it."""
+"""The run on the worker thread: its steps, moves along the timeline, and how a document and its edits change it."""
 
 from __future__ import annotations
 
+import math
 from collections import Counter
-from collections.abc import Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from app.model.document.document import Document
-from app.session.exchange.mailbox import Mailbox
-from app.session.exchange.messages import Overlays, Snapshot
-from app.session.timeline.run_actions import Erased, Joined, RunAction
+from app.session.exchange.mailbox import Mailbox, Pacer
+from app.session.exchange.messages import Overlays, Reconstruction, Snapshot
+from app.session.timeline.run_actions import Erased, Joined, RunAction, Stepped
 from app.session.timeline.stored_runs import StoredRuns
 from app.session.worker.prepared_methods import OverlayMaker, PreparedMethods
-from app.session.worker.reconstruction import Reconstructor
-from app.session.worker.recorded_run import Begun
-from app.session.worker.stepper import Stepper
+from app.session.worker.reconstruction import Reconstructor, Request, edited
+from app.session.worker.recorded_run import Begun, RecordedRun, RunRecord
+from cpm_core.contours.hand_edits import HandEdit
+from cpm_core.contours.result import Result
 from cpm_core.field.placed_charges import PlacedCharge
+from cpm_core.formats.provenance import plain_shapes
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
+from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Place
 from cpm_core.parameters import Parameters
-from cpm_core.segmentation.method import Method, Steerable
+from cpm_core.segmentation.method import Method, MethodState, Steerable
 from cpm_core.shapes.image_starts import ImageSeeds
 
+RESTING_SPEED = 0.1
+"""Speed below which a particle is shown as at rest [px per unit of time]."""
 
-class Run(Stepper):
-    """The run that the worker thread steps; no other thread touches it."""
+_ENERGY_EVERY = 8
+"""Steps between two measurements of the potential energy; each takes about as long as a small part of a step."""
+
+_SMALL_IMAGE = 1 << 20
+"""Pixels up to which the potential, which is computed once for each field, is always ready at once."""
+
+
+class Run:
+    """The run that the worker thread steps: a method, its state and its parameters; no other thread touches it."""
 
     def __init__(
         self,
@@ -35,11 +50,25 @@ class Run(Stepper):
         overlays: Mailbox[Overlays],
         reconstructor: Reconstructor,
     ) -> None:
-        super().__init__(snapshots, reconstructor, prepared.method)
+        self.pacer = Pacer()
+        self.recorded = RecordedRun(prepared.method)
+        self.generation = 0
         self.image_generation = 0
+        self.method: Method[Any] | None = None
+        self.state: MethodState | None = None
+        self.parameters = Parameters()
+        self.charges: tuple[PlacedCharge, ...] = ()
+        self.hand_edits: tuple[HandEdit, ...] = ()
+        self._energy_watched = False
         self._prepared = prepared
+        self._snapshots = snapshots
+        self._reconstructor = reconstructor
         self._overlays = OverlayMaker(overlays)
         self._erasures: dict[int, tuple[tuple[int, int], tuple[int, int]]] = {}
+        self._record = RunRecord()
+        self._remaining = 0.0
+
+    # The image and the document
 
     def use(self, generation: int, method: Method[Any], parameters: Parameters) -> None:
         """Change to another image, with the method that is prepared for it."""
@@ -170,3 +199,178 @@ class Run(Stepper):
 
     def _refresh_overlays(self) -> None:
         self._overlays.refresh(self.image_generation, self.method, self.parameters, self.charges)
+
+    # Steps
+
+    @property
+    def stepping(self) -> bool:
+        """Whether steps remain to be taken."""
+        return self._remaining > 0
+
+    def go(self, steps: int | None = None) -> None:
+        """Take `steps` steps, or steps until `halt`; a run that has ended goes on only with other parameters."""
+        if self.method is None or self.state is None:
+            return
+        if self.state.stop_reason and self.state.steering != self.method.steering(self.parameters):
+            self.state = self.state.resumed()
+        if not self.state.stop_reason:
+            self._remaining = float("inf") if steps is None else self._remaining + steps
+            self.pacer.begin()
+
+    def halt(self) -> None:
+        """Stop and keep the particles."""
+        self._remaining = 0.0
+        self._reconstruct()
+
+    def stay(self) -> None:
+        """Find the contours of the state at which the user stays, unless steps are still to be taken."""
+        if not self.stepping:
+            self._reconstruct()
+
+    def discard(self, generation: int) -> None:
+        """Stop and take the particles away; the run stays on the timeline, the next one has this number."""
+        self.generation = generation
+        self._remaining = 0.0
+        self.state = None
+        self._record = RunRecord()
+        self.recorded.timeline.leave()
+        self._reconstructor.forget()
+        if self.hand_edits:
+            self._reconstruct(by_hand=True)
+
+    def edit_by_hand(self, edits: tuple[HandEdit, ...]) -> None:
+        """Use these edits of contours by hand, also in the runs that follow."""
+        if edits == self.hand_edits:
+            return
+        self.hand_edits = edits
+        if not self.stepping:
+            self._reconstruct(by_hand=True)
+
+    def step(self) -> None:
+        """Take one step and send a snapshot."""
+        if self.method is None or self.state is None:
+            self._remaining = 0.0
+            return
+        method, parameters = self.method, self.parameters
+        state = self.state = method.step(self.state, parameters, self.charges)
+        self._remaining = 0.0 if state.stop_reason else self._remaining - 1
+        self.pacer.stepped()
+        small = math.prod(method.image.shape) <= _SMALL_IMAGE
+        ready = method.image.ndim == 2 and (self._energy_watched or small)
+        thorough = ready and not state.step % _ENERGY_EVERY
+        self._record.record(state.step, method.measures(state, parameters, thorough))
+        self.recorded.record(Stepped(parameters, self.charges, method.regions), state, self._record)
+        self._send()
+
+    def go_to(self, branch: int, step: int, wanted: Callable[[], bool]) -> None:
+        """Pause and go to another step of the timeline; if it is no longer wanted, only pause."""
+        self._remaining = 0.0
+        before = self.recorded.timeline.run
+        found = self.recorded.go(branch, step, wanted)
+        if found is not None:
+            self._show(*found, before)
+
+    def drop_branch(self, branch: int) -> None:
+        """Remove a branch of the timeline; if the run is on it, go back to where it began."""
+        before, run = self.state, self.recorded.timeline.run
+        found = self.recorded.drop(branch)
+        if found is not None:
+            if found[0] is not before:
+                self._remaining = 0.0
+            self._show(*found, run)
+
+    def _show(self, state: MethodState, record: RunRecord, before: int) -> None:
+        """Use and show a state of the timeline; `before` is the number of the run until now."""
+        self.state, self._record = state, record
+        if self.recorded.timeline.run != before:
+            self.method = self.recorded.current_method(None if self.method is None else self.method.regions)
+        self._send(looking_back=True)
+
+    def rename_branch(self, branch: int, name: str) -> None:
+        """Give a branch of the timeline another name."""
+        self.recorded.timeline.rename(branch, name)
+        self._send()
+
+    def set_timeline_budget(self, budget: int) -> None:
+        """Let the states of the timeline take at most so many bytes."""
+        self.recorded.timeline.budget = budget
+        self._send()
+
+    def watch_energy(self, watched: bool) -> None:
+        """Measure the potential energy even where the potential takes long, or no more."""
+        self._energy_watched = watched
+
+    def set_pace(self, steps_per_second: float | None) -> None:
+        """Take at most so many steps a second; None for no limit."""
+        self.pacer.limit(steps_per_second)
+
+    def reconstruction(self, shown: Reconstruction | None, wanted: Callable[[], bool]) -> Reconstruction | None:
+        """The contours that the user sees: during a run those `shown`, else those of its last state.
+
+        It waits for contours that are still being made; None when they are no longer wanted.
+        """
+        if self.stepping and shown is not None and shown.generation == self.generation:
+            return shown
+        found = self._reconstructor.latest(self.generation, wanted)
+        if found is None and wanted():
+            raise ValueError("There is nothing to export yet: let the particles run first.")
+        return found
+
+    def told(self, result: Result | Skeleton) -> Result | Skeleton:
+        """What the current run has found, with what was drawn for it and whether it was steered, for files."""
+        made, image = result.provenance, None if self.method is None else self.method.image
+        if image is not None and not made.sha256:  # contours drawn by hand
+            made = replace(made, sha256=image.sha256, of_file=bool(image.file_sha256))
+        if self.state is not None:
+            made = replace(made, shapes=plain_shapes(self.recorded.drawn()), steered=self.recorded.steered)
+        return replace(result, provenance=made)
+
+    def result_of(self, branch: int, state: MethodState) -> Result | Skeleton:
+        """Contours of a state of another branch."""
+        if self.method is None:
+            raise ValueError("There is no image to run on: open one first.")
+        method = self.recorded.method(branch, self.method.regions)
+        return edited(method, method.result(state, self.parameters), self.parameters, self.hand_edits)[0]
+
+    def moment(self, branch: int, step: int, wanted: Callable[[], bool]) -> Snapshot | None:
+        """Snapshot of another step, without going there; None when it is no longer wanted."""
+        found = self.recorded.moment(branch, step, wanted)
+        return None if found is None else self._snapshot(*found)
+
+    def _keep_going(self) -> bool:
+        self._remaining = float("inf")
+        self.pacer.begin()
+        return True
+
+    def _send(self, looking_back: bool = False) -> None:
+        if self.state is not None:
+            self._snapshots.put(self._snapshot(self.state, self._record))
+            self._reconstruct(looking_back)
+
+    def _snapshot(self, state: MethodState, record: RunRecord) -> Snapshot:
+        assert self.method is not None
+        speed = np.linalg.norm(state.particles.velocity, axis=1) * 2.0**state.scale
+        return Snapshot(
+            generation=self.generation,
+            method=self.method.name,
+            state=state,
+            position=self.method.positions(state),
+            resting=speed < RESTING_SPEED,
+            steps_per_second=self.pacer.per_second,
+            metrics=record.metrics(),
+            timeline=self.recorded.outline,
+        )
+
+    def _reconstruct(self, looking_back: bool = False, by_hand: bool = False) -> None:
+        """Request contours; of the first state only when the run goes back to it, to show that there are none.
+
+        Without a state there are those drawn `by_hand`.
+        """
+        begun = self.state is not None and self.state.step > 0
+        if self.method is None or not (begun or looking_back or by_hand):
+            return
+        # While the user scrubs, only the step at which that ends needs its contours at once.
+        last = not self.stepping and not looking_back
+        self._reconstructor.ask(
+            Request(self.generation, self.method, self.state, self.parameters, last, self.hand_edits)
+        )

@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from app.model.display.space.shown_parts import Contents, ShownParts
 from app.model.volume.axis_names import ends_of
-from app.session.signals import SessionSignals
+from app.session.session import Session
 from app.views.volume.space_bar import SpaceBar
 from app.views.volume.space_view import SpaceView
 
@@ -15,7 +15,7 @@ from app.views.volume.space_view import SpaceView
 class SpacePanel(QWidget):
     """Shows contents as the controls say."""
 
-    def __init__(self, session: SessionSignals) -> None:
+    def __init__(self, session: Session) -> None:
         super().__init__()
         self._contents: Contents | None = None
         self.bar = SpaceBar(ShownParts())

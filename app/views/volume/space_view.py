@@ -25,7 +25,7 @@ from app.model.display.space.picture import FAR, Picture
 from app.model.display.space.view_in_space import Look, ViewInSpace
 from app.model.text.language import tr
 from app.session.features.latest import Latest
-from app.session.signals import SessionSignals
+from app.session.session import Session
 from app.views.theme import theme
 from app.views.volume.space_gestures import WHOLE, Gesture, by_key, gesture, turn
 from app.views.volume.space_marks import SpaceMarks
@@ -80,7 +80,7 @@ class SpaceView(QWidget):
     drawn = Signal()
     """A new picture is shown."""
 
-    def __init__(self, session: SessionSignals) -> None:
+    def __init__(self, session: Session) -> None:
         super().__init__()
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)

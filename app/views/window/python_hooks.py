@@ -12,7 +12,8 @@ from PySide6.QtCore import QObject, QTimer, Signal
 
 from app.model.text.language import tr
 from app.session.exchange.error_messages import sentence
-from app.session.signals import UNEXPECTED, SessionSignals
+from app.session.session import Session
+from app.session.signals import UNEXPECTED
 
 _EVERY = 1000
 """Time between two checks [ms]."""
@@ -61,7 +62,7 @@ class UnexpectedErrors(QObject):
     happened = Signal(str)
     """A sentence on an error, from any thread."""
 
-    def __init__(self, session: SessionSignals) -> None:
+    def __init__(self, session: Session) -> None:
         super().__init__(session)
         self._session = session
         self._before = sys.excepthook, threading.excepthook

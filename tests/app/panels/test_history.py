@@ -9,7 +9,7 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, 
 
 from app.model.document import edits
 from app.model.document.document import Document
-from app.session.editing import Editing
+from app.session.session import Session
 from cpm_core.shapes import Circle
 
 pytestmark = pytest.mark.shared_window
@@ -20,7 +20,7 @@ class EditingMachine(RuleBasedStateMachine):
 
     def __init__(self) -> None:
         super().__init__()
-        self.editor = Editing()
+        self.editor = Session()
         self.past: list[Document] = []
         self.future: list[Document] = []
         self.now = Document()
@@ -69,6 +69,9 @@ class EditingMachine(RuleBasedStateMachine):
             self.past.append(self.now)
             self.now = self.future.pop()
 
+    def teardown(self) -> None:
+        self.editor.close()
+
     @invariant()
     def same_document(self) -> None:
         assert self.editor.document == self.now
@@ -76,5 +79,5 @@ class EditingMachine(RuleBasedStateMachine):
         assert self.editor.selected is None or self.editor.selected < len(self.now.shapes)
 
 
-EditingMachine.TestCase.settings = settings(max_examples=60, stateful_step_count=25, deadline=None)
+EditingMachine.TestCase.settings = settings(max_examples=40, stateful_step_count=25, deadline=None)
 TestEditing = EditingMachine.TestCase

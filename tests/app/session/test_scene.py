@@ -88,12 +88,12 @@ def test_another_image_leaves_nothing_of_the_one_before_in_the_scene(rested, han
 def test_what_changes_together_is_announced_once(session) -> None:
     told: list[int] = []
     session.status_changed.connect(lambda: told.append(1))
-    with session.gathering():
+    with session._signals.gathering():
         session.show_status()
         session.show_status()
         assert not told
     assert len(told) == 1
-    with session.gathering():
+    with session._signals.gathering():
         pass
     session.show_status()
     assert len(told) == 2

@@ -48,14 +48,21 @@ from cpm_core.formats.sessions.session_file import ImageFile
 from cpm_core.pages.page import StackResult, starts_after
 from cpm_core.shapes import Start
 
+_QUIET, _WHILE_RUNNING = 200, 1500
+"""Time from a change until the tracks are found again, at rest and while pages are run [ms]."""
 
-class Paging(QObject):
-    """Goes through the pages of a stack, each with its own document, history and runs."""
+
+class StackPages(QObject):
+    """Goes through the pages of a stack, runs all of them, and knows what was found on each."""
 
     changed = Signal()
     """Another page is open, or pages are being run, or no longer."""
+    found = Signal()
+    """What has been found on all pages has changed: `result`."""
+    _done = Signal(object)
+    """A page has been run: its order and PageDone, sent by the thread that runs them."""
 
-    def __init__(self, session: Session) -> None:
+    def __init__(self, session: Session, core: Core) -> None:
         super().__init__(session)
         self.following = True
         """Whether each page starts from the contours of the one before."""
@@ -68,12 +75,40 @@ class Paging(QObject):
         self._coming: dict[int, KeptPage] = {}
         self._found: dict[int, Found] = {}
         self._given: tuple[Start, ...] = ()
+        self.result: StackResult | None = None
+        """What has been found on all pages that are done, with tracks; None while there is nothing."""
+        self.rows: tuple[PageRow, ...] = ()
+        """Rows of the table of all pages."""
+        self.task: Task | None = None
+        self._core = core
+        self._seen: Result | None = None
+        self._drawn: tuple[Mapping[str, Any], ...] = ()
+        self._linking = Latest(session, "cpm-pages", tr("following objects through the pages"))
+        self._linking.done.connect(self._take_linked)
+        self._later = QTimer(self, singleShot=True)
+        self._later.timeout.connect(self._link)
+        self._done.connect(self._take_page)
         session.listen(Opened, self._take_opened)
         session.listen(Written, self._take_written)
+        session.scene_changed.connect(self._look)
+        session.tasks.changed.connect(self._look_at_task)
 
     def keep(self, document_file: DocumentFile) -> None:
         """Be saved with the session file."""
         self._file = document_file
+        document_file.pages = self._plain
+        document_file.pages_unsaved = self._unsaved
+
+    def close(self) -> None:
+        """End the threads."""
+        self._linking.close()
+
+    @property
+    def running(self) -> bool:
+        """Whether pages are being run in the background."""
+        return self.task is not None
+
+    # Paging
 
     @property
     def count(self) -> int:
@@ -156,60 +191,9 @@ class Paging(QObject):
             self._begin_stack(source, opened)
         self.changed.emit()
 
-    def _begin_stack(self, source: StackSource, _opened: Opened) -> None:
-        """Another file has been opened: nothing is known of its pages."""
-        self._source, self._ahead = source, source.number
-        self._kept, self._coming, self._found, self._given = {}, {}, {}, ()
-
     def _take_written(self, written: Written) -> None:
         if self._file is not None and self._file.is_current(written):
             self._kept = {number: page.saved() for number, page in self._kept.items()}
-
-
-_QUIET, _WHILE_RUNNING = 200, 1500
-"""Time from a change until the tracks are found again, at rest and while pages are run [ms]."""
-
-
-class StackPages(Paging):
-    """Goes through the pages of a stack, runs all of them, and knows what was found on each."""
-
-    found = Signal()
-    """What has been found on all pages has changed: `result`."""
-    _done = Signal(object)
-    """A page has been run: its order and PageDone, sent by the thread that runs them."""
-
-    def __init__(self, session: Session, core: Core) -> None:
-        super().__init__(session)
-        self.result: StackResult | None = None
-        """What has been found on all pages that are done, with tracks; None while there is nothing."""
-        self.rows: tuple[PageRow, ...] = ()
-        """Rows of the table of all pages."""
-        self.task: Task | None = None
-        self._core = core
-        self._seen: Result | None = None
-        self._drawn: tuple[Mapping[str, Any], ...] = ()
-        self._linking = Latest(session, "cpm-pages", tr("following objects through the pages"))
-        self._linking.done.connect(self._take_linked)
-        self._later = QTimer(self, singleShot=True)
-        self._later.timeout.connect(self._link)
-        self._done.connect(self._take_page)
-        session.scene_changed.connect(self._look)
-        session.tasks.changed.connect(self._look_at_task)
-
-    def keep(self, document_file: DocumentFile) -> None:
-        """Be saved with the session file."""
-        super().keep(document_file)
-        document_file.pages = self._plain
-        document_file.pages_unsaved = self._unsaved
-
-    def close(self) -> None:
-        """End the threads."""
-        self._linking.close()
-
-    @property
-    def running(self) -> bool:
-        """Whether pages are being run in the background."""
-        return self.task is not None
 
     # Running all
 
@@ -332,7 +316,8 @@ class StackPages(Paging):
     def _begin_stack(self, source: StackSource, opened: Opened) -> None:
         """Another file has been opened, perhaps with a session that knows its pages."""
         self.cancel()
-        super()._begin_stack(source, opened)
+        self._source, self._ahead = source, source.number
+        self._kept, self._coming, self._found, self._given = {}, {}, {}, ()
         self.result, self.rows, self._seen, self._drawn = None, (), None, ()
         if opened.saved is not None and opened.saved.file.pages and self.count:
             stored = StoredPages.of(opened.saved.file.pages, self._session.document, source)
