@@ -57,10 +57,11 @@ class AnimationFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec]:
         """Both exports."""
         return (
-            ActionSpec(name="export_animation", menu="File", text=tr("Export a&nimation…"), do=self.ask_for_animation,
-                       shortcuts=("Ctrl+Shift+A",), tip=tr("Export the run as GIF, APNG or MP4."), when=has_particles),
-            ActionSpec(name="export_strip", menu="File", text=tr("Export snapshot s&trip…"), do=self.ask_for_strip,
-                       tip=tr("Export some steps of the run side by side as one image."), when=has_particles),
+            ActionSpec("export_animation", "File", tr("Export a&nimation…"), tr("Export the run as GIF, APNG or MP4."),
+                       self.ask_for_animation, "Ctrl+Shift+A", when=has_particles),
+            ActionSpec("export_strip", "File", tr("Export snapshot s&trip…"),
+                       tr("Export some steps of the run side by side as one image."), self.ask_for_strip,
+                       when=has_particles),
         )  # fmt: skip
 
     def close(self) -> bool:

@@ -38,15 +38,14 @@ class HelpFeature(Feature):
         """Keys, guide, tour and about."""
         window = self.context.window
         return (
-            ActionSpec(name=KEYS, menu="Help", text=tr("&Keys"), do=self._show_keys, shortcuts=("?",),
-                       tip=tr("Show all keys.")),
-            ActionSpec(name="guide", menu="Help", text=tr("&Guide"), do=self.show_guide, shortcuts=("F1",),
-                       tip=tr("First steps, examples step by step, and the use of the canvas."), icon="guide"),
-            ActionSpec(name="tour", menu="Help", text=tr("&Tour of the window"), do=self.begin_tour,
-                       tip=tr("Five steps to a first result.")),
-            ActionSpec(name="about", menu="Help", text=tr("&About CPM"), do=lambda: About(window).open(),
-                       tip=tr("Version, license, the paper, and the versions of what the program works with."),
-                       gap=True),
+            ActionSpec(KEYS, "Help", tr("&Keys"), tr("Show all keys."), self._show_keys, "?"),
+            ActionSpec("guide", "Help", tr("&Guide"),
+                       tr("First steps, examples step by step, and the use of the canvas."), self.show_guide, "F1",
+                       icon="guide"),
+            ActionSpec("tour", "Help", tr("&Tour of the window"), tr("Five steps to a first result."), self.begin_tour),
+            ActionSpec("about", "Help", tr("&About CPM"),
+                       tr("Version, license, the paper, and the versions of what the program works with."),
+                       lambda: About(window).open(), gap=True),
         )  # fmt: skip
 
     def preferences(self) -> Sequence[PreferenceRow]:
@@ -138,8 +137,8 @@ class PreferencesFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec]:
         """The dialog."""
         return (
-            ActionSpec(name="preferences", menu="Edit", text=tr("&Preferences…"), do=self.show, shortcuts=("Ctrl+,",),
-                       tip=tr("Change the settings of the program."), gap=True),
+            ActionSpec("preferences", "Edit", tr("&Preferences…"), tr("Change the settings of the program."), self.show,
+                       "Ctrl+,", gap=True),
         )  # fmt: skip
 
     def show(self) -> PreferencesDialog:
