@@ -11,8 +11,7 @@ from app.model.document.samples import sample_called
 from app.model.text.language import tr
 from app.session.signals import PREFERENCES
 from app.views.help.about import About
-from app.views.help.cheat_sheet import KEYS, CheatSheet
-from app.views.help.guide import Guide
+from app.views.help.guide import KEYS, Guide
 from app.views.help.tour import Tour, stops
 from app.views.widgets.action_spec import ActionSpec
 from app.views.widgets.preference_row import PreferenceRow
@@ -74,7 +73,7 @@ class HelpFeature(Feature):
     def show_guide(self, page: str = "") -> None:
         """Open the guide, at a named page if given, or bring it to the front."""
         if self.guide is None:
-            self.guide = Guide(self.context.window, self.context.action_specs(), self._open_sample)
+            self.guide = Guide(self.context.window, list(self.context.action_specs()), self._open_sample)
             self.guide.destroyed.connect(self._forget_guide)
         if page:
             self.guide.turn_to(page)
@@ -103,13 +102,10 @@ class HelpFeature(Feature):
         return button
 
     def _show_keys(self) -> None:
-        open_ones = [sheet for sheet in self.context.window.findChildren(CheatSheet) if sheet.isVisible()]
-        for sheet in open_ones:
-            sheet.close()
-        if not open_ones:
-            sheet = CheatSheet(self.context.window, self.context.action_specs())
-            sheet.show()
-            sheet.activateWindow()
+        if self.guide is not None and self.guide.page == KEYS:
+            self.guide.close()
+        else:
+            self.show_guide(KEYS)
 
     def _open_sample(self, file: str) -> None:
         sample = sample_called(file)
