@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import html
 from collections.abc import Sequence
 
-from PySide6.QtCore import QTimer
-from PySide6.QtWidgets import QApplication, QPushButton
+from PySide6.QtCore import Qt, QTimer
+from PySide6.QtWidgets import QApplication, QMessageBox, QPushButton
 
 from app.model.document.samples import sample_called
+from app.model.text.about import LICENSE, PAPER, PURPOSE, about_in_words, versions
 from app.model.text.language import tr
 from app.session.signals import PREFERENCES
-from app.views.help.about import About
 from app.views.help.guide import KEYS, Guide
 from app.views.help.tour import Tour, stops
+from app.views.theme.icons import program_icon
 from app.views.widgets.action_spec import ActionSpec
 from app.views.widgets.preference_row import PreferenceRow
 from app.views.window.feature import Feature, FeatureContext
@@ -35,7 +37,6 @@ class HelpFeature(Feature):
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """Keys, guide, tour and about."""
-        window = self.context.window
         return (
             ActionSpec(KEYS, "Help", tr("&Keys"), tr("Show all keys."), self._show_keys, "?"),
             ActionSpec("guide", "Help", tr("&Guide"),
@@ -44,7 +45,7 @@ class HelpFeature(Feature):
             ActionSpec("tour", "Help", tr("&Tour of the window"), tr("Five steps to a first result."), self.begin_tour),
             ActionSpec("about", "Help", tr("&About CPM"),
                        tr("Version, license, the paper, and the versions of what the program works with."),
-                       lambda: About(window).open(), gap=True),
+                       self._show_about, gap=True),
         )  # fmt: skip
 
     def preferences(self) -> Sequence[PreferenceRow]:
@@ -106,6 +107,27 @@ class HelpFeature(Feature):
             self.guide.close()
         else:
             self.show_guide(KEYS)
+
+    def _show_about(self) -> None:
+        """Show versions, license and paper; a button copies them."""
+        known = versions()
+        rows = "".join(
+            f"<tr><td>{name}</td><td style='padding-left: 12px'>{version}</td></tr>" for name, version in known
+        )
+        box = QMessageBox(self.context.window)
+        box.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        box.setWindowTitle(tr("About CPM"))
+        box.setIconPixmap(program_icon().pixmap(64, 64))
+        box.setText(
+            "".join(f"<p>{html.escape(text)}</p>" for text in (PURPOSE, PAPER, LICENSE)) + f"<table>{rows}</table>"
+        )
+        box.setTextInteractionFlags(Qt.TextInteractionFlag.TextBrowserInteraction)
+        copy = box.addButton(tr("&Copy this text"), QMessageBox.ButtonRole.ActionRole)
+        copy.setToolTip(tr("Copy it to the clipboard, as for a report of an error."))
+        copy.clicked.disconnect()  # it does not close the box
+        copy.clicked.connect(lambda: QApplication.clipboard().setText(about_in_words()))
+        box.addButton(QMessageBox.StandardButton.Close)
+        box.open()
 
     def _open_sample(self, file: str) -> None:
         sample = sample_called(file)

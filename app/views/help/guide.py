@@ -253,7 +253,7 @@ _FURTHER = Page(
         tr("<b>Save.</b> {save} stores all that you see in one file, also the runs and their branches. It runs without "
            "a window, too: "
            "<code>cpm run --session FILE</code> for one image, <code>cpm batch</code> for many."),
-        tr("<b>Present.</b> {export_animation} and {export_strip} show how the contours were found."),
+        tr("<b>Present.</b> {export_animation} shows how the contours were found."),
     ),
 )  # fmt: skip
 
