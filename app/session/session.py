@@ -31,8 +31,7 @@ from app.session.tasks.opening import Opener, Wanted
 from app.session.tasks.tasks import Tasks
 from app.session.undo_history import Change, Erasure, History, Turned
 from app.session.updates import Progress
-from app.session.worker.commands.run import Command, Copy, Export, RunCall, Start, WarmUp
-from app.session.worker.commands.stored_runs import RestoreRuns, RunsRestored
+from app.session.worker.commands import Command, Copy, Export, RestoreRuns, RunCall, RunsRestored, Start, WarmUp
 from app.session.worker.run import Run
 from app.session.worker.worker_thread import WorkerThread
 from cpm_core.formats.fingerprint import differ

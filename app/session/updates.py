@@ -28,10 +28,8 @@ from app.session.exchange.messages import (
 )
 from app.session.scene import NO_CONTOURS, ReviewedContours, Scene
 from app.session.signals import CONTOURS, EDITING, EXPORTING, RUNNING, SessionSignals
-from app.session.worker.commands.forces import Probed
-from app.session.worker.commands.intensity_window import Shaded, WindowFound
-from app.session.worker.commands.stored_runs import RunsRestored
-from app.session.worker.commands.timeline import Compared
+from app.session.worker.commands import RunsRestored
+from app.session.worker.requests import Compared, Probed, Shaded, WindowFound
 from app.session.worker.worker_thread import WorkerThread
 from cpm_core.contours.result import Result
 from cpm_core.medial_axis.skeleton import Skeleton

@@ -14,7 +14,7 @@ from app.session.exchange.messages import CommandFailed
 from app.session.features.contour_review import ContourReview
 from app.session.scene import Item, ReviewedContours
 from app.session.session import Session
-from app.session.worker.commands.edges import EDGES, EdgesFound, FindEdges
+from app.session.worker.requests import EDGES, EdgesFound, FindEdges
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.hand_edits import HandEdit, Path
 from cpm_core.field.scale_field import ScaleField

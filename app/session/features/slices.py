@@ -25,8 +25,7 @@ from app.session.exchange.messages import Reconstruction, Snapshot
 from app.session.features.latest import MadeLater, MadeOnce, Same
 from app.session.scene import NO_CONTOURS, Item, NearParticles, ReviewedContours, Scene, ShownObjects
 from app.session.session import Session
-from app.session.worker.commands.forces import Probed
-from app.session.worker.commands.timeline import Compared
+from app.session.worker.requests import Compared, Probed
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import ReviewedContour
 from cpm_core.image.image import Image

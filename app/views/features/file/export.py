@@ -16,7 +16,7 @@ from app.model.text.language import tr
 from app.session.exchange.messages import Exported, Opened
 from app.session.features.skeleton import description_of
 from app.session.signals import EXPORTING
-from app.session.worker.commands.run import Copied
+from app.session.worker.commands import Copied
 from app.views.export.dialog import ExportDialog
 from app.views.export.surface import SurfaceDialog
 from app.views.widgets.action_spec import ActionSpec

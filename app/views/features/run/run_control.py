@@ -11,7 +11,7 @@ from app.model.state.resolve import resolve
 from app.model.state.situation import can_step, has_image, is_running, is_started
 from app.model.text.language import tr
 from app.model.text.numbers import written
-from app.session.worker.commands.run import RunCall
+from app.session.worker.commands import RunCall
 from app.session.worker.run import Run
 from app.views.panels.run.run_panel import RunPanel
 from app.views.widgets.action_spec import ActionSpec

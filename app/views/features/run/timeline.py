@@ -14,7 +14,7 @@ from app.model.state.situation import has_particles, is_running
 from app.model.text.language import tr
 from app.model.text.numbers import written
 from app.session.features.timeline import TimelineNavigation
-from app.session.worker.commands.run import RunCall
+from app.session.worker.commands import RunCall
 from app.session.worker.recorded_run import MEGABYTE
 from app.session.worker.run import Run
 from app.views.panels.timeline.timeline_panel import TimelinePanel
