@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any, TypeVar
@@ -64,40 +64,29 @@ class Sections:
         if volume is None or slices is None or scene.volume is not None:
             return scene
         slices = slices if self.axis is None else slices.turned(self.axis)
-        here = slices.current
-        image = self._parts.of("image", (volume, here), lambda: volume.cut(here.axis, here.index))
-        display = self._display(image, IntensityWindow(*volume.gray_range))
-        drawn = (scene.document, here, volume)
-        cut = self._parts.of(
-            "objects", (scene.document.objects, here), lambda: objects_in(scene.document.objects, here)
-        )
-        document, places = self._parts.of("document", (*drawn, cut), lambda: _document(*drawn, cut))
-        shown = self._parts.of("shown", (scene.objects, here), lambda: _shown(scene.objects, here))
-        reach = scene.document.parameters.d_min
-        near = self._parts.of("near", (scene.snapshot, here, reach), lambda: _near(scene.snapshot, here, volume, reach))
-        snapshot = self._parts.of("snapshot", (near,), lambda: _snapshot(scene.snapshot, near, here))
-        contours = self._parts.of(
-            "contours", (scene.reconstruction, here), lambda: _contours(scene.reconstruction, here)
-        )
+        here, part, reach = slices.current, self._parts.of, scene.document.parameters.d_min
+        image = part(_image, volume, here)
+        cut = part(objects_in, scene.document.objects, here)
+        document, places = part(_document, scene.document, here, volume, cut)
+        near = part(_near, scene.snapshot, here, volume, reach)
+        seeds = scene.image_seeds
         return Scene(
             image,
-            display,
+            self._display(image, IntensityWindow(*volume.gray_range)),
             scene.window_found,
             scene.shaded,
             document,
             places.get(scene.selected),
-            self._seeds(scene, here, volume, reach),
-            snapshot=snapshot,
-            reconstruction=self._parts.of(
-                "skeleton", (scene.reconstruction, here), lambda: _skeleton(scene.reconstruction, here)
-            ),
-            contours=contours,
+            self._parts.named("seeds", lambda: _seeds(seeds, here, volume, reach), Same(seeds), here, reach),
+            snapshot=part(_snapshot, scene.snapshot, near, here),
+            reconstruction=part(_skeleton, scene.reconstruction, here),
+            contours=part(_contours, scene.reconstruction, here),
             overlays=self._overlays(scene, here, image),
-            probed=self._parts.of("probed", (scene.probed, here), lambda: _probed(scene.probed, here, volume, reach)),
-            compared=self._compared(scene.compared, here, volume, reach),
-            truth=self._parts.of("truth", (scene.truth, here), lambda: truth_in(scene.truth, here)),
-            differences=self._parts.of("apart", (scene.apart, here), lambda: differences_in(scene.apart, here)),
-            objects=shown,
+            probed=part(_probed, scene.probed, here, volume, reach),
+            compared=part(_compared, scene.compared, here, volume, reach),
+            truth=part(truth_in, scene.truth, here),
+            differences=part(differences_in, scene.apart, here),
+            objects=part(_shown, scene.objects, here),
             slices=slices,
             volume=volume,
             near=near,
@@ -106,54 +95,42 @@ class Sections:
     def _display(self, image: Image, window: IntensityWindow) -> DisplayImage:
         """The slice in the window of the volume, so that it does not flicker from slice to slice."""
 
-        def preview() -> DisplayImage:
-            return DisplayImage.preview(image.values, window)
+        def make() -> DisplayImage:
+            return DisplayImage.of(apply_window(image.values, window))
 
-        large = image.values.size > AT_ONCE
-        return self._made("display", (image,), lambda: _shaded(image, window), preview, large)
-
-    def _made(
-        self, name: str, given: tuple[Any, ...], make: Callable[[], T], meanwhile: Callable[[], T], long: bool
-    ) -> T:
-        """A part that is made at once, or later where it takes long and nobody waits for it."""
-        if long and self.later is not None:
-            return self.later.of(name, given, make, meanwhile)
-        return self._parts.of(name, given, make)
+        if image.values.size > AT_ONCE and self.later is not None:
+            return self.later.named("display", make, lambda: DisplayImage.preview(image.values, window), image)
+        return self._parts.named("display", make, image)
 
     def _overlays(self, scene: Scene, here: Slice, image: Image) -> Mapping[str, Overlay]:
         """The slices of the overlays."""
         found: dict[str, Overlay] = {}
         for name, drawn in scene.overlays.items():
-            given = (drawn, here)
             if isinstance(drawn, DisplayVolume):
-                found[name] = self._parts.of(name, given, partial(_overlay, drawn, here))
+                found[name] = self._parts.named(name, partial(_overlay, drawn, here), drawn, here)
             elif isinstance(drawn, SampledForce):
-                found[name] = self._parts.of(name, given, partial(drawn.slice_of, here, image.shape))
+                found[name] = self._parts.named(name, partial(drawn.slice_of, here, image.shape), drawn, here)
+            elif isinstance(drawn, SampledValues) and self.later is not None:
+                lines = partial(_lines, drawn, here)
+                found[name] = self.later.named(name, lines, lambda: np.empty((0, 2)), drawn, here)
             elif isinstance(drawn, SampledValues):
-                found[name] = self._made(name, given, partial(_lines, drawn, here), lambda: np.empty((0, 2)), True)
-        return self._parts.of("overlays", (*found, *map(Same, found.values())), lambda: found)
-
-    def _seeds(self, scene: Scene, here: Slice, volume: Image, reach: float) -> ImageSeeds:
-        """The particles of starts all over the volume that are near the slice."""
-
-        def near() -> ImageSeeds:
-            sides = tuple(side / min(volume.spacing) for side in volume.spacing)
-            return {
-                cut: here.flattened(at[_index(at, here, volume, reach)[0]])
-                for start, at in scene.image_seeds.items()
-                for cut in sections(start, here.axis, here.index, sides)
-                if isinstance(cut, ImageStart)
-            }
-
-        return self._parts.of("seeds", (Same(scene.image_seeds), here, reach), near)
-
-    def _compared(self, compared: Compared | None, here: Slice, volume: Image, reach: float) -> Compared | None:
-        """What the slice shows of a compared branch."""
-        return self._parts.of("compared", (compared, here, reach), lambda: _compared(compared, here, volume, reach))
+                found[name] = self._parts.named(name, partial(_lines, drawn, here), drawn, here)
+        return self._parts.named("overlays", lambda: found, *found, *map(Same, found.values()))
 
 
-def _shaded(image: Image, window: IntensityWindow) -> DisplayImage:
-    return DisplayImage.of(apply_window(image.values, window))
+def _image(volume: Image, here: Slice) -> Image:
+    return volume.cut(here.axis, here.index)
+
+
+def _seeds(seeds: ImageSeeds, here: Slice, volume: Image, reach: float) -> ImageSeeds:
+    """The particles of starts all over the volume that are near the slice."""
+    sides = tuple(side / min(volume.spacing) for side in volume.spacing)
+    return {
+        cut: here.flattened(at[_index(at, here, volume, reach)[0]])
+        for start, at in seeds.items()
+        for cut in sections(start, here.axis, here.index, sides)
+        if isinstance(cut, ImageStart)
+    }
 
 
 def _lines(drawn: SampledValues, here: Slice) -> Array:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from app.session.features.volumes import sections
+from app.session.features import slices
 from PySide6.QtCore import Qt
 
 from app.model.display import display_image
@@ -25,7 +25,7 @@ WHOLE = IntensityWindow(20.0, 200.0)
 @pytest.fixture
 def large(monkeypatch, window, hand, volume_file):
     """A window on a volume whose slices count as large."""
-    monkeypatch.setattr(sections, "AT_ONCE", 100)
+    monkeypatch.setattr(slices, "AT_ONCE", 100)
     monkeypatch.setattr(display_image, "_PREVIEW", 8)
     open_file(window, hand, volume_file)
     return window
