@@ -15,13 +15,12 @@ from app.model.text.language import language
 from app.model.text.numbers import use_marks
 from app.session.worker.free_memory import share_one_arena
 from app.session.workspace import Workspace
-from app.views.features.file.beginning import BeginningFeature
-from app.views.features.file.recovery import RecoveryFeature
-from app.views.features.file.start import StartFeature
-from app.views.features.help.help import HelpFeature
+from app.views.features.files import RecoveryFeature, StartFeature
+from app.views.features.help import HelpFeature
+from app.views.features.offers import BeginningFeature
 from app.views.main_window import MainWindow
 from app.views.theme.icons import program_icon
-from app.views.window.unexpected import UnexpectedErrors
+from app.views.window.python_hooks import UnexpectedErrors
 
 SWITCH_INTERVAL = 0.0002
 """Longest time that the window waits for the interpreter while the worker computes [s]."""

@@ -22,29 +22,22 @@ from app.views.canvas.canvas_area import FIRST_TOOL, CanvasArea
 from app.views.canvas.strip.pointer_readout import PointerReadout
 from app.views.canvas.strip.zoom_field import ZoomField
 from app.views.features import FEATURES
-from app.views.features.file.folder import FolderFeature
-from app.views.features.file.importing import ImportFeature
-from app.views.features.file.open_save import OpenSaveFeature
-from app.views.features.file.recovery import RecoveryFeature
-from app.views.features.file.start import StartFeature
-from app.views.features.run.parameters import ParametersFeature
-from app.views.features.run.run_control import RunControlFeature
-from app.views.features.view.appearance import AppearanceFeature
-from app.views.features.view.pages import PagesFeature
+from app.views.features.exchange import ImportFeature
+from app.views.features.files import FolderFeature, OpenSaveFeature, RecoveryFeature, StartFeature
+from app.views.features.run import ParametersFeature, RunControlFeature
+from app.views.features.view import AppearanceFeature
+from app.views.features.volumes import PagesFeature
 from app.views.theme import theme
 from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.widgets.actions import Actions
 from app.views.widgets.turns import Turns
-from app.views.window.docking.docks import Docks
+from app.views.window.bars import ToolBar, ToolPalette
+from app.views.window.docks import Docks
 from app.views.window.feature import Feature, FeatureContext
-from app.views.window.garbage import GarbageCollector
-from app.views.window.keys.areas import Areas
-from app.views.window.keys.keyboard import Keyboard
-from app.views.window.keys.shortcuts import Shortcuts, use_keys
-from app.views.window.menus.context_menus import ContextMenus
-from app.views.window.menus.menu_bar import MENUS, Menus
-from app.views.window.tool_bar import ToolBar
-from app.views.window.tool_palette import ToolPalette
+from app.views.window.keyboard import Areas, Keyboard
+from app.views.window.menus import MENUS, ContextMenus, Menus
+from app.views.window.python_hooks import GarbageCollector
+from app.views.window.shortcuts import Shortcuts, use_keys
 
 P = TypeVar("P", bound=Feature)
 

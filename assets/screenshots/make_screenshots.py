@@ -22,10 +22,10 @@ from PySide6.QtWidgets import QWidget
 from app.model.document import edits
 from app.model.document.samples import sample_called
 from app.views.application import make_application, open_window
-from app.views.features.contours.objects import ObjectsFeature
-from app.views.features.file.open_save import OpenSaveFeature
-from app.views.features.view.comparing_runs import ComparisonFeature
-from app.views.features.view.space import SpaceFeature
+from app.views.features.files import OpenSaveFeature
+from app.views.features.objects import ObjectsFeature
+from app.views.features.run import ComparisonFeature
+from app.views.features.volumes import SpaceFeature
 from app.views.main_window import MainWindow
 from app.views.theme import theme
 from cpm_core.shapes import Barrier, Charge

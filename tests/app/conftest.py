@@ -18,7 +18,7 @@ from pytestqt.qtbot import QtBot
 from app.model.document import edits
 from app.session.session import Session
 from app.session.workspace import Workspace
-from app.views.features.file import start
+from app.views.features import files
 from app.views.main_window import MainWindow
 from app.views.window import dialogs
 from cpm_core.shapes import Circle
@@ -42,7 +42,7 @@ _COLLECTED_EVERY = 20
 T = TypeVar("T")
 
 ASK = dialogs.ask_about_unsaved
-KEEP_PICTURE = start.StartFeature._keep_picture
+KEEP_PICTURE = files.StartFeature._keep_picture
 
 
 class Hand:
@@ -116,7 +116,7 @@ def qapp_cls() -> type[QApplication]:
 
 @pytest.fixture(scope="package", autouse=True)
 def garbage_is_collected_by_hand() -> Iterator[None]:
-    """Objects of a window must not be destroyed on a thread of a later test; see `app.views.window.garbage`."""
+    """Objects of a window must not be destroyed on a thread of a later test; see `app.views.window.python_hooks`."""
     gc.disable()
     yield
     gc.enable()
@@ -154,19 +154,19 @@ def own_preferences(tmp_path: Path) -> None:
 @pytest.fixture(autouse=True)
 def own_pictures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """No test reads or writes the user's pictures of recent work."""
-    monkeypatch.setattr(start, "folder_of_pictures", lambda: tmp_path / "pictures of work")
+    monkeypatch.setattr(files, "folder_of_pictures", lambda: tmp_path / "pictures of work")
 
 
 @pytest.fixture(autouse=True)
 def no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """No pictures of the canvas are taken, which takes a tenth of a test; tests of them use `pictures_taken`."""
-    monkeypatch.setattr(start.StartFeature, "_keep_picture", lambda feature: None)
+    monkeypatch.setattr(files.StartFeature, "_keep_picture", lambda feature: None)
 
 
 @pytest.fixture
 def pictures_taken(no_pictures: None, monkeypatch: pytest.MonkeyPatch) -> None:
     """Pictures of the canvas are taken, as outside of tests."""
-    monkeypatch.setattr(start.StartFeature, "_keep_picture", KEEP_PICTURE)
+    monkeypatch.setattr(files.StartFeature, "_keep_picture", KEEP_PICTURE)
 
 
 @pytest.fixture(autouse=True)

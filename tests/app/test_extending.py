@@ -22,8 +22,8 @@ from app.views.canvas.items.curves import Curves
 from app.views.canvas.layers.layer import Layer
 from app.views.canvas.tools import START, TOOLS, ToolEntry
 from app.views.canvas.tools.drawn import DraggedTool
-from app.views.features.edit import draw
-from app.views.window import tool_palette
+from app.views.features import edit
+from app.views.window import bars
 from cpm_core.cli import main
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
@@ -139,7 +139,7 @@ class DiameterTool(DraggedTool):
 
 def test_a_tool_is_a_class_and_an_entry_in_the_table_of_tools(monkeypatch, opened, hand_on) -> None:
     entry = ToolEntry(DiameterTool, "&Diameter tool", "N", START, DiameterTool.name, DiameterTool.tip)
-    for module in (canvas_area, draw, tool_palette):
+    for module in (canvas_area, edit, bars):
         monkeypatch.setattr(module, "TOOLS", (*TOOLS, entry))
     window = opened()
     hand = hand_on(window)

@@ -31,7 +31,7 @@ from app.session.exchange.messages import Snapshot
 from app.session.session import FRAME
 from app.session.workspace import Workspace
 from app.views.application import make_application
-from app.views.features.file.open_save import OpenSaveFeature
+from app.views.features.files import OpenSaveFeature
 from app.views.main_window import MainWindow
 from cpm_core.contours.result import Result
 from cpm_core.model.starts import uniform_grid

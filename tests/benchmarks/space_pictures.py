@@ -23,8 +23,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from app.model.document import edits
 from app.session.workspace import Workspace
 from app.views.application import make_application
-from app.views.features.file.open_save import OpenSaveFeature
-from app.views.features.view.slices import SlicesFeature
+from app.views.features.files import OpenSaveFeature
+from app.views.features.volumes import SlicesFeature
 from app.views.main_window import MainWindow
 from cpm_core.shapes import Points
 

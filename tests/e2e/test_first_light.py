@@ -10,7 +10,7 @@ from PySide6.QtGui import QColor
 
 from app.model.document.samples import samples
 from app.views.application import make_application, open_window
-from app.views.features.file.export import ExportFeature
+from app.views.features.exchange import ExportFeature
 from tests.e2e.conftest import PATIENCE
 
 

@@ -23,8 +23,8 @@ from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.views.widgets.action_spec import LAYER, ActionSpec
 from app.views.widgets.key_text import native
-from app.views.window.keys.panel_action import PanelAction
-from app.views.window.menus.menu_bar import MENUS
+from app.views.window.docks import PanelAction
+from app.views.window.menus import MENUS
 
 KeyTable = Sequence[tuple[tuple[str, ...], str]]
 """Rows of equivalent keys, which may be those of actions (see `with_keys`), and their effect."""

@@ -16,9 +16,8 @@ from app.model.text.language import tr
 from app.model.text.reasons import reason
 from app.session.storage.presets import PresetStore
 from app.views.presets.preset_gallery import PresetGallery, picture_of
-from app.views.window.dialogs import Button, Question, ask_for_one, ask_for_text
+from app.views.window.dialogs import Button, Files, Question, all_files, ask_for_one, ask_for_text
 from app.views.window.feature import FeatureContext
-from app.views.window.file_dialogs import Files, all_files
 from cpm_core.parameters import PRESETS
 
 _TOPIC = "preset"

@@ -5,12 +5,13 @@ A new one is a module in `app.views.features` and an entry in its list.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Generic, Literal, TypeVar
 
-from PySide6.QtWidgets import QMainWindow, QWidget
+from PySide6.QtWidgets import QDialog, QMainWindow, QWidget
 
 from app.session.session import Session
 from app.session.storage.preferences import Preferences
@@ -20,9 +21,9 @@ from app.views.theme.theme import Theme
 from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.widgets.preference_row import PreferenceRow
 from app.views.widgets.turns import Turns
-from app.views.window.file_dialogs import FileDialogs
-from app.views.window.keys.areas import Areas
-from app.views.window.keys.shortcuts import Shortcuts
+from app.views.window.dialogs import FileDialogs
+from app.views.window.keyboard import Areas
+from app.views.window.shortcuts import Shortcuts
 from cpm_core.formats.images.reading import Reading
 
 Area = Literal["left", "right", "bottom"]
@@ -166,3 +167,38 @@ class Feature:
     def close(self) -> bool:
         """End its work before the window closes; False keeps the window open."""
         return True
+
+
+D = TypeVar("D", bound=QDialog)
+
+
+class DialogFeature(Feature, Generic[D]):
+    """Opens its dialog or brings it to the front, and closes it with the window."""
+
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        self.dialog: D | None = None
+
+    @abstractmethod
+    def made(self) -> D | None:
+        """A new dialog; None where there is nothing to open it on."""
+
+    def open(self) -> None:
+        """Open the dialog, or bring it to the front."""
+        if self.dialog is None:
+            self.dialog = self.made()
+            if self.dialog is None:
+                return
+            self.dialog.finished.connect(self._forget)
+        self.dialog.show()
+        self.dialog.raise_()
+        self.dialog.activateWindow()
+
+    def close(self) -> bool:
+        """Close the dialog, which ends what it runs itself."""
+        if self.dialog is not None:
+            self.dialog.close()
+        return True
+
+    def _forget(self, _: int) -> None:
+        self.dialog = None

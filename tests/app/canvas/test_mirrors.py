@@ -8,7 +8,7 @@ from PySide6.QtCore import QEvent, QPoint, Qt
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QApplication
 
-from app.views.features.view.comparing import ComparingFeature
+from app.views.features.view import ComparingFeature
 
 pytestmark = pytest.mark.shared_window
 

@@ -19,9 +19,8 @@ from app.views.export.film.animation_dialog import AnimationDialog, AnimationPla
 from app.views.export.film.frame_renderer import FrameRenderer
 from app.views.export.film.step_choice import evenly, every, written
 from app.views.export.film.strip_dialog import StripDialog
-from app.views.features.run.tasks import TasksFeature
-from app.views.features.run.timeline import TimelineFeature
-from app.views.features.view.animation import AnimationFeature
+from app.views.features.animation import AnimationFeature
+from app.views.features.run import TasksFeature, TimelineFeature
 from app.views.theme import theme
 from tests.app.conftest import disc
 

@@ -30,8 +30,8 @@ from app.model.document.modes import acting_in
 from app.model.document.objects import objects_result
 from app.model.parameters.controls import controls, slider_range, value_of
 from app.views.comparison import CompareDialog
-from app.views.features.file.open_save import OpenSaveFeature
-from app.views.features.view.comparing_runs import ComparisonFeature
+from app.views.features.files import OpenSaveFeature
+from app.views.features.run import ComparisonFeature
 from app.views.main_window import MainWindow
 from cpm_core import PRESETS, Engine, Parameters, segment
 from cpm_core.contours.ground_truth import truth_of_mask

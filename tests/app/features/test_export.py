@@ -20,7 +20,7 @@ from app.model.document import edits
 from app.model.export.formats import formats, listed
 from app.session.storage.folders import first_folder
 from app.views.export.dialog import ExportDialog
-from app.views.features.file.export import ExportFeature
+from app.views.features.exchange import ExportFeature
 from app.views.main_window import MainWindow
 from cpm_core.formats import WRITABLE
 from cpm_core.formats.writers import DRAWN

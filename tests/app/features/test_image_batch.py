@@ -12,7 +12,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QListWidgetItem
 
 from app.views.export.batch.dialog import BatchDialog
-from app.views.features.file.batch import BatchFeature
+from app.views.features.exchange import BatchFeature
 from app.views.main_window import MainWindow
 from cpm_core import cli
 from cpm_core.cli.batch import workers

@@ -14,7 +14,7 @@ from PySide6.QtWidgets import QFileDialog, QMenu
 
 from app.model.parameters.presets import Preset, built_in, checked_name, read, written
 from app.session.storage.presets import PresetStore
-from app.views.features.run.parameters import ParametersFeature
+from app.views.features.run import ParametersFeature
 from app.views.presets import preset_files as dialogs
 from app.views.presets.preset_gallery import PICTURE, PresetGallery, picture_of
 from cpm_core.parameters import PARAMETERS, PLANE_PRESETS, PRESETS, Parameters

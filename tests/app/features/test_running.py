@@ -13,8 +13,7 @@ from PySide6.QtGui import QImage
 
 from app.model.display.display_image import display_of_edge_map
 from app.model.document import edits
-from app.views.features.run.run_control import RunControlFeature
-from app.views.features.run.timeline import TimelineFeature
+from app.views.features.run import RunControlFeature, TimelineFeature
 from cpm_core import PRESETS, Engine, Parameters
 from cpm_core.model.starts import circle
 from cpm_core.shapes import Circle

@@ -11,7 +11,7 @@ from PySide6.QtCore import Qt
 from app.model.document import edits
 from app.session.worker.commands import RunCall
 from app.session.worker.run import Run
-from app.views.features.run.timeline import TimelineFeature
+from app.views.features.run import TimelineFeature
 from cpm_core.field.placed_charges import RADIUS, PlacedCharge
 from cpm_core.shapes import Barrier, Charge, Circle, Everywhere, Points
 

@@ -11,8 +11,8 @@ from PySide6.QtWidgets import QMenu
 
 from app.model.document.edits import use_preset
 from app.model.document.modes import use_mode
-from app.views.features.file.open_save import OpenSaveFeature
-from app.views.features.run.parameters import ParametersFeature
+from app.views.features.files import OpenSaveFeature
+from app.views.features.run import ParametersFeature
 from cpm_core.parameters import PRESETS
 
 pytestmark = pytest.mark.shared_window

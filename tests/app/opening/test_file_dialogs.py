@@ -14,10 +14,10 @@ from app.model.document.document import Document, ImageReference
 from app.model.document.samples import samples
 from app.session.storage.folders import first_folder, remember_folder
 from app.session.storage.preferences import Preferences
-from app.views.features.contours.truth import TruthFeature
-from app.views.features.file.open_save import OpenSaveFeature
-from app.views.features.run.parameters import ParametersFeature
-from app.views.features.view.animation import AnimationFeature
+from app.views.features.animation import AnimationFeature
+from app.views.features.contours import TruthFeature
+from app.views.features.files import OpenSaveFeature
+from app.views.features.run import ParametersFeature
 from app.views.main_window import MainWindow
 from app.views.window import dialogs
 
@@ -108,4 +108,4 @@ def test_a_file_that_gets_its_suffix_from_the_program_is_not_replaced_unasked(
 
 def test_only_one_module_asks_for_files() -> None:
     asking = [path for path in (ROOT / "app").rglob("*.py") if "QFileDialog" in path.read_text(encoding="utf-8")]
-    assert [path.name for path in asking] == ["file_dialogs.py"]
+    assert [path.name for path in asking] == ["dialogs.py"]

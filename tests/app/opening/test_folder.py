@@ -15,8 +15,7 @@ from app.model.document import edits
 from app.model.preferences.table import SAVE_IN_FOLDER
 from app.session.core_functions import Core
 from app.session.tasks.opening import _counted, images_beside, session_beside
-from app.views.features.file.folder import FolderFeature
-from app.views.features.file.open_save import OpenSaveFeature
+from app.views.features.files import FolderFeature, OpenSaveFeature
 from app.views.main_window import MainWindow
 from cpm_core import load_image
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session

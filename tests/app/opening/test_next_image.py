@@ -16,11 +16,10 @@ from app.model.document import edits
 from app.model.document.modes import fresh_parameters
 from app.model.preferences.table import KEEP_PARAMETERS
 from app.session.core_functions import Core
-from app.views.features.edit.modes import ModesFeature
-from app.views.features.file.open_save import OpenSaveFeature
-from app.views.features.file.preferences import PreferencesFeature
-from app.views.features.help.help import HelpFeature
-from app.views.features.run.run_control import RunControlFeature
+from app.views.features.edit import ModesFeature
+from app.views.features.files import OpenSaveFeature
+from app.views.features.help import HelpFeature, PreferencesFeature
+from app.views.features.run import RunControlFeature
 from app.views.main_window import MainWindow
 from app.views.window import dialogs
 from app.views.window.dialogs import Answer

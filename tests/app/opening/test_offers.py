@@ -11,7 +11,7 @@ from scipy.ndimage import gaussian_filter
 
 from app.model.document.modes import ADVICE
 from app.model.preferences.table import OFFER_SETTINGS
-from app.views.features.file.beginning import BeginningFeature
+from app.views.features.offers import BeginningFeature
 from app.views.main_window import MainWindow
 from app.views.widgets.offer_bar import OfferBar
 from cpm_core import PRESETS

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
-from app.views.features.file.stack import StackFeature
-from app.views.features.view.slices import SlicesFeature
+from app.views.features.offers import StackFeature
+from app.views.features.volumes import SlicesFeature
 from cpm_core import load_volume
 from tests.app.volumes.conftest import open_file
 from tests.core.formats.images.volumes.made import OBLIQUE, VALUES, write_series, write_slice

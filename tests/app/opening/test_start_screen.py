@@ -15,9 +15,8 @@ from app.model.document.samples import samples
 from app.session.storage.pictures import MOST, SIZE, Pictures
 from app.session.workspace import Workspace
 from app.views.application import make_application
-from app.views.features.file.beginning import BeginningFeature
-from app.views.features.file.open_save import OpenSaveFeature
-from app.views.features.file.start import StartFeature
+from app.views.features.files import OpenSaveFeature, StartFeature
+from app.views.features.offers import BeginningFeature
 from app.views.files.start_screen import StartScreen
 from app.views.main_window import MainWindow
 from app.views.theme.theme import DARK, LIGHT

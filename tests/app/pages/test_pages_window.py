@@ -12,8 +12,8 @@ from PySide6.QtCore import QCoreApplication, Qt
 from PySide6.QtWidgets import QFileDialog
 
 from app.model.document import edits
-from app.views.features.file.open_save import OpenSaveFeature
-from app.views.features.view.pages import PagesFeature
+from app.views.features.files import OpenSaveFeature
+from app.views.features.volumes import PagesFeature
 from app.views.window import dialogs
 from cpm_core import Parameters, cli
 from cpm_core.formats.sessions.session_file import load_session

@@ -15,7 +15,7 @@ from PySide6.QtWidgets import QLineEdit, QMenu
 from app.model.document import edits
 from app.session.exchange.contour_tracking import ContourTracker
 from app.session.scene import ReviewedContours
-from app.views.features.contours.contours import ContoursFeature
+from app.views.features.contours import ContoursFeature
 from app.views.main_window import MainWindow
 from app.views.panels.contour_table.columns import COLUMNS, NAME
 from app.views.panels.contour_table.view import ContourTable

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QCheckBox, QLabel
 from app.model.parameters.controls import controls
 from app.model.preferences.table import WORDING
 from app.model.text.wording import FORMULAS, rich
-from app.views.features.file.preferences import PreferencesFeature
+from app.views.features.help import PreferencesFeature
 from cpm_core.parameters import PARAMETERS
 
 pytestmark = pytest.mark.shared_window

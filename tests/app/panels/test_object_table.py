@@ -11,7 +11,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtWidgets import QLineEdit
 
 from app.model.document.edits import set_pixel_size
-from app.views.features.contours.objects import ObjectsFeature
+from app.views.features.objects import ObjectsFeature
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, SegmentedObjects
 
 pytestmark = pytest.mark.shared_window

@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt
 
 from app.model.document import edits
 from app.session.timeline.timeline import MOST_RUNS
-from app.views.features.run.timeline import TimelineFeature
+from app.views.features.run import TimelineFeature
 from cpm_core.shapes import Circle
 
 pytestmark = pytest.mark.shared_window

@@ -14,10 +14,10 @@ from app.model.preferences.table import PREFERENCES, TIMELINE_MEMORY
 from app.session.worker.commands import Command, CommandContext
 from app.session.worker.recorded_run import MEGABYTE
 from app.session.worker.run import Run
-from app.views.features.file.preferences import PreferencesFeature
-from app.views.features.run.timeline import TimelineFeature
+from app.views.features.help import PreferencesFeature
+from app.views.features.run import TimelineFeature
 from app.views.panels.timeline.timeline_painter import text_of_none
-from app.views.window.preferences.dialog import PreferencesDialog
+from app.views.window.preferences import PreferencesDialog
 from cpm_core import PRESETS, Engine
 from cpm_core.model.starts import circle
 from cpm_core.model.state import State

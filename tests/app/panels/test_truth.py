@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QFileDialog
 
 from app.model.display.truth.differences import differences
 from app.session.features.latest import Latest
-from app.views.features.contours.truth import TruthFeature
+from app.views.features.contours import TruthFeature
 from app.views.main_window import MainWindow
 from cpm_core.contours.agreement import compare
 from cpm_core.contours.contour import Contour

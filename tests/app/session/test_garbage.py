@@ -10,7 +10,7 @@ from typing import ClassVar
 import pytest
 
 from app.views.main_window import MainWindow
-from app.views.window.garbage import GarbageCollector
+from app.views.window.python_hooks import GarbageCollector
 
 
 class Knot:

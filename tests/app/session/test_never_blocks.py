@@ -27,7 +27,7 @@ from app.model.document import edits
 from app.session.workspace import Workspace
 from app.views.application import make_application
 from app.views.canvas.layers.layer import Layer
-from app.views.features.file.open_save import OpenSaveFeature
+from app.views.features.files import OpenSaveFeature
 from app.views.main_window import MainWindow
 from cpm_core import Parameters, uniform_grid
 from cpm_core.field.pppm import pppm_field

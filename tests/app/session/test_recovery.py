@@ -18,8 +18,7 @@ from PySide6.QtWidgets import QLabel, QMessageBox
 from app.model.document import edits
 from app.session.storage.autosave import KEY, folder_of_journals, lock_of
 from app.session.storage.recovery import left_behind
-from app.views.features.file.open_save import OpenSaveFeature
-from app.views.features.file.recovery import RecoveryFeature
+from app.views.features.files import OpenSaveFeature, RecoveryFeature
 from app.views.window.dialogs import Button, Question
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
 from cpm_core.shapes import Circle
@@ -170,7 +169,7 @@ from PySide6.QtCore import QSettings, QTimer
 from app.model.document import edits
 from app.views.application import make_application, open_window
 from cpm_core.shapes import Circle
-from app.views.features.file.recovery import RecoveryFeature
+from app.views.features.files import RecoveryFeature
 from app.views.window.dialogs import Button, Question
 
 QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, sys.argv[1])

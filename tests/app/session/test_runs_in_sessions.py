@@ -15,8 +15,8 @@ from app.session.exchange.messages import Saved
 from app.session.storage.session_file import DocumentFile
 from app.session.tasks.opening import Wanted
 from app.session.timeline.stored.plain_runs import RunsWriter
-from app.views.features.file.open_save import OpenSaveFeature
-from app.views.features.run.timeline import TimelineFeature
+from app.views.features.files import OpenSaveFeature
+from app.views.features.run import TimelineFeature
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.shapes import Circle

@@ -19,9 +19,9 @@ from PySide6.QtWidgets import QApplication, QFileDialog, QListWidget, QMenu, QMe
 from app.model.document import edits
 from app.model.parameters.presets import Preset
 from app.session.storage import session_file
-from app.views.features.file.export import ExportFeature
-from app.views.features.file.open_save import OpenSaveFeature
-from app.views.features.run.parameters import ParametersFeature
+from app.views.features.exchange import ExportFeature
+from app.views.features.files import OpenSaveFeature
+from app.views.features.run import ParametersFeature
 from app.views.files.recent_files import MOST
 from app.views.main_window import MainWindow
 from app.views.theme import theme

@@ -21,9 +21,9 @@ from app.session.tasks.tasks import Cancelled, Task, Tasks
 from app.session.worker.commands import Command, CommandContext
 from app.session.workspace import Workspace
 from app.views.application import make_application
-from app.views.features.run.tasks import TasksFeature
+from app.views.features.run import TasksFeature
 from app.views.main_window import MainWindow
-from app.views.window.task_bar import SHOWN_AFTER, TaskBar
+from app.views.window.bars import SHOWN_AFTER, TaskBar
 from cpm_core import Image, load_image
 
 PATIENCE = 20_000

@@ -11,8 +11,8 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.model.document.contours import add_hand_edits
-from app.views.features.contours.contours import ContoursFeature
-from app.views.features.file.open_save import OpenSaveFeature
+from app.views.features.contours import ContoursFeature
+from app.views.features.files import OpenSaveFeature
 from app.views.main_window import MainWindow
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.formats.sessions.session_file import load_session

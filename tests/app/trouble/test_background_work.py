@@ -15,8 +15,8 @@ from app.session.features.latest import Latest
 from app.session.worker import overlays, reconstruction
 from app.session.worker.requests import Probe
 from app.views.export import dialog as export_dialog
-from app.views.features.file.export import ExportFeature
-from app.views.window.unexpected import UnexpectedErrors
+from app.views.features.exchange import ExportFeature
+from app.views.window.python_hooks import UnexpectedErrors
 from cpm_core.segmentation.engine import Engine
 from tests.app.conftest import disc
 

@@ -14,8 +14,7 @@ from app.session.storage.autosave import KEY, folder_of_journals
 from app.session.storage.preferences import Preferences
 from app.session.storage.presets import PresetStore
 from app.session.storage.recovery import ASIDE, left_behind
-from app.views.features.file.open_save import OpenSaveFeature
-from app.views.features.file.recovery import RecoveryFeature
+from app.views.features.files import OpenSaveFeature, RecoveryFeature
 from cpm_core.formats.sessions import session_file
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_session
 from cpm_core.parameters import Parameters

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
-from app.views.features.file.open_save import OpenSaveFeature
-from app.views.features.view.slices import SlicesFeature
+from app.views.features.files import OpenSaveFeature
+from app.views.features.volumes import SlicesFeature
 from cpm_core.shapes import Box, BoxRegion, Charge, Points, Polygon, PrismRegion, Sphere, Stroke, Wall
 from tests.app.volumes.conftest import SHAPE, drag, move, press, release
 

@@ -10,9 +10,8 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
 from app.views.canvas.layers.image.level_drag import dragged
-from app.views.features.file.open_save import OpenSaveFeature
-from app.views.features.view.slices import SlicesFeature
-from app.views.features.view.space import SpaceFeature
+from app.views.features.files import OpenSaveFeature
+from app.views.features.volumes import SlicesFeature, SpaceFeature
 from tests.app.volumes.conftest import open_file
 
 pytestmark = pytest.mark.shared_window

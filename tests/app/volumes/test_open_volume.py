@@ -10,8 +10,8 @@ from PySide6.QtGui import QWheelEvent
 from PySide6.QtWidgets import QApplication
 
 from app.model.state.situation import NOT_IN_VOLUMES, OTHERWISE_IN_VOLUMES
-from app.views.features.file.stack import StackFeature
-from app.views.features.view.slices import SlicesFeature
+from app.views.features.offers import StackFeature
+from app.views.features.volumes import SlicesFeature
 from cpm_core import PRESETS
 from tests.app.volumes.conftest import SHAPE, ball, open_file
 

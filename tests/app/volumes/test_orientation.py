@@ -12,8 +12,7 @@ from PySide6.QtCore import Qt
 
 from app.model.volume.axis_names import directions_of, edges_of, first_seen
 from app.model.volume.slices import Slices
-from app.views.features.view.slices import SlicesFeature
-from app.views.features.view.space import SpaceFeature
+from app.views.features.volumes import SlicesFeature, SpaceFeature
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 from tests.app.volumes.conftest import ball, open_file

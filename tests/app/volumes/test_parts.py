@@ -10,8 +10,8 @@ import pytest
 import tifffile
 from PySide6.QtCore import Qt
 
-from app.views.features.file.open_save import OpenSaveFeature
-from app.views.features.file.stack import StackFeature
+from app.views.features.files import OpenSaveFeature
+from app.views.features.offers import StackFeature
 from cpm_core import load_image, load_volume
 from tests.app.volumes.conftest import SHAPE, ball, open_file
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
-from app.views.features.view.slices import SlicesFeature
+from app.views.features.volumes import SlicesFeature
 from cpm_core.shapes import Everywhere, Points, Sphere
 from tests.app.volumes.conftest import open_file
 

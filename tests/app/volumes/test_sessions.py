@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
-from app.views.features.file.open_save import OpenSaveFeature
+from app.views.features.files import OpenSaveFeature
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
 from cpm_core.objects.segmented.segmented_object import SegmentedObject, SegmentedObjects
 from cpm_core.shapes import Circle, Sphere

@@ -11,8 +11,8 @@ from PySide6.QtCore import Qt
 
 from app.model.export.order import ExportOrder
 from app.views.export.surface import SurfaceDialog
-from app.views.features.file.export import ExportFeature
-from app.views.features.run.run_control import RunControlFeature
+from app.views.features.exchange import ExportFeature
+from app.views.features.run import RunControlFeature
 from cpm_core.formats import FOR_VOLUMES
 from cpm_core.image.geometry import Geometry
 

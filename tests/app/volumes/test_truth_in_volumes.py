@@ -11,8 +11,8 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
 from app.model.display.space.shown_parts import ShownParts
-from app.views.features.file.open_save import OpenSaveFeature
-from app.views.features.view.space import SpaceFeature
+from app.views.features.files import OpenSaveFeature
+from app.views.features.volumes import SpaceFeature
 from app.views.main_window import MainWindow
 from cpm_core.contours.agreement import TOLERANCE
 from tests.app.conftest import Hand

@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
-from app.views.features.edit.pixel_size import PixelSizeFeature
-from app.views.features.file.open_save import OpenSaveFeature
-from app.views.features.run.timeline import TimelineFeature
-from app.views.features.view.slices import SlicesFeature
-from app.views.features.view.space import SpaceFeature
+from app.views.features.files import OpenSaveFeature
+from app.views.features.offers import PixelSizeFeature
+from app.views.features.run import TimelineFeature
+from app.views.features.volumes import SlicesFeature, SpaceFeature
 from cpm_core import load_volume
 from tests.app.volumes.conftest import open_file
 

@@ -8,7 +8,7 @@ from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtWidgets import QApplication, QMenu
 
 from app.model.document import edits
-from app.views.window.menus.context_menus import THINGS
+from app.views.window.menus import THINGS
 from cpm_core.shapes import Charge, Circle
 
 pytestmark = pytest.mark.shared_window

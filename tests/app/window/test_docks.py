@@ -8,9 +8,9 @@ from PySide6.QtWidgets import QLabel, QMainWindow, QTabBar, QToolButton, QWidget
 
 from app.session.storage.preferences import Preferences
 from app.views.main_window import MainWindow
-from app.views.window.docking.docks import Docks
+from app.views.window.docks import Docks
 from app.views.window.feature import Panel
-from app.views.window.keys.areas import Areas
+from app.views.window.keyboard import Areas
 
 SIX = ("Parameters", "Layers", "Contours", "History", "Truth", "Mosaic")
 

@@ -11,9 +11,8 @@ from PySide6.QtCore import Qt, QUrl
 
 from app.model.document.samples import sample_called
 from app.model.text.assets import asset
-from app.views.features.help.help import HelpFeature
-from app.views.help.guide import KEYS, Guide
-from app.views.help.guide_pages import PAGES
+from app.views.features.help import HelpFeature
+from app.views.help.guide import KEYS, PAGES, Guide
 
 pytestmark = pytest.mark.shared_window
 

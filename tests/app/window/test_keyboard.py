@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QApplication, QCheckBox, QComboBox, QToolButton
 
 from app.model.document import edits
 from app.views.canvas.tools import TOOLS
-from app.views.window.keys.keyboard import sliders_of
+from app.views.window.keyboard import sliders_of
 
 pytestmark = pytest.mark.shared_window
 

@@ -14,8 +14,8 @@ from PySide6.QtWidgets import QAbstractButton, QLabel, QTableView, QWidget
 
 from app.model.document import edits
 from app.model.text.keys import Named, use_names, with_keys
-from app.views.features.help.help import HelpFeature
-from app.views.features.run.timeline import TimelineFeature
+from app.views.features.help import HelpFeature
+from app.views.features.run import TimelineFeature
 from app.views.help.cheat_sheet import CheatSheet
 from app.views.widgets.key_text import native
 from cpm_core.shapes import Circle, Everywhere

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
-from app.views.features.file.beginning import BeginningFeature
-from app.views.features.file.large_image import LargeImageFeature
+from app.views.features.offers import BeginningFeature, LargeImageFeature
 from cpm_core.parameters import PRESETS
 from cpm_core.segmentation import large_images
 

@@ -25,12 +25,12 @@ from app.model.preferences.table import (
 )
 from app.session.storage.folders import first_folder
 from app.session.storage.preferences import Preferences
-from app.views.features.file.preferences import PreferencesFeature
-from app.views.features.file.recovery import RecoveryFeature
+from app.views.features.files import RecoveryFeature
+from app.views.features.help import PreferencesFeature
 from app.views.help.cheat_sheet import groups
 from app.views.theme import theme
 from app.views.theme.look import look
-from app.views.window.keys.panel_action import PanelAction
+from app.views.window.docks import PanelAction
 from cpm_core.shapes import Barrier
 
 KEY = Qt.Key

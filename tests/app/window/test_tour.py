@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QMessageBox, QToolButton
 
 from app.views.application import open_window
 from app.views.export.dialog import ExportDialog
-from app.views.features.help.help import SEEN, HelpFeature
+from app.views.features.help import SEEN, HelpFeature
 from app.views.help.tour import Tour
 
 LEFT = Qt.MouseButton.LeftButton

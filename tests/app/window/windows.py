@@ -17,7 +17,7 @@ from app.session.workspace import Workspace
 from app.views.application import make_application
 from app.views.canvas.canvas_area import FIRST_TOOL
 from app.views.canvas.tools.ringed import RingTool
-from app.views.features.file.start import StartFeature
+from app.views.features.files import StartFeature
 from app.views.main_window import MainWindow
 from app.views.panels.item_table.view import ItemTable
 from app.views.window import dialogs

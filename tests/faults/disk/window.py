@@ -11,8 +11,7 @@ from pathlib import Path
 
 from app.model.document import edits
 from app.session.storage.autosave import Journal
-from app.views.features.file.open_save import OpenSaveFeature
-from app.views.features.file.recovery import RecoveryFeature
+from app.views.features.files import OpenSaveFeature, RecoveryFeature
 from app.views.main_window import MainWindow
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.shapes import Circle

@@ -12,8 +12,7 @@ from PySide6.QtCore import QCoreApplication, QSettings
 
 from app.model.document import edits
 from app.views.application import make_application, open_window
-from app.views.features.file.open_save import OpenSaveFeature
-from app.views.features.file.recovery import RecoveryFeature
+from app.views.features.files import OpenSaveFeature, RecoveryFeature
 from app.views.main_window import MainWindow
 from app.views.window import dialogs
 from cpm_core.formats.sessions.session_file import load_session

@@ -16,9 +16,8 @@ from app.model.parameters.controls import controls
 from app.views.canvas.tools import TOOLS
 from app.views.export.film.animation_dialog import AnimationPlan
 from app.views.export.film.strip_dialog import StripDialog
-from app.views.features.file.open_save import OpenSaveFeature
-from app.views.features.file.recovery import RecoveryFeature
-from app.views.features.view.animation import AnimationFeature
+from app.views.features.animation import AnimationFeature
+from app.views.features.files import OpenSaveFeature, RecoveryFeature
 from app.views.main_window import MainWindow
 from cpm_core.formats import load_image
 from cpm_core.formats.sessions.session_file import load_session

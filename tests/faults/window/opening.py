@@ -9,7 +9,7 @@ from pathlib import Path
 from random import Random
 
 from app.session.exchange.messages import NotOpened, Opened
-from app.views.features.file.open_save import OpenSaveFeature
+from app.views.features.files import OpenSaveFeature
 from cpm_core.formats.sessions.session_file import load_session
 
 from ..fuzzing.inputs.session_samples import IMAGE, SAMPLES, SESSION, write_images

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from app.model.document import edits
-from app.views.features.file.open_save import OpenSaveFeature
+from app.views.features.files import OpenSaveFeature
 from app.views.main_window import MainWindow
 from cpm_core.shapes import Circle
 

@@ -29,7 +29,7 @@ from app.session.features.latest import Latest
 from app.session.session import Session
 from app.session.tasks.opening import images_in
 from app.views.export.batch.table import ImageTable
-from app.views.window.file_dialogs import ask_for_folder, ask_for_images
+from app.views.window.dialogs import ask_for_folder, ask_for_images
 
 _USUAL = (".svg", ".measures.csv", ".png")
 """Formats that are chosen at first."""

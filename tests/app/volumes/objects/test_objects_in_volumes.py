@@ -11,10 +11,9 @@ from app.model.state.situation import NOT_IN_VOLUMES
 from app.model.volume.shape_sections import RegionSection
 from app.session.features.objects.object_list import ObjectList
 from app.session.storage.session_file import DocumentFile
-from app.views.features.file.export import ExportFeature
-from app.views.features.file.open_save import OpenSaveFeature
-from app.views.features.view.slices import SlicesFeature
-from app.views.features.view.space import SpaceFeature
+from app.views.features.exchange import ExportFeature
+from app.views.features.files import OpenSaveFeature
+from app.views.features.volumes import SlicesFeature, SpaceFeature
 from cpm_core.contours.surface import Surface
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.objects.segmented.segmented_object import SegmentedObject

@@ -8,8 +8,8 @@ from PySide6.QtCore import Qt
 
 from app.model.document import edits
 from app.views.canvas.layers.contours.skeleton import disks
-from app.views.features.file.export import ExportFeature
-from app.views.features.file.open_save import OpenSaveFeature
+from app.views.features.exchange import ExportFeature
+from app.views.features.files import OpenSaveFeature
 from app.views.volume.seen_in_space import SeenInSpace
 from tests.app.volumes.conftest import Button
 

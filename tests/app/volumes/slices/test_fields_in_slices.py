@@ -9,7 +9,7 @@ from PySide6.QtCore import Qt
 from app.model.display.iso_lines import iso_lines
 from app.model.volume.sampled_volumes import SampledForce
 from app.model.volume.slices import Slice
-from app.views.features.view.slices import SlicesFeature
+from app.views.features.volumes import SlicesFeature
 
 pytestmark = pytest.mark.shared_window
 

@@ -6,14 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from app.session.features import slices
 from PySide6.QtCore import Qt
 
 from app.model.display import display_image
 from app.model.display.display_image import DisplayImage, IntensityWindow
 from app.model.display.space.shown_parts import ShownParts
-from app.views.features.view.slices import SlicesFeature
-from app.views.features.view.space import SpaceFeature
+from app.session.features import slices
+from app.views.features.volumes import SlicesFeature, SpaceFeature
 from cpm_core.image.image import Image
 from tests.app.volumes.conftest import ball, open_file
 

@@ -8,7 +8,7 @@ from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QWheelEvent
 from PySide6.QtWidgets import QApplication
 
-from app.views.features.view.slices import SlicesFeature
+from app.views.features.volumes import SlicesFeature
 from cpm_core.shapes import Sphere
 from tests.app.volumes.conftest import ball, move, open_file, press, release
 

@@ -7,7 +7,7 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 
 from app.model.document import edits
-from app.views.features.view.space import SpaceFeature
+from app.views.features.volumes import SpaceFeature
 from app.views.theme import theme
 from app.views.theme.look import look
 from cpm_core.shapes import Box, Points, Sphere

@@ -11,7 +11,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtWidgets import QApplication
 
 from app.model.display.space.camera import Camera
-from app.views.features.view.space import SpaceFeature
+from app.views.features.volumes import SpaceFeature
 from app.views.theme import theme
 from app.views.volume import turntable
 from cpm_core.shapes import Sphere

@@ -1,1 +1,0 @@
-"""Menu Contours: review, table and comparison with a ground truth."""

@@ -1,1 +1,0 @@
-"""Menu Edit: drawing, modes, undo."""

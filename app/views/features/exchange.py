@@ -1,0 +1,362 @@
+"""Exchange with other programs: export, import, clipboard, and the session applied to a folder."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+
+from PySide6.QtCore import QMimeData, QUrl
+from PySide6.QtGui import QImage
+from PySide6.QtWidgets import QApplication
+
+from app.model.document import edits, imported
+from app.model.document.imported import Imported
+from app.model.document.modes import needs_start
+from app.model.export.order import ExportOrder, can_be_exported
+from app.model.state.situation import Situation, has_contours, has_image, has_volume
+from app.model.text.language import from_core, tr
+from app.session.exchange.messages import Exported, Opened
+from app.session.features.image_batch import TOPIC, BatchDone
+from app.session.features.import_contours import (
+    ContoursRead,
+    PictureKept,
+    PointsRead,
+    keep_picture,
+    read_file,
+    read_pasted,
+)
+from app.session.features.skeleton import description_of
+from app.session.signals import EXPORTING, OPENING
+from app.session.worker.commands import Copied
+from app.views.export.batch.dialog import BatchDialog
+from app.views.export.dialog import ExportDialog
+from app.views.export.surface import SurfaceDialog
+from app.views.widgets.action_spec import ActionSpec
+from app.views.window.dialogs import Button, Files, Question, all_files
+from app.views.window.feature import DialogFeature, Feature, FeatureContext
+from cpm_core.formats import (
+    CONTOURS_READABLE,
+    FOR_CENTERLINES,
+    FOR_SKELETONS,
+    READABLE,
+    SURFACES_READABLE,
+    WRITABLE,
+    suffix_of,
+)
+
+_SUFFIX = "files/export_suffix"
+"""Preference: suffix of the last export."""
+
+
+class ExportFeature(Feature):
+    """Export of the contours to files."""
+
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        self._exported: Path | None = None
+        self._order = ExportOrder()
+        self.dialog: ExportDialog | SurfaceDialog | None = None
+        context.session.listen(Opened, self._forget)
+        context.session.listen(Exported, self._remember)
+
+    def action_specs(self) -> Sequence[ActionSpec]:
+        """Export, and export again to the same file."""
+        return (
+            ActionSpec(name="export", menu="File", text=tr("&Export contours…"), short=tr("Export"), do=self._export,
+                       shortcuts=("Ctrl+E", "Ctrl+Shift+K"), tip=tr("Export the contours, or the skeleton, to a file."),
+                       icon="export", gap=True, when=_can_export, worded=_export_text),
+            ActionSpec(name="export_again", menu="File", text=tr("Export a&gain"), do=self._export_again,
+                       shortcuts=("Ctrl+Shift+E",), tip=tr("Export the contours to the last file again."),
+                       when=lambda situation: _can_export(situation) and self._exported is not None,
+                       worded=lambda situation: self._again_text()),
+        )  # fmt: skip
+
+    def _again_text(self) -> str:
+        if self._exported is None:
+            return tr("Export a&gain")
+        return tr("Export a&gain to {name}").format(name=self._exported.name.replace("&", "&&"))
+
+    def _export(self) -> None:
+        session, review = self.context.session, self.context.workspace.review
+        image, preferences = session.document.image, self.context.preferences
+        if image is None or self.dialog is not None:
+            return
+        if session.scene.slices is not None:
+            self._export_surface(Path(image.path))
+            return
+        suffix = suffix_of(self._exported) if self._exported else preferences.get(_SUFFIX, ".svg")
+        suffix = suffix if suffix in WRITABLE else ".svg"
+        kind = "contours"
+        if session.scene.skeleton is not None:
+            kind, suffix = "skeleton", suffix if suffix in FOR_SKELETONS else ".svg"
+        place = self.context.files.begin("export") / f"{Path(image.name).stem}_{kind}"
+        selected = frozenset(item.measures.number for item in review.chosen)
+        self._open(ExportDialog(self.context.window, session, selected, place, suffix))
+
+    def _export_surface(self, image: Path) -> None:
+        """Ask where and as what to write the surface of a volume."""
+        session = self.context.session
+        figures = session.status.surface
+        objects = sum(not item.hidden for item in session.document.objects.items)
+        volume = session.image
+        if volume is not None and session.scene.skeleton is not None:
+            lines = description_of(session.scene.skeleton, volume)
+            place = self.context.files.begin("export") / f"{image.name.partition('.')[0]}_lines"
+            self._open(SurfaceDialog(self.context.window, None, 0, volume, image, place, ".swc", lines))
+            return
+        if volume is None or (figures is None and not objects):
+            return
+        place = self.context.files.begin("export") / f"{image.name.partition('.')[0]}_surface"
+        suffix = suffix_of(self._exported) if self._exported else ".ply"
+        self._open(SurfaceDialog(self.context.window, figures, objects, volume, image, place, suffix))
+
+    def _open(self, dialog: ExportDialog | SurfaceDialog) -> None:
+        self.dialog = dialog
+        dialog.ordered.connect(self._write)
+        dialog.finished.connect(self._end)
+        dialog.open()
+
+    def _write(self, path: Path, order: ExportOrder) -> None:
+        self._order = order
+        self.context.session.export(path, order)
+
+    def _end(self) -> None:
+        self.dialog = None
+
+    def _export_again(self) -> None:
+        if self._exported is not None:
+            self.context.session.export(self._exported, self._order)
+
+    def _forget(self, _: Opened) -> None:
+        self._exported, self._order = None, ExportOrder()
+        if self.dialog is not None:
+            self.dialog.reject()
+
+    def _remember(self, exported: Exported) -> None:
+        self.context.files.remember("export", exported.path)
+        if exported.counts is None:  # an animation, or a strip
+            return
+        self._exported = exported.path
+        self.context.preferences.put(_SUFFIX, suffix_of(exported.path))
+        self.context.refresh()
+
+
+def _can_export(situation: Situation) -> bool:
+    return has_contours(situation) or situation.status.surface is not None or can_be_exported(situation.document)
+
+
+def _export_text(situation: Situation) -> str:
+    if has_volume(situation) and situation.document.mode != "skeleton":
+        return tr("&Export surface…")
+    return tr("&Export contours…") if needs_start(situation.document.mode) else tr("&Export skeleton…")
+
+
+_COPIES = (
+    ("copy_svg", tr("Copy contours as &SVG"), ".svg", ("Ctrl+C",)),
+    ("copy_csv", tr("Copy contours as &CSV"), ".csv", ()),
+    ("copy_geojson", tr("Copy contours as &GeoJSON"), ".geojson", ()),
+)
+
+_MIME = {".svg": "image/svg+xml", ".csv": "text/csv", ".geojson": "application/geo+json"}
+
+
+class ClipboardFeature(Feature):
+    """Copies for other programs."""
+
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        context.session.listen(Copied, self._put_contours)
+
+    def action_specs(self) -> Sequence[ActionSpec]:
+        """Contours in several formats, and the view."""
+        contours = [
+            ActionSpec(name=name, menu="Edit", text=text, do=partial(self.context.session.copy_contours, suffix),
+                       shortcuts=shortcuts, tip=tr("Copy the contours to the clipboard."),
+                       gap=suffix == ".svg", when=has_contours)
+            for name, text, suffix, shortcuts in _COPIES
+        ]  # fmt: skip
+        view = ActionSpec(name="copy_view", menu="Edit", text=tr("Copy &view as image"), do=self._copy_view,
+                          shortcuts=("Ctrl+Shift+P",),
+                          tip=tr("Copy the visible part of the image with its overlays to the clipboard."),
+                          when=has_image)  # fmt: skip
+        return (*contours, view)
+
+    def _copy_view(self) -> None:
+        QApplication.clipboard().setImage(self.context.canvas_area.canvas.grab().toImage())
+        self.context.session.say(tr("The view is on the clipboard."), topic=EXPORTING)
+
+    def _put_contours(self, report: Copied) -> None:
+        data = QMimeData()
+        data.setText(report.content.decode())  # most programs take text only
+        data.setData(_MIME[report.suffix], report.content)
+        QApplication.clipboard().setMimeData(data)
+        self.context.session.say(tr("The contours are on the clipboard."), topic=EXPORTING)
+
+
+_ON_CLIPBOARD = ("image/svg+xml", "application/geo+json", "text/csv")
+"""Kinds of contours that programs put on the clipboard, the richest first."""
+
+IN_VOLUMES = frozenset((*SURFACES_READABLE, *FOR_CENTERLINES))
+"""Suffixes of files that lie in a volume."""
+
+_FILES_IN_VOLUMES = Files(
+    tr("Surfaces, labels and center lines"), (*SURFACES_READABLE, *FOR_CENTERLINES, *READABLE, ".points.csv")
+)
+_TITLES = {"contours": tr("Use contours"), "surface": tr("Use surface"), "center lines": tr("Use center lines")}
+
+
+class ImportFeature(Feature):
+    """Contours, surfaces and pictures of other programs."""
+
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        self.open_files: Callable[[Sequence[QUrl]], None] = lambda urls: None
+        """Opens files that were pasted; set by the window."""
+        self.open_picture: Callable[[Path], None] = lambda path: None
+        """Opens a picture that was pasted; set by the window."""
+        context.session.listen(ContoursRead, self._ask)
+        context.session.listen(PointsRead, self._draw_points)
+        context.session.listen(PictureKept, lambda kept: self.open_picture(kept.path))
+
+    def action_specs(self) -> Sequence[ActionSpec]:
+        """Import contours, and paste."""
+        return (
+            ActionSpec(name="import_contours", menu="File", text=tr("&Import contours…"), do=self._choose,
+                       tip=tr("Read contours of another program, as a start, as objects or as ground truth."),
+                       when=has_image),
+            ActionSpec(name="paste", menu="Edit", text=tr("&Paste"), do=self.paste, shortcuts=("Ctrl+V",),
+                       tip=tr("Open the picture on the clipboard, or use the contours on it.")),
+        )  # fmt: skip
+
+    def take(self, path: Path) -> None:
+        """Read contours, and ask what they are for."""
+        session = self.context.session
+        if session.document.image is None:
+            message = tr("Open an image first. Then {name} can be drawn.")
+            session.say(message.format(name=path.name), True, OPENING)
+        elif session.scene.slices is None and path.suffix.lower() in IN_VOLUMES:
+            message = tr("{name} lies in a volume, but an image is open.")
+            session.say(message.format(name=path.name), True, OPENING)
+        else:
+            session.attempt(OPENING)
+            read_file(session, path)
+
+    def paste(self) -> None:
+        """Open the picture or the files on the clipboard, or read the contours on it."""
+        data, session = QApplication.clipboard().mimeData(), self.context.session
+        session.attempt(OPENING)
+        content = _contours_on(data)
+        if data.hasUrls():
+            self.open_files(data.urls())
+        elif content and session.document.image is not None and session.scene.slices is None:
+            read_pasted(session, content)
+        elif isinstance(picture := data.imageData() if data.hasImage() else None, QImage) and not picture.isNull():
+            keep_picture(session, picture)
+        elif content and session.scene.slices is not None:
+            message = tr("{name} has contours for an image, but a volume is open.")
+            session.say(message.format(name=tr("the clipboard")), True, OPENING)
+        elif content:
+            session.say(tr("Open an image first. Then the contours on the clipboard can be used."), True, OPENING)
+        else:
+            session.say(tr("There is no picture and there are no contours on the clipboard."), True, OPENING)
+
+    def _choose(self) -> None:
+        in_volume = self.context.session.scene.slices is not None
+        kinds = (_FILES_IN_VOLUMES if in_volume else Files(tr("Contours"), tuple(CONTOURS_READABLE)), all_files())
+        title = tr("Import surface") if in_volume else tr("Import contours")
+        chosen = self.context.files.ask_for_file("truth", title, kinds)
+        if chosen is not None:
+            self.take(chosen)
+
+    def _ask(self, read: ContoursRead) -> None:
+        """Ask what contours are for, and use them so."""
+        session = self.context.session
+        if read.generation != session.image_generation:
+            return
+        found = read.imported
+        of_file = read.path is not None
+        words = _TITLES[found.kind], _question(found), _explained(found, of_file)
+        answer = Question(self.context.window, *words, _buttons(found, of_file)).ask()
+        if answer == "start":
+            name = tr("start from {name}").format(name=found.name)
+            session.edit(name, lambda document: imported.add_starts(document, found))
+        elif answer == "objects":
+            name = tr("take objects from {name}").format(name=found.name)
+            session.edit(name, lambda document: imported.add_objects(document, found))
+        elif answer == "truth" and read.path is not None:
+            self.context.reveal("truth")
+            self.context.workspace.truth.load(read.path)
+
+    def _draw_points(self, read: PointsRead) -> None:
+        name = tr("draw {name}").format(name=read.path.name)
+        self.context.session.edit(name, lambda document: edits.add_shape(document, read.points))
+
+
+def _contours_on(data: QMimeData) -> bytes:
+    """What is on the clipboard that may be contours."""
+    for kind in _ON_CLIPBOARD:
+        if data.hasFormat(kind):
+            return bytes(data.data(kind).data())
+    text = data.text() if data.hasText() and not data.hasImage() else ""
+    return text.encode()
+
+
+def _question(found: Imported) -> str:
+    if found.kind == "surface":
+        return tr("What is the surface of {name} for?").format(name=found.name)
+    if found.kind == "center lines":
+        return tr("Use the center lines of {name} as a start?").format(name=found.name)
+    if not found.count:
+        return tr("Use the points of {name} as a start?").format(name=found.name)
+    if found.count == 1:
+        return tr("What is the contour of {name} for?").format(name=found.name)
+    return tr("What are the {count} contours of {name} for?").format(count=found.count, name=found.name)
+
+
+def _explained(found: Imported, of_file: bool) -> str:
+    sentences = [tr("Particles of a start flow to the edges; objects stay as they are.")]
+    if found.kind == "surface" and found.objects:
+        sentences.append(tr("A ground truth is what the surface of the run is compared with."))
+    elif found.kind == "surface":
+        sentences.append(tr("The surface is not closed, so that it encloses no object."))
+    elif found.kind == "contours" and found.count and of_file:
+        sentences.append(tr("A ground truth is what the contours of the run are compared with."))
+    if found.open and found.objects:
+        sentences.append(tr("Open contours are no objects."))
+    return " ".join([*sentences, *map(from_core, found.notes)])
+
+
+def _buttons(found: Imported, of_file: bool) -> Sequence[Button]:
+    buttons = [Button("start", tr("&Start"), "accept")]
+    if found.objects:
+        buttons.append(Button("objects", tr("&Objects"), "accept"))
+    enclosing = found.kind != "surface" or bool(found.objects)
+    if found.count and of_file and found.kind != "center lines" and enclosing:
+        buttons.append(Button("truth", tr("Ground &truth"), "accept"))
+    return [*buttons, Button("cancel", tr("Cancel"), "cancel")]
+
+
+class BatchFeature(DialogFeature[BatchDialog]):
+    """Opens the dialog, and says when all images are done."""
+
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        context.session.listen(BatchDone, self._tell)
+
+    def action_specs(self) -> Sequence[ActionSpec]:
+        """Open it."""
+        return (
+            ActionSpec(name="apply_to_folder", menu="File", text=tr("Apply this session to a &folder…"), do=self.open,
+                       shortcuts=("Ctrl+Alt+E",), when=has_image,
+                       tip=tr("Run every image of a folder with what is drawn and set here.")),
+        )  # fmt: skip
+
+    def made(self) -> BatchDialog:
+        """The dialog, on the folder of the image."""
+        context = self.context
+        return BatchDialog(context.window, context.session, context.workspace.batch, context.files.begin("open"))
+
+    def _tell(self, _: BatchDone) -> None:
+        batch = self.context.workspace.batch
+        self.context.session.say(batch.in_words, batch.failed > 0, TOPIC)

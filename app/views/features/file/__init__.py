@@ -1,1 +1,0 @@
-"""Menu File: open, save, export, clipboard, preferences, recovery."""

@@ -1,0 +1,514 @@
+"""Opening and saving: files, folders, the start screen, and work left by a crash."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from PySide6.QtCore import QDateTime, QLocale, QTimer, QUrl
+from PySide6.QtGui import QImage
+from PySide6.QtWidgets import QMenu
+
+from app.model.document.document import Document
+from app.model.document.samples import sample_at, samples
+from app.model.parameters.presets import SUFFIX as PRESET
+from app.model.preferences.table import SAVE_IN_FOLDER
+from app.model.state.situation import Situation, has_image
+from app.model.text.language import tr
+from app.model.text.shortening import shortened
+from app.session.exchange.messages import ImageReady, NotOpened, Opened
+from app.session.signals import JOURNAL, OF_THE_PROGRAM, OPENING, RECOVERY
+from app.session.storage.autosave import Journal, folder_of_journals
+from app.session.storage.pictures import SIZE, Pictures, folder_of_pictures, middle
+from app.session.storage.recovery import Leftover, left_behind
+from app.session.storage.session_file import DocumentFile, Written
+from app.session.tasks.opening import Wanted
+from app.views.files.folder_bar import FolderBar
+from app.views.files.recent_files import RecentFiles
+from app.views.files.start_screen import Entry, StartScreen
+from app.views.theme.theme import Theme
+from app.views.widgets.action_spec import ActionSpec, Submenu
+from app.views.widgets.offer_bar import OfferBar
+from app.views.window import dialogs
+from app.views.window.dialogs import Button, Question, images_and_sessions, sessions
+from app.views.window.feature import Feature, FeatureContext
+from cpm_core.formats import CONTOURS_READABLE, FOR_CENTERLINES, READABLE, SURFACES_READABLE
+from cpm_core.formats.images.reading import Reading
+from cpm_core.formats.sessions.session_file import SUFFIX
+
+CONTOURS = frozenset((*CONTOURS_READABLE, *SURFACES_READABLE, *FOR_CENTERLINES)) - frozenset(READABLE)
+"""Suffixes of files that are no documents, but contours or points for the one that is open."""
+
+
+class OpenSaveFeature(Feature):
+    """Opening of images, sessions, points and presets, and the session file."""
+
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        self.document_file = DocumentFile(context.session, self._view_state)
+        self.recent = RecentFiles(context.preferences, lambda path: self.take([path]))
+        self.bring_in: Callable[[Path], None] | None = None
+        """Imports the file of a preset; set by the window."""
+        self.import_contours: Callable[[Path], None] | None = None
+        """Reads a file of contours or points; set by the window."""
+        self._left: tuple[Document, int] | None = None
+        context.session.may_replace = self._may_replace
+        self.document_file.truth = lambda: context.workspace.truth.file
+        self.document_file.changed.connect(self._name_window)
+        self.document_file.restored.connect(self._use_view_state)
+        context.session.document_changed.connect(lambda _: self._name_window())
+        context.session.listen(Opened, self._take_opened)
+        context.session.listen(Written, lambda written: self._remember(written.order.path))
+        self._name_window()
+
+    def action_specs(self) -> Sequence[ActionSpec | Submenu]:
+        """Open, save, quit."""
+        return (
+            ActionSpec(name="open", menu="File", text=tr("&Open…"), short=tr("Open"), do=self.ask_for_file,
+                       shortcuts=("Ctrl+O",), tip=tr("Open an image or a session."), icon="open"),
+            Submenu(name="recent", menu="File", text=tr("Open &recent"), fill=self.recent.fill),
+            Submenu(name="samples", menu="File", text=tr("Open sa&mple"), fill=self._fill_samples),
+            ActionSpec(name="save", menu="File", text=tr("&Save session"), short=tr("Save"), do=self.save,
+                       shortcuts=("Ctrl+S",), icon="save",
+                       tip=tr("Save what you see: drawing, runs, contours, objects, view."), gap=True, when=has_image),
+            ActionSpec(name="save_as", menu="File", text=tr("Save session &as…"), do=self.save_as,
+                       shortcuts=("Ctrl+Shift+S",), tip=tr("Save the session to another file and continue with it."),
+                       when=has_image),
+            ActionSpec(name="quit", menu="File", text=tr("&Quit"), do=self.context.window.close, shortcuts=("Ctrl+Q",),
+                       tip=tr("Quit the program."), gap=True),
+        )  # fmt: skip
+
+    def take(self, paths: Sequence[Path], resumes: bool = False) -> None:
+        """Open files by their kind: images, sessions, contours, points and presets.
+
+        Contours and points are used in the image that is open, presets are imported.
+
+        An image that `resumes` is opened with the session beside it. Of a recent file that part is opened which was
+        chosen last.
+        """
+        self.context.canvas_area.messages.keep_only(*OF_THE_PROGRAM)
+        documents = [path for path in paths if path.suffix.lower() not in (*CONTOURS, PRESET)]
+        for path in paths:
+            if path.suffix.lower() == PRESET:
+                self._bring_in(path)
+            elif path.suffix.lower() in CONTOURS and self.import_contours is not None:
+                self.import_contours(path)
+        if documents and self._may_open():
+            as_volume, reading = self.recent.part_of(documents[0])
+            self.context.session.open(documents[0], resumes=resumes, as_volume=as_volume, reading=reading)
+            if len(documents) > 1:
+                message = tr("Only one image can be open at a time: of {count} files, {name} is opened.")
+                self.context.session.say(message.format(count=len(documents), name=documents[0].name), topic=OPENING)
+
+    def take_part(self, path: Path, as_volume: bool, reading: Reading) -> None:
+        """Open a part of a file, as a volume or as an image."""
+        self.context.canvas_area.messages.keep_only(*OF_THE_PROGRAM)
+        if self._may_open():
+            self.context.session.open(path, as_volume=as_volume, reading=reading)
+
+    def take_dropped(self, urls: Sequence[QUrl]) -> None:
+        """Open files that were dropped on the window."""
+        elsewhere = [url for url in urls if not url.isLocalFile()]
+        self.take([Path(url.toLocalFile()) for url in urls if url.isLocalFile()])
+        if elsewhere:
+            message = tr("{place} is not a file on this computer. Save it first, then open it.")
+            self.context.session.say(message.format(place=elsewhere[0].toDisplayString()), True, OPENING)
+
+    def ask_for_file(self) -> None:
+        """Ask for a file and open it."""
+        chosen = self.context.files.ask_for_file("open", tr("Open"), images_and_sessions())
+        if chosen is not None:
+            self.take([chosen])
+
+    def save(self) -> None:
+        """Save to the present file, or ask for one."""
+        if self.document_file.path is None:
+            self.save_as()
+        else:
+            self.document_file.save(self.document_file.path)
+
+    def save_as(self) -> None:
+        """Ask for a file and save to it."""
+        path = self._ask_where()
+        if path is not None:
+            self.document_file.save(path)
+
+    def may_leave(self) -> bool:
+        """Whether the document may be closed; asks about unsaved work and saves it if the user agrees."""
+        self.document_file.finish()
+        if not self.document_file.unsaved:
+            return True
+        answer = dialogs.ask_about_unsaved(self.context.window, self.document_file.name, self.document_file.lost)
+        if answer != "save":
+            return answer == "discard"
+        path = self.document_file.path or self._ask_where()
+        return path is not None and self.document_file.save_at_once(path)
+
+    def close(self) -> bool:
+        """Ask about unsaved work first."""
+        return self.may_leave()
+
+    # Internal
+
+    def _view_state(self) -> dict[str, Any]:
+        """What is shown and how, as plain JSON."""
+        context = self.context
+        return {**context.canvas_area.canvas.view_state(), **context.workspace.slices.view_state()}
+
+    def _use_view_state(self, state: Mapping[str, Any]) -> None:
+        self.context.workspace.slices.use_view_state(state)  # the place on the canvas lies in the slice
+        self.context.canvas_area.canvas.use_view_state(state)
+
+    @property
+    def _work(self) -> tuple[Document, int]:
+        """What would be lost."""
+        return self.context.session.document, self.context.session.generation
+
+    def _may_open(self) -> bool:
+        """Whether another image may be opened; not asked again while one is being opened and nothing has changed."""
+        if not (self.context.session.opening and self._left == self._work):
+            if not self.may_leave():
+                return False
+            self._left = self._work
+        return True
+
+    def _may_replace(self, opened: Opened) -> bool:
+        """Whether an image that has been prepared may replace this one; work done meanwhile is asked about.
+
+        When a page is turned nothing is lost.
+        """
+        turned = opened.saved is not None and opened.saved.turned
+        if turned or not self.document_file.unsaved or self._left == self._work:
+            return True
+        QTimer.singleShot(0, self.context.window, lambda: self._ask_again(opened))
+        return False
+
+    def _ask_again(self, opened: Opened) -> None:
+        if self.may_leave():
+            self.context.session.use(opened)
+        else:
+            kept = tr("{name} was not opened, and your work stays open.")
+            self.context.session.say(kept.format(name=opened.path.name))
+
+    def _fill_samples(self, menu: QMenu) -> None:
+        for sample in samples():
+            action = menu.addAction(sample.title)
+            action.triggered.connect(lambda _=False, path=sample.path: self.take([path]))
+            action.setStatusTip(sample.about)
+
+    def _ask_where(self) -> Path | None:
+        path, name = self.document_file.path, self.document_file.name
+        folder = path.parent if path is not None else None
+        return self.context.files.ask_where_to_save("session", tr("Save session"), name, [sessions()], folder)
+
+    def _bring_in(self, path: Path) -> None:
+        if self.bring_in is not None:
+            self.bring_in(path)
+
+    def _take_opened(self, opened: Opened) -> None:
+        self._left = None
+        if opened.saved is not None and opened.saved.file.truth is not None:
+            folder = (opened.saved.path or opened.path).absolute().parent
+            self.context.workspace.truth.restore(opened.saved.file.truth, folder)
+        path = opened.saved.path if opened.saved and opened.saved.path else opened.path
+        if sample_at(opened.path) is None or opened.saved:
+            self._remember(path)
+            self.recent.keep_part(opened)
+
+    def _remember(self, path: Path) -> None:
+        self.recent.add(path)
+        self.context.files.remember("open", path)
+
+    def _name_window(self) -> None:
+        image = self.context.session.document.image
+        name = self.document_file.path.name if self.document_file.path else image.name if image else ""
+        title = f"{name}[*] – CPM" if name else "CPM"
+        window = self.context.window
+        if window.windowTitle() != title:
+            window.setWindowTitle(title)
+        window.setWindowModified(self.document_file.unsaved)
+
+
+class StartFeature(Feature):
+    """Shows the start screen, and keeps a picture of each image and session that has been open."""
+
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        self.pictures = Pictures(folder_of_pictures())
+        self.screen = StartScreen(context.canvas_area)
+        self._files: OpenSaveFeature | None = None
+        self.screen.chosen.connect(lambda path: self.context.open_file(path, False))
+        self.screen.left.connect(self.leave)
+        context.session.image_changed.connect(self.leave)
+        context.session.listen(ImageReady, lambda _: self._keep_picture())
+        context.session.listen(Written, lambda _: self._keep_picture())
+        context.session.listen(NotOpened, self._stay)
+
+    def keep(self, files: OpenSaveFeature) -> None:
+        """Show the files that have been open, and open others."""
+        self._files = files
+        self.screen.asked.connect(files.ask_for_file)
+        files.recent.cleared.append(self.pictures.clear)
+
+    def action_specs(self) -> Sequence[ActionSpec]:
+        """The start screen."""
+        return (
+            ActionSpec(name="start", menu="File", text=tr("S&tart screen"), short=tr("Start"), do=self.toggle,
+                       shortcuts=("Alt+Home",), tip=tr("Show recent work and samples as pictures."), icon="home"),
+        )  # fmt: skip
+
+    def use_theme(self, theme: Theme) -> None:
+        """Color the background."""
+        self.screen.use_theme(theme)
+
+    def close(self) -> bool:
+        """Keep a picture of what is open."""
+        self._keep_picture()
+        return True
+
+    def show(self) -> None:
+        """Show the start screen in place of the image."""
+        files = self._files.recent.paths if self._files is not None else []
+        recent = [self._entry(path) for path in files if path.is_file()]
+        self.screen.show_entries(recent, _samples(), leaves=self.context.session.document.image is not None)
+
+    def leave(self) -> None:
+        """Show the image, if there is one."""
+        if self.screen.isVisible() and self.context.session.document.image is not None:
+            self.screen.hide()
+            self.context.canvas_area.canvas.setFocus()
+
+    def toggle(self) -> None:
+        """Show the start screen, or the image again."""
+        if self.screen.isVisible():
+            self.leave()
+        else:
+            self.show()
+
+    def welcome(self, bar: OfferBar) -> None:
+        """Offer the newest work when the program begins with a sample."""
+        session = self.context.session
+
+        def offer(opened: Opened) -> None:
+            session.stop_listening(Opened, offer)
+            newest = next((path for path in self._files.recent.paths if path.is_file()), None) if self._files else None
+            if newest is not None and opened.saved is None:
+                bar.offer(
+                    tr("Continue with {name}?").format(name=newest.name),
+                    (tr("Open {name}").format(name=newest.name), lambda: self.context.open_file(newest, True)),
+                    (tr("Recent work"), self.show),
+                )
+
+        session.listen(Opened, offer)
+
+    def _stay(self, refused: NotOpened) -> None:
+        """With nothing open and nothing else to open, show what could be opened."""
+        if refused.otherwise is None and self.context.session.document.image is None:
+            self.show()
+
+    def _entry(self, path: Path) -> Entry:
+        changed = QDateTime.fromSecsSinceEpoch(int(path.stat().st_mtime)).date()
+        when = QLocale().toString(changed, QLocale.FormatType.ShortFormat)
+        return Entry(path, self.pictures.get(path), path.name, f"{path.parent.name} · {when}", str(path))
+
+    def _keep_picture(self) -> None:
+        """Keep what the canvas shows as the picture of the image, and of its session if there is one."""
+        image = self.context.session.document.image
+        if image is None or self._files is None:
+            return
+        session = self._files.document_file.path
+        canvas = self.context.canvas_area.canvas
+        picture = canvas.grab().toImage()
+        for path in (Path(image.path), session):
+            if path is not None and sample_at(path) is None:
+                self.pictures.put(path, picture)
+
+
+def _samples() -> list[Entry]:
+    return [
+        Entry(sample.path, middle(QImage(str(sample.picture)), SIZE), sample.title, "", sample.about)
+        for sample in samples()
+    ]
+
+
+class FolderFeature(Feature):
+    """Opens the previous and the next image of a folder, each with the session beside it."""
+
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        self.bar = FolderBar()
+        self.bar.asked.connect(self.go)
+        context.window.statusBar().addPermanentWidget(self.bar)
+        self._images: tuple[Path, ...] = ()
+        self._here = self._ahead = 0
+        self._document_file: DocumentFile | None = None
+        context.session.listen(Opened, self._take)
+        context.session.listen(NotOpened, self._stay)
+
+    def keep(self, document_file: DocumentFile) -> None:
+        """Save the open document to its file, where the user wants that."""
+        self._document_file = document_file
+
+    def action_specs(self) -> Sequence[ActionSpec]:
+        """Previous and next."""
+        return (
+            ActionSpec(name="previous_image", menu="File", text=tr("Pre&vious image of the folder"),
+                       do=partial(self.go, -1), shortcuts=("Alt+Left",), gap=True, when=partial(self._leads, -1),
+                       tip=tr("Open the previous image of the folder, with the session beside it.")),
+            ActionSpec(name="next_image", menu="File", text=tr("Ne&xt image of the folder"),
+                       do=partial(self.go, 1), shortcuts=("Alt+Right",), when=partial(self._leads, 1),
+                       tip=tr("Open the next image of the folder, with the session beside it.")),
+        )  # fmt: skip
+
+    def use_theme(self, theme: Theme) -> None:
+        """Tint the buttons."""
+        self.bar.use_theme(theme)
+
+    def go(self, by: int) -> None:
+        """Open the next image (1) or the previous one (-1) that is still there."""
+        begin = self._ahead if self.context.session.opening else self._here
+        ahead = range(begin + by, len(self._images) if by > 0 else -1, by)
+        place = next((place for place in ahead if self._images[place].is_file()), None)
+        if place is not None and self._saved():
+            self._ahead = place
+            self.context.open_file(self._images[place], True)
+
+    def _saved(self) -> bool:
+        """Save without a question, where the user wants that and nothing is overwritten; False when it fails."""
+        file, image = self._document_file, self.context.session.document.image
+        if file is None or image is None or not file.unsaved or not self.context.preferences.value(SAVE_IN_FOLDER):
+            return True
+        beside = Path(image.path).with_suffix(SUFFIX)
+        if file.path is None and beside.exists():
+            return True  # the usual question follows
+        return file.save_at_once(file.path or beside)
+
+    def _leads(self, by: int, situation: Situation) -> bool:
+        return 0 <= self._here + by < len(self._images)
+
+    def _take(self, opened: Opened) -> None:
+        known = opened.path in opened.folder and sample_at(opened.path) is None
+        self._images = opened.folder if known else ()
+        self._here = self._ahead = opened.folder.index(opened.path) if known else 0
+        self.bar.show_place(self._here, len(self._images), opened.path.parent.name)
+        self.context.refresh()
+
+    def _stay(self, _: NotOpened) -> None:
+        self._ahead = self._here
+
+
+_PATH = 300
+"""Letters of a path that are shown in a question."""
+
+
+class RecoveryFeature(Feature):
+    """Recovery of unsaved work after the program has ended unexpectedly."""
+
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        self._folder = folder_of_journals()
+        self.journal: Journal | None = None
+        self.box: Question | None = None
+        self._waiting: list[Leftover] = []
+        self._restoring: Leftover | None = None
+        self._wanted: Wanted | None = None
+        self._restored = False
+        self._document_file: DocumentFile | None = None
+
+    def keep(self, document_file: DocumentFile) -> None:
+        """Keep a journal of the open document."""
+        self._document_file = document_file
+        self.journal = Journal(document_file, self._folder, self.context.preferences)
+        self.journal.put.connect(self._tell)
+        self.context.session.listen(Opened, self._use_opened)
+        self.context.session.listen(Written, self._use_written)
+
+    def offer(self) -> None:
+        """Offer to restore the unsaved work of earlier windows, and say what of it cannot be read."""
+        found = left_behind(self._folder)
+        if found.troubles:
+            self.context.session.say(" ".join(found.troubles), True, RECOVERY)
+        self._waiting = list(found.leftovers)
+        self._ask()
+
+    def close(self) -> bool:
+        """Remove the journal of this window; keep work that the user has not decided on."""
+        for leftover in self._waiting:
+            leftover.keep()
+        if self._restoring is not None:
+            self._restoring.keep()
+        self._waiting, self._restoring = [], None
+        if self.box is not None:
+            self.box.close()
+        if self.journal is not None:
+            self.journal.close()
+        return True
+
+    def _ask(self) -> None:
+        if not self._waiting:
+            return
+        leftover = self._waiting[0]
+        buttons = (
+            Button("restore", tr("&Restore"), "accept"),
+            Button("discard", tr("&Discard this work"), "discard"),
+            Button("later", tr("Ask me &later"), "cancel"),
+        )
+        text = tr("CPM ended unexpectedly. Restore “{name}”?").format(name=shortened(leftover.name, _PATH))
+        details = "\n".join(_details(leftover))
+        self.box = box = Question(self.context.window, tr("Restore unsaved work"), text, details, buttons)
+        box.buttonClicked.connect(lambda _: self._act_on(box.given()))
+        box.open()
+
+    def _act_on(self, answer: str) -> None:
+        if answer == "restore":
+            self._restore()
+        elif answer == "discard":
+            self._discard()
+
+    def _restore(self) -> None:
+        if self._restoring is not None:  # its image was not found, and it waits for another time
+            self._restoring.keep()
+        self._restoring = self._waiting.pop(0)
+        self._wanted = self._restoring.wanted
+        self.context.session.begin(self._wanted)
+
+    def _discard(self) -> None:
+        self._waiting.pop(0).discard()
+        self._ask()
+
+    def _use_opened(self, opened: Opened) -> None:
+        """Write a restored document to the new journal, and delete the old one only when that is on the disk."""
+        self._restored = self._wanted is not None and opened.saved is self._wanted.saved
+        if self._restored and self.journal is not None:
+            self.journal.write()
+            if self.journal.flush() and self.journal.path.exists():
+                self._end_restoring()
+
+    def _use_written(self, written: Written) -> None:
+        """A restored document that no journal could take is in a session file now."""
+        if self._restored and self._document_file is not None and self._document_file.is_current(written):
+            self._end_restoring()
+
+    def _end_restoring(self) -> None:
+        if self._restoring is not None:
+            self._restoring.discard()
+        self._restoring, self._wanted, self._restored = None, None, False
+
+    def _tell(self, trouble: str) -> None:
+        self.context.session.trouble(trouble, JOURNAL)
+
+
+def _details(leftover: Leftover) -> Sequence[str]:
+    when = QLocale().toString(
+        QDateTime.fromSecsSinceEpoch(int(leftover.when.timestamp())), QLocale.FormatType.ShortFormat
+    )
+    image, shapes = leftover.file.image, len(leftover.file.shapes)
+    session = shortened(str(leftover.path), _PATH) if leftover.path else tr("never saved")
+    return (
+        tr("Last changed: {when}").format(when=when),
+        tr("Image: {path}").format(path=shortened(image.path, _PATH) if image else "–"),
+        tr("Session file: {path}").format(path=session),
+        tr("Shapes drawn: {count}").format(count=shapes),
+    )

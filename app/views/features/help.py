@@ -1,0 +1,155 @@
+"""Menu Help, and the preferences."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from PySide6.QtCore import QTimer
+from PySide6.QtWidgets import QApplication, QPushButton
+
+from app.model.document.samples import sample_called
+from app.model.text.language import tr
+from app.session.signals import PREFERENCES
+from app.views.help.about import About
+from app.views.help.cheat_sheet import KEYS, CheatSheet
+from app.views.help.guide import Guide
+from app.views.help.tour import Tour, stops
+from app.views.widgets.action_spec import ActionSpec
+from app.views.widgets.preference_row import PreferenceRow
+from app.views.window.feature import Feature, FeatureContext
+from app.views.window.preferences import PreferencesDialog, ShortcutsPage
+
+SEEN = "tour/seen"
+"""Preference: whether the tour has been shown."""
+
+_AGAIN = 300
+"""Time after which the tour looks again whether a dialog is open [ms]."""
+
+
+class HelpFeature(Feature):
+    """Help on the program."""
+
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        self.guide: Guide | None = None
+        self.tour: Tour | None = None
+
+    def action_specs(self) -> Sequence[ActionSpec]:
+        """Keys, guide, tour and about."""
+        window = self.context.window
+        return (
+            ActionSpec(name=KEYS, menu="Help", text=tr("&Keys"), do=self._show_keys, shortcuts=("?",),
+                       tip=tr("Show all keys.")),
+            ActionSpec(name="guide", menu="Help", text=tr("&Guide"), do=self.show_guide, shortcuts=("F1",),
+                       tip=tr("First steps, examples step by step, and the use of the canvas."), icon="guide"),
+            ActionSpec(name="tour", menu="Help", text=tr("&Tour of the window"), do=self.begin_tour,
+                       tip=tr("Five steps to a first result.")),
+            ActionSpec(name="about", menu="Help", text=tr("&About CPM"), do=lambda: About(window).open(),
+                       tip=tr("Version, license, the paper, and the versions of what the program works with."),
+                       gap=True),
+        )  # fmt: skip
+
+    def preferences(self) -> Sequence[PreferenceRow]:
+        """The tour, once more."""
+        return (PreferenceRow(page="general", label=tr("Tour"), make=self._tour_button),)
+
+    def welcome(self) -> None:
+        """Begin the tour at the first start of the program, after all dialogs have been answered."""
+        if self.context.preferences.get(SEEN, False):
+            return
+        if QApplication.activeModalWidget() is not None:
+            QTimer.singleShot(_AGAIN, self.context.window, self.welcome)
+        else:
+            self.begin_tour()
+
+    def begin_tour(self) -> None:
+        """Begin the tour."""
+        if self.tour is None:
+            context = self.context
+            self.tour = Tour(
+                context.window, context.canvas_area.canvas, stops(context.window, context.session, context.reveal)
+            )
+            self.tour.ended.connect(self._end_tour)
+        self.tour.begin()
+
+    def show_guide(self, page: str = "") -> None:
+        """Open the guide, at a named page if given, or bring it to the front."""
+        if self.guide is None:
+            self.guide = Guide(self.context.window, self.context.action_specs(), self._open_sample)
+            self.guide.destroyed.connect(self._forget_guide)
+        if page:
+            self.guide.turn_to(page)
+        self.guide.show()
+        self.guide.raise_()
+        self.guide.activateWindow()
+
+    def use_keys(self) -> None:
+        """Name the keys as they are now."""
+        if self.guide is not None:
+            self.guide.use_actions(self.context.action_specs())
+        if self.tour is not None:
+            self.tour.show_keys()
+
+    def close(self) -> bool:
+        """Close the guide."""
+        if self.guide is not None:
+            self.guide.close()
+        return True
+
+    def _tour_button(self) -> QPushButton:
+        button = QPushButton(tr("Show it again"))
+        button.setAutoDefault(False)
+        button.clicked.connect(lambda: button.window().close())
+        button.clicked.connect(self.begin_tour)
+        return button
+
+    def _show_keys(self) -> None:
+        open_ones = [sheet for sheet in self.context.window.findChildren(CheatSheet) if sheet.isVisible()]
+        for sheet in open_ones:
+            sheet.close()
+        if not open_ones:
+            sheet = CheatSheet(self.context.window, self.context.action_specs())
+            sheet.show()
+            sheet.activateWindow()
+
+    def _open_sample(self, file: str) -> None:
+        sample = sample_called(file)
+        if sample is not None:
+            self.context.open_file(sample.path, False)
+
+    def _forget_guide(self) -> None:
+        self.guide = None
+
+    def _end_tour(self) -> None:
+        self.tour = None
+        self.context.preferences.put(SEEN, True)
+        self.context.canvas_area.canvas.setFocus()
+
+
+class PreferencesFeature(Feature):
+    """Opens the dialog of the preferences, and says what of those that are stored cannot be used."""
+
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        context.preferences.troubled.connect(self._say)
+        if context.preferences.troubles:
+            self._say()
+
+    def action_specs(self) -> Sequence[ActionSpec]:
+        """The dialog."""
+        return (
+            ActionSpec(name="preferences", menu="Edit", text=tr("&Preferences…"), do=self.show, shortcuts=("Ctrl+,",),
+                       tip=tr("Change the settings of the program."), gap=True),
+        )  # fmt: skip
+
+    def show(self) -> PreferencesDialog:
+        """Open the dialog; the window stays usable."""
+        context = self.context
+        page = ShortcutsPage(context.shortcuts())
+        dialog = PreferencesDialog(context.window, context.preferences, context.preference_rows(), page)
+        dialog.finished.connect(dialog.deleteLater)
+        dialog.open()
+        return dialog
+
+    def _say(self, _: str = "") -> None:
+        self.context.session.say(" ".join(self.context.preferences.troubles), True, PREFERENCES)

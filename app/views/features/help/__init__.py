@@ -1,1 +1,0 @@
-"""Menu Help: tour, guide and keys."""

@@ -1,0 +1,368 @@
+"""Menu Run: run and pause, timeline, tasks, parameters, and the comparison of runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+
+from PySide6.QtCore import QEvent, QObject, Qt, QTimer
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import QLabel, QMenu, QWidget
+
+from app.model.export.formats import formats
+from app.model.parameters.choices import CHANNEL
+from app.model.preferences.table import TIMELINE_MEMORY, UNIT, WORDING
+from app.model.state.resolve import resolve
+from app.model.state.situation import Situation, can_step, has_image, has_particles, is_running, is_started
+from app.model.text.language import from_core, tr
+from app.model.text.numbers import written
+from app.model.text.wording import Wording, wording_called
+from app.session.features.comparison import ComparisonWritten
+from app.session.features.timeline import TimelineNavigation
+from app.session.storage.presets import PresetStore
+from app.session.worker.commands import RunCall
+from app.session.worker.recorded_run import MEGABYTE
+from app.session.worker.run import Run
+from app.views.canvas.coordinates import image_rectangle
+from app.views.comparison import CompareDialog
+from app.views.panels.parameters.parameters import ParametersPanel
+from app.views.panels.run.run_panel import RunPanel
+from app.views.panels.timeline.timeline_panel import TimelinePanel
+from app.views.presets.preset_files import PresetFiles
+from app.views.theme.theme import Theme
+from app.views.widgets.action_spec import STATE, ActionSpec, Submenu
+from app.views.widgets.preference_row import PreferenceRow
+from app.views.widgets.speed import SpeedControl
+from app.views.window.bars import TaskBar
+from app.views.window.dialogs import Files
+from app.views.window.feature import DialogFeature, Feature, FeatureContext, Panel
+from cpm_core.formats.animations.comparison import PICTURE, TABLE
+
+_UPDATE_EVERY = 250
+"""Time between two updates of the panel during the run [ms]."""
+
+_PLOTS, _UNFOLDED = "run/plots", "run/unfolded"
+"""Preferences: which plots are shown, and which sections are unfolded."""
+
+
+class RunControlFeature(Feature):
+    """Control and state of the run."""
+
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        self.speed = SpeedControl(context.session)
+        self.panel = RunPanel()
+        self._watched = False
+        chosen = context.preferences.get(_PLOTS, list(self.panel.plot.shown))
+        self.panel.plot.show_plots(chosen)
+        self.panel.unfold(context.preferences.get(_UNFOLDED, []))
+        for changed in (self.panel.plot.chosen, self.panel.folded):
+            changed.connect(self._choose_plots)
+        self._choose_plots()
+        self._timer = QTimer(self.panel)
+        self._timer.setInterval(_UPDATE_EVERY)
+        self._timer.timeout.connect(self._show_values)
+        context.session.status_changed.connect(self._show)
+        context.preferences.follow(UNIT, self._show)
+
+    def action_specs(self) -> Sequence[ActionSpec]:
+        """Run, step, reset, speed."""
+        session = self.context.session
+        return (
+            ActionSpec(name="run", menu="Run", text=tr("Run"), do=session.toggle, shortcuts=("Space",),
+                       tip=tr("Start or pause the run."), icon="run", when=has_image,
+                       worded=lambda situation: resolve(situation).run_text,
+                       pictured=lambda situation: "pause" if is_running(situation) else "run"),
+            ActionSpec(name="step", menu="Run", text=tr("&Step"), short=tr("Step"), do=session.step, shortcuts=(".",),
+                       tip=tr("Take a single step."), icon="step", when=can_step),
+            ActionSpec(name="reset", menu="Run", text=tr("&Reset"), short=tr("Reset"), do=session.reset,
+                       shortcuts=("R",), icon="reset",
+                       tip=tr("Go back to the start; the run stays on the timeline."), when=is_started),
+            ActionSpec(name="faster", menu="Run", text=tr("&Faster"), do=self.speed.faster, shortcuts=("]",),
+                       tip=tr("Allow more steps per second."), gap=True),
+            ActionSpec(name="slower", menu="Run", text=tr("S&lower"), do=self.speed.slower, shortcuts=("[",),
+                       tip=tr("Allow fewer steps per second.")),
+        )  # fmt: skip
+
+    def panels(self) -> Sequence[Panel]:
+        """The panel of the run."""
+        return (Panel(name="run", title=tr("Run"), widget=self.panel, fitted=True, shortcut="F5"),)
+
+    def close(self) -> bool:
+        """Stop the updates."""
+        self._timer.stop()
+        return True
+
+    def _choose_plots(self) -> None:
+        shown, unfolded = self.panel.plot.shown, self.panel.unfolded
+        self.context.preferences.put(_PLOTS, list(shown))
+        self.context.preferences.put(_UNFOLDED, unfolded)
+        watched = "potential" in shown and "plots" in unfolded
+        if watched != self._watched:
+            self._watched = watched
+            self.context.session.post(RunCall(None, Run.watch_energy, watched))
+
+    def _show(self) -> None:
+        running = is_running(self.context.session.situation)
+        if running != self._timer.isActive():
+            (self._timer.start if running else self._timer.stop)()
+        if not running:
+            self._show_values()
+
+    def _show_values(self) -> None:
+        session = self.context.session
+        resolved, snapshot = session.resolved, session.scene.snapshot
+        frames = written(f"{session.frames_per_second:.0f}") if resolved.running else "–"
+        self.panel.status.show_resolved(resolved, frames)
+        self.panel.show_particles(resolved.particles)
+        self.panel.show_metrics(snapshot.metrics if snapshot else None)
+
+
+_MENU = "Run>" + tr("&Timeline")
+
+_MOVES: tuple[tuple[str, str, Callable[[TimelineNavigation], None], str, str, str], ...] = (
+    ("back", tr("One step &back"), lambda to: to.by(-1), ",",
+     tr("Go to the previous step; the steps after it are kept."), "back"),
+    ("forward", tr("One step &forward"), lambda to: to.by(1), "", tr("Go to the next recorded step."), "forward"),
+    ("back_ten", tr("Ten steps b&ack"), lambda to: to.by(-10), "Shift+,", tr("Go ten steps back."), ""),
+    ("forward_ten", tr("Ten steps f&orward"), lambda to: to.by(10), "Shift+.", tr("Go ten steps forward."), ""),
+    ("first", tr("Fi&rst step"), TimelineNavigation.to_first, "Ctrl+Home",
+     tr("Go to the first step of the run; Home on the canvas does the same."), "first"),
+    ("last", tr("&Last step"), TimelineNavigation.to_last, "Ctrl+End",
+     tr("Go to the last step of the branch; End on the canvas does the same."), "last"),
+    ("play", tr("&Play the recorded steps"), TimelineNavigation.toggle_play, "Shift+Space",
+     tr("Play or pause the recorded steps."), "play"),
+)  # fmt: skip
+"""Name, text, effect, key, tip and icon of each move along the recorded steps."""
+
+
+class TimelineFeature(Feature):
+    """Navigation through the recorded run and its branches."""
+
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        self.navigation = context.workspace.navigation
+        self.panel = TimelinePanel(self.navigation, lambda: is_running(context.session.situation))
+        self._keys = _Keys(self.navigation, context.window)
+        context.canvas_area.canvas.installEventFilter(self._keys)
+        context.session.document_changed.connect(lambda _: self.panel.show_parameters())
+        context.preferences.follow(TIMELINE_MEMORY, self._use_budget)
+
+    def action_specs(self) -> Sequence[ActionSpec]:
+        """Moves along the timeline, and actions on branches."""
+        navigation = self.navigation
+        moves = [
+            ActionSpec(name=f"timeline_{name}", menu=_MENU, text=text, do=partial(go, navigation),
+                       shortcuts=(keys,) if keys else (), tip=tip, icon=icon,
+                       when=lambda _: navigation.recorded)
+            for name, text, go, keys, tip, icon in _MOVES
+        ]  # fmt: skip
+        return (
+            *moves,
+            ActionSpec(name="timeline_parameters", menu=_MENU, text=tr("Use the pa&rameters of this step"),
+                       do=navigation.use_its_parameters,
+                       tip=tr("Set the parameters with which the shown step was computed."), gap=True,
+                       when=lambda situation: has_particles(situation) and navigation.other_parameters is not None),
+            ActionSpec(name="timeline_delete", menu=_MENU, text=tr("&Delete the branch"),
+                       do=lambda: navigation.drop(navigation.place[0]),
+                       tip=tr("Delete the shown branch; steps shared with other branches are kept."), icon="bin",
+                       when=lambda _: bool(navigation.place[0]) and len(navigation.outline.branches) > 1),
+        )  # fmt: skip
+
+    def panels(self) -> Sequence[Panel]:
+        """The timeline, below the canvas."""
+        return (
+            Panel(name="timeline", title=tr("Timeline"), widget=self.panel, area="bottom", tab="below", shortcut="F9"),
+        )
+
+    def preferences(self) -> Sequence[PreferenceRow]:
+        """The memory that the timeline uses."""
+        return (PreferenceRow(page="run", label=tr("In use now"), make=self._memory_label),)
+
+    def use_theme(self, theme: Theme) -> None:
+        """Color the buttons."""
+        self.panel.use_theme(theme)
+
+    def use_keys(self) -> None:
+        """Name the keys as they are now."""
+        self.panel.show_keys()
+
+    def _memory_label(self) -> QLabel:
+        label = QLabel()
+        navigation = self.navigation
+
+        def show() -> None:
+            outline = navigation.outline
+            words = tr("{used} MB for {count} steps")
+            label.setText(words.format(used=written(f"{outline.used / MEGABYTE:.1f}"), count=outline.kept))
+
+        show()
+        navigation.changed.connect(show)
+        label.destroyed.connect(lambda: navigation.changed.disconnect(show))
+        return label
+
+    def _use_budget(self) -> None:
+        megabytes = int(self.context.preferences.value(TIMELINE_MEMORY))
+        self.context.session.post(RunCall(None, Run.set_timeline_budget, megabytes * MEGABYTE))
+
+
+class _Keys(QObject):
+    """Home and End on the canvas; in sliders, lists and fields they keep their usual meaning."""
+
+    def __init__(self, navigation: TimelineNavigation, parent: QObject) -> None:
+        super().__init__(parent)
+        self._navigation = navigation
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Go to the first or last step."""
+        if event.type() == QEvent.Type.KeyPress and isinstance(event, QKeyEvent):
+            if event.key() == Qt.Key.Key_Home:
+                self._navigation.to_first()
+                return True
+            if event.key() == Qt.Key.Key_End:
+                self._navigation.to_last()
+                return True
+        return False
+
+
+class TasksFeature(Feature):
+    """Tasks in the status bar."""
+
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        self.bar = TaskBar(context.session.tasks)
+        context.window.statusBar().addPermanentWidget(self.bar)
+
+    def action_specs(self) -> Sequence[ActionSpec]:
+        """Cancel."""
+        tasks = self.context.session.tasks
+        return (
+            ActionSpec(name="cancel_task", menu="Run", text=tr("Cancel background &task"), do=self.bar.cancel,
+                       shortcuts=("Ctrl+.",), tip=tr("Cancel the task shown in the status bar."), gap=True,
+                       when=lambda situation: any(task.cancellable for task in tasks.current)),
+        )  # fmt: skip
+
+    def use_theme(self, theme: Theme) -> None:
+        """Color the button."""
+        self.bar.use_theme(theme)
+
+
+_WORDINGS: tuple[tuple[Wording, str, str], ...] = (
+    ("name", tr("&Names of parameters first"), tr("Label parameters by name and symbol.")),
+    ("symbol", tr("S&ymbols of parameters first"), tr("Label parameters by symbol and name, as in the formulas.")),
+)
+
+
+class ParametersFeature(Feature):
+    """Parameters and presets."""
+
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        store = PresetStore(parent=context.window)
+        for trouble in store.troubles:
+            context.preferences.complain(trouble)
+        self.preset_files = PresetFiles(context, store)
+        self.panel = ParametersPanel(context.session, self.preset_files.gallery)
+        context.preferences.follow(WORDING, lambda: self.panel.use_wording(self._wording))
+        # The actions must show the preferences.
+        context.preferences.changed.connect(self._refresh)
+
+    def action_specs(self) -> Sequence[ActionSpec | Submenu]:
+        """Presets, channels, and labels of parameters."""
+        presets = Submenu(name="presets", menu="Run", text=tr("&Preset"), fill=self.preset_files.fill, gap=True)
+        channels = Submenu(name="channels", menu="Run", text=tr("C&hannel"), fill=self.fill_channels)
+        return (presets, channels, *self._wordings())
+
+    def panels(self) -> Sequence[Panel]:
+        """The sliders."""
+        return (Panel(name="parameters", title=tr("Parameters"), widget=self.panel, tab="settings", shortcut="F7"),)
+
+    def fill_channels(self, menu: QMenu) -> None:
+        """Fill a menu with the channels; a gray image has none."""
+        session = self.context.session
+        colored = session.image is not None and session.image.colors is not None
+        for value, title, about in self.panel.choices[CHANNEL].control.choices:
+            action = menu.addAction(title)
+            action.setCheckable(True)
+            action.setChecked(value == session.document.parameters.channel)
+            action.setEnabled(colored)
+            action.setStatusTip(about)
+            action.triggered.connect(lambda _=False, value=value: self.panel.change(CHANNEL, value))
+
+    def use_theme(self, theme: Theme) -> None:
+        """Color the buttons."""
+        self.panel.use_theme(theme)
+
+    @property
+    def _wording(self) -> Wording:
+        return wording_called(self.context.preferences.value(WORDING))
+
+    def _wordings(self) -> list[ActionSpec]:
+        choose = self.context.preferences.choose
+        return [
+            ActionSpec(name=f"wording_{name}", menu="View", text=text, do=partial(choose, WORDING, name), tip=tip,
+                       group=STATE, checked=name == self._wording, holds=partial(self._holds, name), gap=index == 0)
+            for index, (name, text, tip) in enumerate(_WORDINGS)
+        ]  # fmt: skip
+
+    def _holds(self, name: Wording, situation: Situation) -> bool:
+        return name == self._wording
+
+    def _refresh(self, key: str) -> None:
+        if key == WORDING.name:
+            self.context.refresh()
+
+
+_LEAST_SEEN = 0.02
+"""Fraction of the image that must be visible for the tiles to show only the visible part."""
+
+
+class ComparisonFeature(DialogFeature[CompareDialog]):
+    """Runs with other parameters, and classical methods, next to one another."""
+
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        context.session.listen(ComparisonWritten, self._report)
+
+    def action_specs(self) -> Sequence[ActionSpec]:
+        """Open it with the choice of parameters, or with that of methods."""
+        return (
+            ActionSpec(name="mosaic", menu="Run", text=tr("&Mosaic of two parameters…"),
+                       do=partial(self._open_at, 0), shortcuts=("Ctrl+M",),
+                       tip=tr("Compare runs with several values of two parameters and choose the best."),
+                       gap=True, when=has_image),
+            ActionSpec(name="compare_methods", menu="Run", text=tr("Compare m&ethods…"),
+                       do=partial(self._open_at, 1), shortcuts=("Ctrl+Shift+M",), when=has_image,
+                       tip=tr("Run snakes, level sets and others beside the particles, from the same start.")),
+        )  # fmt: skip
+
+    def made(self) -> CompareDialog | None:
+        """The dialog; tiles show the visible part of the image as it is shown."""
+        context, display = self.context, self.context.session.scene.display
+        if display is None:
+            return None
+        whole = image_rectangle(display.shape)
+        seen = context.canvas_area.canvas.view.viewRect().intersected(whole)
+        crop = seen if seen.width() * seen.height() > _LEAST_SEEN * whole.width() * whole.height() else whole
+        comparison = context.workspace.comparison
+        return CompareDialog(context.window, context.session, comparison, display, crop, self._ask)
+
+    def _open_at(self, choice: int) -> None:
+        self.open()
+        if self.dialog is not None:
+            self.dialog.choices.setCurrentIndex(choice)
+
+    def _ask(self, parent: QWidget) -> Path | None:
+        together = (Files(tr("Table of all methods"), (TABLE,)), Files(tr("Picture of all methods"), (PICTURE,)))
+        apart = (one for one in formats() if one.suffix not in (TABLE, PICTURE))
+        each = tr("Contours of each method: {format}")
+        kinds = (*together, *(Files(each.format(format=one.name), (one.suffix,)) for one in apart))
+        image = self.context.session.scene.image
+        name = f"{Path(image.source).stem if image else ''}.methods.csv"
+        return self.context.files.ask_where_to_save("export", tr("Export the comparison"), name, kinds, parent=parent)
+
+    def _report(self, report: ComparisonWritten) -> None:
+        names = ", ".join(file.name for file in report.files)
+        wrote = tr("Wrote {name}.").format(name=names)
+        self.context.session.say(" ".join((*((wrote,) if names else ()), *map(from_core, report.notes))))

@@ -1,1 +1,0 @@
-"""Menu Run: run and pause, parameters, timeline, tasks."""

@@ -1,1 +1,0 @@
-"""Menu View: layers, appearance, mosaic, animations."""

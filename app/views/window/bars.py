@@ -1,0 +1,263 @@
+"""The bars of the window: frequent actions, tools, and tasks in the background."""
+
+from __future__ import annotations
+
+from itertools import groupby
+
+from PySide6.QtCore import QSize, Qt, QTimer
+from PySide6.QtGui import QAction, QFontMetrics
+from PySide6.QtWidgets import (
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QMenu,
+    QProgressBar,
+    QSizePolicy,
+    QToolBar,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from app.model.document.modes import MODES
+from app.model.state.situation import in_words
+from app.model.text.language import tr
+from app.session.tasks.tasks import Task, Tasks
+from app.views.canvas.tools import OBJECT, START, TOOLS
+from app.views.theme.icons import icon
+from app.views.theme.theme import Theme
+from app.views.widgets.actions import PRIMARY, Actions
+from app.views.widgets.scrolled import Scrolled
+from cpm_core.shapes import KINDS
+
+_FILES, _EDITS, _RUN, _AFTER = ("open", "save"), ("undo", "redo"), ("run", "step", "reset"), ("fit", "export")
+_ICON_ONLY = ("undo", "redo", "fit")
+"""Buttons that need no text."""
+
+
+class ToolBar(QToolBar):
+    """Buttons for the most frequent actions that exist, and the speed control."""
+
+    def __init__(self, actions: Actions, speed: QWidget) -> None:
+        super().__init__(tr("Run"))
+        self.setObjectName("bar")
+        self.setMovable(False)
+        self.toggleViewAction().setEnabled(False)
+        self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self._add(actions, *_FILES)
+        self.addSeparator()
+        self._add(actions, *_EDITS)
+        self.addSeparator()
+        self.addWidget(_modes(actions))
+        self.addSeparator()
+        self._add(actions, *_RUN)
+        self.addSeparator()
+        self.addWidget(speed)
+        self.addSeparator()
+        self._add(actions, *_AFTER)
+
+    def _add(self, actions: Actions, *names: str) -> None:
+        for name in filter(actions.__contains__, names):
+            self._add_one(actions[name], name)
+
+    def _add_one(self, action: QAction, name: str) -> None:
+        self.addAction(action)
+        button = self.widgetForAction(action)
+        if isinstance(button, QToolButton):
+            button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+            button.setObjectName("primary" if name == PRIMARY else name)
+            if name in _ICON_ONLY:
+                button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonIconOnly)
+                button.setAccessibleName(action.iconText())
+            if name == PRIMARY:
+                bold = button.font()
+                bold.setBold(True)
+                metrics = QFontMetrics(bold)
+                button.setMinimumWidth(metrics.horizontalAdvance(tr("Run again")) + 52)
+
+
+def _modes(actions: Actions) -> QWidget:
+    """The modes side by side, as one segmented control."""
+    segments = QWidget()
+    segments.setObjectName("segments")
+    row = QHBoxLayout(segments)
+    row.setContentsMargins(6, 0, 6, 0)
+    row.setSpacing(0)
+    names = [f"mode_{mode}" for mode in MODES]
+    for index, name in enumerate(names):
+        button = QToolButton()
+        button.setDefaultAction(actions[name])
+        button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
+        button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        place = "first" if index == 0 else "last" if index == len(names) - 1 else "middle"
+        button.setProperty("segment", place)
+        button.setObjectName(name)
+        row.addWidget(button)
+    return segments
+
+
+_WIDEST = 16_777_215
+_COLUMNS, _BUTTON = 2, 34
+"""Buttons in a row, and side of a button [px], such that all tools fit in a window 720 px high."""
+
+
+class ToolPalette(QToolBar):
+    """One button for each tool, in groups, and one for the starts that need no drawing."""
+
+    def __init__(self, actions: Actions) -> None:
+        super().__init__(tr("Tools"))
+        self.setObjectName("palette")
+        self.setMovable(False)
+        self.toggleViewAction().setEnabled(False)
+        self.setIconSize(QSize(22, 22))
+        self.buttons: dict[str, QToolButton] = {}
+        self.starts = self._make_starts([actions[f"start_{kind}"] for kind in KINDS])
+        case = QWidget()
+        column = QVBoxLayout(case)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(2)
+        for number, (group, tools) in enumerate(groupby(TOOLS, lambda tool: tool.group)):
+            buttons = [self._make(actions[tool.name], tool.name) for tool in tools]
+            if group == OBJECT:
+                column.addWidget(self._widened(buttons[0], group))
+                continue
+            heading = QLabel(group)
+            heading.setObjectName("heading")
+            heading.setAlignment(Qt.AlignmentFlag.AlignHCenter)
+            heading.setContentsMargins(0, 6 if number else 0, 0, 0)
+            column.addWidget(heading)
+            grid = QGridLayout()
+            grid.setSpacing(2)
+            for index, button in enumerate(buttons):
+                grid.addWidget(button, index // _COLUMNS, index % _COLUMNS)
+            if group == START:
+                grid.addWidget(self.starts, grid.rowCount(), 0, 1, _COLUMNS)
+            column.addLayout(grid)
+        column.addStretch(1)
+        scrolled = Scrolled(case, 3 * _BUTTON)
+        scrolled.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
+        self.addWidget(scrolled)
+
+    def use_theme(self, theme: Theme) -> None:
+        """Tint the button without an action."""
+        self.starts.setIcon(icon("everywhere", theme.text, faded=theme.line))
+
+    def _make(self, action: QAction, name: str) -> QToolButton:
+        button = QToolButton()
+        button.setDefaultAction(action)
+        button.setFixedSize(_BUTTON, _BUTTON)
+        button.setAccessibleName(action.text().replace("&", ""))
+        self._set_style(button, name)
+        self.buttons[name] = button
+        return button
+
+    def _widened(self, button: QToolButton, text: str) -> QToolButton:
+        """A button as wide as the palette, with a short text beside its icon."""
+        button.defaultAction().setIconText(text)
+        button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        button.setMaximumWidth(_WIDEST)
+        button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        return button
+
+    def _make_starts(self, actions: list[QAction]) -> QToolButton:
+        button = QToolButton()
+        menu = QMenu(button)
+        menu.setToolTipsVisible(True)
+        menu.addActions(actions)
+        button.setMenu(menu)
+        button.setText(tr("Auto"))
+        button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        button.setToolTip(tr("Starts that need no drawing: everywhere, on strong edges, at centers."))
+        button.setAccessibleName(tr("Starts that need no drawing"))
+        self._set_style(button, "starts")
+        button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        return button
+
+    def _set_style(self, button: QToolButton, name: str) -> None:
+        button.setObjectName(name)
+        button.setIconSize(self.iconSize())
+        button.setAutoRaise(True)
+        button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+
+
+SHOWN_AFTER = 0.3
+"""Time after which a task is shown, so that short tasks do not flicker [s]."""
+
+_WIDTH = 140
+_FULL = 1000
+
+
+class TaskBar(QWidget):
+    """Shows the oldest running task, and is hidden while none is running."""
+
+    def __init__(self, tasks: Tasks) -> None:
+        super().__init__()
+        self._tasks = tasks
+        self._task: Task | None = None
+        self._name = QLabel()
+        self._left = QLabel()
+        self._left.setObjectName("dim")
+        self._bar = QProgressBar()
+        self._bar.setFixedWidth(_WIDTH)
+        self._bar.setMaximumHeight(self.fontMetrics().height())
+        self._bar.setTextVisible(False)
+        self._button = QToolButton()
+        self._button.setAutoRaise(True)
+        self._button.setText(tr("Cancel"))
+        self._button.setAccessibleName(tr("Cancel"))
+        self._button.clicked.connect(self.cancel)
+        row = QHBoxLayout(self)
+        row.setContentsMargins(6, 0, 6, 0)
+        row.setSpacing(8)
+        for widget in (self._name, self._bar, self._left, self._button):
+            row.addWidget(widget)
+        self._later = QTimer(self)
+        self._later.setSingleShot(True)
+        self._later.timeout.connect(self._show)
+        tasks.changed.connect(self._show)
+        tasks.advanced.connect(self._show)
+        self.hide()
+
+    @property
+    def text(self) -> str:
+        """The text shown, or empty."""
+        return "" if self.isHidden() else f"{self._name.text()} {self._left.text()}".strip()
+
+    def cancel(self) -> None:
+        """Cancel the task shown, or the first one that will be shown."""
+        shown = self._task
+        task = shown or next((task for task in self._tasks.current if task.cancellable), None)
+        if task is not None:
+            task.cancel()
+            self._tasks.look()
+
+    def use_theme(self, theme: Theme) -> None:
+        """Tint the button."""
+        self._button.setIcon(icon("close", theme.text))
+
+    def _show(self) -> None:
+        current = self._tasks.current
+        self._task = next((task for task in current if task.seconds >= SHOWN_AFTER), None)
+        if self._task is None:
+            self.hide()
+            if current:
+                self._later.start(int(1000 * SHOWN_AFTER))
+            return
+        task, others = self._task, len(current) - 1
+        more = tr("{name} (and {others} more)").format(name=task.name, others=others)
+        _set(self._name, more if others else task.name)
+        _set(self._left, in_words(task.seconds_left))
+        self._left.setVisible(bool(self._left.text()))
+        self._button.setVisible(task.cancellable)
+        self._button.setToolTip(tr("Cancel: {name}").format(name=task.name))
+        self.setToolTip("\n".join(each.name for each in current))
+        self._bar.setMaximum(0 if task.fraction is None else _FULL)
+        if task.fraction is not None:
+            self._bar.setValue(round(_FULL * task.fraction))
+        self.show()
+
+
+def _set(label: QLabel, text: str) -> None:
+    if label.text() != text:
+        label.setText(text)

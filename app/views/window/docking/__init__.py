@@ -1,1 +1,0 @@
-"""Panels in docks: their places, heights and headings."""

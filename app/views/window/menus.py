@@ -1,0 +1,186 @@
+"""The menu bar, and the menus of what lies under the pointer or has the keyboard."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
+
+from PySide6.QtCore import QEvent, QObject, QPoint
+from PySide6.QtGui import QAction, QContextMenuEvent
+from PySide6.QtWidgets import QApplication, QMenu, QMenuBar, QWidget
+
+from app.model.text.language import tr
+from app.model.text.mnemonics import distinct
+from app.views.widgets.action_spec import ActionSpec, Submenu
+from app.views.widgets.actions import Actions
+from app.views.widgets.menu_owner import MenuOwner
+
+
+def keep_apart(menu: QMenu) -> None:
+    """Let no letter choose two of the visible entries, each time the menu opens: other ones may be visible then."""
+    menu.aboutToShow.connect(partial(_tell_apart, menu))
+
+
+def _tell_apart(menu: QMenu) -> None:
+    visible = [action for action in menu.actions() if action.isVisible() and not action.isSeparator()]
+    for action, text in zip(visible, distinct([action.text() for action in visible]), strict=True):
+        if text != action.text():
+            action.setText(text)
+
+
+MENUS = {
+    "File": tr("&File"),
+    "Edit": tr("&Edit"),
+    "Draw": tr("&Draw"),
+    "View": tr("&View"),
+    "Run": tr("&Run"),
+    "Contours": tr("&Contours"),
+    "Objects": tr("&Objects"),
+    "Help": tr("&Help"),
+}
+"""Titles of the menus by the names that the specifications use, in their order."""
+
+QUIT = "quit"
+"""The action that is always the last of its menu."""
+
+
+class Menus:
+    """The menus of a window, made from specifications and their actions."""
+
+    def __init__(self, bar: QMenuBar, specs: Iterable[ActionSpec | Submenu], actions: Actions) -> None:
+        self._menus: dict[str, QMenu] = {}
+        listed = list(specs)
+        filled = [name for name in MENUS if any(spec.menu.partition(">")[0] == name for spec in listed)]
+        for name, title in zip(filled, distinct([MENUS[name] for name in filled]), strict=True):
+            self._menus[name] = bar.addMenu(title)
+        for spec in sorted(listed, key=lambda spec: spec.name == QUIT):
+            menu = self[spec.menu]
+            if spec.gap and not menu.isEmpty():
+                menu.addSeparator()
+            if isinstance(spec, Submenu):
+                inner = menu.addMenu(spec.text)
+                inner.setToolTipsVisible(True)
+                inner.aboutToShow.connect(partial(_refill, inner, spec))
+            else:
+                menu.addAction(actions[spec.name])
+        for menu in self._menus.values():
+            keep_apart(menu)
+
+    def __getitem__(self, path: str) -> QMenu:
+        """A menu by its path; a missing submenu is created."""
+        if path not in self._menus:
+            outer, _, title = path.rpartition(">")
+            self._menus[path] = self[outer].addMenu(title)
+        return self._menus[path]
+
+    def add_section(self, path: str, actions: Iterable[QAction]) -> None:
+        """Add other actions at the end of a menu, below a separator."""
+        self[path].addSeparator()
+        self[path].addActions(list(actions))
+
+
+def _refill(menu: QMenu, spec: Submenu) -> None:
+    menu.clear()
+    spec.fill(menu)
+
+
+_RUN = ("run", "step", "reset")
+
+THINGS: Mapping[str, tuple[str, ...]] = {
+    "image": (*_RUN, "", "undo", "redo", "", "add_circle", "cross_hair", "clear", "", "fit", "zoom_in", "zoom_out", "",
+              "copy_view", "export"),
+    "shape": ("enlarge", "shrink", "delete", "", "select_next", "clear", "", *_RUN),
+    "charge": ("enlarge", "shrink", "delete", "", "layer_potential", "layer_field", "", *_RUN),
+    "particles": (*_RUN, "", "timeline_back", "timeline_forward", "timeline_first", "timeline_last", "",
+                  "layer_particles", "layer_trails", "layer_forces"),
+    "contour": ("keep", "reject", "name_contour", "colors", "", "close_contours", "join_contours", "cut_contour",
+                "delete_stretch", "", "contour_skeleton", "", "contour_table", "export"),
+    "object": ("name_object", "object_class", "object_color", "", "change_object", "fit_objects", "objects_alike",
+               "merge_objects", "", "freeze_object", "hide_object", "", "object_start", "object_region",
+               "object_barrier", "object_skeleton", "", "delete_object", "object_table", "export"),
+    "proposal": ("take_object", "escape"),
+    "step": ("timeline_parameters", "timeline_delete", "", "timeline_first", "timeline_back", "timeline_forward",
+             "timeline_last", "timeline_play", "", "export_animation", "export_strip"),
+    "space": ("space_whole", "space_along_0", "space_along_1", "space_along_2", "", "space_particles", "space_surface",
+              "space_objects", "space_slices", "space_projection", "space_box", "", "copy_space", "export_space",
+              "export_turntable"),
+    "history": ("undo", "redo"),
+    "parameter": (),
+}  # fmt: skip
+"""Names of actions and submenus by thing; an empty name is a line between groups. An action is a thing, too."""
+
+
+class ContextMenus(QObject):
+    """Opens the menu of a thing; `general` are the actions where nothing is known of a thing."""
+
+    def __init__(
+        self, parent: QWidget, specs: Iterable[ActionSpec | Submenu], actions: Actions, general: Sequence[QAction]
+    ) -> None:
+        super().__init__(parent)
+        self._parent = parent
+        self._actions = actions
+        self._submenus = {spec.name: spec for spec in specs if isinstance(spec, Submenu)}
+        self._general = general
+        self.menu: QMenu | None = None
+
+    def watch(self, *widgets: QWidget) -> None:
+        """Open menus on these widgets and all within them."""
+        for widget in widgets:
+            widget.installEventFilter(self)
+
+    def open_at(self, widget: QWidget | None, place: QPoint) -> None:
+        """Open the menu of what lies in a widget at a point of the screen."""
+        while widget is not None:
+            if isinstance(widget, MenuOwner):
+                thing, _ = widget.menu_at(widget.mapFromGlobal(place))
+                if thing:
+                    self._show(thing, widget, place)
+                    return
+            widget = widget.parentWidget()
+        self._show("", self._parent, place)
+
+    def open_by_key(self) -> None:
+        """Open the menu of what is chosen in the widget with the keyboard."""
+        widget = QApplication.focusWidget()
+        while widget is not None:
+            if isinstance(widget, MenuOwner):
+                thing, place = widget.menu_at(None)
+                if thing:
+                    self._show(thing, widget, widget.mapToGlobal(place))
+                    return
+            widget = widget.parentWidget()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Open the menu that no widget below has opened."""
+        if not isinstance(event, QContextMenuEvent) or not isinstance(watched, QWidget):
+            return False
+        if event.reason() == QContextMenuEvent.Reason.Keyboard:
+            self.open_by_key()
+        else:
+            self.open_at(watched.childAt(event.pos()) or watched, event.globalPos())
+        event.accept()
+        return True
+
+    def _show(self, thing: str, owner: QWidget, place: QPoint) -> None:
+        menu = QMenu(self._parent)
+        menu.setToolTipsVisible(True)
+        own = owner.actions() if thing else self._general
+        menu.addActions(list(own))
+        names = THINGS.get(thing, (thing,))
+        if own and any(names):
+            menu.addSeparator()
+        for name in names:
+            self._add(menu, name)
+        menu.aboutToHide.connect(menu.deleteLater)
+        keep_apart(menu)
+        self.menu = menu
+        menu.popup(place)
+
+    def _add(self, menu: QMenu, name: str) -> None:
+        if name in self._actions:
+            menu.addAction(self._actions[name])
+        elif name in self._submenus:
+            inner = menu.addMenu(self._submenus[name].text)
+            self._submenus[name].fill(inner)
+        else:
+            menu.addSeparator()

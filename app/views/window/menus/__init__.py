@@ -1,1 +1,0 @@
-"""The menu bar, and the menus of what lies under the pointer."""

@@ -1,1 +1,0 @@
-"""The dialog of the preferences, its fields and the page of the shortcuts."""
