@@ -89,7 +89,10 @@ class Session(QObject):
         """Whether an image may replace what is open at once; where not, `use` opens it later."""
         self.listen(ImageReady, lambda ready: self.use(ready.opened) if self.may_replace(ready.opened) else None)
         self.listen(Opened, self._accept)
-        self.listen(RunsRestored, self._take_runs)
+        self.listen(
+            RunsRestored,
+            lambda kept: self.live.restore(kept.begun) if kept.generation == self.image_generation else None,
+        )
         self.listen(NotOpened, self._keep_or_open_otherwise)
 
     # State
@@ -526,10 +529,6 @@ class Session(QObject):
         self.post(RunCall(None, Run.place, self._signals.image_generation, self.document.charges))
         self.post(RunCall(None, Run.limit, self.document.regions))
         self.post(RestoreRuns(self._signals.image_generation, opened.saved.file.runs, image))
-
-    def _take_runs(self, restored: RunsRestored) -> None:
-        if restored.generation == self._signals.image_generation:
-            self.live.restore(restored.begun)
 
     def _keep_or_open_otherwise(self, refused: NotOpened) -> None:
         """Keep what is open, unless there is another file to open."""

@@ -9,8 +9,8 @@ from typing import Any, ParamSpec, TypeVar
 from PySide6.QtCore import QObject, Signal
 
 from app.model.text.language import tr
-from app.session.exchange.error_messages import sentence
 from app.session.exchange.mailbox import Mailbox
+from app.session.exchange.messages import sentence
 from app.session.session import Session
 
 P = ParamSpec("P")

@@ -14,10 +14,9 @@ from app.model.display.iso_lines import iso_lines
 from app.model.display.truth.surfaces import differences_in, truth_in
 from app.model.document.document import Document
 from app.model.document.hit_testing import Hit, hit
-from app.model.volume.object_sections import objects_in, selection_in
+from app.model.volume.object_sections import objects_in, selection_in, skeleton_in
 from app.model.volume.sampled_volumes import SampledForce, SampledValues
 from app.model.volume.shape_sections import sections
-from app.model.volume.skeleton_sections import skeleton_in
 from app.model.volume.slices import Slice, Slices
 from app.model.volume.surface_section import section as lines_of
 from app.model.volume.surface_section import unmeasured
@@ -107,7 +106,7 @@ class Sections:
         found: dict[str, Overlay] = {}
         for name, drawn in scene.overlays.items():
             if isinstance(drawn, DisplayVolume):
-                found[name] = self._parts.named(name, partial(_overlay, drawn, here), drawn, here)
+                found[name] = self._parts.named(name, partial(DisplayImage.of, here.of(drawn.shades)), drawn, here)
             elif isinstance(drawn, SampledForce):
                 found[name] = self._parts.named(name, partial(drawn.slice_of, here, image.shape), drawn, here)
             elif isinstance(drawn, SampledValues) and self.later is not None:
@@ -146,10 +145,6 @@ def _probed(probed: Probed | None, here: Slice, volume: Image, reach: float) -> 
     sides = np.array(here.sides(volume.spacing)) / min(volume.spacing)
     along = {name: here.flattened(force[None])[0] / sides for name, force in probed.forces.items()}
     return replace(probed, position=here.within(probed.position), forces=along)
-
-
-def _overlay(drawn: DisplayVolume, here: Slice) -> DisplayImage:
-    return DisplayImage.of(here.of(drawn.shades))
 
 
 def _compared(compared: Compared | None, here: Slice, volume: Image, reach: float) -> Compared | None:

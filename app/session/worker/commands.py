@@ -17,7 +17,6 @@ from app.model.document.document import Document, ImageReference
 from app.model.export.order import ExportOrder, account, chosen, closed, source_of
 from app.model.text.language import tr
 from app.session.core_functions import Core
-from app.session.exchange.error_messages import sentence
 from app.session.exchange.messages import (
     CommandFailed,
     Compiling,
@@ -29,6 +28,7 @@ from app.session.exchange.messages import (
     SeedsFound,
     WarmedUp,
     WentOn,
+    sentence,
 )
 from app.session.tasks.tasks import Task
 from app.session.timeline.stored.plain_runs import Plain, RunsWriter, from_plain

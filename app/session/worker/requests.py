@@ -11,8 +11,7 @@ import numpy as np
 from app.model.display.display_image import DisplayImage, IntensityWindow, apply_window, percentile_window
 from app.model.text.language import tr
 from app.session.exchange.contour_tracking import ContourTracker
-from app.session.exchange.error_messages import sentence
-from app.session.exchange.messages import Reconstruction, Report, Snapshot
+from app.session.exchange.messages import Reconstruction, Report, Snapshot, sentence
 from app.session.tasks.tasks import Task
 from app.session.worker.commands import Command, CommandContext
 from cpm_core.contours.agreement import Agreement, agreement
@@ -26,10 +25,6 @@ from cpm_core.parameters import Parameters
 from cpm_core.segmentation.method import MethodState, Steerable
 
 
-def _always() -> bool:
-    return True
-
-
 @dataclass(frozen=True, slots=True)
 class Seek(Command):
     """Pause the run and go to a step of a branch, unless by then another step is wanted."""
@@ -37,7 +32,7 @@ class Seek(Command):
     generation: int
     branch: int
     step: int
-    wanted: Callable[[], bool] = _always
+    wanted: Callable[[], bool] = lambda: True
 
     latest_only = True
     activity = tr("going to another step")

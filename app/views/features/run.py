@@ -11,7 +11,7 @@ from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QLabel, QMenu, QWidget
 
 from app.model.export.formats import formats
-from app.model.parameters.choices import CHANNEL
+from app.model.parameters.controls import CHANNEL
 from app.model.preferences.table import TIMELINE_MEMORY, UNIT, WORDING
 from app.model.state.resolve import resolve
 from app.model.state.situation import Situation, can_step, has_image, has_particles, is_running, is_started

@@ -14,8 +14,8 @@ from app.model.display.space.projection import Shaded
 from app.model.display.space.shown_parts import Contents
 from app.model.display.space.triangles import Mesh
 from app.model.display.space.view_in_space import ColoredMesh, Particles, Wires
-from app.model.volume.kept_with_surface import kept_with_surface
 from app.model.volume.shape_wires import wires
+from app.model.volume.surface_section import kept_with_surface
 from app.session.exchange.messages import Reconstruction, Snapshot
 from app.session.features.latest import MadeOnce
 from app.session.scene import Proposal, Scene

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from PySide6.QtCore import QObject, QTimer
 
 from app.model.text.language import tr
-from app.session.exchange.error_messages import sentence
+from app.session.exchange.messages import sentence
 from app.session.session import Session
 from app.session.signals import FILMING
 from app.session.tasks.tasks import Task
