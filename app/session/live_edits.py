@@ -20,7 +20,7 @@ from app.session.signals import SessionSignals
 from app.session.timeline.run_actions import Erased
 from app.session.undo_history import Erasure
 from app.session.updates import Progress
-from app.session.worker.commands.run import Command, FindSeeds, RunCall
+from app.session.worker.commands import Command, FindSeeds, RunCall
 from app.session.worker.run import Run
 from cpm_core.numerics.types import Place
 from cpm_core.shapes import Interest, Points, Shape, Start

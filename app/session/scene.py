@@ -18,9 +18,7 @@ from app.model.text.language import tr
 from app.model.volume.slices import Slices
 from app.session.exchange.contour_tracking import TrackedContours
 from app.session.exchange.messages import Drawn, Reconstruction, Snapshot
-from app.session.worker.commands.forces import Probed
-from app.session.worker.commands.intensity_window import Shaded, WindowFound
-from app.session.worker.commands.timeline import Compared
+from app.session.worker.requests import Compared, Probed, Shaded, WindowFound
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.measurements import Measures

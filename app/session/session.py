@@ -31,8 +31,7 @@ from app.session.tasks.opening import Opener, Wanted
 from app.session.tasks.tasks import Tasks
 from app.session.undo_history import Change, Erasure, History, Turned
 from app.session.updates import Progress
-from app.session.worker.commands.run import Command, Copy, Export, RunCall, Start, WarmUp
-from app.session.worker.commands.stored_runs import RestoreRuns, RunsRestored
+from app.session.worker.commands import Command, Copy, Export, RestoreRuns, RunCall, RunsRestored, Start, WarmUp
 from app.session.worker.run import Run
 from app.session.worker.worker_thread import WorkerThread
 from cpm_core.formats.fingerprint import differ
@@ -90,7 +89,10 @@ class Session(QObject):
         """Whether an image may replace what is open at once; where not, `use` opens it later."""
         self.listen(ImageReady, lambda ready: self.use(ready.opened) if self.may_replace(ready.opened) else None)
         self.listen(Opened, self._accept)
-        self.listen(RunsRestored, self._take_runs)
+        self.listen(
+            RunsRestored,
+            lambda kept: self.live.restore(kept.begun) if kept.generation == self.image_generation else None,
+        )
         self.listen(NotOpened, self._keep_or_open_otherwise)
 
     # State
@@ -527,10 +529,6 @@ class Session(QObject):
         self.post(RunCall(None, Run.place, self._signals.image_generation, self.document.charges))
         self.post(RunCall(None, Run.limit, self.document.regions))
         self.post(RestoreRuns(self._signals.image_generation, opened.saved.file.runs, image))
-
-    def _take_runs(self, restored: RunsRestored) -> None:
-        if restored.generation == self._signals.image_generation:
-            self.live.restore(restored.begun)
 
     def _keep_or_open_otherwise(self, refused: NotOpened) -> None:
         """Keep what is open, unless there is another file to open."""

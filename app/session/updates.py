@@ -16,7 +16,6 @@ from app.session.exchange.messages import (
     Compiling,
     Exported,
     Opened,
-    Overlays,
     Reconstruction,
     ReconstructionFailed,
     Report,
@@ -28,10 +27,8 @@ from app.session.exchange.messages import (
 )
 from app.session.scene import NO_CONTOURS, ReviewedContours, Scene
 from app.session.signals import CONTOURS, EDITING, EXPORTING, RUNNING, SessionSignals
-from app.session.worker.commands.forces import Probed
-from app.session.worker.commands.intensity_window import Shaded, WindowFound
-from app.session.worker.commands.stored_runs import RunsRestored
-from app.session.worker.commands.timeline import Compared
+from app.session.worker.commands import RunsRestored
+from app.session.worker.requests import Compared, Probed, Shaded, WindowFound
 from app.session.worker.worker_thread import WorkerThread
 from cpm_core.contours.result import Result
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -89,7 +86,8 @@ class Progress:
             self._take_contours(contours)
         overlays = self._worker_thread.overlays.take()
         if overlays is not None and overlays.generation == self._session.image_generation:
-            self._take_overlays(overlays)
+            self._session.trouble(overlays.trouble, "overlays")
+            self._show(overlays=overlays.arrays)
 
     def _take_contours(self, found: Reconstruction | ReconstructionFailed) -> None:
         if isinstance(found, ReconstructionFailed):
@@ -118,10 +116,6 @@ class Progress:
         reviewed = ReviewedContours.of(found.tracked, self._session.scene.document.marks)
         self._show(reconstruction=found, contours=reviewed)
         self._session.show_status()
-
-    def _take_overlays(self, overlays: Overlays) -> None:
-        self._session.trouble(overlays.trouble, "overlays")
-        self._show(overlays=overlays.arrays)
 
     def _show(self, **parts: Any) -> None:
         """Replace parts of the scene."""

@@ -28,7 +28,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from app.model.document import edits
 from app.session.core_functions import Core
 from app.session.exchange.messages import Snapshot
-from app.session.run_control import FRAME
+from app.session.session import FRAME
 from app.session.workspace import Workspace
 from app.views.application import make_application
 from app.views.features.files import OpenSaveFeature

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from app.model.document.document import Document
-from app.model.parameters.choices import choice_controls
-from app.model.parameters.controls import Control, controls, value_of
+from app.model.parameters.controls import Control, choice_controls, controls, value_of
 from app.model.text.language import from_core, tr
 from app.model.text.numbers import written
 from cpm_core.numerics.types import Place

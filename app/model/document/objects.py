@@ -85,7 +85,8 @@ def take(document: Document, taken: Iterable[tuple[AnySelection, tuple[Click, ..
             continue
         at = next((index for index, item in enumerate(items) if item.number == number), None)
         if at is not None:
-            items[at] = _from_selection(items[at], selection, clicks)
+            item, found = items[at], made(selection, clicks, number, items[at].category)
+            items[at] = replace(found, name=item.name, color=item.color, frozen=item.frozen, hidden=item.hidden)
         else:
             fresh = max((item.number for item in items), default=0) + 1
             items.append(made(selection, clicks, fresh, objects.category))
@@ -131,12 +132,6 @@ def made(selection: AnySelection, clicks: tuple[Click, ...], number: int, catego
     lengths = [contour.length for contour in selection.contours]
     strength = float(np.average([contour.strength for contour in selection.contours], weights=lengths))
     return SegmentedObject(number, clicks, boundary, gaps, confidence, round(strength, _DECIMALS), category=category)
-
-
-def _from_selection(item: SegmentedObject, selection: AnySelection, clicks: tuple[Click, ...]) -> SegmentedObject:
-    """An object with the boundary of a selection; name, class and color stay."""
-    found = made(selection, clicks, item.number, item.category)
-    return replace(found, name=item.name, color=item.color, frozen=item.frozen, hidden=item.hidden)
 
 
 # The objects

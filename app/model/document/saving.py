@@ -32,7 +32,9 @@ def to_file(document: Document, view: View, before: SessionFile | None = None) -
     image = document.image
     return replace(
         before or SessionFile(),
-        image=_file_of(image) if image else None,
+        image=ImageFile(str(Path(image.path).absolute()), image.sha256, image.shape, reading=image.reading)
+        if image
+        else None,
         shapes=document.shapes,
         parameters=document.parameters,
         marks=document.marks,
@@ -44,10 +46,6 @@ def to_file(document: Document, view: View, before: SessionFile | None = None) -
         view=view,
         notes=(),
     )
-
-
-def _file_of(image: ImageReference) -> ImageFile:
-    return ImageFile(str(Path(image.path).absolute()), image.sha256, image.shape, reading=image.reading)
 
 
 def changed_parts(document: Document, known: Document | None) -> tuple[str, ...]:

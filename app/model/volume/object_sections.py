@@ -1,4 +1,4 @@
-"""What a slice of a volume shows of objects: the lines in which it cuts their surfaces."""
+"""What a slice of a volume shows of objects and of center lines."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 
 from app.model.document.objects import AnySelection
-from app.model.volume.kept_with_surface import kept_with_surface
 from app.model.volume.slices import Slice
-from app.model.volume.surface_section import section
+from app.model.volume.surface_section import kept_with_surface, section
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.surface import Surface
+from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Place
+from cpm_core.numerics.types import Array, Place
 from cpm_core.objects.faces.space import VolumeSelection
 from cpm_core.objects.segmented.segmented_object import Click, Line, SegmentedObject, SegmentedObjects
 from cpm_core.objects.selection import Selection
@@ -69,3 +69,36 @@ def holds(item: SegmentedObject, place: Place) -> bool:
 def size_of(item: SegmentedObject) -> float:
     """Volume of an object, in the unit of its volume; its area [px²] in an image."""
     return item.area if item.body is None else item.body.volume
+
+
+_LINES_NEAR = 1.5
+"""Distance from a slice up to which it shows center lines [voxels]."""
+
+
+def skeleton_in(found: Skeleton, here: Slice) -> Skeleton:
+    """The pieces of center lines near a slice, as those of an image."""
+    pieces = [
+        piece
+        for contour, radii in zip(found.contours, found.radii, strict=True)
+        for piece in _pieces(contour.path, np.append(radii, radii[0]) if contour.closed else radii, here)
+    ]
+    return replace(
+        Skeleton((), (), here.sides(found.shape), here.sides(found.spacing), found.unit, found.source),
+        contours=tuple(Contour(points, False) for points, _ in pieces),
+        radii=tuple(radii for _, radii in pieces),
+    )
+
+
+def _pieces(path: Array, radii: Array, here: Slice) -> list[tuple[Array, Array]]:
+    """Stretches of a line near a slice, flattened, with the vertices before and after."""
+    near = np.abs(path[:, here.axis] - here.index) <= _LINES_NEAR
+    cuts = np.flatnonzero(np.diff(near)) + 1
+    found = []
+    for run in np.split(np.arange(len(path)), cuts):
+        if near[run[0]]:
+            wider = np.arange(max(run[0] - 1, 0), min(run[-1] + 2, len(path)))
+            flat = here.flattened(path[wider])
+            moved = np.append(True, (np.diff(flat, axis=0) != 0.0).any(axis=1))
+            if moved.sum() > 1:
+                found.append((flat[moved], radii[wider][moved]))
+    return found

@@ -8,9 +8,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from app.model.volume.kept_with_surface import kept_with_surface
 from app.model.volume.slices import Slice
-from app.model.volume.surface_section import section
+from app.model.volume.surface_section import kept_with_surface, section
 from cpm_core.contours.surface import Surface
 from cpm_core.field.placed_charges import RADIUS
 from cpm_core.numerics.types import Array, Position

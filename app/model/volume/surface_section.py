@@ -1,8 +1,11 @@
-"""The lines in which a slice cuts a surface."""
+"""The lines in which a slice cuts a surface, and what is kept with a surface."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
+from functools import wraps
+from typing import TypeVar
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -12,6 +15,33 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import Measures
 from cpm_core.contours.surface import Surface
 from cpm_core.numerics.types import Array, Index
+
+_Choice = TypeVar("_Choice", bound=Hashable)
+_Made = TypeVar("_Made")
+
+_MOST = 8
+"""Number of choices for which something is kept beside one surface, such as the slices that cut it."""
+
+
+def kept_with_surface(make: Callable[[Surface, _Choice], _Made]) -> Callable[[Surface, _Choice], _Made]:
+    """Keep what a function makes of a surface and of the latest few choices.
+
+    What it makes is never None, and does not refer to the surface, which it would keep otherwise.
+    """
+    kept: WeakKeyDictionary[Surface, dict[_Choice, _Made]] = WeakKeyDictionary()
+
+    @wraps(make)
+    def made(surface: Surface, choice: _Choice) -> _Made:
+        beside = kept.setdefault(surface, {})
+        found = beside.pop(choice, None)
+        if found is None:
+            found = make(surface, choice)
+        for oldest in list(beside)[: max(len(beside) - _MOST + 1, 0)]:
+            beside.pop(oldest, None)
+        beside[choice] = found
+        return found
+
+    return made
 
 
 @dataclass(frozen=True, eq=False, slots=True)

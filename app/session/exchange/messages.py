@@ -1,7 +1,8 @@
-"""Messages of the worker: snapshots, of which the newest wins, and reports, which are few and never lost."""
+"""Messages of the worker: snapshots, of which the newest wins, reports, which are few and never lost, and errors."""
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +16,8 @@ from app.model.display.plots import RunMetrics
 from app.model.document.document import Document
 from app.model.export.order import Account
 from app.model.state.surface_figures import SurfaceFigures
+from app.model.text.language import tr
+from app.model.text.reasons import reason
 from app.model.volume.parts import Parts
 from app.model.volume.sampled_volumes import SampledForce, SampledValues
 from app.model.volume.surface_section import prepare
@@ -31,6 +34,33 @@ from cpm_core.parameters import Parameters
 from cpm_core.segmentation.large_images import LargeImageSettings
 from cpm_core.segmentation.method import Method, MethodState
 from cpm_core.shapes.image_starts import ImageSeeds
+
+log = logging.getLogger(__name__)
+
+
+def sentence(error: Exception, activity: str) -> str:
+    """One sentence on what went wrong during an activity such as ``tr("opening {name}")``.
+
+    The texts of `ValueError` and `OSError` are used. Any other error, except for lack of memory, is a defect of the
+    program and is logged in full.
+    """
+    if isinstance(error, ValueError | OSError):
+        text = reason(error)
+    elif isinstance(error, MemoryError):
+        message = tr("There was not enough memory while {activity}: close other programs, or use a smaller image")
+        text = message.format(activity=activity)
+    else:
+        log.error("unexpected error while %s", activity, exc_info=error)
+        message = tr("Something unexpected happened while {activity}: {error}")
+        text = message.format(activity=activity, error=str(error) or type(error).__name__)
+    text = " ".join(text.split())
+    if text.partition(" ")[0].isalpha():  # file names are not changed
+        text = text[:1].upper() + text[1:]
+    return text if text.endswith(_ENDS) else f"{text}."
+
+
+_ENDS = (".", "!", "?", "。", "！", "？")
+
 
 # Snapshots: the newest wins.
 

@@ -14,8 +14,7 @@ from PySide6.QtCore import QObject, Signal
 from app.model.display.comparison import Tile
 from app.model.document.document import NOTHING_TO_START_FROM, Document
 from app.model.text.language import tr
-from app.session.exchange.error_messages import sentence
-from app.session.exchange.messages import Report
+from app.session.exchange.messages import Report, sentence
 from app.session.features.truth_comparison import GroundTruth
 from app.session.session import Session
 from app.session.tasks.tasks import Task

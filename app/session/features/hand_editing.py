@@ -14,12 +14,12 @@ from app.session.exchange.messages import CommandFailed
 from app.session.features.contour_review import ContourReview
 from app.session.scene import Item, ReviewedContours
 from app.session.session import Session
-from app.session.worker.commands.edges import EDGES, EdgesFound, FindEdges
+from app.session.worker.requests import EDGES, EdgesFound, FindEdges
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.hand_edits import HandEdit, Path
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.types import Array, Position
-from cpm_core.parameters import Parameters, invalidating
+from cpm_core.parameters import invalidating
 from cpm_core.reconstruction.by_hand.live_wire import LiveWire, nearest_ridge, on_ridge
 from cpm_core.reconstruction.by_hand.operations import Contact, chain, cut, deletion, pull, wire_from
 
@@ -70,7 +70,7 @@ class HandEditing(QObject):
     def prepare(self, again: bool = False) -> None:
         """Ask for the edges of the image, unless they are there or on their way; `again` where that failed before."""
         document, generation = self._session.document, self._session.image_generation
-        wanted = (generation, document.regions, *_deciding(document.parameters))
+        wanted = (generation, document.regions, *(getattr(document.parameters, name) for name in invalidating("field")))
         if document.image is not None and (wanted != self._asked or (again and self._in_vain)):
             self._asked, self._in_vain = wanted, False
             self._session.attempt(EDGES)
@@ -233,11 +233,6 @@ class HandEditing(QObject):
         self._told = missed
         if new:
             self._session.say(_NOT_FOUND.format(count=len(missed), all=len(self._session.document.hand_edits)))
-
-
-def _deciding(parameters: Parameters) -> tuple[object, ...]:
-    """The parameters that the fields of the image depend on."""
-    return tuple(getattr(parameters, name) for name in invalidating("field"))
 
 
 def _place(point: Array) -> Position:

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 from PySide6.QtCore import QObject, Signal
 
 from app.model.text.language import tr
-from app.session.exchange.error_messages import sentence
 from app.session.exchange.mailbox import Mailbox
+from app.session.exchange.messages import sentence
 from app.session.session import Session
 
+P = ParamSpec("P")
 T = TypeVar("T")
 
 
@@ -31,13 +31,17 @@ class Same:
 
 
 class MadeOnce:
-    """Keeps the newest part of each name, with what it was made of."""
+    """Keeps the newest part that each function has made, with what it was made of."""
 
     def __init__(self) -> None:
-        self._made: dict[str, tuple[tuple[Any, ...], Any]] = {}
+        self._made: dict[object, tuple[tuple[Any, ...], Any]] = {}
 
-    def of(self, name: str, given: tuple[Any, ...], make: Callable[[], T]) -> T:
-        """What has been made of the same things before, or is made now."""
+    def of(self, make: Callable[P, T], *given: P.args, **named: P.kwargs) -> T:
+        """What the function has made of the same things before, or makes now."""
+        return self.named(make, lambda: make(*given, **named), *given)
+
+    def named(self, name: object, make: Callable[[], T], *given: object) -> T:
+        """The same of a part with a name of its own."""
         known = self._made.get(name)
         if known is None or not is_same(known[0], given):
             known = self._made[name] = (given, make())
@@ -132,39 +136,8 @@ class Latest(QObject):
         self._session.trouble(trouble, self._name)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class _Made:
-    """A part, and what it was made of."""
-
-    given: tuple[Any, ...]
-    part: Any
-    whole: bool
-
-
-class _Newest(QObject):
-    """The newest part of one name."""
-
-    def __init__(self, session: Session, tell: Callable[[], None]) -> None:
-        super().__init__(session)
-        self._tell = tell
-        self._made: _Made | None = None
-        self.latest = Latest(session, "cpm-slices", tr("drawing a slice"))
-        self.latest.done.connect(self._take)
-
-    def of(self, given: tuple[Any, ...], make: Callable[[], Any], meanwhile: Callable[[], Any]) -> Any:
-        if self._made is None or not is_same(self._made.given, given):
-            self._made = _Made(given, meanwhile(), False)
-            self.latest.ask(lambda: _Made(given, make(), True))
-        return self._made.part
-
-    def _take(self, made: _Made) -> None:
-        if self._made is not None and not self._made.whole and is_same(self._made.given, made.given):
-            self._made = made
-            self._tell()
-
-
 class MadeLater(QObject):
-    """Gives the newest parts of the slice of one view, each by its name."""
+    """Makes the newest parts of the slice of one view on other threads, each by its name."""
 
     completed = Signal()
     """A part that was asked for is whole now."""
@@ -172,16 +145,28 @@ class MadeLater(QObject):
     def __init__(self, session: Session) -> None:
         super().__init__(session)
         self._session = session
-        self._parts: dict[str, _Newest] = {}
+        self._parts: dict[str, tuple[tuple[Any, ...], Any]] = {}
+        self._threads: dict[str, Latest] = {}
 
-    def of(self, name: str, given: tuple[Any, ...], make: Callable[[], T], meanwhile: Callable[[], T]) -> T:
-        """What is made of something, or at first what stands in its place meanwhile."""
-        if name not in self._parts:
-            self._parts[name] = _Newest(self._session, self.completed.emit)
-        part: T = self._parts[name].of(given, make, meanwhile)
+    def named(self, name: str, make: Callable[[], T], meanwhile: Callable[[], T], *given: object) -> T:
+        """What is made of something, or at first what is in its place meanwhile."""
+        if name not in self._threads:
+            self._threads[name] = Latest(self._session, "cpm-slices", tr("drawing a slice"))
+            self._threads[name].done.connect(self._take)
+        known = self._parts.get(name)
+        if known is None or not is_same(known[0], given):
+            known = self._parts[name] = given, meanwhile()
+            self._threads[name].ask(lambda: (name, given, make()))
+        part: T = known[1]
         return part
 
     def close(self) -> None:
         """End the threads."""
-        for newest in self._parts.values():
-            newest.latest.close()
+        for latest in self._threads.values():
+            latest.close()
+
+    def _take(self, made: tuple[str, tuple[Any, ...], Any]) -> None:
+        name, given, part = made
+        if is_same(self._parts[name][0], given):
+            self._parts[name] = given, part
+            self.completed.emit()

@@ -14,7 +14,7 @@ from app.session.exchange.messages import Reconstruction
 from app.session.features.timeline import TimelineNavigation
 from app.session.scene import NO_CONTOURS, ReviewedContours, Scene
 from app.session.session import Session
-from app.session.worker.commands.timeline import Compared
+from app.session.worker.requests import Compared
 from app.session.worker.run import RESTING_SPEED
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import Truth

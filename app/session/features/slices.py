@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any, TypeVar
@@ -14,10 +14,9 @@ from app.model.display.iso_lines import iso_lines
 from app.model.display.truth.surfaces import differences_in, truth_in
 from app.model.document.document import Document
 from app.model.document.hit_testing import Hit, hit
-from app.model.volume.object_sections import objects_in, selection_in
+from app.model.volume.object_sections import objects_in, selection_in, skeleton_in
 from app.model.volume.sampled_volumes import SampledForce, SampledValues
 from app.model.volume.shape_sections import sections
-from app.model.volume.skeleton_sections import skeleton_in
 from app.model.volume.slices import Slice, Slices
 from app.model.volume.surface_section import section as lines_of
 from app.model.volume.surface_section import unmeasured
@@ -25,8 +24,7 @@ from app.session.exchange.messages import Reconstruction, Snapshot
 from app.session.features.latest import MadeLater, MadeOnce, Same
 from app.session.scene import NO_CONTOURS, Item, NearParticles, ReviewedContours, Scene, ShownObjects
 from app.session.session import Session
-from app.session.worker.commands.forces import Probed
-from app.session.worker.commands.timeline import Compared
+from app.session.worker.requests import Compared, Probed
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import ReviewedContour
 from cpm_core.image.image import Image
@@ -65,40 +63,29 @@ class Sections:
         if volume is None or slices is None or scene.volume is not None:
             return scene
         slices = slices if self.axis is None else slices.turned(self.axis)
-        here = slices.current
-        image = self._parts.of("image", (volume, here), lambda: volume.cut(here.axis, here.index))
-        display = self._display(image, IntensityWindow(*volume.gray_range))
-        drawn = (scene.document, here, volume)
-        cut = self._parts.of(
-            "objects", (scene.document.objects, here), lambda: objects_in(scene.document.objects, here)
-        )
-        document, places = self._parts.of("document", (*drawn, cut), lambda: _document(*drawn, cut))
-        shown = self._parts.of("shown", (scene.objects, here), lambda: _shown(scene.objects, here))
-        reach = scene.document.parameters.d_min
-        near = self._parts.of("near", (scene.snapshot, here, reach), lambda: _near(scene.snapshot, here, volume, reach))
-        snapshot = self._parts.of("snapshot", (near,), lambda: _snapshot(scene.snapshot, near, here))
-        contours = self._parts.of(
-            "contours", (scene.reconstruction, here), lambda: _contours(scene.reconstruction, here)
-        )
+        here, part, reach = slices.current, self._parts.of, scene.document.parameters.d_min
+        image = part(_image, volume, here)
+        cut = part(objects_in, scene.document.objects, here)
+        document, places = part(_document, scene.document, here, volume, cut)
+        near = part(_near, scene.snapshot, here, volume, reach)
+        seeds = scene.image_seeds
         return Scene(
             image,
-            display,
+            self._display(image, IntensityWindow(*volume.gray_range)),
             scene.window_found,
             scene.shaded,
             document,
             places.get(scene.selected),
-            self._seeds(scene, here, volume, reach),
-            snapshot=snapshot,
-            reconstruction=self._parts.of(
-                "skeleton", (scene.reconstruction, here), lambda: _skeleton(scene.reconstruction, here)
-            ),
-            contours=contours,
+            self._parts.named("seeds", lambda: _seeds(seeds, here, volume, reach), Same(seeds), here, reach),
+            snapshot=part(_snapshot, scene.snapshot, near, here),
+            reconstruction=part(_skeleton, scene.reconstruction, here),
+            contours=part(_contours, scene.reconstruction, here),
             overlays=self._overlays(scene, here, image),
-            probed=self._parts.of("probed", (scene.probed, here), lambda: _probed(scene.probed, here, volume, reach)),
-            compared=self._compared(scene.compared, here, volume, reach),
-            truth=self._parts.of("truth", (scene.truth, here), lambda: truth_in(scene.truth, here)),
-            differences=self._parts.of("apart", (scene.apart, here), lambda: differences_in(scene.apart, here)),
-            objects=shown,
+            probed=part(_probed, scene.probed, here, volume, reach),
+            compared=part(_compared, scene.compared, here, volume, reach),
+            truth=part(truth_in, scene.truth, here),
+            differences=part(differences_in, scene.apart, here),
+            objects=part(_shown, scene.objects, here),
             slices=slices,
             volume=volume,
             near=near,
@@ -107,54 +94,42 @@ class Sections:
     def _display(self, image: Image, window: IntensityWindow) -> DisplayImage:
         """The slice in the window of the volume, so that it does not flicker from slice to slice."""
 
-        def preview() -> DisplayImage:
-            return DisplayImage.preview(image.values, window)
+        def make() -> DisplayImage:
+            return DisplayImage.of(apply_window(image.values, window))
 
-        large = image.values.size > AT_ONCE
-        return self._made("display", (image,), lambda: _shaded(image, window), preview, large)
-
-    def _made(
-        self, name: str, given: tuple[Any, ...], make: Callable[[], T], meanwhile: Callable[[], T], long: bool
-    ) -> T:
-        """A part that is made at once, or later where it takes long and nobody waits for it."""
-        if long and self.later is not None:
-            return self.later.of(name, given, make, meanwhile)
-        return self._parts.of(name, given, make)
+        if image.values.size > AT_ONCE and self.later is not None:
+            return self.later.named("display", make, lambda: DisplayImage.preview(image.values, window), image)
+        return self._parts.named("display", make, image)
 
     def _overlays(self, scene: Scene, here: Slice, image: Image) -> Mapping[str, Overlay]:
         """The slices of the overlays."""
         found: dict[str, Overlay] = {}
         for name, drawn in scene.overlays.items():
-            given = (drawn, here)
             if isinstance(drawn, DisplayVolume):
-                found[name] = self._parts.of(name, given, partial(_overlay, drawn, here))
+                found[name] = self._parts.named(name, partial(DisplayImage.of, here.of(drawn.shades)), drawn, here)
             elif isinstance(drawn, SampledForce):
-                found[name] = self._parts.of(name, given, partial(drawn.slice_of, here, image.shape))
+                found[name] = self._parts.named(name, partial(drawn.slice_of, here, image.shape), drawn, here)
+            elif isinstance(drawn, SampledValues) and self.later is not None:
+                lines = partial(_lines, drawn, here)
+                found[name] = self.later.named(name, lines, lambda: np.empty((0, 2)), drawn, here)
             elif isinstance(drawn, SampledValues):
-                found[name] = self._made(name, given, partial(_lines, drawn, here), lambda: np.empty((0, 2)), True)
-        return self._parts.of("overlays", (*found, *map(Same, found.values())), lambda: found)
-
-    def _seeds(self, scene: Scene, here: Slice, volume: Image, reach: float) -> ImageSeeds:
-        """The particles of starts all over the volume that are near the slice."""
-
-        def near() -> ImageSeeds:
-            sides = tuple(side / min(volume.spacing) for side in volume.spacing)
-            return {
-                cut: here.flattened(at[_index(at, here, volume, reach)[0]])
-                for start, at in scene.image_seeds.items()
-                for cut in sections(start, here.axis, here.index, sides)
-                if isinstance(cut, ImageStart)
-            }
-
-        return self._parts.of("seeds", (Same(scene.image_seeds), here, reach), near)
-
-    def _compared(self, compared: Compared | None, here: Slice, volume: Image, reach: float) -> Compared | None:
-        """What the slice shows of a compared branch."""
-        return self._parts.of("compared", (compared, here, reach), lambda: _compared(compared, here, volume, reach))
+                found[name] = self._parts.named(name, partial(_lines, drawn, here), drawn, here)
+        return self._parts.named("overlays", lambda: found, *found, *map(Same, found.values()))
 
 
-def _shaded(image: Image, window: IntensityWindow) -> DisplayImage:
-    return DisplayImage.of(apply_window(image.values, window))
+def _image(volume: Image, here: Slice) -> Image:
+    return volume.cut(here.axis, here.index)
+
+
+def _seeds(seeds: ImageSeeds, here: Slice, volume: Image, reach: float) -> ImageSeeds:
+    """The particles of starts all over the volume that are near the slice."""
+    sides = tuple(side / min(volume.spacing) for side in volume.spacing)
+    return {
+        cut: here.flattened(at[_index(at, here, volume, reach)[0]])
+        for start, at in seeds.items()
+        for cut in sections(start, here.axis, here.index, sides)
+        if isinstance(cut, ImageStart)
+    }
 
 
 def _lines(drawn: SampledValues, here: Slice) -> Array:
@@ -170,10 +145,6 @@ def _probed(probed: Probed | None, here: Slice, volume: Image, reach: float) -> 
     sides = np.array(here.sides(volume.spacing)) / min(volume.spacing)
     along = {name: here.flattened(force[None])[0] / sides for name, force in probed.forces.items()}
     return replace(probed, position=here.within(probed.position), forces=along)
-
-
-def _overlay(drawn: DisplayVolume, here: Slice) -> DisplayImage:
-    return DisplayImage.of(here.of(drawn.shades))
 
 
 def _compared(compared: Compared | None, here: Slice, volume: Image, reach: float) -> Compared | None:

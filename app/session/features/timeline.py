@@ -10,8 +10,8 @@ from app.model.text.language import tr
 from app.session.exchange.messages import CommandFailed, RunsKept, Snapshot
 from app.session.session import Session
 from app.session.timeline.timeline import Branch, Outline
-from app.session.worker.commands.run import RunCall
-from app.session.worker.commands.timeline import Compare, Compared, Seek
+from app.session.worker.commands import RunCall
+from app.session.worker.requests import Compare, Compared, Seek
 from app.session.worker.run import Run
 from cpm_core.contours.result import Result
 from cpm_core.parameters import Parameters

@@ -13,7 +13,7 @@ from PySide6.QtCore import QLockFile, QObject, QSettings, QTimer, Signal
 from app.model.preferences.table import AUTOSAVE, AUTOSAVE_EVERY
 from app.model.text.language import tr
 from app.model.text.reasons import cause
-from app.session.exchange.error_messages import sentence
+from app.session.exchange.messages import sentence
 from app.session.storage.preferences import Preferences
 from app.session.storage.session_file import DocumentFile
 from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, save_session

@@ -13,8 +13,15 @@ from typing import Literal
 
 from app.model.document.document import Document
 from app.model.document.samples import sample_at
-from app.model.preferences.preference import Choice, Folder
-from app.model.preferences.table import EXPORT_FOLDER, EXPORT_PLACE, FIXED, SESSION_FOLDER, SESSION_PLACE
+from app.model.preferences.table import (
+    EXPORT_FOLDER,
+    EXPORT_PLACE,
+    FIXED,
+    SESSION_FOLDER,
+    SESSION_PLACE,
+    Choice,
+    Folder,
+)
 from app.session.storage.preferences import Preferences
 
 Purpose = Literal["open", "session", "export", "truth", "preset"]

@@ -10,7 +10,7 @@ from typing import TypeVar
 
 from PySide6.QtCore import QByteArray, QObject, QSettings, Signal
 
-from app.model.preferences.preference import Preference
+from app.model.preferences.table import Preference
 from app.model.text.language import tr
 from app.model.text.reasons import cause
 from cpm_core.parameters.quotation import shown

@@ -16,8 +16,8 @@ from pathlib import Path
 from PySide6.QtCore import QLockFile
 
 from app.model.text.language import tr
-from app.session.exchange.error_messages import sentence as _sentence
 from app.session.exchange.messages import Saved
+from app.session.exchange.messages import sentence as _sentence
 from app.session.storage.autosave import KEY, lock_of
 from app.session.tasks.opening import Wanted
 from cpm_core.formats.atomic import remove_abandoned

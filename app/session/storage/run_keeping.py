@@ -10,7 +10,7 @@ from app.session.exchange.messages import Opened, RunsKept
 from app.session.session import Session
 from app.session.timeline.stored.plain_runs import Plain, RunsWriter
 from app.session.timeline.timeline import Outline
-from app.session.worker.commands.stored_runs import CollectRuns, RunsCollected, RunsRestored
+from app.session.worker.commands import CollectRuns, RunsCollected, RunsRestored
 
 _QUIET = 500
 """Time from a change of the runs until they are collected, with further changes in between [ms]."""

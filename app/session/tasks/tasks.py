@@ -13,8 +13,7 @@ from collections.abc import Callable
 from PySide6.QtCore import QObject, Signal
 
 from app.model.state.situation import seconds_left
-from app.session.exchange.error_messages import sentence
-from app.session.exchange.messages import CommandFailed, Report
+from app.session.exchange.messages import CommandFailed, Report, sentence
 
 _SHOWN_EVERY = 0.1
 """Time between two updates of the progress of tasks [s]."""

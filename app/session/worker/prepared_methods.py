@@ -21,9 +21,8 @@ from app.model.document.document import Document, ImageReference
 from app.model.document.modes import MODES
 from app.model.text.language import tr
 from app.model.volume.sampled_volumes import SampledForce, SampledValues
-from app.session.exchange.error_messages import sentence
 from app.session.exchange.mailbox import Mailbox
-from app.session.exchange.messages import Drawn, Overlays
+from app.session.exchange.messages import Drawn, Overlays, sentence
 from cpm_core.contours.contour import Contour
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats.images import resolution

@@ -14,9 +14,8 @@ import numpy as np
 
 from app.model.text.language import tr
 from app.session.exchange.contour_tracking import ContourTracker
-from app.session.exchange.error_messages import sentence
 from app.session.exchange.mailbox import Mailbox
-from app.session.exchange.messages import Reconstruction, ReconstructionFailed
+from app.session.exchange.messages import Reconstruction, ReconstructionFailed, sentence
 from cpm_core.contours.hand_edits import HandEdit, apply_to_result
 from cpm_core.contours.result import Result
 from cpm_core.image.image import Image

@@ -9,10 +9,9 @@ from collections.abc import Iterator
 
 from app.model.text.language import tr
 from app.session.core_functions import Core
-from app.session.exchange.error_messages import sentence
 from app.session.exchange.mailbox import Mailbox
-from app.session.exchange.messages import Overlays, Report, RunFailed, Snapshot
-from app.session.worker.commands.run import Command, CommandContext, Quit
+from app.session.exchange.messages import Overlays, Report, RunFailed, Snapshot, sentence
+from app.session.worker.commands import Command, CommandContext, Quit
 from app.session.worker.free_memory import give_back
 from app.session.worker.prepared_methods import PreparedMethods
 from app.session.worker.reconstruction import Reconstructor

@@ -10,8 +10,7 @@ import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QResizeEvent
 
-from app.model.volume.axis_names import flips_of
-from app.model.volume.slices import Slice
+from app.model.volume.slices import Slice, flips_of
 from app.session.features.slices import Sections
 from app.session.scene import Scene
 from app.views.canvas.coordinates import image_rectangle, to_position

@@ -28,7 +28,7 @@ from app.session.features.import_contours import (
 )
 from app.session.features.skeleton import description_of
 from app.session.signals import EXPORTING, OPENING
-from app.session.worker.commands.run import Copied
+from app.session.worker.commands import Copied
 from app.views.export.batch.dialog import BatchDialog
 from app.views.export.dialog import ExportDialog
 from app.views.export.surface import SurfaceDialog

@@ -11,7 +11,7 @@ from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QLabel, QMenu, QWidget
 
 from app.model.export.formats import formats
-from app.model.parameters.choices import CHANNEL
+from app.model.parameters.controls import CHANNEL
 from app.model.preferences.table import TIMELINE_MEMORY, UNIT, WORDING
 from app.model.state.resolve import resolve
 from app.model.state.situation import Situation, can_step, has_image, has_particles, is_running, is_started
@@ -21,7 +21,7 @@ from app.model.text.wording import Wording, wording_called
 from app.session.features.comparison import ComparisonWritten
 from app.session.features.timeline import TimelineNavigation
 from app.session.storage.presets import PresetStore
-from app.session.worker.commands.run import RunCall
+from app.session.worker.commands import RunCall
 from app.session.worker.recorded_run import MEGABYTE
 from app.session.worker.run import Run
 from app.views.canvas.coordinates import image_rectangle

@@ -10,7 +10,7 @@ from typing import Any
 
 from PySide6.QtWidgets import QMenu
 
-from app.model.preferences.preference import LONGEST_PATH
+from app.model.preferences.table import LONGEST_PATH
 from app.model.text.language import tr
 from app.session.exchange.messages import Opened
 from app.session.storage.preferences import Preferences

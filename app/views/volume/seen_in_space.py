@@ -14,8 +14,8 @@ from app.model.display.space.projection import Shaded
 from app.model.display.space.shown_parts import Contents
 from app.model.display.space.triangles import Mesh
 from app.model.display.space.view_in_space import ColoredMesh, Particles, Wires
-from app.model.volume.kept_with_surface import kept_with_surface
 from app.model.volume.shape_wires import wires
+from app.model.volume.surface_section import kept_with_surface
 from app.session.exchange.messages import Reconstruction, Snapshot
 from app.session.features.latest import MadeOnce
 from app.session.scene import Proposal, Scene
@@ -50,21 +50,21 @@ class SeenInSpace:
         layer, window = layers.particles, layers.image.shown_window
         inks = tuple(look().color(ink) for ink in (theme.MOVING, theme.RESTING))
         given = snapshot, layer.word("colour"), layer.word("map"), layer.word("done"), inks
-        shaded = self._parts.of("shaded", (image, window), lambda: Shaded(image.values, window))
-        particles = self._parts.of("particles", given, lambda: _particles(snapshot, layer))
-        mesh = self._parts.of("mesh", (found,), lambda: _mesh(found))
+        shaded = self._parts.named("shaded", lambda: Shaded(image.values, window), image, window)
+        particles = self._parts.named("particles", lambda: _particles(snapshot, layer), *given)
+        mesh = self._parts.of(_mesh, found)
         drawn = (scene.document.shapes if layers.drawing.shown else (), scene.selected, image)
         skeleton = scene.skeleton if layers["skeleton"].shown else None
-        lines = self._parts.of("wires", (*drawn, skeleton), lambda: _wires(*drawn, skeleton))
+        lines = self._parts.of(_wires, *drawn, skeleton)
         of, offered = scene.document.objects, scene.objects.proposals
         selected = (of, offered, image.spacing) if layers["objects"].shown else None
-        objects = self._parts.of("objects", (selected,), lambda: () if selected is None else tuple(_objects(*selected)))
+        objects = self._parts.named("objects", lambda: () if selected is None else tuple(_objects(*selected)), selected)
         known = (scene.truth if layers["truth"].shown else None, image.spacing)
-        truth = self._parts.of("truth", known, lambda: _truth(*known))
-        return self._parts.of(
+        truth = self._parts.of(_truth, *known)
+        return self._parts.named(
             "contents",
-            (image, slices, shaded, particles, mesh, lines, layers.image.word("map"), objects, truth),
             lambda: Contents(image, shaded, slices, particles, mesh, lines, layers.image.table, objects, truth),
+            *(image, slices, shaded, particles, mesh, lines, layers.image.word("map"), objects, truth),
         )
 
 

@@ -9,8 +9,7 @@ from PySide6.QtWidgets import QApplication
 
 from app.model.state.situation import Condition, Situation, has_volume
 from app.model.text.language import tr
-from app.model.volume.axis_names import ends_of
-from app.model.volume.slices import AXES
+from app.model.volume.slices import AXES, ends_of
 from app.session.session import Session
 from app.session.signals import EXPORTING
 from app.views.volume.space_bar import PARTS

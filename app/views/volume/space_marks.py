@@ -10,7 +10,7 @@ from app.model.display.lengths import bar
 from app.model.display.space.camera import Camera
 from app.model.display.space.view_in_space import AXIS_COLORS, ViewInSpace
 from app.model.text.language import tr
-from app.model.volume.axis_names import Ends
+from app.model.volume.slices import Ends
 from app.views.theme import theme
 
 _LONGEST, _MARGIN, _TICK = 120.0, 14.0, 4.0

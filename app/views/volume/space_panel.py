@@ -6,7 +6,7 @@ from PySide6.QtCore import QPoint
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from app.model.display.space.shown_parts import Contents, ShownParts
-from app.model.volume.axis_names import ends_of
+from app.model.volume.slices import ends_of
 from app.session.session import Session
 from app.views.volume.space_bar import SpaceBar
 from app.views.volume.space_view import SpaceView

@@ -33,9 +33,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.model.preferences.preference import Choice, Color, Flag, Folder, Number, Preference
 from app.model.preferences.shortcuts import refusal
-from app.model.preferences.table import PAGES, PREFERENCES
+from app.model.preferences.table import PAGES, PREFERENCES, Choice, Color, Flag, Folder, Number, Preference
 from app.model.text.language import tr
 from app.session.storage.preferences import Preferences
 from app.views.theme.icons import swatch

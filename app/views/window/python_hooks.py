@@ -11,7 +11,7 @@ from types import TracebackType
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from app.model.text.language import tr
-from app.session.exchange.error_messages import sentence
+from app.session.exchange.messages import sentence
 from app.session.session import Session
 from app.session.signals import UNEXPECTED
 

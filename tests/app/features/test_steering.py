@@ -9,7 +9,7 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.model.document import edits
-from app.session.worker.commands.run import RunCall
+from app.session.worker.commands import RunCall
 from app.session.worker.run import Run
 from app.views.features.run import TimelineFeature
 from cpm_core.field.placed_charges import RADIUS, PlacedCharge

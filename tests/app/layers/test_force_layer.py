@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
-from app.session.worker.commands.forces import NAMES, Probe, Probed
+from app.session.worker.requests import NAMES, Probe, Probed
 from app.views.canvas.layers.particles.forces import KINDS
 
 

@@ -12,9 +12,8 @@ from PySide6.QtCore import QSettings
 from app.model.display import lengths
 from app.model.display.lengths import PixelSize, shown_in
 from app.model.preferences import shortcuts
-from app.model.preferences.preference import Choice, Number
 from app.model.preferences.shortcuts import Keyed
-from app.model.preferences.table import CONTOUR_WIDTH, PAGES, PREFERENCES, THEME
+from app.model.preferences.table import CONTOUR_WIDTH, PAGES, PREFERENCES, THEME, Choice, Number
 from app.session.storage.preferences import Preferences
 
 STORED = st.one_of(

@@ -11,7 +11,7 @@ from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtWidgets import QLabel
 
 from app.model.preferences.table import PREFERENCES, TIMELINE_MEMORY
-from app.session.worker.commands.run import Command, CommandContext
+from app.session.worker.commands import Command, CommandContext
 from app.session.worker.recorded_run import MEGABYTE
 from app.session.worker.run import Run
 from app.views.features.help import PreferencesFeature

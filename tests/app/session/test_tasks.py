@@ -18,7 +18,7 @@ from app.model.state.situation import SURE_AFTER, in_words, seconds_left
 from app.session.core_functions import Core
 from app.session.exchange.messages import CommandFailed, Report
 from app.session.tasks.tasks import Cancelled, Task, Tasks
-from app.session.worker.commands.run import Command, CommandContext
+from app.session.worker.commands import Command, CommandContext
 from app.session.workspace import Workspace
 from app.views.application import make_application
 from app.views.features.run import TasksFeature

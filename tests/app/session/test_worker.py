@@ -22,9 +22,9 @@ from app.session.core_functions import Core
 from app.session.exchange.mailbox import Mailbox, Pacer
 from app.session.exchange.messages import CommandFailed, Opened, Reconstruction, RunFailed, SeedsFound, Snapshot, WentOn
 from app.session.tasks.tasks import Task
-from app.session.worker.commands.forces import Probe, Probed
-from app.session.worker.commands.run import Export, FindSeeds, RunCall, Start, WarmUp
+from app.session.worker.commands import Export, FindSeeds, RunCall, Start, WarmUp
 from app.session.worker.recorded_run import RunRecord
+from app.session.worker.requests import Probe, Probed
 from app.session.worker.run import Run
 from app.session.worker.worker_thread import WorkerThread
 from cpm_core import Engine, Image, Parameters, Regions, uniform_grid

@@ -13,7 +13,7 @@ from app.session.exchange.contour_tracking import ContourTracker
 from app.session.features import truth_comparison
 from app.session.features.latest import Latest
 from app.session.worker import overlays, reconstruction
-from app.session.worker.commands.forces import Probe
+from app.session.worker.requests import Probe
 from app.views.export import dialog as export_dialog
 from app.views.features.exchange import ExportFeature
 from app.views.window.python_hooks import UnexpectedErrors

@@ -10,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PySide6.QtCore import Qt
 
-from app.model.volume.axis_names import directions_of, edges_of, first_seen
-from app.model.volume.slices import Slices
+from app.model.volume.slices import Slices, directions_of, edges_of, first_seen
 from app.views.features.volumes import SlicesFeature, SpaceFeature
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image

@@ -13,7 +13,7 @@ from unittest import mock
 from app.session.storage import session_file
 from app.session.storage.autosave import Journal
 from app.session.tasks import opening
-from app.session.worker.commands.run import Export
+from app.session.worker.commands import Export
 from app.session.worker.reconstruction import Reconstructor
 from app.session.worker.run import Run
 from app.session.worker.worker_thread import WorkerThread

@@ -11,8 +11,7 @@ from app.model.display.space.projection import Shaded
 from app.model.display.space.slices import ShownSlice
 from app.model.display.space.triangles import Cut, Mesh
 from app.model.display.space.view_in_space import ColoredMesh, Particles, ViewInSpace, Wires
-from app.model.volume.axis_names import directions_of, first_seen
-from app.model.volume.slices import Slices
+from app.model.volume.slices import Slices, directions_of, first_seen
 from cpm_core.image.image import Image
 
 GRAY: Colors = np.repeat(np.arange(256, dtype=np.uint8)[:, np.newaxis], 3, axis=1)

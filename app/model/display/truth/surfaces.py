@@ -9,9 +9,8 @@ from typing import Literal
 import numpy as np
 
 from app.model.display.truth.differences import Difference
-from app.model.volume.kept_with_surface import kept_with_surface
 from app.model.volume.slices import Slice
-from app.model.volume.surface_section import prepare, section
+from app.model.volume.surface_section import kept_with_surface, prepare, section
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.surface import Surface

@@ -42,9 +42,9 @@ class Everywhere:
     parameters: Parameters
     regions: AnyRegions | None
 
-    def same(self, other: Everywhere | None) -> bool:
+    def same(self, other: object) -> bool:
         """Whether the run would find the same."""
-        if other is None or self.image is not other.image:
+        if not isinstance(other, Everywhere) or self.image is not other.image:
             return False
         return (self.parameters, self.regions) == (other.parameters, other.regions)
 
@@ -111,10 +111,10 @@ class Partitions(QObject):
         if isinstance(source, Result):
             if source is not self._asked_for:
                 self._ask(source)
-        elif self._everywhere is not None and source.same(_everywhere_of(self._everywhere)):
+        elif self._everywhere is not None and source.same(self._everywhere.source):
             if self._made_from is not self._everywhere.source:
                 self._use(self._everywhere)
-        elif not (isinstance(self._asked_for, Everywhere) and source.same(self._asked_for)):
+        elif not source.same(self._asked_for):
             self._run(source)
 
     def close(self) -> None:
@@ -200,10 +200,6 @@ def parameters_everywhere(document: Document) -> Parameters:
         if getattr(chosen, field.name) != getattr(preset, field.name)
     }
     return replace(EVERYWHERE, **moved)
-
-
-def _everywhere_of(prepared: Prepared) -> Everywhere | None:
-    return prepared.source if isinstance(prepared.source, Everywhere) else None
 
 
 def _ready(made: AnyPartition) -> AnyPartition:
@@ -342,16 +338,13 @@ class Selector:
                 continue  # nothing was found, as from a start across an edge
             if any(overlap(selection.mask, other.selection.mask) > _SAME_OBJECT for other in found):
                 continue
-            known = self._known_at(_places_in(selection))
+            places = _places_in(selection)
+            known = next((item for item in self.items if item.encloses(places).mean() > 0.5), None)
             if known is None:
                 found.append(Proposal(selection, clicks))
             elif not known.frozen and overlap(known.mask(self.partition.shape), selection.mask) < _UNCHANGED:
                 found.append(Proposal(selection, clicks, known.number))
         return tuple(found)
-
-    def _known_at(self, places: Array) -> SegmentedObject | None:
-        """The object that most of some places lie in."""
-        return next((item for item in self.items if item.encloses(places).mean() > 0.5), None)
 
 
 AnySelector = Selector | BodySelector

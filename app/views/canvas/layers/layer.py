@@ -10,7 +10,7 @@ from PySide6.QtCore import QObject, Signal
 from PySide6.QtWidgets import QGraphicsItem
 
 from app.session.scene import Scene
-from app.session.worker.commands.run import Command
+from app.session.worker.commands import Command
 from app.views.canvas.items.item import OverImage
 from app.views.canvas.layers.legend_entry import LegendEntry
 from app.views.canvas.layers.options import Option, Value

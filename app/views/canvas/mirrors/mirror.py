@@ -6,7 +6,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QWidget
 
 from app.session.scene import Scene
-from app.session.worker.commands.run import Command
+from app.session.worker.commands import Command
 from app.views.canvas.image_view import ImageView
 
 

@@ -8,8 +8,7 @@ from PySide6.QtWidgets import QButtonGroup, QFrame, QHBoxLayout, QLabel, QSlider
 from app.model.display.lengths import size_text
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
-from app.model.volume.axis_names import planes_of
-from app.model.volume.slices import AXES, Slices
+from app.model.volume.slices import AXES, Slices, planes_of
 from cpm_core.image.image import Image
 
 _TIPS = (

@@ -7,11 +7,11 @@ from collections.abc import Callable, Sequence
 from PySide6.QtCore import QObject, QTimer
 
 from app.model.text.language import tr
-from app.session.exchange.error_messages import sentence
+from app.session.exchange.messages import sentence
 from app.session.session import Session
 from app.session.signals import FILMING
 from app.session.tasks.tasks import Task
-from app.session.worker.commands.frames import FrameTaken, TakeFrame
+from app.session.worker.requests import FrameTaken, TakeFrame
 from app.views.export.film.frame_renderer import FrameRenderer
 from cpm_core.numerics.types import Pixels
 

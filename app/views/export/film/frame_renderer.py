@@ -9,8 +9,8 @@ from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QImage, QPainter
 
 from app.session.scene import ReviewedContours, Scene
-from app.session.worker.commands.frames import FrameTaken
-from app.session.worker.commands.run import Command
+from app.session.worker.commands import Command
+from app.session.worker.requests import FrameTaken
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.coordinates import image_rectangle
 from app.views.canvas.image_view import ImageView

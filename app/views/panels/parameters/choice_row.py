@@ -6,7 +6,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QWheelEvent
 from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QWidget
 
-from app.model.parameters.choices import ChoiceControl
+from app.model.parameters.controls import ChoiceControl
 
 
 class Box(QComboBox):

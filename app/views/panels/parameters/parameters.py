@@ -12,8 +12,7 @@ from app.model.display.filter_counts import FILTERS, GAP, FilterCounts
 from app.model.document import edits
 from app.model.document.document import Document
 from app.model.document.modes import acting_in
-from app.model.parameters.choices import CHANNEL, choice_controls
-from app.model.parameters.controls import Control, controls, value_of
+from app.model.parameters.controls import CHANNEL, Control, choice_controls, controls, value_of
 from app.model.text.language import tr
 from app.model.text.wording import Wording
 from app.session.scene import NO_CONTOURS, ReviewedContours

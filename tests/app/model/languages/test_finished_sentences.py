@@ -19,7 +19,7 @@ import cpm_core as cpm
 from app.model.text import language
 from app.model.text.reasons import reason
 from app.model.text.templates import Templates
-from app.session.exchange.error_messages import sentence
+from app.session.exchange.messages import sentence
 from cpm_core.contours.surface import Surface
 from cpm_core.formats import load_contours, load_image
 from cpm_core.formats.sessions.session_file import load_session

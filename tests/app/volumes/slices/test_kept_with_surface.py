@@ -10,8 +10,8 @@ import pytest
 import cpm_core as cpm
 from app.model.display.truth import surfaces
 from app.model.volume import object_sections, shape_sections
-from app.model.volume.kept_with_surface import kept_with_surface
 from app.model.volume.slices import Slice
+from app.model.volume.surface_section import kept_with_surface
 from app.views.volume import seen_in_space
 from cpm_core.contours.surface import Surface
 

@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from app.session.features.volumes import sections
 from PySide6.QtCore import Qt
 
 from app.model.display import display_image
 from app.model.display.display_image import DisplayImage, IntensityWindow
 from app.model.display.space.shown_parts import ShownParts
+from app.session.features import slices
 from app.views.features.volumes import SlicesFeature, SpaceFeature
 from cpm_core.image.image import Image
 from tests.app.volumes.conftest import ball, open_file
@@ -24,7 +24,7 @@ WHOLE = IntensityWindow(20.0, 200.0)
 @pytest.fixture
 def large(monkeypatch, window, hand, volume_file):
     """A window on a volume whose slices count as large."""
-    monkeypatch.setattr(sections, "AT_ONCE", 100)
+    monkeypatch.setattr(slices, "AT_ONCE", 100)
     monkeypatch.setattr(display_image, "_PREVIEW", 8)
     open_file(window, hand, volume_file)
     return window

@@ -10,7 +10,7 @@ from app.model.display.display_image import DisplayImage, IntensityWindow, Shade
 from app.model.text.language import tr
 from app.model.text.numbers import written
 from app.session.scene import Scene
-from app.session.worker.commands.intensity_window import FindWindow, Shade, WindowFound
+from app.session.worker.requests import FindWindow, Shade, WindowFound
 from app.views.canvas.items.item import cached
 from app.views.canvas.items.tiled_image import TiledImage
 from app.views.canvas.layers.layer import Layer, Requests

@@ -7,7 +7,7 @@ from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter
 
 from app.model.text.language import tr
-from app.model.volume.axis_names import edges_of
+from app.model.volume.slices import edges_of
 from app.session.scene import Scene
 from app.views.canvas.items.pinned import INK, Pinned
 from app.views.canvas.layers.layer import Layer, Requests

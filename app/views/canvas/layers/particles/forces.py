@@ -12,7 +12,7 @@ from PySide6.QtGui import QColor, QPainter, QPainterPath, QPen
 from app.model.text.language import tr
 from app.model.text.numbers import written
 from app.session.scene import Scene
-from app.session.worker.commands.forces import Probe, Probed
+from app.session.worker.requests import Probe, Probed
 from app.views.canvas.items.pinned import FAINT, INK, Pinned
 from app.views.canvas.layers.layer import Layer, Requests
 from app.views.canvas.layers.options import Amount

@@ -1,1 +1,0 @@
-"""Commands to the worker, by what they concern."""
