@@ -39,7 +39,7 @@ def folder(tmp_path):
 def dialog(ready: MainWindow, hand: Hand, folder) -> BatchDialog:
     """The dialog, opened by its key on the folder."""
     hand.key(Qt.Key.Key_E, Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.AltModifier)
-    made = ready.feature(BatchFeature).dialog
+    made = ready.feature(BatchFeature).dialog.shown
     assert made is not None
     hand.qtbot.waitExposed(made)
     made.folder.clear()
