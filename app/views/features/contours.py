@@ -18,7 +18,7 @@ from app.views.canvas.naming import NameField
 from app.views.panels.contour_table import ContourPanel
 from app.views.panels.contour_table.truth_panel import TruthPanel
 from app.views.theme.contour_colors import fill_colors
-from app.views.widgets.action_spec import STATE, ActionSpec, Submenu
+from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.window.dialogs import Files, all_files
 from app.views.window.feature import Feature, FeatureContext, Panel
 from cpm_core.contours.contour import Contour
@@ -55,39 +55,33 @@ class ContoursFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec | Submenu]:
         """Table, selection, verdicts, names, colors."""
         return (
-            ActionSpec(name="contour_table", menu="Contours", text=tr("&Table of contours"),
-                       do=lambda: self.context.areas().enter("contours"), shortcuts=("Ctrl+T",),
-                       tip=tr("Show the measures and the review of each contour.")),
-            ActionSpec(name="next_contour", menu="Contours", text=tr("Select ne&xt contour"), do=self._select_next,
-                       shortcuts=("Shift+N",), tip=tr("Select one contour after the other, longest first."), gap=True,
+            ActionSpec("contour_table", "Contours", tr("&Table of contours"),
+                       tr("Show the measures and the review of each contour."),
+                       lambda: self.context.areas().enter("contours"), "Ctrl+T"),
+            ActionSpec("next_contour", "Contours", tr("Select ne&xt contour"),
+                       tr("Select one contour after the other, longest first."), self._select_next, "Shift+N", gap=True,
                        when=self._any),
-            ActionSpec(name="all_contours", menu="Contours", text=tr("Select &all contours"),
-                       do=lambda: self._review.select(item.key for item in self._review.items), shortcuts=("Ctrl+A",),
-                       tip=tr("Select all contours."), when=self._any),
-            ActionSpec(name="other_contours", menu="Contours", text=tr("&Invert the selection"), do=self._invert,
-                       shortcuts=("Ctrl+I",), tip=tr("Select all contours that are not selected."),
-                       when=self._any),
-            ActionSpec(name="keep", menu="Contours", text=tr("&Keep"), do=lambda: self._review.judge("kept"),
-                       shortcuts=("K",), gap=True, when=self._chosen,
-                       tip=tr("Keep the selected contours through all sliders and runs; press again to undo.")),
-            ActionSpec(name="reject", menu="Contours", text=tr("&Reject"), do=lambda: self._review.judge("rejected"),
-                       shortcuts=("X",), tip=tr("Exclude the selected contours from exports; press again to undo."),
-                       when=self._chosen),
-            ActionSpec(name="name_contour", menu="Contours", text=tr("&Name…"), do=self.ask_name, shortcuts=("F2",),
-                       tip=tr("Give the selected contour a name."), when=self._chosen),
+            ActionSpec("all_contours", "Contours", tr("Select &all contours"), tr("Select all contours."),
+                       lambda: self._review.select(item.key for item in self._review.items), "Ctrl+A", when=self._any),
+            ActionSpec("other_contours", "Contours", tr("&Invert the selection"),
+                       tr("Select all contours that are not selected."), self._invert, "Ctrl+I", when=self._any),
+            ActionSpec("keep", "Contours", tr("&Keep"),
+                       tr("Keep the selected contours through all sliders and runs; press again to undo."),
+                       lambda: self._review.judge("kept"), "K", gap=True, when=self._chosen),
+            ActionSpec("reject", "Contours", tr("&Reject"),
+                       tr("Exclude the selected contours from exports; press again to undo."),
+                       lambda: self._review.judge("rejected"), "X", when=self._chosen),
+            ActionSpec("name_contour", "Contours", tr("&Name…"), tr("Give the selected contour a name."), self.ask_name,
+                       "F2", when=self._chosen),
             Submenu(name="colors", menu="Contours", text=tr("&Color"), fill=self._fill_colors),
-            ActionSpec(
-                name="forget_verdicts",
-                menu="Contours",
-                text=tr("C&lear verdicts, names and colors"),
-                do=lambda: self.context.session.edit(tr("clear verdicts, names and colors"), contours.clear_marks),
-                tip=tr("Remove all contour reviews."),
-                when=lambda situation: bool(situation.document.marks),
-            ),
-            ActionSpec(name="show_rejected", menu="Contours", text=tr("&Show rejected contours"),
-                       do=lambda: self._layer.choose("rejected", not self._layer.chosen["rejected"]),
-                       tip=tr("Show rejected contours faint and dashed, or hide them."), group=STATE, checked=True,
-                       gap=True, holds=lambda situation: bool(self._layer.chosen["rejected"])),
+            ActionSpec("forget_verdicts", "Contours", tr("C&lear verdicts, names and colors"),
+                       tr("Remove all contour reviews."),
+                       lambda: self.context.session.edit(tr("clear verdicts, names and colors"), contours.clear_marks),
+                       when=lambda situation: bool(situation.document.marks)),
+            ActionSpec("show_rejected", "Contours", tr("&Show rejected contours"),
+                       tr("Show rejected contours faint and dashed, or hide them."),
+                       lambda: self._layer.choose("rejected", not self._layer.chosen["rejected"]), gap=True,
+                       holds=lambda situation: bool(self._layer.chosen["rejected"])),
         )  # fmt: skip
 
     def panels(self) -> Sequence[Panel]:
@@ -169,28 +163,27 @@ class HandEditingFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec]:
         """Close, join, cut, delete, and remove edits."""
         return (
-            ActionSpec(name="close_contours", menu="Contours", text=tr("Clos&e by hand"),
-                       do=lambda: self._editing.join_selected(closing=True), shortcuts=("Shift+C",), gap=True,
-                       tip=tr("Close the selected contour along the edge between its ends; several ones are joined "
-                              "first."),
+            ActionSpec("close_contours", "Contours", tr("Clos&e by hand"),
+                       tr("Close the selected contour along the edge between its ends; several ones are joined "
+                       "first."), lambda: self._editing.join_selected(closing=True), "Shift+C", gap=True,
                        when=self._chosen),
-            ActionSpec(name="join_contours", menu="Contours", text=tr("&Join by hand"),
-                       do=lambda: self._editing.join_selected(closing=False), shortcuts=("Shift+J",),
-                       tip=tr("Join the selected contours along the edges between their nearest ends."),
+            ActionSpec("join_contours", "Contours", tr("&Join by hand"),
+                       tr("Join the selected contours along the edges between their nearest ends."),
+                       lambda: self._editing.join_selected(closing=False), "Shift+J",
                        when=lambda situation: len(self._review.selected) > 1),
-            ActionSpec(name="cut_contour", menu="Contours", text=tr("C&ut at the mark"), do=self._editing.cut_marked,
-                       shortcuts=("Shift+X",), tip=tr("Cut the contour at the place that was clicked last."),
+            ActionSpec("cut_contour", "Contours", tr("C&ut at the mark"),
+                       tr("Cut the contour at the place that was clicked last."), self._editing.cut_marked, "Shift+X",
                        when=lambda situation: bool(self._editing.marked)),
-            ActionSpec(name="delete_stretch", menu="Contours", text=tr("&Delete between the marks"),
-                       do=self._editing.delete_stretch, shortcuts=("Shift+Delete",),
-                       tip=tr("Delete the stretch of a contour between two places that were clicked."),
+            ActionSpec("delete_stretch", "Contours", tr("&Delete between the marks"),
+                       tr("Delete the stretch of a contour between two places that were clicked."),
+                       self._editing.delete_stretch, "Shift+Delete",
                        when=lambda situation: len(self._editing.marked) == 2),
-            ActionSpec(name="drop_missed_edits", menu="Contours", text=tr("Remove edits by hand that no longer a&pply"),
-                       do=lambda: self._editing.drop(self._editing.missed),
-                       tip=tr("Remove edits that do not find their contours, with what they drew."),
+            ActionSpec("drop_missed_edits", "Contours", tr("Remove edits by hand that no longer a&pply"),
+                       tr("Remove edits that do not find their contours, with what they drew."),
+                       lambda: self._editing.drop(self._editing.missed),
                        when=lambda situation: bool(self._editing.missed)),
-            ActionSpec(name="drop_hand_edits", menu="Contours", text=tr("Remove all edits b&y hand"),
-                       do=self._editing.drop, tip=tr("Show the contours as the run has found them."),
+            ActionSpec("drop_hand_edits", "Contours", tr("Remove all edits b&y hand"),
+                       tr("Show the contours as the run has found them."), self._editing.drop,
                        when=lambda situation: bool(situation.document.hand_edits)),
         )  # fmt: skip
 
@@ -237,18 +230,17 @@ class TruthFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec]:
         """Load, show differences, remove."""
         return (
-            ActionSpec(name="load_truth", menu="Contours", text=tr("Compare with ground &truth…"), do=self._load,
-                       shortcuts=("Ctrl+Shift+T",),
-                       tip=tr("Load a mask or contours as ground truth, and measure the agreement."),
-                       gap=True, when=has_image),
-            ActionSpec(name="worst_place", menu="Contours", text=tr("Sho&w largest difference"),
-                       do=self.panel.jump_to_worst,
-                       tip=tr("Show where contours and ground truth are farthest apart."), when=self._differs),
-            ActionSpec(name="next_place", menu="Contours", text=tr("Show next differen&ce"),
-                       do=self.panel.jump_to_next, shortcuts=("Shift+W",),
-                       tip=tr("Show the next difference between contours and ground truth."), when=self._differs),
-            ActionSpec(name="forget_truth", menu="Contours", text=tr("Remo&ve ground truth"), do=self.truth.forget,
-                       tip=tr("Remove the ground truth."), when=lambda situation: self.truth.truth is not None),
+            ActionSpec("load_truth", "Contours", tr("Compare with ground &truth…"),
+                       tr("Load a mask or contours as ground truth, and measure the agreement."), self._load,
+                       "Ctrl+Shift+T", gap=True, when=has_image),
+            ActionSpec("worst_place", "Contours", tr("Sho&w largest difference"),
+                       tr("Show where contours and ground truth are farthest apart."), self.panel.jump_to_worst,
+                       when=self._differs),
+            ActionSpec("next_place", "Contours", tr("Show next differen&ce"),
+                       tr("Show the next difference between contours and ground truth."), self.panel.jump_to_next,
+                       "Shift+W", when=self._differs),
+            ActionSpec("forget_truth", "Contours", tr("Remo&ve ground truth"), tr("Remove the ground truth."),
+                       self.truth.forget, when=lambda situation: self.truth.truth is not None),
         )  # fmt: skip
 
     def panels(self) -> Sequence[Panel]:
@@ -300,16 +292,16 @@ class SkeletonsFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec]:
         """One action each."""
         return (
-            ActionSpec(name="object_skeleton", menu="Objects", text=tr("S&keleton of the objects"), do=self._of_objects,
-                       tip=tr("Find the center lines of the chosen objects and how thick they are."),
+            ActionSpec("object_skeleton", "Objects", tr("S&keleton of the objects"),
+                       tr("Find the center lines of the chosen objects and how thick they are."), self._of_objects,
                        icon="mode_skeleton", gap=True,
                        when=lambda situation: bool(self.context.workspace.object_list.chosen)),
-            ActionSpec(name="contour_skeleton", menu="Contours", text=tr("S&keleton of closed contours"),
-                       do=self._of_contours, icon="mode_skeleton", gap=True, when=lambda _: bool(self._closed()),
-                       tip=tr("Find the center lines inside the selected closed contours, or inside all of them.")),
-            ActionSpec(name="image_skeleton", menu="Run", text=tr("Skeleton of the &whole image"), do=self._of_image,
-                       tip=tr("Find center lines in the image again, not only in objects or closed contours."),
-                       when=_is_outlined),
+            ActionSpec("contour_skeleton", "Contours", tr("S&keleton of closed contours"),
+                       tr("Find the center lines inside the selected closed contours, or inside all of them."),
+                       self._of_contours, icon="mode_skeleton", gap=True, when=lambda _: bool(self._closed())),
+            ActionSpec("image_skeleton", "Run", tr("Skeleton of the &whole image"),
+                       tr("Find center lines in the image again, not only in objects or closed contours."),
+                       self._of_image, when=_is_outlined),
         )  # fmt: skip
 
     def _of_objects(self) -> None:

@@ -15,7 +15,7 @@ from app.views.canvas.canvas_area import FIRST_TOOL
 from app.views.canvas.tools import TOOLS
 from app.views.panels.history import HistoryPanel
 from app.views.theme.theme import Theme
-from app.views.widgets.action_spec import STATE, ActionSpec
+from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature, FeatureContext, Panel
 from cpm_core.shapes import Everywhere, Kind
 
@@ -38,33 +38,29 @@ class DrawFeature(Feature):
 
     def _tools(self) -> Sequence[ActionSpec]:
         return [
-            ActionSpec(name=tool.name, menu="Draw", text=tool.text,
-                       do=partial(self.context.canvas_area.use_tool, tool.name),
-                       shortcuts=(tool.shortcut,) if tool.shortcut else (), tip=tool.tip, icon=tool.name, group="tool",
-                       checked=tool.name == FIRST_TOOL, gap=index > 0 and tool.group != TOOLS[index - 1].group,
-                       when=has_image)
+            ActionSpec(tool.name, "Draw", tool.text, tool.tip, partial(self.context.canvas_area.use_tool, tool.name),
+                       tool.shortcut, icon=tool.name, group="tool", checked=tool.name == FIRST_TOOL,
+                       gap=index > 0 and tool.group != TOOLS[index - 1].group, when=has_image)
             for index, tool in enumerate(TOOLS)
         ]  # fmt: skip
 
     def _starts(self) -> Sequence[ActionSpec]:
         return [
-            ActionSpec(name=f"start_{kind}", menu="Draw", text=text, do=partial(self._toggle, Everywhere(kind)),
-                       shortcuts=(keys,), tip=tip, icon=kind, group=STATE, gap=index == 0, when=has_image,
-                       holds=_starts_with(Everywhere(kind)))
+            ActionSpec(f"start_{kind}", "Draw", text, tip, partial(self._toggle, Everywhere(kind)), keys, icon=kind,
+                       gap=index == 0, when=has_image, holds=_starts_with(Everywhere(kind)))
             for index, (kind, text, keys, tip) in enumerate(_STARTS)
         ]  # fmt: skip
 
     def _by_keys(self) -> Sequence[ActionSpec]:
-        middle = ActionSpec(name="add_circle", menu="Draw", text=tr("Add circle in the &middle"),
-                            do=self.context.canvas_area.add_circle, shortcuts=("Ctrl+K",),
-                            tip=tr("Add a circle in the middle of the visible part."), gap=True,
-                            when=has_image)  # fmt: skip
+        middle = ActionSpec("add_circle", "Draw", tr("Add circle in the &middle"),
+                            tr("Add a circle in the middle of the visible part."), self.context.canvas_area.add_circle,
+                            "Ctrl+K", gap=True, when=has_image)  # fmt: skip
         keyed = ActionSpec(
-            name="cross_hair",
-            menu="Draw",
-            text=tr("Draw by &keys"),
-            do=self.context.canvas_area.crosshair.toggle,
-            tip=tr("Draw with the current tool by a cross-hair that arrow keys move; or press Enter on the image."),
+            "cross_hair",
+            "Draw",
+            tr("Draw by &keys"),
+            tr("Draw with the current tool by a cross-hair that arrow keys move; or press Enter on the image."),
+            self.context.canvas_area.crosshair.toggle,
             when=has_image,
         )
         return middle, keyed
@@ -92,9 +88,8 @@ class ModesFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec]:
         """One mode each."""
         return [
-            ActionSpec(name=f"mode_{name}", menu="Run", text=info.title, do=partial(self._use, name),
-                       shortcuts=(_KEYS[name],), tip=info.about, icon=f"mode_{name}", group=STATE, holds=_is(name),
-                       gap=index == 0, short=info.short)
+            ActionSpec(f"mode_{name}", "Run", info.title, info.about, partial(self._use, name), _KEYS[name],
+                       icon=f"mode_{name}", holds=_is(name), gap=index == 0, short=info.short)
             for index, (name, info) in enumerate(MODES.items())
         ]  # fmt: skip
 
@@ -118,28 +113,28 @@ class UndoSelectionFeature(Feature):
         """Undo, redo, selection, deletion."""
         session = self.context.session
         return (
-            ActionSpec(name="undo", menu="Edit", text=tr("Undo"), short=tr("Undo"), do=session.undo,
-                       shortcuts=("Ctrl+Z",), tip=tr("Undo the last change."), icon="undo", when=can_undo,
+            ActionSpec("undo", "Edit", tr("Undo"), tr("Undo the last change."), session.undo, "Ctrl+Z",
+                       short=tr("Undo"), icon="undo", when=can_undo,
                        worded=lambda situation: resolve(situation).undo_text),
-            ActionSpec(name="redo", menu="Edit", text=tr("Redo"), short=tr("Redo"), do=session.redo,
-                       shortcuts=("Ctrl+Shift+Z", "Ctrl+Y"), tip=tr("Redo the last undone change."), icon="redo",
-                       when=can_redo, worded=lambda situation: resolve(situation).redo_text),
-            ActionSpec(name="select_next", menu="Edit", text=tr("Select &next shape"), do=session.select_next,
-                       shortcuts=("N",), tip=tr("Select the next shape."), gap=True, when=has_shapes),
-            ActionSpec(name="escape", menu="Edit", text=tr("Cance&l"), do=self.context.canvas_area.escape,
-                       shortcuts=("Escape",),
-                       tip=tr("Cancel the current drawing, or clear the selection and hide messages.")),
-            ActionSpec(name="delete", menu="Edit", text=tr("&Delete"), do=session.delete_selected,
-                       shortcuts=("Delete", "Backspace"), tip=tr("Remove the selected shape."), gap=True,
-                       when=has_selection),
-            ActionSpec(name="enlarge", menu="Edit", text=tr("Larger"), do=lambda: self._resize(1.0), when=has_selection,
-                       tip=tr("Make the selected shape larger, or a charge stronger; so does the key >.")),
-            ActionSpec(name="shrink", menu="Edit", text=tr("Smaller"), do=lambda: self._resize(-1.0),
-                       when=has_selection,
-                       tip=tr("Make the selected shape smaller, or a charge weaker; so does the key <.")),
-            ActionSpec(name="clear", menu="Edit", text=tr("Delete &all shapes"),
-                       do=lambda: session.edit(tr("delete all shapes"), edits.clear_shapes),
-                       shortcuts=("Ctrl+Shift+Backspace",), tip=tr("Remove all shapes."), when=has_shapes),
+            ActionSpec("redo", "Edit", tr("Redo"), tr("Redo the last undone change."), session.redo,
+                       "Ctrl+Shift+Z Ctrl+Y", short=tr("Redo"), icon="redo", when=can_redo,
+                       worded=lambda situation: resolve(situation).redo_text),
+            ActionSpec("select_next", "Edit", tr("Select &next shape"), tr("Select the next shape."),
+                       session.select_next, "N", gap=True, when=has_shapes),
+            ActionSpec("escape", "Edit", tr("Cance&l"),
+                       tr("Cancel the current drawing, or clear the selection and hide messages."),
+                       self.context.canvas_area.escape, "Escape"),
+            ActionSpec("delete", "Edit", tr("&Delete"), tr("Remove the selected shape."), session.delete_selected,
+                       "Delete Backspace", gap=True, when=has_selection),
+            ActionSpec("enlarge", "Edit", tr("Larger"),
+                       tr("Make the selected shape larger, or a charge stronger; so does the key >."),
+                       lambda: self._resize(1.0), when=has_selection),
+            ActionSpec("shrink", "Edit", tr("Smaller"),
+                       tr("Make the selected shape smaller, or a charge weaker; so does the key <."),
+                       lambda: self._resize(-1.0), when=has_selection),
+            ActionSpec("clear", "Edit", tr("Delete &all shapes"), tr("Remove all shapes."),
+                       lambda: session.edit(tr("delete all shapes"), edits.clear_shapes), "Ctrl+Shift+Backspace",
+                       when=has_shapes),
         )  # fmt: skip
 
     def _resize(self, by: float) -> None:

@@ -63,11 +63,11 @@ class ExportFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec]:
         """Export, and export again to the same file."""
         return (
-            ActionSpec(name="export", menu="File", text=tr("&Export contours…"), short=tr("Export"), do=self._export,
-                       shortcuts=("Ctrl+E", "Ctrl+Shift+K"), tip=tr("Export the contours, or the skeleton, to a file."),
-                       icon="export", gap=True, when=_can_export, worded=_export_text),
-            ActionSpec(name="export_again", menu="File", text=tr("Export a&gain"), do=self._export_again,
-                       shortcuts=("Ctrl+Shift+E",), tip=tr("Export the contours to the last file again."),
+            ActionSpec("export", "File", tr("&Export contours…"),
+                       tr("Export the contours, or the skeleton, to a file."), self._export, "Ctrl+E Ctrl+Shift+K",
+                       short=tr("Export"), icon="export", gap=True, when=_can_export, worded=_export_text),
+            ActionSpec("export_again", "File", tr("Export a&gain"), tr("Export the contours to the last file again."),
+                       self._export_again, "Ctrl+Shift+E",
                        when=lambda situation: _can_export(situation) and self._exported is not None,
                        worded=lambda situation: self._again_text()),
         )  # fmt: skip
@@ -153,9 +153,9 @@ def _export_text(situation: Situation) -> str:
 
 
 _COPIES = (
-    ("copy_svg", tr("Copy contours as &SVG"), ".svg", ("Ctrl+C",)),
-    ("copy_csv", tr("Copy contours as &CSV"), ".csv", ()),
-    ("copy_geojson", tr("Copy contours as &GeoJSON"), ".geojson", ()),
+    ("copy_svg", tr("Copy contours as &SVG"), ".svg", "Ctrl+C"),
+    ("copy_csv", tr("Copy contours as &CSV"), ".csv", ""),
+    ("copy_geojson", tr("Copy contours as &GeoJSON"), ".geojson", ""),
 )
 
 _MIME = {".svg": "image/svg+xml", ".csv": "text/csv", ".geojson": "application/geo+json"}
@@ -171,15 +171,14 @@ class ClipboardFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec]:
         """Contours in several formats, and the view."""
         contours = [
-            ActionSpec(name=name, menu="Edit", text=text, do=partial(self.context.session.copy_contours, suffix),
-                       shortcuts=shortcuts, tip=tr("Copy the contours to the clipboard."),
-                       gap=suffix == ".svg", when=has_contours)
-            for name, text, suffix, shortcuts in _COPIES
+            ActionSpec(name, "Edit", text, tr("Copy the contours to the clipboard."),
+                       partial(self.context.session.copy_contours, suffix), keys, gap=suffix == ".svg",
+                       when=has_contours)
+            for name, text, suffix, keys in _COPIES
         ]  # fmt: skip
-        view = ActionSpec(name="copy_view", menu="Edit", text=tr("Copy &view as image"), do=self._copy_view,
-                          shortcuts=("Ctrl+Shift+P",),
-                          tip=tr("Copy the visible part of the image with its overlays to the clipboard."),
-                          when=has_image)  # fmt: skip
+        view = ActionSpec("copy_view", "Edit", tr("Copy &view as image"),
+                          tr("Copy the visible part of the image with its overlays to the clipboard."), self._copy_view,
+                          "Ctrl+Shift+P", when=has_image)  # fmt: skip
         return (*contours, view)
 
     def _copy_view(self) -> None:
@@ -222,11 +221,11 @@ class ImportFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec]:
         """Import contours, and paste."""
         return (
-            ActionSpec(name="import_contours", menu="File", text=tr("&Import contours…"), do=self._choose,
-                       tip=tr("Read contours of another program, as a start, as objects or as ground truth."),
+            ActionSpec("import_contours", "File", tr("&Import contours…"),
+                       tr("Read contours of another program, as a start, as objects or as ground truth."), self._choose,
                        when=has_image),
-            ActionSpec(name="paste", menu="Edit", text=tr("&Paste"), do=self.paste, shortcuts=("Ctrl+V",),
-                       tip=tr("Open the picture on the clipboard, or use the contours on it.")),
+            ActionSpec("paste", "Edit", tr("&Paste"),
+                       tr("Open the picture on the clipboard, or use the contours on it."), self.paste, "Ctrl+V"),
         )  # fmt: skip
 
     def take(self, path: Path) -> None:
@@ -347,9 +346,9 @@ class BatchFeature(DialogFeature[BatchDialog]):
     def action_specs(self) -> Sequence[ActionSpec]:
         """Open it."""
         return (
-            ActionSpec(name="apply_to_folder", menu="File", text=tr("Apply this session to a &folder…"), do=self.open,
-                       shortcuts=("Ctrl+Alt+E",), when=has_image,
-                       tip=tr("Run every image of a folder with what is drawn and set here.")),
+            ActionSpec("apply_to_folder", "File", tr("Apply this session to a &folder…"),
+                       tr("Run every image of a folder with what is drawn and set here."), self.open, "Ctrl+Alt+E",
+                       when=has_image),
         )  # fmt: skip
 
     def made(self) -> BatchDialog:

@@ -66,18 +66,18 @@ class OpenSaveFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec | Submenu]:
         """Open, save, quit."""
         return (
-            ActionSpec(name="open", menu="File", text=tr("&Open…"), short=tr("Open"), do=self.ask_for_file,
-                       shortcuts=("Ctrl+O",), tip=tr("Open an image or a session."), icon="open"),
+            ActionSpec("open", "File", tr("&Open…"), tr("Open an image or a session."), self.ask_for_file, "Ctrl+O",
+                       short=tr("Open"), icon="open"),
             Submenu(name="recent", menu="File", text=tr("Open &recent"), fill=self.recent.fill),
             Submenu(name="samples", menu="File", text=tr("Open sa&mple"), fill=self._fill_samples),
-            ActionSpec(name="save", menu="File", text=tr("&Save session"), short=tr("Save"), do=self.save,
-                       shortcuts=("Ctrl+S",), icon="save",
-                       tip=tr("Save what you see: drawing, runs, contours, objects, view."), gap=True, when=has_image),
-            ActionSpec(name="save_as", menu="File", text=tr("Save session &as…"), do=self.save_as,
-                       shortcuts=("Ctrl+Shift+S",), tip=tr("Save the session to another file and continue with it."),
+            ActionSpec("save", "File", tr("&Save session"),
+                       tr("Save what you see: drawing, runs, contours, objects, view."), self.save, "Ctrl+S",
+                       short=tr("Save"), icon="save", gap=True, when=has_image),
+            ActionSpec("save_as", "File", tr("Save session &as…"),
+                       tr("Save the session to another file and continue with it."), self.save_as, "Ctrl+Shift+S",
                        when=has_image),
-            ActionSpec(name="quit", menu="File", text=tr("&Quit"), do=self.context.window.close, shortcuts=("Ctrl+Q",),
-                       tip=tr("Quit the program."), gap=True),
+            ActionSpec("quit", "File", tr("&Quit"), tr("Quit the program."), self.context.window.close, "Ctrl+Q",
+                       gap=True),
         )  # fmt: skip
 
     def take(self, paths: Sequence[Path], resumes: bool = False) -> None:
@@ -255,8 +255,8 @@ class StartFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec]:
         """The start screen."""
         return (
-            ActionSpec(name="start", menu="File", text=tr("S&tart screen"), short=tr("Start"), do=self.toggle,
-                       shortcuts=("Alt+Home",), tip=tr("Show recent work and samples as pictures."), icon="home"),
+            ActionSpec("start", "File", tr("S&tart screen"), tr("Show recent work and samples as pictures."),
+                       self.toggle, "Alt+Home", short=tr("Start"), icon="home"),
         )  # fmt: skip
 
     def use_theme(self, theme: Theme) -> None:
@@ -354,12 +354,12 @@ class FolderFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec]:
         """Previous and next."""
         return (
-            ActionSpec(name="previous_image", menu="File", text=tr("Pre&vious image of the folder"),
-                       do=partial(self.go, -1), shortcuts=("Alt+Left",), gap=True, when=partial(self._leads, -1),
-                       tip=tr("Open the previous image of the folder, with the session beside it.")),
-            ActionSpec(name="next_image", menu="File", text=tr("Ne&xt image of the folder"),
-                       do=partial(self.go, 1), shortcuts=("Alt+Right",), when=partial(self._leads, 1),
-                       tip=tr("Open the next image of the folder, with the session beside it.")),
+            ActionSpec("previous_image", "File", tr("Pre&vious image of the folder"),
+                       tr("Open the previous image of the folder, with the session beside it."), partial(self.go, -1),
+                       "Alt+Left", gap=True, when=partial(self._leads, -1)),
+            ActionSpec("next_image", "File", tr("Ne&xt image of the folder"),
+                       tr("Open the next image of the folder, with the session beside it."), partial(self.go, 1),
+                       "Alt+Right", when=partial(self._leads, 1)),
         )  # fmt: skip
 
     def use_theme(self, theme: Theme) -> None:

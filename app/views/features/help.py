@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import html
 from collections.abc import Sequence
 
-from PySide6.QtCore import QTimer
-from PySide6.QtWidgets import QApplication, QPushButton
+from PySide6.QtCore import Qt, QTimer
+from PySide6.QtWidgets import QApplication, QMessageBox, QPushButton
 
 from app.model.document.samples import sample_called
+from app.model.text.about import LICENSE, PAPER, PURPOSE, about_in_words, versions
 from app.model.text.language import tr
 from app.session.signals import PREFERENCES
-from app.views.help.about import About
-from app.views.help.cheat_sheet import KEYS, CheatSheet
-from app.views.help.guide import Guide
+from app.views.help.guide import KEYS, Guide
 from app.views.help.tour import Tour, stops
+from app.views.theme.icons import program_icon
 from app.views.widgets.action_spec import ActionSpec
 from app.views.widgets.preference_row import PreferenceRow
 from app.views.window.feature import Feature, FeatureContext
@@ -36,17 +37,15 @@ class HelpFeature(Feature):
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """Keys, guide, tour and about."""
-        window = self.context.window
         return (
-            ActionSpec(name=KEYS, menu="Help", text=tr("&Keys"), do=self._show_keys, shortcuts=("?",),
-                       tip=tr("Show all keys.")),
-            ActionSpec(name="guide", menu="Help", text=tr("&Guide"), do=self.show_guide, shortcuts=("F1",),
-                       tip=tr("First steps, examples step by step, and the use of the canvas."), icon="guide"),
-            ActionSpec(name="tour", menu="Help", text=tr("&Tour of the window"), do=self.begin_tour,
-                       tip=tr("Five steps to a first result.")),
-            ActionSpec(name="about", menu="Help", text=tr("&About CPM"), do=lambda: About(window).open(),
-                       tip=tr("Version, license, the paper, and the versions of what the program works with."),
-                       gap=True),
+            ActionSpec(KEYS, "Help", tr("&Keys"), tr("Show all keys."), self._show_keys, "?"),
+            ActionSpec("guide", "Help", tr("&Guide"),
+                       tr("First steps, examples step by step, and the use of the canvas."), self.show_guide, "F1",
+                       icon="guide"),
+            ActionSpec("tour", "Help", tr("&Tour of the window"), tr("Five steps to a first result."), self.begin_tour),
+            ActionSpec("about", "Help", tr("&About CPM"),
+                       tr("Version, license, the paper, and the versions of what the program works with."),
+                       self._show_about, gap=True),
         )  # fmt: skip
 
     def preferences(self) -> Sequence[PreferenceRow]:
@@ -75,7 +74,7 @@ class HelpFeature(Feature):
     def show_guide(self, page: str = "") -> None:
         """Open the guide, at a named page if given, or bring it to the front."""
         if self.guide is None:
-            self.guide = Guide(self.context.window, self.context.action_specs(), self._open_sample)
+            self.guide = Guide(self.context.window, list(self.context.action_specs()), self._open_sample)
             self.guide.destroyed.connect(self._forget_guide)
         if page:
             self.guide.turn_to(page)
@@ -104,13 +103,31 @@ class HelpFeature(Feature):
         return button
 
     def _show_keys(self) -> None:
-        open_ones = [sheet for sheet in self.context.window.findChildren(CheatSheet) if sheet.isVisible()]
-        for sheet in open_ones:
-            sheet.close()
-        if not open_ones:
-            sheet = CheatSheet(self.context.window, self.context.action_specs())
-            sheet.show()
-            sheet.activateWindow()
+        if self.guide is not None and self.guide.page == KEYS:
+            self.guide.close()
+        else:
+            self.show_guide(KEYS)
+
+    def _show_about(self) -> None:
+        """Show versions, license and paper; a button copies them."""
+        known = versions()
+        rows = "".join(
+            f"<tr><td>{name}</td><td style='padding-left: 12px'>{version}</td></tr>" for name, version in known
+        )
+        box = QMessageBox(self.context.window)
+        box.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        box.setWindowTitle(tr("About CPM"))
+        box.setIconPixmap(program_icon().pixmap(64, 64))
+        box.setText(
+            "".join(f"<p>{html.escape(text)}</p>" for text in (PURPOSE, PAPER, LICENSE)) + f"<table>{rows}</table>"
+        )
+        box.setTextInteractionFlags(Qt.TextInteractionFlag.TextBrowserInteraction)
+        copy = box.addButton(tr("&Copy this text"), QMessageBox.ButtonRole.ActionRole)
+        copy.setToolTip(tr("Copy it to the clipboard, as for a report of an error."))
+        copy.clicked.disconnect()  # it does not close the box
+        copy.clicked.connect(lambda: QApplication.clipboard().setText(about_in_words()))
+        box.addButton(QMessageBox.StandardButton.Close)
+        box.open()
 
     def _open_sample(self, file: str) -> None:
         sample = sample_called(file)
@@ -138,8 +155,8 @@ class PreferencesFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec]:
         """The dialog."""
         return (
-            ActionSpec(name="preferences", menu="Edit", text=tr("&Preferences…"), do=self.show, shortcuts=("Ctrl+,",),
-                       tip=tr("Change the settings of the program."), gap=True),
+            ActionSpec("preferences", "Edit", tr("&Preferences…"), tr("Change the settings of the program."), self.show,
+                       "Ctrl+,", gap=True),
         )  # fmt: skip
 
     def show(self) -> PreferencesDialog:

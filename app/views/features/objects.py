@@ -46,36 +46,34 @@ class ObjectsFeature(Feature):
 
     def action_specs(self) -> Sequence[ActionSpec | Submenu]:
         """Table, what is offered, and what is done to the chosen objects."""
-        table = ActionSpec(name="object_table", menu="Objects", text=tr("&Table of objects"),
-                           do=lambda: self.context.areas().enter("objects"), shortcuts=("Ctrl+Shift+O",),
-                           tip=tr("Show the classes and the measures of the objects."))  # fmt: skip
-        take = ActionSpec(name="take_object", menu="Objects", text=tr("&Accept what is offered"),
-                          do=self._selection.take, gap=True,
-                          tip=tr("Make an object of what is offered; Enter does the same on the image."),
+        table = ActionSpec("object_table", "Objects", tr("&Table of objects"),
+                           tr("Show the classes and the measures of the objects."),
+                           lambda: self.context.areas().enter("objects"), "Ctrl+Shift+O")  # fmt: skip
+        take = ActionSpec("take_object", "Objects", tr("&Accept what is offered"),
+                          tr("Make an object of what is offered; Enter does the same on the image."),
+                          self._selection.take, gap=True,
                           when=lambda situation: bool(self._selection.proposals))  # fmt: skip
-        change = ActionSpec(name="change_object", menu="Objects", text=tr("&Change by clicks"), do=self._change,
-                            tip=tr("Select the object again, beginning with what it is."), when=self._one)  # fmt: skip
-        fit = ActionSpec(name="fit_objects", menu="Objects", text=tr("F&it to the contours"),
-                         do=lambda: self.context.workspace.object_fitting.fit(self._list.chosen),
-                         tip=tr("Select the chosen objects again by their own clicks, on the contours of the last "
-                                "run."),
+        change = ActionSpec("change_object", "Objects", tr("&Change by clicks"),
+                            tr("Select the object again, beginning with what it is."), self._change,
+                            when=self._one)  # fmt: skip
+        fit = ActionSpec("fit_objects", "Objects", tr("F&it to the contours"),
+                         tr("Select the chosen objects again by their own clicks, on the contours of the last "
+                         "run."), lambda: self.context.workspace.object_fitting.fit(self._list.chosen),
                          when=self._any_chosen)  # fmt: skip
-        alike = ActionSpec(name="objects_alike", menu="Objects", text=tr("All &like this"),
-                           do=lambda: self.context.workspace.object_fitting.find_like(self._list.items[0].number),
-                           shortcuts=("Ctrl+L",),
-                           tip=tr("Find all objects like the chosen one; touching ones are parted."),
-                           when=self._one)  # fmt: skip
-        every = ActionSpec(name="all_objects", menu="Objects", text=tr("Choose all ob&jects"),
-                           do=lambda: self._list.choose(item.number for item in self._list.objects.items),
-                           shortcuts=("Ctrl+Alt+A",), tip=tr("Choose all objects."),
+        alike = ActionSpec("objects_alike", "Objects", tr("All &like this"),
+                           tr("Find all objects like the chosen one; touching ones are parted."),
+                           lambda: self.context.workspace.object_fitting.find_like(self._list.items[0].number),
+                           "Ctrl+L", when=self._one)  # fmt: skip
+        every = ActionSpec("all_objects", "Objects", tr("Choose all ob&jects"), tr("Choose all objects."),
+                           lambda: self._list.choose(item.number for item in self._list.objects.items), "Ctrl+Alt+A",
                            when=lambda situation: bool(situation.document.objects.items))  # fmt: skip
         return (table, take, change, alike, fit, every, *self._states(), *self._uses())
 
     def _states(self) -> Sequence[ActionSpec | Submenu]:
         chosen = self._list
         return (
-            ActionSpec(name="name_object", menu="Objects", text=tr("&Name…"), do=self.ask_name,
-                       tip=tr("Give the chosen object a name."), gap=True, when=self._any_chosen),
+            ActionSpec("name_object", "Objects", tr("&Name…"), tr("Give the chosen object a name."), self.ask_name,
+                       gap=True, when=self._any_chosen),
             Submenu(name="object_class", menu="Objects", text=tr("C&lass"), fill=self._fill_classes),
             Submenu(name="object_color", menu="Objects", text=tr("C&olor"), fill=self._fill_colors),
             self._state("freeze_object", tr("&Freeze"), tr("R&elease"), chosen.toggle_frozen,
@@ -84,10 +82,10 @@ class ObjectsFeature(Feature):
             self._state("hide_object", tr("&Hide"), tr("&Show"), chosen.toggle_hidden,
                         tr("Hide the objects, or show them again."),
                         lambda: all(item.hidden for item in chosen.items)),
-            ActionSpec(name="merge_objects", menu="Objects", text=tr("&Merge"), do=chosen.merge,
-                       tip=tr("Make one object of the chosen ones."), when=lambda situation: len(chosen.chosen) > 1),
-            ActionSpec(name="delete_object", menu="Objects", text=tr("&Delete"), do=chosen.delete,
-                       tip=tr("Remove the chosen objects."), when=self._any_chosen),
+            ActionSpec("merge_objects", "Objects", tr("&Merge"), tr("Make one object of the chosen ones."),
+                       chosen.merge, when=lambda situation: len(chosen.chosen) > 1),
+            ActionSpec("delete_object", "Objects", tr("&Delete"), tr("Remove the chosen objects."), chosen.delete,
+                       when=self._any_chosen),
         )  # fmt: skip
 
     def _state(
@@ -98,7 +96,7 @@ class ObjectsFeature(Feature):
         def worded(_: Situation) -> str:
             return other if self._list.chosen and holds() else text
 
-        return ActionSpec(name=name, menu="Objects", text=text, do=do, tip=tip, when=self._any_chosen, worded=worded)
+        return ActionSpec(name, "Objects", text, tip, do, when=self._any_chosen, worded=worded)
 
     def _uses(self) -> Sequence[ActionSpec]:
         chosen = self._list
@@ -111,8 +109,7 @@ class ObjectsFeature(Feature):
              tr("Hold the particles back at the boundaries of the chosen objects.")),
         )  # fmt: skip
         return [
-            ActionSpec(name=name, menu="Objects", text=text, do=do, tip=tip, gap=name == "object_start",
-                       when=self._any_chosen)
+            ActionSpec(name, "Objects", text, tip, do, gap=name == "object_start", when=self._any_chosen)
             for name, text, do, tip in uses
         ]  # fmt: skip
 

@@ -83,9 +83,9 @@ class BeginningFeature(OfferingFeature):
         """Parameters of the last image."""
         session = self.context.session
         return (
-            ActionSpec(name="former_parameters", menu="Run", text=tr("Use parameters of the &last image"),
-                       do=session.use_former_parameters, when=self._differ,
-                       tip=tr("Set all parameters as they were for the image that was open before this one.")),
+            ActionSpec("former_parameters", "Run", tr("Use parameters of the &last image"),
+                       tr("Set all parameters as they were for the image that was open before this one."),
+                       session.use_former_parameters, when=self._differ),
         )  # fmt: skip
 
     def offer(self, opened: Opened) -> None:
@@ -154,15 +154,14 @@ class StackFeature(OfferingFeature):
     def action_specs(self) -> Sequence[ActionSpec]:
         """The other way to open a stack, and the choice of a part."""
         return (
-            ActionSpec(name="open_stack", menu="File", text=tr("Open all pages as one volu&me"),
-                       do=self._open_otherwise,
-                       tip=tr("Open a stack of pages as one volume, or one page of it as an image."),
+            ActionSpec("open_stack", "File", tr("Open all pages as one volu&me"),
+                       tr("Open a stack of pages as one volume, or one page of it as an image."), self._open_otherwise,
                        when=lambda _: self._holds_volume, worded=_stack_text),
-            ActionSpec(name="choose_part", menu="File", text=tr("Choose part of the &file…"), do=self.ask,
-                       tip=tr("Choose page, channel, point in time and series of a file that holds several."),
+            ActionSpec("choose_part", "File", tr("Choose part of the &file…"),
+                       tr("Choose page, channel, point in time and series of a file that holds several."), self.ask,
                        when=lambda _: self._parts is not None and self._parts.several),
-            ActionSpec(name="open_series", menu="File", text=tr("Open the &whole series"), do=self._open_series,
-                       tip=tr("Open all slices in the folder of this DICOM file as one volume."),
+            ActionSpec("open_series", "File", tr("Open the &whole series"),
+                       tr("Open all slices in the folder of this DICOM file as one volume."), self._open_series,
                        when=lambda _: self._parts is not None and self._parts.series_around is not None),
         )  # fmt: skip
 
@@ -275,9 +274,9 @@ class PixelSizeFeature(OfferingFeature):
     def action_specs(self) -> Sequence[ActionSpec]:
         """Ask for the size."""
         return (
-            ActionSpec(name="pixel_size", menu="Edit", text=tr("Size of a p&ixel…"), do=self.ask, gap=True,
-                       tip=tr("Set how far apart rows and columns are, and planes of a volume, and in which unit."),
-                       when=has_image, worded=_size_text),
+            ActionSpec("pixel_size", "Edit", tr("Size of a p&ixel…"),
+                       tr("Set how far apart rows and columns are, and planes of a volume, and in which unit."),
+                       self.ask, gap=True, when=has_image, worded=_size_text),
         )  # fmt: skip
 
     def offer(self, opened: Opened) -> None:

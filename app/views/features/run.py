@@ -31,7 +31,7 @@ from app.views.panels.run.run_panel import RunPanel
 from app.views.panels.timeline.timeline_panel import TimelinePanel
 from app.views.presets.preset_files import PresetFiles
 from app.views.theme.theme import Theme
-from app.views.widgets.action_spec import STATE, ActionSpec, Submenu
+from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.widgets.preference_row import PreferenceRow
 from app.views.widgets.speed import SpeedControl
 from app.views.window.bars import TaskBar
@@ -70,19 +70,16 @@ class RunControlFeature(Feature):
         """Run, step, reset, speed."""
         session = self.context.session
         return (
-            ActionSpec(name="run", menu="Run", text=tr("Run"), do=session.toggle, shortcuts=("Space",),
-                       tip=tr("Start or pause the run."), icon="run", when=has_image,
-                       worded=lambda situation: resolve(situation).run_text,
+            ActionSpec("run", "Run", tr("Run"), tr("Start or pause the run."), session.toggle, "Space", icon="run",
+                       when=has_image, worded=lambda situation: resolve(situation).run_text,
                        pictured=lambda situation: "pause" if is_running(situation) else "run"),
-            ActionSpec(name="step", menu="Run", text=tr("&Step"), short=tr("Step"), do=session.step, shortcuts=(".",),
-                       tip=tr("Take a single step."), icon="step", when=can_step),
-            ActionSpec(name="reset", menu="Run", text=tr("&Reset"), short=tr("Reset"), do=session.reset,
-                       shortcuts=("R",), icon="reset",
-                       tip=tr("Go back to the start; the run stays on the timeline."), when=is_started),
-            ActionSpec(name="faster", menu="Run", text=tr("&Faster"), do=self.speed.faster, shortcuts=("]",),
-                       tip=tr("Allow more steps per second."), gap=True),
-            ActionSpec(name="slower", menu="Run", text=tr("S&lower"), do=self.speed.slower, shortcuts=("[",),
-                       tip=tr("Allow fewer steps per second.")),
+            ActionSpec("step", "Run", tr("&Step"), tr("Take a single step."), session.step, ".", short=tr("Step"),
+                       icon="step", when=can_step),
+            ActionSpec("reset", "Run", tr("&Reset"), tr("Go back to the start; the run stays on the timeline."),
+                       session.reset, "R", short=tr("Reset"), icon="reset", when=is_started),
+            ActionSpec("faster", "Run", tr("&Faster"), tr("Allow more steps per second."), self.speed.faster, "]",
+                       gap=True),
+            ActionSpec("slower", "Run", tr("S&lower"), tr("Allow fewer steps per second."), self.speed.slower, "["),
         )  # fmt: skip
 
     def panels(self) -> Sequence[Panel]:
@@ -153,20 +150,19 @@ class TimelineFeature(Feature):
         """Moves along the timeline, and actions on branches."""
         navigation = self.navigation
         moves = [
-            ActionSpec(name=f"timeline_{name}", menu=_MENU, text=text, do=partial(go, navigation),
-                       shortcuts=(keys,) if keys else (), tip=tip, icon=icon,
+            ActionSpec(f"timeline_{name}", _MENU, text, tip, partial(go, navigation), keys, icon=icon,
                        when=lambda _: navigation.recorded)
             for name, text, go, keys, tip, icon in _MOVES
         ]  # fmt: skip
         return (
             *moves,
-            ActionSpec(name="timeline_parameters", menu=_MENU, text=tr("Use the pa&rameters of this step"),
-                       do=navigation.use_its_parameters,
-                       tip=tr("Set the parameters with which the shown step was computed."), gap=True,
+            ActionSpec("timeline_parameters", _MENU, tr("Use the pa&rameters of this step"),
+                       tr("Set the parameters with which the shown step was computed."), navigation.use_its_parameters,
+                       gap=True,
                        when=lambda situation: has_particles(situation) and navigation.other_parameters is not None),
-            ActionSpec(name="timeline_delete", menu=_MENU, text=tr("&Delete the branch"),
-                       do=lambda: navigation.drop(navigation.place[0]),
-                       tip=tr("Delete the shown branch; steps shared with other branches are kept."), icon="bin",
+            ActionSpec("timeline_delete", _MENU, tr("&Delete the branch"),
+                       tr("Delete the shown branch; steps shared with other branches are kept."),
+                       lambda: navigation.drop(navigation.place[0]), icon="bin",
                        when=lambda _: bool(navigation.place[0]) and len(navigation.outline.branches) > 1),
         )  # fmt: skip
 
@@ -238,8 +234,8 @@ class TasksFeature(Feature):
         """Cancel."""
         tasks = self.context.session.tasks
         return (
-            ActionSpec(name="cancel_task", menu="Run", text=tr("Cancel background &task"), do=self.bar.cancel,
-                       shortcuts=("Ctrl+.",), tip=tr("Cancel the task shown in the status bar."), gap=True,
+            ActionSpec("cancel_task", "Run", tr("Cancel background &task"),
+                       tr("Cancel the task shown in the status bar."), self.bar.cancel, "Ctrl+.", gap=True,
                        when=lambda situation: any(task.cancellable for task in tasks.current)),
         )  # fmt: skip
 
@@ -301,8 +297,8 @@ class ParametersFeature(Feature):
     def _wordings(self) -> list[ActionSpec]:
         choose = self.context.preferences.choose
         return [
-            ActionSpec(name=f"wording_{name}", menu="View", text=text, do=partial(choose, WORDING, name), tip=tip,
-                       group=STATE, checked=name == self._wording, holds=partial(self._holds, name), gap=index == 0)
+            ActionSpec(f"wording_{name}", "View", text, tip, partial(choose, WORDING, name),
+                       holds=partial(self._holds, name), gap=index == 0)
             for index, (name, text, tip) in enumerate(_WORDINGS)
         ]  # fmt: skip
 
@@ -328,13 +324,12 @@ class ComparisonFeature(DialogFeature[CompareDialog]):
     def action_specs(self) -> Sequence[ActionSpec]:
         """Open it with the choice of parameters, or with that of methods."""
         return (
-            ActionSpec(name="mosaic", menu="Run", text=tr("&Mosaic of two parameters…"),
-                       do=partial(self._open_at, 0), shortcuts=("Ctrl+M",),
-                       tip=tr("Compare runs with several values of two parameters and choose the best."),
-                       gap=True, when=has_image),
-            ActionSpec(name="compare_methods", menu="Run", text=tr("Compare m&ethods…"),
-                       do=partial(self._open_at, 1), shortcuts=("Ctrl+Shift+M",), when=has_image,
-                       tip=tr("Run snakes, level sets and others beside the particles, from the same start.")),
+            ActionSpec("mosaic", "Run", tr("&Mosaic of two parameters…"),
+                       tr("Compare runs with several values of two parameters and choose the best."),
+                       partial(self._open_at, 0), "Ctrl+M", gap=True, when=has_image),
+            ActionSpec("compare_methods", "Run", tr("Compare m&ethods…"),
+                       tr("Run snakes, level sets and others beside the particles, from the same start."),
+                       partial(self._open_at, 1), "Ctrl+Shift+M", when=has_image),
         )  # fmt: skip
 
     def made(self) -> CompareDialog | None:

@@ -27,7 +27,7 @@ from app.views.panels.layer_list import LayersPanel
 from app.views.theme import theme
 from app.views.theme.look import Look, use_look
 from app.views.theme.theme import Theme
-from app.views.widgets.action_spec import LAYER, STATE, ActionSpec, Submenu
+from app.views.widgets.action_spec import LAYER, ActionSpec, Submenu
 from app.views.window.feature import Feature, FeatureContext, Panel
 from cpm_core.contours.result import Result
 
@@ -73,24 +73,23 @@ class LayersFeature(Feature):
         """Zoom, one toggle per layer, and the coloring of particles."""
         canvas = self.context.canvas_area.canvas
         zoom = (
-            ActionSpec(name="fit", menu="View", text=tr("&Fit to window"), short=tr("Fit"), do=canvas.fit,
-                       shortcuts=("F", "Ctrl+0"), tip=tr("Show the whole image."), icon="fit", when=has_image),
-            ActionSpec(name="actual_size", menu="View", text=tr("&Actual size"), do=lambda: canvas.zoom_to(1.0),
-                       shortcuts=("Ctrl+1",), tip=tr("Show one pixel of the image on one pixel of the screen."),
-                       when=has_image),
-            ActionSpec(name="zoom_to_selection", menu="View", text=tr("Zoom to the &selection"),
-                       do=self.context.canvas_area.zoom_to_selection, shortcuts=("Shift+F",),
-                       tip=tr("Show the selected contours, objects or shape as large as possible."),
+            ActionSpec("fit", "View", tr("&Fit to window"), tr("Show the whole image."), canvas.fit, "F Ctrl+0",
+                       short=tr("Fit"), icon="fit", when=has_image),
+            ActionSpec("actual_size", "View", tr("&Actual size"),
+                       tr("Show one pixel of the image on one pixel of the screen."), lambda: canvas.zoom_to(1.0),
+                       "Ctrl+1", when=has_image),
+            ActionSpec("zoom_to_selection", "View", tr("Zoom to the &selection"),
+                       tr("Show the selected contours, objects or shape as large as possible."),
+                       self.context.canvas_area.zoom_to_selection, "Shift+F",
                        when=lambda situation: bool(selected_places(self.context.workspace))),
-            ActionSpec(name="zoom_in", menu="View", text=tr("Zoom &in"), do=lambda: canvas.zoom(ZOOM),
-                       shortcuts=("+", "=", "Ctrl++"), tip=tr("Zoom in.")),
-            ActionSpec(name="zoom_out", menu="View", text=tr("Zoom &out"), do=lambda: canvas.zoom(1.0 / ZOOM),
-                       shortcuts=("-", "Ctrl+-"), tip=tr("Zoom out.")),
+            ActionSpec("zoom_in", "View", tr("Zoom &in"), tr("Zoom in."), lambda: canvas.zoom(ZOOM), "+ = Ctrl++"),
+            ActionSpec("zoom_out", "View", tr("Zoom &out"), tr("Zoom out."), lambda: canvas.zoom(1.0 / ZOOM),
+                       "- Ctrl+-"),
         )  # fmt: skip
         legend = self.context.canvas_area.strip.legend
-        unfold = ActionSpec(name="legend", menu="View", text=tr("Le&gend"), do=lambda: legend.fold(not legend.folded),
-                            shortcuts=("Alt+L",), tip=tr("Show or hide what the lines and dots mean."), group=STATE,
-                            gap=True, holds=lambda situation: not legend.folded)  # fmt: skip
+        unfold = ActionSpec("legend", "View", tr("Le&gend"), tr("Show or hide what the lines and dots mean."),
+                            lambda: legend.fold(not legend.folded), "Alt+L", gap=True,
+                            holds=lambda situation: not legend.folded)  # fmt: skip
         toggles = [_toggle(layer, index == 0) for index, layer in enumerate(canvas.layers)]
         return (*zoom, unfold, *toggles, *_colorings(canvas.layers.particles))
 
@@ -131,20 +130,17 @@ def _colorings(layer: ParticleLayer) -> list[ActionSpec]:
     """One action per quantity that particles can be colored by."""
 
     def spec(way: str, title: str) -> ActionSpec:
-        return ActionSpec(name=f"colour_{way}", menu="View>" + tr("Color particles by"), text=title,
-                          do=lambda: layer.choose("colour", way),
-                          tip=QUANTITIES[way].tip if way in QUANTITIES else layer.tip, group=STATE,
+        return ActionSpec(f"colour_{way}", "View>" + tr("Color particles by"), title,
+                          QUANTITIES[way].tip if way in QUANTITIES else layer.tip, lambda: layer.choose("colour", way),
                           holds=lambda situation: layer.word("colour") == way)  # fmt: skip
 
     return [spec(way, title) for way, title in layer.ways.items()]
 
 
 def _toggle(layer: Layer, first: bool) -> ActionSpec:
-    return ActionSpec(name=f"{LAYER}{layer.name}", menu="View", text=layer.title,
-                      do=lambda: layer.set_shown(not layer.shown),
-                      shortcuts=(layer.shortcut,) if layer.shortcut else (),
-                      tip=tr("Show or hide: {layer}").format(layer=layer.tip), group=STATE, checked=layer.shown,
-                      gap=first, holds=lambda situation: layer.shown)  # fmt: skip
+    return ActionSpec(f"{LAYER}{layer.name}", "View", layer.title, tr("Show or hide: {layer}").format(layer=layer.tip),
+                      lambda: layer.set_shown(not layer.shown), layer.shortcut, gap=first,
+                      holds=lambda situation: layer.shown)  # fmt: skip
 
 
 _MENU = "View>" + tr("Gra&y values")
@@ -163,8 +159,8 @@ class LevelsFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec]:
         """The ranges that need no drag."""
         return tuple(
-            ActionSpec(name=name, menu=_MENU, text=text, do=partial(self._choose, value), shortcuts=(key,),
-                       tip=tip, group=STATE, when=has_image, holds=self._is_shown(value))
+            ActionSpec(name, _MENU, text, tip, partial(self._choose, value), key, when=has_image,
+                       holds=self._is_shown(value))
             for name, text, key, tip, value in (
                 ("levels_full", tr("&All gray values"), "Alt+Shift+W",
                  tr("Show all gray values, from the least, black, to the largest, white."), WHOLE),
@@ -211,17 +207,16 @@ class ComparingFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec | Submenu]:
         """Compare, keep a result, magnify."""
         return (
-            ActionSpec(name="wipe", menu="View", text=tr("Compare &two results"), do=self._other.toggle,
-                       shortcuts=("Ctrl+D",), gap=True, when=has_image, group=STATE,
-                       tip=tr("Show another result on the right of a divider that can be dragged."),
-                       holds=lambda situation: self._other.chosen is not None),
+            ActionSpec("wipe", "View", tr("Compare &two results"),
+                       tr("Show another result on the right of a divider that can be dragged."), self._other.toggle,
+                       "Ctrl+D", gap=True, when=has_image, holds=lambda situation: self._other.chosen is not None),
             Submenu(name="wipe_with", menu="View", text=tr("Compare wit&h"), fill=self._fill),
-            ActionSpec(name="keep_result", menu="View", text=tr("&Keep this result to compare"), do=self._other.keep,
-                       shortcuts=("Ctrl+Shift+D",), tip=tr("Keep what is found now, to compare later results with it."),
-                       when=self._has_result),
-            ActionSpec(name="magnifier", menu="View", text=tr("&Magnifier"), do=self._switch, shortcuts=("M",),
-                       tip=tr("Show what is under the pointer four times as large; hold the key for a short look."),
-                       when=has_image, group=STATE, holds=lambda situation: self.magnifier.shown),
+            ActionSpec("keep_result", "View", tr("&Keep this result to compare"),
+                       tr("Keep what is found now, to compare later results with it."), self._other.keep,
+                       "Ctrl+Shift+D", when=self._has_result),
+            ActionSpec("magnifier", "View", tr("&Magnifier"),
+                       tr("Show what is under the pointer four times as large; hold the key for a short look."),
+                       self._switch, "M", when=has_image, holds=lambda situation: self.magnifier.shown),
         )  # fmt: skip
 
     def release(self) -> None:
@@ -286,18 +281,17 @@ class KeyboardFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec]:
         """The sliders, and the next and previous area."""
         return (
-            ActionSpec(name="go_to_sliders", menu="View", text=tr("&Go to the sliders"),
-                       do=lambda: self.context.areas().enter("parameters"), shortcuts=("Q",), gap=True,
-                       tip=tr("Give the keyboard to the sliders; Enter or Esc gives it back to the image.")),
-            ActionSpec(name="next_area", menu="View", text=tr("Go to the ne&xt area"),
-                       do=lambda: self.context.areas().go_on(), shortcuts=("F6",),
-                       tip=tr("Give the keyboard to the image, the sliders, the table and the timeline in turn.")),
-            ActionSpec(name="previous_area", menu="View", text=tr("Go to the pre&vious area"),
-                       do=lambda: self.context.areas().go_on(-1), shortcuts=("Shift+F6",),
-                       tip=tr("The same in the other direction.")),
-            ActionSpec(name="open_menu", menu="View", text=tr("&Menu of what is chosen"), do=self.context.open_menu,
-                       shortcuts=("Shift+F10", "Menu"),
-                       tip=tr("Open the menu that a click with the right button opens.")),
+            ActionSpec("go_to_sliders", "View", tr("&Go to the sliders"),
+                       tr("Give the keyboard to the sliders; Enter or Esc gives it back to the image."),
+                       lambda: self.context.areas().enter("parameters"), "Q", gap=True),
+            ActionSpec("next_area", "View", tr("Go to the ne&xt area"),
+                       tr("Give the keyboard to the image, the sliders, the table and the timeline in turn."),
+                       lambda: self.context.areas().go_on(), "F6"),
+            ActionSpec("previous_area", "View", tr("Go to the pre&vious area"), tr("The same in the other direction."),
+                       lambda: self.context.areas().go_on(-1), "Shift+F6"),
+            ActionSpec("open_menu", "View", tr("&Menu of what is chosen"),
+                       tr("Open the menu that a click with the right button opens."), self.context.open_menu,
+                       "Shift+F10 Menu"),
         )  # fmt: skip
 
 
@@ -322,8 +316,8 @@ class AppearanceFeature(Feature):
     def action_specs(self) -> Sequence[ActionSpec]:
         """The choices."""
         return [
-            ActionSpec(name=f"theme_{name}", menu="View", text=text, do=partial(self._choose, name), tip=tip,
-                       group=STATE, checked=name == self._chosen, holds=partial(self._holds, name), gap=index == 0)
+            ActionSpec(f"theme_{name}", "View", text, tip, partial(self._choose, name),
+                       holds=partial(self._holds, name), gap=index == 0)
             for index, (name, text, tip, _) in enumerate(_CHOICES)
         ]  # fmt: skip
 

@@ -30,7 +30,7 @@ from app.views.volume.space_actions import specs
 from app.views.volume.space_hand import SpaceHand
 from app.views.volume.space_panel import SpacePanel
 from app.views.volume.turntable import FRAMES, FRAMES_PER_SECOND, animation_size, picture_of, turn
-from app.views.widgets.action_spec import STATE, ActionSpec
+from app.views.widgets.action_spec import ActionSpec
 from app.views.window.dialogs import Files
 from app.views.window.feature import Feature, FeatureContext, Panel
 from cpm_core.formats.animations.animation import ANIMATED, write_animation
@@ -84,20 +84,19 @@ class SlicesFeature(Feature):
             ("slices_on", tr("Ten &on"), "Shift+PgDown", _JUMP, tr("Show the slice or page ten after this one.")),
         )
         through = [
-            ActionSpec(name=name, menu=_MENU, text=text, do=partial(self._go, by), shortcuts=(key,), tip=tip,
+            ActionSpec(name, _MENU, text, tip, partial(self._go, by), key,
                        when=lambda situation: has_volume(situation) or self._pages.count > 1)
             for name, text, key, by, tip in moves
         ]  # fmt: skip
         axes = [
-            ActionSpec(name=f"slices_across_{axis}", menu=_MENU, text=tr("Across the &{axis}").format(axis=name),
-                       do=partial(self._turn, axis), shortcuts=(f"Ctrl+Shift+{axis + 1}",),
-                       tip=tr("Show slices across this axis: {axis}.").format(axis=name), group=STATE,
-                       gap=axis == 0, when=has_volume, holds=self._is_across(axis))
+            ActionSpec(f"slices_across_{axis}", _MENU, tr("Across the &{axis}").format(axis=name),
+                       tr("Show slices across this axis: {axis}.").format(axis=name), partial(self._turn, axis),
+                       f"Ctrl+Shift+{axis + 1}", gap=axis == 0, when=has_volume, holds=self._is_across(axis))
             for axis, name in enumerate(AXES)
         ]  # fmt: skip
-        sides = ActionSpec(name="three_slices", menu=_MENU, text=tr("&Three slices side by side"), do=self._toggle,
-                           shortcuts=("Shift+Q",), group=STATE, gap=True, when=has_volume,
-                           tip=tr("Show the slices across the other axes beside the canvas, linked by a cross."),
+        sides = ActionSpec("three_slices", _MENU, tr("&Three slices side by side"),
+                           tr("Show the slices across the other axes beside the canvas, linked by a cross."),
+                           self._toggle, "Shift+Q", gap=True, when=has_volume,
                            holds=lambda _: self._wanted)  # fmt: skip
         return (*through, *axes, sides)
 
@@ -216,18 +215,18 @@ class PagesFeature(Feature):
         """Run all pages, or those from this one on; follow; export."""
         pages = self._pages
         return (
-            ActionSpec(name="run_pages", menu=_PAGES_MENU, text=tr("&Run all pages"), do=pages.run,
-                       shortcuts=("Ctrl+Shift+Return",), when=self._can_run,
-                       tip=tr("Run every page of the stack, one after the other, in the background.")),
-            ActionSpec(name="run_pages_on", menu=_PAGES_MENU, text=tr("Run from this page &on"),
-                       do=lambda: pages.run(pages.number), when=self._can_run,
-                       tip=tr("Run this page and all after it, one after the other, in the background.")),
-            ActionSpec(name="follow_pages", menu=_PAGES_MENU, text=tr("&Follow from page to page"), group=STATE,
-                       gap=True, do=lambda: self._follow(not pages.following), when=lambda _: pages.count > 1,
-                       holds=lambda _: pages.following,
-                       tip=tr("Start each page from the contours of the one before.")),
-            ActionSpec(name="export_pages", menu="File", text=tr("Export all pa&ges…"), do=self.export,
-                       tip=tr("Write the contours, labels or measures of all pages that are done."),
+            ActionSpec("run_pages", _PAGES_MENU, tr("&Run all pages"),
+                       tr("Run every page of the stack, one after the other, in the background."), pages.run,
+                       "Ctrl+Shift+Return", when=self._can_run),
+            ActionSpec("run_pages_on", _PAGES_MENU, tr("Run from this page &on"),
+                       tr("Run this page and all after it, one after the other, in the background."),
+                       lambda: pages.run(pages.number), when=self._can_run),
+            ActionSpec("follow_pages", _PAGES_MENU, tr("&Follow from page to page"),
+                       tr("Start each page from the contours of the one before."),
+                       lambda: self._follow(not pages.following), gap=True, when=lambda _: pages.count > 1,
+                       holds=lambda _: pages.following),
+            ActionSpec("export_pages", "File", tr("Export all pa&ges…"),
+                       tr("Write the contours, labels or measures of all pages that are done."), self.export,
                        when=lambda _: pages.result is not None and bool(pages.result.results)),
         )  # fmt: skip
 
@@ -313,10 +312,11 @@ class SpaceFeature(Feature):
         """What the menu of the view offers, and both exports."""
         return (
             *specs(self.panel, self.context.session),
-            ActionSpec(name="export_space", menu="File", text=tr("Export picture in s&pace…"), do=self.ask_for_picture,
-                       tip=tr("Export what the view in space shows as a picture."), when=has_volume),
-            ActionSpec(name="export_turntable", menu="File", text=tr("Export &turntable…"), do=self.ask_for_turntable,
-                       tip=tr("Export a full turn of the view in space as GIF, APNG or MP4."), when=has_volume),
+            ActionSpec("export_space", "File", tr("Export picture in s&pace…"),
+                       tr("Export what the view in space shows as a picture."), self.ask_for_picture, when=has_volume),
+            ActionSpec("export_turntable", "File", tr("Export &turntable…"),
+                       tr("Export a full turn of the view in space as GIF, APNG or MP4."), self.ask_for_turntable,
+                       when=has_volume),
         )  # fmt: skip
 
     def close(self) -> bool:

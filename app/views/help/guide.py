@@ -4,18 +4,29 @@ from __future__ import annotations
 
 import html
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from PySide6.QtCore import QSize, Qt, QUrl
-from PySide6.QtWidgets import QDialog, QDialogButtonBox, QHBoxLayout, QListWidget, QTextBrowser, QVBoxLayout, QWidget
+from PySide6.QtGui import QKeySequence, QShortcut
+from PySide6.QtWidgets import (
+    QDialog,
+    QDialogButtonBox,
+    QHBoxLayout,
+    QListWidget,
+    QMainWindow,
+    QTextBrowser,
+    QVBoxLayout,
+)
 
 from app.model.parameters.controls import controls
 from app.model.text.assets import asset
-from app.model.text.keys import key_of
+from app.model.text.keys import key_of, with_keys
 from app.model.text.language import tr
-from app.views.widgets.action_spec import ActionSpec
+from app.views.widgets.action_spec import LAYER, ActionSpec
 from app.views.widgets.key_text import native
+from app.views.window.docks import PanelAction
+from app.views.window.menus import MENUS
 
 
 @dataclass(frozen=True, slots=True)
@@ -242,7 +253,7 @@ _FURTHER = Page(
         tr("<b>Save.</b> {save} stores all that you see in one file, also the runs and their branches. It runs without "
            "a window, too: "
            "<code>cpm run --session FILE</code> for one image, <code>cpm batch</code> for many."),
-        tr("<b>Present.</b> {export_animation} and {export_strip} show how the contours were found."),
+        tr("<b>Present.</b> {export_animation} shows how the contours were found."),
     ),
 )  # fmt: skip
 
@@ -258,7 +269,39 @@ _LABELS = {control.name: f"“{control.title}” ({control.rich_symbol})" for co
 """Labels of parameters by their names."""
 
 KEYS = "keys"
-"""Name of the page that lists all keys."""
+"""Name of the page that lists all keys, and of the action that opens and closes it."""
+
+KeyTable = Sequence[tuple[tuple[str, ...], str]]
+"""Rows of equivalent keys, which may be those of actions (see `with_keys`), and their effect."""
+
+_POINTER: KeyTable = (
+    ((tr("left"),), tr("current tool")),
+    ((tr("right"),), tr("menu of what lies there")),
+    ((tr("right drag, middle drag"),), tr("move the image")),
+    ((tr("wheel"),), tr("zoom")),
+    (("Shift",), tr("circle; eight directions")),
+    (("Ctrl",), tr("ellipse from its center")),
+    ((tr("Shift-click"),), tr("cut a contour; remove from the object")),
+)
+_IMAGE: KeyTable = (
+    (("Enter",), tr("show the cross-hair")),
+    (("←↑↓→",), tr("move the cross-hair, the selected shape or the image")),
+    (("Shift+←↑↓→",), tr("the same by 10 px")),
+    (("Enter",), tr("press and release at the cross-hair")),
+    (("Enter", "Enter"), tr("end a path")),
+    (("Backspace",), tr("remove the last corner")),
+    (("{key:escape}",), tr("cancel")),
+    (("Enter",), tr("accept the object that is offered; rename it")),
+    (("1 … 9",), tr("class of the object")),
+    (("<", ">"), tr("size of shape or ring, strength, spacing")),
+)
+_FIELDS: KeyTable = (
+    (("Enter",), tr("enter the value, go back to the image; press the button")),
+    (("Esc",), tr("restore the value, go back to the image")),
+    (("↑↓",), tr("next slider; next row of a table")),
+    (("←→",), tr("move the slider")),
+    (("{key:run}",), tr("run or pause, unless a name is typed")),
+)
 
 
 class Guide(QDialog):
@@ -267,12 +310,15 @@ class Guide(QDialog):
     `specs` are all actions, whose names and keys the pages mention; `open_sample` opens a sample by its file name.
     """
 
-    def __init__(self, parent: QWidget, specs: Iterable[ActionSpec], open_sample: Callable[[str], None]) -> None:
+    def __init__(self, parent: QMainWindow, specs: Sequence[ActionSpec], open_sample: Callable[[str], None]) -> None:
         super().__init__(parent)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(tr("Guide"))
         self._specs: dict[str, ActionSpec] = {}
+        self._window = parent
         self._open_sample = open_sample
+        for key in next((spec.shortcuts for spec in specs if spec.name == KEYS), ()):
+            QShortcut(QKeySequence(key), self, self.close)
         self.contents = QListWidget()
         self.contents.setObjectName("contents")
         self.contents.setAccessibleName(tr("Pages"))
@@ -341,14 +387,41 @@ class Guide(QDialog):
         return f"<b>{words}</b>{keys}"
 
     def _keys(self) -> str:
-        cell = "<td style='padding: 2px 14px 2px 0'>"
-        rows = [
-            f"<tr>{cell}<b>{html.escape(tr(' or ').join(map(native, spec.shortcuts[:2])))}</b></td>"
-            f"{cell}{html.escape(spec.said)}</td></tr>"
-            for spec in self._specs.values()
-            if spec.shortcuts
-        ]
-        return f"<h2>{tr('All keys')}</h2><table>{''.join(rows)}</table>"
+        cell, text = "<td style='padding: 2px 14px 2px 0'>", f"<h2>{tr('All keys')}</h2>"
+        for title, rows in groups(self._window, self._specs.values()):
+            lines = "".join(
+                f"<tr>{cell}<b>{html.escape(tr(' or ').join(keys))}</b></td>{cell}{html.escape(meaning)}</td></tr>"
+                for keys, meaning in rows
+            )
+            text += f"<h3>{title}</h3><table>{lines}</table>"
+        return text
+
+
+def groups(window: QMainWindow, specs: Iterable[ActionSpec]) -> list[tuple[str, KeyTable]]:
+    """All keys in groups: those of each menu, of the panels, and of the canvas."""
+    tools, layers = tr("Tools"), tr("Layers")
+    menus = {name: title.replace("&", "") for name, title in MENUS.items()}
+    found: dict[str, list[tuple[tuple[str, ...], str]]] = {name: [] for name in (tools, layers, *menus.values())}
+    for spec in specs:
+        if spec.shortcuts:
+            group = tools if spec.group == "tool" else layers if spec.name.startswith(LAYER) else ""
+            rows = found[group or menus[spec.menu.partition(">")[0]]]
+            rows.append((tuple(map(native, spec.shortcuts[:2])), spec.title))
+    panels = [
+        ((native(action.shortcut().toString()),), action.text())
+        for action in window.findChildren(PanelAction)
+        if not action.shortcut().isEmpty()
+    ]
+    sections = {
+        tools: found.pop(tools),
+        tr("Keys on the image"): [(tuple(map(with_keys, keys)), meaning) for keys, meaning in _IMAGE],
+        tr("Mouse on the image"): _POINTER,
+        tr("In fields and tables"): [(tuple(map(with_keys, keys)), meaning) for keys, meaning in _FIELDS],
+        layers: found.pop(layers),
+        tr("Panels"): panels,
+        **found,
+    }
+    return [(title, rows) for title, rows in sections.items() if rows]
 
 
 def _picture(file: str) -> str:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt, QTimer, Signal
-from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPalette, QPen
+from PySide6.QtGui import QKeyEvent, QMouseEvent
 from PySide6.QtWidgets import (
     QApplication,
+    QFrame,
     QHBoxLayout,
     QLabel,
     QLineEdit,
@@ -25,8 +27,11 @@ from app.session.session import Session
 from app.views.export.dialog import ExportDialog
 from app.views.widgets.own_escape import keep_escape
 
-_WIDTH, _ROUND, _MARGIN = 344, 9, 12
-"""Width of the bubble, radius of its corners, and distance from the sides of its area [px]."""
+_WIDTH, _MARGIN = 344, 12
+"""Width of the bubble, and distance from the sides of its area [px]."""
+
+_BUBBLE = "QFrame#tour { background: palette(base); border: 1px solid palette(highlight); border-radius: 9px; }"
+_RING = "border: 2px solid palette(highlight); border-radius: 6px;"
 
 _LOOK, _PRAISE = 120, 700
 """Time between two looks at whether the thing is done, and before the tour goes on when it is [ms]."""
@@ -59,7 +64,7 @@ class Stop:
     do: Callable[[], None] = lambda: None
 
 
-class Tour(QWidget):
+class Tour(QFrame):
     """Guides from stop to stop; the window below stays usable.
 
     It goes on when the person has done what a stop asks for, or by its buttons. The bubble lies in the lower left
@@ -72,6 +77,7 @@ class Tour(QWidget):
     def __init__(self, window: QWidget, area: QWidget, stops: Sequence[Stop]) -> None:
         super().__init__(window)
         self.setObjectName("tour")
+        self.setStyleSheet(_BUBBLE)
         self._window, self._area = window, area
         self._stops = stops
         self._at = 0
@@ -141,7 +147,7 @@ class Tour(QWidget):
         self._praising.stop()
         for child in self.findChildren(QWidget):
             child.hide()
-        self.update()
+        self.setStyleSheet("")
         self.ring.deleteLater()
         self._window.removeEventFilter(self)
         QTimer.singleShot(QApplication.doubleClickInterval(), self, self.deleteLater)
@@ -165,18 +171,6 @@ class Tour(QWidget):
         if event.type() in (QEvent.Type.Resize, QEvent.Type.LayoutRequest) and self.isVisible():
             self._place()
         return super().eventFilter(watched, event)
-
-    def paintEvent(self, event: QPaintEvent) -> None:
-        """Paint the bubble."""
-        if self._over:
-            return
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        palette = self.palette()
-        painter.setPen(QPen(palette.color(QPalette.ColorRole.Highlight), 1.4))
-        painter.setBrush(palette.color(QPalette.ColorRole.Base))
-        painter.drawRoundedRect(self.rect().adjusted(1, 1, -1, -1), _ROUND, _ROUND)
-        painter.end()
 
     # Internal
 
@@ -223,12 +217,13 @@ class Tour(QWidget):
         self.raise_()
 
 
-class Ring(QWidget):
+class Ring(QFrame):
     """A line around the target."""
 
     def __init__(self, window: QWidget) -> None:
         super().__init__(window)
         self._window = window
+        self.setStyleSheet(_RING)
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self.hide()
 
@@ -244,110 +239,72 @@ class Ring(QWidget):
             self.show()
             self.raise_()
 
-    def paintEvent(self, event: QPaintEvent) -> None:
-        """Paint the line."""
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.setBrush(Qt.BrushStyle.NoBrush)
-        painter.setPen(QPen(self.palette().color(QPalette.ColorRole.Highlight), 2.4))
-        painter.drawRoundedRect(self.rect().adjusted(2, 2, -2, -2), 6, 6)
-        painter.end()
-
 
 def stops(window: QMainWindow, session: Session, reveal: Callable[[str], None]) -> tuple[Stop, ...]:
     """The five stops in a window; `reveal` brings a panel to the front by its name."""
-    doings = _Doings(window, session, reveal)
+
+    def button(name: str) -> QWidget | None:
+        found = window.findChild(QToolButton, name)
+        # In a narrow window the last buttons are hidden; their actions are also in the menus.
+        return found if found is not None and found.isVisible() else window.menuBar()
+
+    def another_image() -> Callable[[], bool]:
+        # The first image, which the program itself opens, does not count.
+        opened = [] if session.document.image is None else [session.image_generation]
+
+        def is_opened() -> bool:
+            if not opened and session.document.image is not None:
+                opened.append(session.image_generation)
+            return bool(opened) and session.image_generation != opened[0]
+
+        return is_opened
+
+    def more_objects() -> Callable[[], bool]:
+        before = len(session.document.objects.items)
+        return lambda: len(session.document.objects.items) > before and not isinstance(window.focusWidget(), QLineEdit)
+
+    def other_parameters() -> Callable[[], bool]:
+        reveal("parameters")
+        before = session.document.parameters
+        return lambda: session.document.parameters != before
+
+    def run() -> None:
+        if session.document.starts and not session.status.started:
+            session.run()
+
     return (
         Stop(
             tr("Open an image"),
             tr("Open your own image, or drop a file on the window. Or continue with the image that is open."),
-            doings.button("open"),
-            doings.another_image,
+            partial(button, "open"),
+            another_image,
         ),
         Stop(
             tr("Select an object"),
             tr("Choose the tool Objects ({key:objects}) and click in an object. Click to add, Shift-click to remove. "
                "Enter accepts it and asks for its name; Enter again leaves it without one."),
-            doings.button("objects"),
-            doings.more_objects,
+            partial(button, "objects"),
+            more_objects,
         ),
         Stop(
             tr("Or draw and run"),
             tr("Drag a circle ({key:circle}) in or around an object, unless there is one, and press {key:run}. "
                "Particles find the edges and follow them until they come to rest."),
-            doings.button("primary"),
-            lambda: doings.has_run,
-            doings.run,
+            partial(button, "primary"),
+            lambda: lambda: session.status.started,
+            run,
         ),
         Stop(
             tr("Steer"),
             tr("Move a slider: it acts at the next step of the run. The text below the sliders explains it."),
             lambda: window.findChild(QWidget, "parameters"),
-            doings.other_parameters,
+            other_parameters,
         ),
         Stop(
             tr("Export"),
             tr("When the run has found contours, export them as vector graphics, table or mask. "
                "The guide ({key:guide}) explains four examples."),
-            doings.button("export"),
-            lambda: doings.is_exporting,
+            partial(button, "export"),
+            lambda: lambda: window.findChild(ExportDialog) is not None,
         ),
     )  # fmt: skip
-
-
-class _Doings:
-    """What the stops point at, and what a person does there."""
-
-    def __init__(self, window: QMainWindow, session: Session, reveal: Callable[[str], None]) -> None:
-        self._window = window
-        self._session = session
-        self._reveal = reveal
-
-    def button(self, name: str) -> Callable[[], QWidget | None]:
-        """A button of the tool bar or of the palette."""
-
-        def seen() -> QWidget | None:
-            found = self._window.findChild(QToolButton, name)
-            # In a narrow window the last buttons are hidden; their actions are also in the menus.
-            return found if found is not None and found.isVisible() else self._window.menuBar()
-
-        return seen
-
-    def another_image(self) -> Callable[[], bool]:
-        """Whether an image is opened from now on."""
-        # The first image, which the program itself opens, does not count.
-        opened = [] if self._session.document.image is None else [self._session.image_generation]
-
-        def is_opened() -> bool:
-            if not opened and self._session.document.image is not None:
-                opened.append(self._session.image_generation)
-            return bool(opened) and self._session.image_generation != opened[0]
-
-        return is_opened
-
-    def more_objects(self) -> Callable[[], bool]:
-        """Whether an object is accepted, and named or not, from now on."""
-        before = len(self._session.document.objects.items)
-        return lambda: len(self._session.document.objects.items) > before and not self._typing()
-
-    def other_parameters(self) -> Callable[[], bool]:
-        """Whether a parameter is changed from now on."""
-        self._reveal("parameters")
-        before = self._session.document.parameters
-        return lambda: self._session.document.parameters != before
-
-    def _typing(self) -> bool:
-        return isinstance(self._window.focusWidget(), QLineEdit)
-
-    def run(self) -> None:
-        """Run, where there is something to start from."""
-        if self._session.document.starts and not self.has_run():
-            self._session.run()
-
-    def has_run(self) -> bool:
-        """Whether there is a run."""
-        return self._session.status.started
-
-    def is_exporting(self) -> bool:
-        """Whether the export dialog is open."""
-        return self._window.findChild(ExportDialog) is not None

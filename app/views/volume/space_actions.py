@@ -14,7 +14,7 @@ from app.session.session import Session
 from app.session.signals import EXPORTING
 from app.views.volume.space_bar import PARTS
 from app.views.volume.space_panel import SpacePanel
-from app.views.widgets.action_spec import STATE, ActionSpec
+from app.views.widgets.action_spec import ActionSpec
 
 _MENU = "View>" + tr("In s&pace")
 
@@ -26,19 +26,20 @@ _FROM = {"A": tr("From the &front"), "P": tr("From the &front"), "L": tr("From t
 def specs(panel: SpacePanel, session: Session) -> Iterator[ActionSpec]:
     """The actions of the view in space."""
     view, bar = panel.view, panel.bar
-    yield ActionSpec(name="space_whole", menu=_MENU, text=tr("&Whole volume"), do=view.show_all, when=has_volume,
-                     tip=tr("See the whole volume from where it is seen first (0 in the view)."))  # fmt: skip
-    for axis, name in enumerate(AXES):
-        yield ActionSpec(name=f"space_along_{axis}", menu=_MENU, text=tr("Along the &{axis}").format(axis=name),
-                         do=partial(view.look_along, axis), when=has_volume, worded=_worded(session, axis),
-                         tip=tr("Look at the volume as at its slices across the axis: {axis} ({key} in the view).")
-                         .format(axis=name, key=axis + 1))  # fmt: skip
-    for name, (title, tip) in PARTS.items():
-        yield ActionSpec(name=f"space_{name}", menu=_MENU, text=title, do=bar.checks[name].toggle, tip=tip, group=STATE,
-                         gap=name == "particles", when=has_volume, holds=_is_shown(panel, name))  # fmt: skip
-    yield ActionSpec(name="copy_space", menu=_MENU, text=tr("&Copy picture"), do=partial(_copy, panel, session),
-                     gap=True, tip=tr("Copy what the view in space shows to the clipboard."),
+    yield ActionSpec("space_whole", _MENU, tr("&Whole volume"),
+                     tr("See the whole volume from where it is seen first (0 in the view)."), view.show_all,
                      when=has_volume)  # fmt: skip
+    for axis, name in enumerate(AXES):
+        yield ActionSpec(f"space_along_{axis}", _MENU, tr("Along the &{axis}").format(axis=name),
+                         tr("Look at the volume as at its slices across the axis: {axis} ({key} in the view).")
+                         .format(axis=name, key=axis + 1), partial(view.look_along, axis), when=has_volume,
+                         worded=_worded(session, axis))  # fmt: skip
+    for name, (title, tip) in PARTS.items():
+        yield ActionSpec(f"space_{name}", _MENU, title, tip, bar.checks[name].toggle, gap=name == "particles",
+                         when=has_volume, holds=_is_shown(panel, name))  # fmt: skip
+    yield ActionSpec("copy_space", _MENU, tr("&Copy picture"),
+                     tr("Copy what the view in space shows to the clipboard."), partial(_copy, panel, session),
+                     gap=True, when=has_volume)  # fmt: skip
 
 
 def _worded(session: Session, axis: int) -> Callable[[Situation], str]:

@@ -10,14 +10,11 @@ from PySide6.QtWidgets import QMenu
 from app.model.state.situation import Condition, Situation, always
 from app.model.text.keys import with_keys
 
-TOGGLE, STATE = "toggle", "state"
-"""Groups of actions that the user checks, and of those whose check mark follows `ActionSpec.holds`."""
-
 LAYER = "layer_"
 """What the names of the actions that show or hide a layer begin with."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class ActionSpec:
     """One action.
 
@@ -29,24 +26,24 @@ class ActionSpec:
         Its menu; ``"File>Open sample"`` names a submenu.
     text : str
         Text in the menu.
-    do : callable
-        Its effect; a toggle passes whether it is checked.
-    shortcuts : tuple of str
-        Keys; the first one is shown.
     tip : str
         One sentence for the tooltip and the status bar; it may name keys of actions (see `with_keys`).
+    do : callable
+        Its effect.
+    keys : str
+        Keys with spaces between them; the first one is shown.
     icon : str
         Name of the icon, empty for none.
     group : str
-        Actions of the same group are alternatives; `TOGGLE` and `STATE` are independent check marks.
+        Actions of the same group are alternatives; empty for none.
     checked : bool
-        Whether it is initially checked.
+        Whether it is the initial one of its group.
     gap : bool
         Whether a separator is drawn above it.
     when : callable
         Situations in which it is enabled.
     holds : callable, optional
-        Situations in which it is checked, for the group `STATE`.
+        Situations in which it has a check mark.
     worded : callable, optional
         Its text in a situation, where it changes.
     pictured : callable, optional
@@ -58,9 +55,9 @@ class ActionSpec:
     name: str
     menu: str
     text: str
-    do: Callable[..., object]
-    shortcuts: tuple[str, ...] = ()
-    tip: str = ""
+    tip: str
+    do: Callable[[], object]
+    keys: str = ""
     icon: str = ""
     group: str = ""
     checked: bool = False
@@ -70,6 +67,11 @@ class ActionSpec:
     worded: Callable[[Situation], str] | None = None
     pictured: Callable[[Situation], str] | None = None
     short: str = ""
+
+    @property
+    def shortcuts(self) -> tuple[str, ...]:
+        """Its keys, one by one."""
+        return tuple(self.keys.split())
 
     @property
     def title(self) -> str:

@@ -18,7 +18,7 @@ from app.model.state.situation import (
 )
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
-from app.views.widgets.action_spec import STATE, TOGGLE, ActionSpec
+from app.views.widgets.action_spec import ActionSpec
 from app.views.widgets.key_text import native
 
 PRIMARY = "run"
@@ -89,7 +89,7 @@ class Actions:
 
     def use_keys(self, name: str, keys: tuple[str, ...]) -> None:
         """Give an action other keys; menus and all that shows `specs` follow, and tooltips by `show_keys`."""
-        self._specs[name] = replace(self._specs[name], shortcuts=keys)
+        self._specs[name] = replace(self._specs[name], keys=" ".join(keys))
         self._actions[name].setShortcuts([QKeySequence(key) for key in keys])
         self._changing = [self._specs[known.name] for known in self._changing]
 
@@ -107,16 +107,13 @@ class Actions:
     def _make(self, spec: ActionSpec, parent: QWidget) -> QAction:
         action = QAction(spec.text, parent)
         action.setShortcuts([QKeySequence(keys) for keys in spec.shortcuts])
-        if spec.group:
+        if spec.group or spec.holds:
             action.setCheckable(True)
             action.setChecked(spec.checked)
             action.setAutoRepeat(False)  # a key that is held must not switch back and forth
-        if spec.group and spec.group not in (TOGGLE, STATE):
+        if spec.group:
             self._groups.setdefault(spec.group, QActionGroup(parent)).addAction(action)
-        if spec.group == TOGGLE:
-            action.toggled.connect(spec.do)
-        else:
-            action.triggered.connect(lambda checked=False: spec.do())
+        action.triggered.connect(lambda checked=False: spec.do())
         if spec.short:
             action.setIconText(spec.short)
         if spec.icon:

@@ -1,4 +1,4 @@
-"""Animations and strips: every frame shows the particles of its step, and cancellation leaves no file behind."""
+"""Animations: every frame shows the particles of its step, and cancellation leaves no file behind."""
 
 from __future__ import annotations
 
@@ -15,10 +15,8 @@ from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QFileDialog
 
 from app.session.tasks.tasks import Task
-from app.views.export.film.animation_dialog import AnimationDialog, AnimationPlan
+from app.views.export.film.animation_dialog import AnimationDialog, AnimationPlan, every
 from app.views.export.film.frame_renderer import FrameRenderer
-from app.views.export.film.step_choice import evenly, every, written
-from app.views.export.film.strip_dialog import StripDialog
 from app.views.features.animation import AnimationFeature
 from app.views.features.run import TasksFeature, TimelineFeature
 from app.views.theme import theme
@@ -219,38 +217,6 @@ def test_frames_can_be_limited_to_the_visible_part(rested, hand, tmp_path) -> No
     assert np.median(pixels) > 150
 
 
-@pytest.mark.own_window
-def test_a_strip_shows_the_steps_that_are_written_and_is_saved(rested, hand, tmp_path, monkeypatch) -> None:
-    path = tmp_path / "strip.png"
-    rested.actions_by_name["export_strip"].trigger()
-    (dialog,) = rested.findChildren(StripDialog)
-    hand.wait(lambda: dialog.pixels is not None)
-    four = dialog.pixels.shape
-    assert four[1] == 4 * 320 + 5 * 8
-    dialog.steps.setFocus()
-    dialog.steps.selectAll()
-    hand.qtbot.keyClicks(dialog.steps, "0, 9999")
-    assert "“9999” is not a step of this branch" in dialog.trouble
-    assert not dialog.export.isEnabled()
-    dialog.steps.selectAll()
-    hand.qtbot.keyClicks(dialog.steps, "0, 12 30")
-    assert dialog.trouble == ""
-    dialog.columns.setValue(3)
-    hand.wait(dialog.export.isEnabled)
-    assert dialog.pixels.shape[1] == 3 * 320 + 4 * 8
-    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(path), ""))
-    hand.qtbot.mouseClick(dialog.export, LEFT)
-    hand.wait(path.exists)
-    hand.wait(lambda: rested.session.idle)
-    saved = picture(path)
-    np.testing.assert_array_equal(saved, dialog.pixels)
-    third = saved[8 : 8 + 320, 2 * 328 + 8 : 3 * 328]
-    assert of_color(third, theme.MOVING) + of_color(third, theme.RESTING) > 50
-    assert (saved[8 + 322 :] < 128).any()  # the captions
-    dialog.reject()
-    hand.wait(lambda: not rested.findChildren(StripDialog))
-
-
 def test_rendering_frames_does_not_change_the_window(rested, hand, record, tmp_path) -> None:
     navigation = rested.feature(TimelineFeature).navigation
     navigation.go(1, 20)
@@ -265,15 +231,9 @@ def test_rendering_frames_does_not_change_the_window(rested, hand, record, tmp_p
     assert (rested.session.status.step, rested.session.status.phase) == (20, "paused")
 
 
-def test_steps_are_chosen_evenly_by_stride_or_by_list() -> None:
-    assert evenly(0, 90, 4) == (0, 30, 60, 90)
-    assert evenly(3, 4, 9) == (3, 4)
+def test_steps_are_chosen_by_stride() -> None:
     assert every(0, 10, 4) == (0, 4, 8, 10)
     assert every(5, 5, 3) == (5,)
-    assert written("4, 0;7  7", 0, 9) == (4, 0, 7, 7)
-    for text in ("", " , ", "a", "1.5", "-1", "10"):
-        with pytest.raises(ValueError, match="step"):
-            written(text, 0, 9)
 
 
 def test_a_frame_that_cannot_be_drawn_ends_the_film_with_a_sentence_and_another_can_be_made(

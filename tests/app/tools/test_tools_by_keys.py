@@ -11,7 +11,7 @@ from PySide6.QtGui import QCursor
 
 from app.model.document import edits
 from app.views.canvas.tools import TOOLS
-from app.views.help.cheat_sheet import CheatSheet
+from app.views.features.help import HelpFeature
 from cpm_core.shapes import Barrier, Charge, Circle, Ellipse, Grid, Points, Polygon, Region, Stroke, Threshold
 
 pytestmark = pytest.mark.shared_window
@@ -188,25 +188,22 @@ def test_space_still_runs_while_the_cross_hair_is_shown(window, hand, keys) -> N
     assert window.canvas_area.crosshair.at is not None
 
 
-def test_a_question_mark_opens_the_sheet_of_all_keys_and_closes_it(window, hand) -> None:
-    def sheets() -> list[CheatSheet]:
-        return [sheet for sheet in window.findChildren(CheatSheet) if sheet.isVisible()]
-
+def test_a_question_mark_opens_the_page_of_all_keys_and_closes_it(window, hand) -> None:
+    help_ = window.feature(HelpFeature)
     for close in (KEY.Key_Question, KEY.Key_Escape):
         window.activateWindow()
         hand.wait(window.isActiveWindow)
         hand.canvas.setFocus()
         hand.key(KEY.Key_Question)
-        (sheet,) = sheets()
-        text = sheet.text()
+        text = help_.guide.text.toPlainText()
         for entry in window.actions_by_name.specs:
             if entry.shortcuts:
-                assert entry.text.replace("&", "").rstrip("…") in text
+                assert entry.title in text
         for word in ("Ctrl+Z", "cross-hair", "wheel", "Layers", "Tools"):
             assert word in text
-        hand.wait(sheet.isActiveWindow)
-        hand.qtbot.keyClick(sheet, close)
-        assert sheets() == []
+        hand.wait(help_.guide.isActiveWindow)
+        hand.qtbot.keyClick(help_.guide, close)
+        hand.wait(lambda: help_.guide is None)
 
 
 def test_the_strength_and_place_of_a_charge_are_changed_by_keys_alone(window, hand, keys) -> None:

@@ -67,14 +67,6 @@ def test_a_link_opens_a_sample_and_another_a_page(window, hand, guide) -> None:
     assert window.session.document.mode == "automatic"
 
 
-def test_all_keys_are_listed(window, guide) -> None:
-    guide.turn_to(KEYS)
-    text = guide.text.toPlainText()
-    for entry in window.actions_by_name.specs:
-        if entry.shortcuts:
-            assert entry.said in text, entry.name
-
-
 def test_the_guide_is_one_window_that_can_be_closed_and_opened_again(window, hand, guide) -> None:
     hand.key(Qt.Key.Key_F1)
     assert window.feature(HelpFeature).guide is guide

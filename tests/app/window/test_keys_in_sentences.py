@@ -16,7 +16,6 @@ from app.model.document import edits
 from app.model.text.keys import Named, use_names, with_keys
 from app.views.features.help import HelpFeature
 from app.views.features.run import TimelineFeature
-from app.views.help.cheat_sheet import CheatSheet
 from app.views.widgets.key_text import native
 from cpm_core.shapes import Circle, Everywhere
 
@@ -28,7 +27,7 @@ NAMED = re.compile(r"\{key:(\w+)\}")
 
 FIXED = (
     # In fields, dialogs and on the divider, these keys are not those of an action.
-    r"Enter or Esc (in a field )?gives it back", r"or Esc closes this sheet", r"Esc ends the comparison",
+    r"Enter or Esc (in a field )?gives it back", r"Esc ends the comparison",
     r"press Space to enlarge", r"Enlarge \(Space\)",
     # While corners, marks or objects are there, the canvas itself takes these.
     r"Backspace (removes|takes back|takes the last)", r"Delete(:| removes the stretch)",
@@ -143,7 +142,7 @@ def test_the_hint_follows_a_changed_key_at_once(window, shape, action) -> None:
     assert before in hint.text()
 
 
-def test_guide_tour_and_sheet_follow_changed_keys_while_they_are_open(window, hand) -> None:
+def test_guide_and_tour_follow_changed_keys_while_they_are_open(window, hand) -> None:
     feature = window.feature(HelpFeature)
     feature.show_guide("canvas")
     window.actions_by_name["tour"].trigger()
@@ -153,14 +152,15 @@ def test_guide_tour_and_sheet_follow_changed_keys_while_they_are_open(window, ha
     assert native("Ctrl+F7") in feature.tour.text.text()
     feature.tour.end()
     feature.guide.close()
+    hand.wait(lambda: feature.guide is None)
     window.shortcuts.choose("keys", "Ctrl+F8")
     window.actions_by_name["keys"].trigger()
-    sheet = window.findChild(CheatSheet)
-    assert native("Ctrl+F7") in sheet.text()
-    assert native("Ctrl+F8") in sheet.text()
-    hand.wait(sheet.isActiveWindow)
-    hand.qtbot.keyClick(sheet, Qt.Key.Key_F8, Qt.KeyboardModifier.ControlModifier)
-    assert not sheet.isVisible()
+    keys = feature.guide
+    assert native("Ctrl+F7") in keys.text.toPlainText()
+    assert native("Ctrl+F8") in keys.text.toPlainText()
+    hand.wait(keys.isActiveWindow)
+    hand.qtbot.keyClick(keys, Qt.Key.Key_F8, Qt.KeyboardModifier.ControlModifier)
+    hand.wait(lambda: feature.guide is None)
 
 
 def test_an_action_without_a_key_is_called_by_its_title() -> None:

@@ -27,7 +27,7 @@ from app.session.storage.folders import first_folder
 from app.session.storage.preferences import Preferences
 from app.views.features.files import RecoveryFeature
 from app.views.features.help import PreferencesFeature
-from app.views.help.cheat_sheet import groups
+from app.views.help.guide import groups
 from app.views.theme import theme
 from app.views.theme.look import look
 from app.views.window.docks import PanelAction

@@ -15,7 +15,6 @@ from app.model.document import edits
 from app.model.parameters.controls import controls
 from app.views.canvas.tools import TOOLS
 from app.views.export.film.animation_dialog import AnimationPlan
-from app.views.export.film.strip_dialog import StripDialog
 from app.views.features.animation import AnimationFeature
 from app.views.features.files import OpenSaveFeature, RecoveryFeature
 from app.views.main_window import MainWindow
@@ -52,11 +51,6 @@ def write_film(window: MainWindow, folder: Path) -> None:
     window.feature(AnimationFeature).write(1, AnimationPlan(steps, (160, 160), 10, False, ".gif"), folder / "film.gif")
 
 
-def draw_strip(window: MainWindow, folder: Path) -> None:
-    dialog: StripDialog = window.feature(AnimationFeature).ask_for_strip()
-    assert dialog.isVisible()
-
-
 def export(window: MainWindow, folder: Path) -> None:
     window.session.export(folder / "contours.csv")
 
@@ -88,7 +82,7 @@ def compare_two_results(window: MainWindow, folder: Path) -> None:
 
 
 TASKS: Sequence[Callable[[MainWindow, Path], None]] = (
-    open_next, prepare_partition, run_mosaic, write_film, draw_strip, export, save, write_journal, run, find_skeleton,
+    open_next, prepare_partition, run_mosaic, write_film, export, save, write_journal, run, find_skeleton,
     compare_with_truth, compare_two_results,
 )  # fmt: skip
 

@@ -24,7 +24,6 @@ from app.model.text.numbers import written
 from app.model.text.reasons import reason
 from app.session.storage.preferences import Preferences
 from app.views.export.film.frame_renderer import NARROWEST, WIDEST, frame_size
-from app.views.export.film.step_choice import every
 from cpm_core.formats.animations import mp4
 
 _FORMATS = (
@@ -58,6 +57,12 @@ class AnimationPlan:
     frames_per_second: int
     zoomed: bool
     suffix: str
+
+
+def every(first: int, last: int, stride: int) -> tuple[int, ...]:
+    """Every `stride`-th step from the first, and always the last."""
+    steps = list(range(first, last + 1, max(stride, 1)))
+    return tuple(steps if steps and steps[-1] == last else [*steps, last])
 
 
 class AnimationDialog(QDialog):

@@ -95,7 +95,6 @@ def test_a_kept_result_and_a_branch_are_compared_in_slices(run, hand) -> None:
 def test_a_frame_of_a_film_shows_the_slice_that_is_worked_on(run, hand) -> None:
     canvas = run.canvas_area.canvas
     assert run.actions_by_name["export_animation"].isEnabled()
-    assert run.actions_by_name["export_strip"].isEnabled()
     run.workspace.slices.turn(2)
     run.workspace.slices.at(20)
     renderer = FrameRenderer(run.session.scene, canvas, seen_part(canvas, canvas.shape, False), (96, 112))
