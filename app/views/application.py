@@ -13,7 +13,6 @@ from PySide6.QtWidgets import QApplication
 from app.model.document.samples import samples
 from app.model.text.language import language
 from app.model.text.numbers import use_marks
-from app.session.worker.free_memory import share_one_arena
 from app.session.workspace import Workspace
 from app.views.features.files import RecoveryFeature, StartFeature
 from app.views.features.help import HelpFeature
@@ -31,7 +30,6 @@ PIXMAP_CACHE = 256 * 1024
 
 def make_application() -> QApplication:
     """The QApplication, with the style that the window needs."""
-    share_one_arena()
     application = QApplication.instance() or QApplication(sys.argv[:1])
     assert isinstance(application, QApplication)
     application.setApplicationName("cpm")

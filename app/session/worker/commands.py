@@ -6,10 +6,12 @@ another module; the worker thread does not know the kinds.
 
 from __future__ import annotations
 
+import gc
 import threading
 from collections import Counter
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cache
 from pathlib import Path
 from typing import Any, ClassVar, Concatenate, ParamSpec
 
@@ -32,7 +34,6 @@ from app.session.exchange.messages import (
 )
 from app.session.tasks.tasks import Task
 from app.session.timeline.stored.plain_runs import Plain, RunsWriter, from_plain
-from app.session.worker.free_memory import keep_loaded
 from app.session.worker.run import Run
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import Mark
@@ -318,8 +319,17 @@ class WarmUp(Command):
                 context.report(Compiling(percent))
 
         (context.core.warm_up_volumes if self.volumes else context.core.warm_up)(context.closing, tell)
-        keep_loaded(self.volumes)
+        _keep_loaded(self.volumes)
         context.report(WarmedUp())
+
+
+@cache
+def _keep_loaded(volumes: bool) -> None:
+    """Let no search for garbage go through what is loaded by now, which would delay the window by several frames.
+
+    Once for images and once for volumes: done with every volume that is opened, this would keep each of them.
+    """
+    gc.freeze()
 
 
 @dataclass(frozen=True, slots=True)

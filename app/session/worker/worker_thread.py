@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import ctypes
 import queue
 import threading
 from collections import deque
 from collections.abc import Iterator
+from contextlib import suppress
 
 from app.model.text.language import tr
 from app.session.core_functions import Core
 from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Overlays, Report, RunFailed, Snapshot, sentence
 from app.session.worker.commands import Command, CommandContext, Quit
-from app.session.worker.free_memory import give_back
 from app.session.worker.prepared_methods import PreparedMethods
 from app.session.worker.reconstruction import Reconstructor
 from app.session.worker.run import Run
@@ -123,3 +124,9 @@ class WorkerThread:
             command.execute(self._context)
         except Exception as error:  # no error may end the thread
             self._reports.append(command.failure_report(error))
+
+
+def give_back() -> None:
+    """Give free memory back to the system, where the C library is that of GNU, which keeps the gaps between arrays."""
+    with suppress(OSError, TypeError, AttributeError):
+        ctypes.CDLL(None).malloc_trim(0)

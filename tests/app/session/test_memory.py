@@ -6,23 +6,18 @@ no more than the first few.
 
 from __future__ import annotations
 
-import ctypes
 import gc
-import linecache
 import random
-import subprocess
 import sys
-import threading
 import weakref
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from app.model.document.document import Document
 from app.session.worker import worker_thread
-from app.session.worker.free_memory import give_back, share_one_arena
 from app.session.worker.recorded_run import Begun, RecordedRun, RunRecord
+from app.session.worker.worker_thread import give_back
 from app.views.theme.icons import icon
 from cpm_core import Engine, Parameters
 from cpm_core.image.regions import Regions
@@ -41,48 +36,6 @@ def test_gaps_between_arrays_that_stay_are_given_back() -> None:
     give_back()
     assert before - resident() > 0.5 * made
     assert len(stay) == 200
-
-
-def arenas_of_threads(told: Path, shared: bool, threads: int = 4) -> int:
-    """Number of parts of memory from which so many threads of this process take some at once."""
-    if shared:
-        share_one_arena()
-    library = ctypes.CDLL(None)
-    library.malloc.restype, library.fopen.restype = ctypes.c_void_p, ctypes.c_void_p
-    all_at_work = threading.Barrier(threads)
-
-    def take() -> None:
-        all_at_work.wait()
-        library.malloc(1000)
-        all_at_work.wait()
-
-    at_work = [threading.Thread(target=take) for _ in range(threads)]
-    for thread in at_work:
-        thread.start()
-    for thread in at_work:
-        thread.join()
-    file = ctypes.c_void_p(library.fopen(str(told).encode(), b"w"))
-    library.malloc_info(0, file)
-    library.fclose(file)
-    return told.read_text().count("<heap ")
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="told by the C library of GNU")
-def test_threads_take_memory_from_one_arena(tmp_path) -> None:
-    def used(shared: bool) -> int:
-        call = f"{arenas_of_threads.__name__}(Path({str(tmp_path / 'told')!r}), {shared})"
-        program = f"from {__name__} import *; print({call})"
-        found = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-        return int(found.stdout)
-
-    assert used(shared=False) > 1
-    assert used(shared=True) == 1
-
-
-def test_sources_that_were_read_for_imports_are_given_back() -> None:
-    assert linecache.getlines(__file__)
-    give_back()
-    assert not linecache.cache
 
 
 def test_the_worker_gives_back_once_while_it_rests_and_goes_on(session, image_file, qtbot, monkeypatch) -> None:

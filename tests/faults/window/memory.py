@@ -17,7 +17,7 @@ from PySide6.QtCore import QCoreApplication, QEvent, QObject
 from PySide6.QtGui import QPixmapCache
 from PySide6.QtWidgets import QApplication
 
-from app.session.worker.free_memory import give_back
+from app.session.worker.worker_thread import give_back
 
 MIB = 2**20
 
