@@ -75,10 +75,10 @@ def test_a_folder_is_run_as_by_the_command_line_also_while_the_dialog_is_closed(
     dialog.close()
     assert batch.running
     feature = ready.feature(BatchFeature)
-    hand.wait(lambda: feature.dialog is None)
+    hand.wait(lambda: feature.dialog.shown is None)
     feature.open()
-    assert feature.dialog is not None
-    dialog = feature.dialog
+    assert feature.dialog.shown is not None
+    dialog = feature.dialog.shown
     assert dialog.button.text() == "&Stop"
     hand.wait(lambda: not batch.running)
     hand.wait(lambda: dialog.button.text() == "&Start")
