@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import TypeVar
+from typing import Protocol, TypeVar, runtime_checkable
 
 from PySide6.QtCore import QByteArray, QSize, Qt
 from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent
-from PySide6.QtWidgets import QMainWindow
+from PySide6.QtWidgets import QMainWindow, QWidget
 
 from app.model.display.lengths import prefer_unit
 from app.model.preferences.table import UNIT
@@ -30,7 +30,6 @@ from app.views.features.volumes import PagesFeature
 from app.views.theme import theme
 from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.widgets.actions import Actions
-from app.views.widgets.offer_bar import OfferBar
 from app.views.widgets.turns import Turns
 from app.views.window.bars import ToolBar, ToolPalette
 from app.views.window.docks import Docks
@@ -47,6 +46,14 @@ _SIZE, _FRAME = QSize(1400, 880), QSize(16, 40)
 
 _GEOMETRY, _LAYOUT, _HEIGHTS = "window/geometry", "window/panels", "window/heights"
 """Keys of the preferences for the geometry of the window, the layout of its panels, and the heights of those below."""
+
+
+@runtime_checkable
+class Themed(Protocol):
+    """A widget with colors that the palette does not set."""
+
+    def use_theme(self, theme: theme.Theme) -> None:
+        """Use the colors of a theme."""
 
 
 class MainWindow(QMainWindow):
@@ -87,7 +94,8 @@ class MainWindow(QMainWindow):
         self.docks = Docks(self, panels, self.areas)
         self.shortcuts = self._make_shortcuts()
         self.context_menus = self._add_menus(specs)
-        self._palette_of_tools = self._add_bars()
+        self.addToolBar(ToolBar(self.actions_by_name, self.feature(RunControlFeature).speed))
+        self.addToolBar(Qt.ToolBarArea.LeftToolBarArea, ToolPalette(self.actions_by_name))
         self.pointer_readout = PointerReadout(session, self.canvas_area.canvas)
         self.zoom_field = ZoomField(self.canvas_area.canvas)
         self.statusBar().addPermanentWidget(self.pointer_readout)
@@ -117,11 +125,10 @@ class MainWindow(QMainWindow):
         """Apply a theme."""
         theme.apply_theme(used)
         self.actions_by_name.use_theme(used)
-        self._palette_of_tools.use_theme(used)
-        self.canvas_area.messages.use_theme(used)
         self.docks.use_theme(used)
-        for bar in self.findChildren(OfferBar):
-            bar.use_theme(used)
+        for widget in self.findChildren(QWidget):
+            if isinstance(widget, Themed):
+                widget.use_theme(used)
         for feature in self.features.values():
             feature.use_theme(used)
 
@@ -233,12 +240,6 @@ class MainWindow(QMainWindow):
         self.canvas_area.refresh()
         for feature in self.features.values():
             feature.use_keys()
-
-    def _add_bars(self) -> ToolPalette:
-        palette = ToolPalette(self.actions_by_name)
-        self.addToolBar(ToolBar(self.actions_by_name, self.feature(RunControlFeature).speed))
-        self.addToolBar(Qt.ToolBarArea.LeftToolBarArea, palette)
-        return palette
 
     def _show(self) -> None:
         self.actions_by_name.show(self.session.situation)

@@ -14,7 +14,6 @@ from app.model.text.language import from_core, tr
 from app.views.canvas.canvas_area import FIRST_TOOL
 from app.views.canvas.tools import TOOLS
 from app.views.panels.history import HistoryPanel
-from app.views.theme.theme import Theme
 from app.views.widgets.action_spec import ActionSpec
 from app.views.window.feature import Feature, FeatureContext, Panel
 from cpm_core.shapes import Everywhere, Kind
@@ -157,7 +156,3 @@ class HistoryFeature(Feature):
         """The history."""
         title = tr("History")
         return (Panel(name="history", title=title, widget=self.panel, tab="settings", shown=False, shortcut="Ctrl+H"),)
-
-    def use_theme(self, theme: Theme) -> None:
-        """Color the lines for the new palette."""
-        self.panel.use_theme(theme)

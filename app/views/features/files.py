@@ -28,7 +28,6 @@ from app.session.tasks.opening import Wanted
 from app.views.files.folder_bar import FolderBar
 from app.views.files.recent_files import RecentFiles
 from app.views.files.start_screen import Entry, StartScreen
-from app.views.theme.theme import Theme
 from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.widgets.offer_bar import OfferBar
 from app.views.window import dialogs
@@ -91,8 +90,8 @@ class OpenSaveFeature(Feature):
         self.context.canvas_area.messages.keep_only(*OF_THE_PROGRAM)
         documents = [path for path in paths if path.suffix.lower() not in (*CONTOURS, PRESET)]
         for path in paths:
-            if path.suffix.lower() == PRESET:
-                self._bring_in(path)
+            if path.suffix.lower() == PRESET and self.bring_in is not None:
+                self.bring_in(path)
             elif path.suffix.lower() in CONTOURS and self.import_contours is not None:
                 self.import_contours(path)
         if documents and self._may_open():
@@ -203,10 +202,6 @@ class OpenSaveFeature(Feature):
         folder = path.parent if path is not None else None
         return self.context.files.ask_where_to_save("session", tr("Save session"), name, [sessions()], folder)
 
-    def _bring_in(self, path: Path) -> None:
-        if self.bring_in is not None:
-            self.bring_in(path)
-
     def _take_opened(self, opened: Opened) -> None:
         self._left = None
         if opened.saved is not None and opened.saved.file.truth is not None:
@@ -258,10 +253,6 @@ class StartFeature(Feature):
             ActionSpec("start", "File", tr("S&tart screen"), tr("Show recent work and samples as pictures."),
                        self.toggle, "Alt+Home", short=tr("Start"), icon="home"),
         )  # fmt: skip
-
-    def use_theme(self, theme: Theme) -> None:
-        """Color the background."""
-        self.screen.use_theme(theme)
 
     def close(self) -> bool:
         """Keep a picture of what is open."""
@@ -362,10 +353,6 @@ class FolderFeature(Feature):
                        "Alt+Right", when=partial(self._leads, 1)),
         )  # fmt: skip
 
-    def use_theme(self, theme: Theme) -> None:
-        """Tint the buttons."""
-        self.bar.use_theme(theme)
-
     def go(self, by: int) -> None:
         """Open the next image (1) or the previous one (-1) that is still there."""
         begin = self._ahead if self.context.session.opening else self._here
@@ -421,7 +408,7 @@ class RecoveryFeature(Feature):
         """Keep a journal of the open document."""
         self._document_file = document_file
         self.journal = Journal(document_file, self._folder, self.context.preferences)
-        self.journal.put.connect(self._tell)
+        self.journal.put.connect(lambda trouble: self.context.session.trouble(trouble, JOURNAL))
         self.context.session.listen(Opened, self._use_opened)
         self.context.session.listen(Written, self._use_written)
 
@@ -463,20 +450,14 @@ class RecoveryFeature(Feature):
 
     def _act_on(self, answer: str) -> None:
         if answer == "restore":
-            self._restore()
+            if self._restoring is not None:  # its image was not found, and it waits for another time
+                self._restoring.keep()
+            self._restoring = self._waiting.pop(0)
+            self._wanted = self._restoring.wanted
+            self.context.session.begin(self._wanted)
         elif answer == "discard":
-            self._discard()
-
-    def _restore(self) -> None:
-        if self._restoring is not None:  # its image was not found, and it waits for another time
-            self._restoring.keep()
-        self._restoring = self._waiting.pop(0)
-        self._wanted = self._restoring.wanted
-        self.context.session.begin(self._wanted)
-
-    def _discard(self) -> None:
-        self._waiting.pop(0).discard()
-        self._ask()
+            self._waiting.pop(0).discard()
+            self._ask()
 
     def _use_opened(self, opened: Opened) -> None:
         """Write a restored document to the new journal, and delete the old one only when that is on the disk."""
@@ -495,9 +476,6 @@ class RecoveryFeature(Feature):
         if self._restoring is not None:
             self._restoring.discard()
         self._restoring, self._wanted, self._restored = None, None, False
-
-    def _tell(self, trouble: str) -> None:
-        self.context.session.trouble(trouble, JOURNAL)
 
 
 def _details(leftover: Leftover) -> Sequence[str]:

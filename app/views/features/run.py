@@ -30,7 +30,6 @@ from app.views.panels.parameters.parameters import ParametersPanel
 from app.views.panels.run.run_panel import RunPanel
 from app.views.panels.timeline.timeline_panel import TimelinePanel
 from app.views.presets.preset_files import PresetFiles
-from app.views.theme.theme import Theme
 from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.widgets.preference_row import PreferenceRow
 from app.views.widgets.speed import SpeedControl
@@ -176,10 +175,6 @@ class TimelineFeature(Feature):
         """The memory that the timeline uses."""
         return (PreferenceRow(page="run", label=tr("In use now"), make=self._memory_label),)
 
-    def use_theme(self, theme: Theme) -> None:
-        """Color the buttons."""
-        self.panel.use_theme(theme)
-
     def use_keys(self) -> None:
         """Name the keys as they are now."""
         self.panel.show_keys()
@@ -227,10 +222,6 @@ class TasksFeature(Feature):
                        when=lambda situation: any(task.cancellable for task in tasks.current)),
         )  # fmt: skip
 
-    def use_theme(self, theme: Theme) -> None:
-        """Color the button."""
-        self.bar.use_theme(theme)
-
 
 _WORDINGS: tuple[tuple[Wording, str, str], ...] = (
     ("name", tr("&Names of parameters first"), tr("Label parameters by name and symbol.")),
@@ -273,10 +264,6 @@ class ParametersFeature(Feature):
             action.setEnabled(colored)
             action.setStatusTip(about)
             action.triggered.connect(lambda _=False, value=value: self.panel.change(CHANNEL, value))
-
-    def use_theme(self, theme: Theme) -> None:
-        """Color the buttons."""
-        self.panel.use_theme(theme)
 
     @property
     def _wording(self) -> Wording:

@@ -76,7 +76,7 @@ def test_a_folder_is_run_as_by_the_command_line_also_while_the_dialog_is_closed(
     assert batch.running
     feature = ready.feature(BatchFeature)
     hand.wait(lambda: feature.dialog.shown is None)
-    feature.open()
+    feature.dialog.open()
     assert feature.dialog.shown is not None
     dialog = feature.dialog.shown
     assert dialog.button.text() == "&Stop"

@@ -13,6 +13,7 @@ from PySide6.QtWidgets import QApplication
 from app.model.document import edits
 from app.model.text.keys import with_keys
 from app.views.canvas.tools import TOOLS
+from app.views.window.bars import ToolPalette
 from cpm_core import edge_map
 from cpm_core.numerics import polyline
 from cpm_core.shapes import Barrier, Charge, Circle, Ellipse, Grid, Points, Polygon, Region, Stroke, Threshold
@@ -256,7 +257,7 @@ def test_every_tool_has_a_key_of_its_own_a_tip_and_a_button_within_a_window_720_
     keys = [tool.shortcut for tool in TOOLS]
     assert len(set(keys)) == len(TOOLS)
     assert all(len(key) == 1 and tool.tip.endswith(".") for key, tool in zip(keys, TOOLS, strict=True))
-    palette = window._palette_of_tools
+    palette = window.findChild(ToolPalette)
     for tool in TOOLS:
         button = palette.buttons[tool.name]
         place = button.mapTo(window, button.rect().bottomRight())

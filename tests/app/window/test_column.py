@@ -9,6 +9,7 @@ from PySide6.QtWidgets import QScrollArea, QToolButton
 from app.session.storage.preferences import Preferences
 from app.views.main_window import MainWindow
 from app.views.widgets.scrolled import Scrolled
+from app.views.window.bars import ToolPalette
 
 LEFT = Qt.MouseButton.LeftButton
 DECISIVE = ("reach", "weakest_edge", "beta", "ratio", "annealing")
@@ -52,7 +53,7 @@ def test_in_a_window_of_800_by_500_everything_can_be_reached(window, hand) -> No
             assert row.slider.width() >= 60
     assert window.panels["timeline"].view.width() >= 120
     assert seen_whole(window.panels["timeline"].more)
-    palette = window._palette_of_tools
+    palette = window.findChild(ToolPalette)
     (tools,) = palette.findChildren(QScrollArea)
     for button in palette.buttons.values():
         tools.ensureWidgetVisible(button)
