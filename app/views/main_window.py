@@ -30,6 +30,7 @@ from app.views.features.volumes import PagesFeature
 from app.views.theme import theme
 from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.widgets.actions import Actions
+from app.views.widgets.offer_bar import OfferBar
 from app.views.widgets.turns import Turns
 from app.views.window.bars import ToolBar, ToolPalette
 from app.views.window.docks import Docks
@@ -119,6 +120,8 @@ class MainWindow(QMainWindow):
         self._palette_of_tools.use_theme(used)
         self.canvas_area.messages.use_theme(used)
         self.docks.use_theme(used)
+        for bar in self.findChildren(OfferBar):
+            bar.use_theme(used)
         for feature in self.features.values():
             feature.use_theme(used)
 

@@ -216,7 +216,7 @@ def mosaic(stand: Stand) -> None:
     """A sweep of smoothing and reach on the hand."""
     stand.open("hand.png")
     stand.do("mosaic")
-    dialog = stand.window.feature(ComparisonFeature).dialog
+    dialog = stand.window.feature(ComparisonFeature).dialog.shown
     assert dialog is not None
     for axis, symbol, values in (
         (dialog.parameters.down, "σ", "1, 2, 4"),

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from PySide6.QtCore import QEvent, QObject, Qt
-from PySide6.QtGui import QKeyEvent
+from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QMenu
 
 from app.model.display.truth.differences import Difference
@@ -21,6 +20,7 @@ from app.views.theme.contour_colors import fill_colors
 from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.window.dialogs import Files, all_files
 from app.views.window.feature import Feature, FeatureContext, Panel
+from app.views.window.keyboard import Keys
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.review import middle
 from cpm_core.formats import READABLE, SURFACES_READABLE
@@ -43,8 +43,7 @@ class ContoursFeature(Feature):
         context.preferences.follow(UNIT, self.panel.table.show_items)
         self.name_field = NameField(canvas, tr("Name of the contour"))
         context.session.image_changed.connect(self.name_field.leave)
-        self._keys = _CanvasKeys(self)
-        canvas.installEventFilter(self._keys)
+        Keys(canvas, lambda event: self.take_key(event.key()))
         self.panel.table.zoom_wanted.connect(context.canvas_area.zoom_to_selection)
         canvas.pointed.connect(lambda at: self._review.hover(None) if at is None else None)
         self._review.selection_changed.connect(context.refresh)
@@ -137,28 +136,13 @@ class ContoursFeature(Feature):
             action.setEnabled(bool(self._review.selected))
 
 
-class _CanvasKeys(QObject):
-    """Keys of the canvas that act on contours."""
-
-    def __init__(self, feature: ContoursFeature) -> None:
-        super().__init__(feature.context.window)
-        self._feature = feature
-
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Handle these keys while contours are selected."""
-        if event.type() == QEvent.Type.KeyPress and isinstance(event, QKeyEvent):
-            return self._feature.take_key(event.key())
-        return False
-
-
 class HandEditingFeature(Feature):
     """Close, join, cut and delete contours by menu and keys."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
         self._editing, self._review = context.workspace.hand_editing, context.workspace.review
-        self._keys = _StretchKeys(self)
-        context.canvas_area.canvas.installEventFilter(self._keys)
+        Keys(context.canvas_area.canvas, lambda event: event.key() == Qt.Key.Key_Delete and self.delete_stretch())
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """Close, join, cut, delete, and remove edits."""
@@ -195,20 +179,6 @@ class HandEditingFeature(Feature):
 
     def _chosen(self, situation: Situation) -> bool:
         return any(not item.contour.closed for item in self._review.chosen)
-
-
-class _StretchKeys(QObject):
-    """The key of the canvas that deletes a marked stretch."""
-
-    def __init__(self, feature: HandEditingFeature) -> None:
-        super().__init__(feature.context.window)
-        self._feature = feature
-
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Delete the stretch between two marks."""
-        if event.type() == QEvent.Type.KeyPress and isinstance(event, QKeyEvent):
-            return event.key() == Qt.Key.Key_Delete and self._feature.delete_stretch()
-        return False
 
 
 _SPAN = 48.0

@@ -34,7 +34,7 @@ from app.views.export.dialog import ExportDialog
 from app.views.export.surface import SurfaceDialog
 from app.views.widgets.action_spec import ActionSpec
 from app.views.window.dialogs import Button, Files, Question, all_files
-from app.views.window.feature import DialogFeature, Feature, FeatureContext
+from app.views.window.feature import Feature, FeatureContext, OneDialog
 from cpm_core.formats import (
     CONTOURS_READABLE,
     FOR_CENTERLINES,
@@ -336,22 +336,27 @@ def _buttons(found: Imported, of_file: bool) -> Sequence[Button]:
     return [*buttons, Button("cancel", tr("Cancel"), "cancel")]
 
 
-class BatchFeature(DialogFeature[BatchDialog]):
+class BatchFeature(Feature):
     """Opens the dialog, and says when all images are done."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
+        self.dialog = OneDialog(self._made)
         context.session.listen(BatchDone, self._tell)
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """Open it."""
         return (
             ActionSpec("apply_to_folder", "File", tr("Apply this session to a &folder…"),
-                       tr("Run every image of a folder with what is drawn and set here."), self.open, "Ctrl+Alt+E",
-                       when=has_image),
+                       tr("Run every image of a folder with what is drawn and set here."), self.dialog.open,
+                       "Ctrl+Alt+E", when=has_image),
         )  # fmt: skip
 
-    def made(self) -> BatchDialog:
+    def close(self) -> bool:
+        """Close the dialog."""
+        return self.dialog.close()
+
+    def _made(self) -> BatchDialog:
         """The dialog, on the folder of the image."""
         context = self.context
         return BatchDialog(context.window, context.session, context.workspace.batch, context.files.begin("open"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 
-from PySide6.QtCore import QEvent, QObject, Qt
+from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QColorDialog, QMenu
 
@@ -20,6 +20,7 @@ from app.views.theme.icons import swatch
 from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.window.dialogs import ask_for_text
 from app.views.window.feature import Feature, FeatureContext, Panel
+from app.views.window.keyboard import Keys
 from cpm_core.numerics.types import Position
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
 
@@ -37,8 +38,7 @@ class ObjectsFeature(Feature):
         context.preferences.follow(UNIT, self.panel.table.show_items)
         self.name_field = NameField(context.canvas_area.canvas, tr("Name of the object"))
         context.session.image_changed.connect(self.name_field.leave)
-        self._keys = _CanvasKeys(self)
-        context.canvas_area.canvas.installEventFilter(self._keys)
+        Keys(context.canvas_area.canvas, self.take_key)
         self.panel.table.zoom_wanted.connect(context.canvas_area.zoom_to_selection)
         self._list.selection_changed.connect(context.refresh)
         self._selection.changed.connect(context.refresh)
@@ -216,17 +216,3 @@ class ObjectsFeature(Feature):
 
     def _one(self, situation: Situation) -> bool:
         return len(self._list.chosen) == 1
-
-
-class _CanvasKeys(QObject):
-    """Keys of the canvas that act on objects."""
-
-    def __init__(self, feature: ObjectsFeature) -> None:
-        super().__init__(feature.context.window)
-        self._feature = feature
-
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Handle these keys while the tool for objects is in use."""
-        if event.type() == QEvent.Type.KeyPress and isinstance(event, QKeyEvent):
-            return self._feature.take_key(event)
-        return False

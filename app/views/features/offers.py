@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -23,60 +22,48 @@ from app.session.features.latest import Latest
 from app.session.tasks.opening import parts_of
 from app.views.files.part_dialog import PartDialog
 from app.views.files.pixel_size_dialog import PixelSizeDialog
-from app.views.theme.theme import Theme
 from app.views.widgets.action_spec import ActionSpec
 from app.views.widgets.offer_bar import OfferBar
 from app.views.window.feature import Feature, FeatureContext
 from cpm_core.formats.images.reading import Reading
-from cpm_core.image.kind import Kind
 from cpm_core.segmentation.large_images import LargeImageSettings
 
 
-class OfferingFeature(Feature):
-    """Offers something for each image that is opened, until a run begins or another image is opened.
+def offering(context: FeatureContext, offer: Callable[[Opened], None]) -> OfferBar:
+    """A line above the image in which `offer` may offer something for each image that is opened.
 
-    Of several offers one is shown at a time.
+    An offer is withdrawn when a run begins or another image is opened. Of several offers one is shown at a time.
     """
+    bar, session, offers = OfferBar(), context.session, context.canvas_area.offers
 
-    def __init__(self, context: FeatureContext) -> None:
-        super().__init__(context)
-        self.bar = OfferBar()
-        self.bar.changed.connect(self._take_turns)
-        context.canvas_area.offers.addWidget(self.bar)
-        context.session.listen(Opened, self._begin)
-        context.session.status_changed.connect(self._withdraw)
+    def begin(opened: Opened) -> None:
+        bar.end()
+        offer(opened)
 
-    @abstractmethod
-    def offer(self, opened: Opened) -> None:
-        """Make an offer for what has been opened, or none."""
+    def withdraw() -> None:
+        if bar.waiting and session.status.started:
+            bar.end()
 
-    def use_theme(self, theme: Theme) -> None:
-        """Tint the cross."""
-        self.bar.use_theme(theme)
-
-    def _begin(self, opened: Opened) -> None:
-        self.bar.end()
-        self.offer(opened)
-
-    def _withdraw(self) -> None:
-        if self.bar.waiting and self.context.session.status.started:
-            self.bar.end()
-
-    def _take_turns(self) -> None:
-        """Show the first of all offers that wait for an answer."""
-        offers = self.context.canvas_area.offers
+    def take_turns() -> None:
         items = [item for place in range(offers.count()) if (item := offers.itemAt(place)) is not None]
-        bars = [bar for item in items if isinstance(bar := item.widget(), OfferBar)]
-        first = next((bar for bar in bars if bar.waiting), None)
-        for bar in bars:
-            bar.setVisible(bar is first)
+        bars = [one for item in items if isinstance(one := item.widget(), OfferBar)]
+        first = next((one for one in bars if one.waiting), None)
+        for one in bars:
+            one.setVisible(one is first)
+
+    bar.changed.connect(take_turns)
+    offers.addWidget(bar)
+    session.listen(Opened, begin)
+    session.status_changed.connect(withdraw)
+    return bar
 
 
-class BeginningFeature(OfferingFeature):
+class BeginningFeature(Feature):
     """The parameters that an image begins with, and what is offered for it in a line above it."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
+        self.bar = offering(context, self.offer)
         context.preferences.follow(KEEP_PARAMETERS, self._use)
 
     def action_specs(self) -> Sequence[ActionSpec]:
@@ -97,14 +84,13 @@ class BeginningFeature(OfferingFeature):
             beside = opened.beside
             earlier = tr("{name} holds earlier work on this image. Continue it?").format(name=beside.name)
             self.bar.offer(earlier, (tr("Open session"), lambda: self.context.open_file(beside, False)))
-        elif kind is not None and kind in ADVICE and session.document.mode != "skeleton":
-            self._advise(kind)
-
-    def _advise(self, kind: Kind) -> None:
-        """Offer the settings for a kind of image, unless the user wants no such offers."""
-        if self.context.preferences.value(OFFER_SETTINGS):
-            name = tr("settings for the kind of image")
-            take = partial(self.context.session.edit, name, partial(use_kind, kind=kind))
+        elif (
+            kind is not None
+            and kind in ADVICE
+            and session.document.mode != "skeleton"
+            and self.context.preferences.value(OFFER_SETTINGS)
+        ):
+            take = partial(session.edit, tr("settings for the kind of image"), partial(use_kind, kind=kind))
             self.bar.offer(ADVICE[kind].sentence, (tr("Use these settings"), take))
 
     def _differ(self, situation: Situation) -> bool:
@@ -115,8 +101,12 @@ class BeginningFeature(OfferingFeature):
         self.context.session.keeps_parameters = self.context.preferences.value(KEEP_PARAMETERS)
 
 
-class LargeImageFeature(OfferingFeature):
+class LargeImageFeature(Feature):
     """Offers the scales and the smoothing that suit a large image; nothing is changed before the user agrees."""
+
+    def __init__(self, context: FeatureContext) -> None:
+        super().__init__(context)
+        self.bar = offering(context, self.offer)
 
     def offer(self, opened: Opened) -> None:
         """Offer what a large image wants."""
@@ -141,11 +131,12 @@ def _with(document: Document, settings: LargeImageSettings) -> Document:
     return edits.set_parameters(document, wanted)
 
 
-class StackFeature(OfferingFeature):
+class StackFeature(Feature):
     """Says what else a file holds when a part of it is opened, and opens another part."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
+        self.bar = offering(context, self.offer)
         self.dialog: PartDialog | None = None
         self._opened: Opened | None = None
         self._looking = Latest(context.session, "cpm-parts", tr("looking into the file"))
@@ -156,7 +147,7 @@ class StackFeature(OfferingFeature):
         return (
             ActionSpec("open_stack", "File", tr("Open all pages as one volu&me"),
                        tr("Open a stack of pages as one volume, or one page of it as an image."), self._open_otherwise,
-                       when=lambda _: self._holds_volume, worded=_stack_text),
+                       when=lambda _: self._parts is not None and self._parts.fit_a_volume, worded=_stack_text),
             ActionSpec("choose_part", "File", tr("Choose part of the &file…"),
                        tr("Choose page, channel, point in time and series of a file that holds several."), self.ask,
                        when=lambda _: self._parts is not None and self._parts.several),
@@ -183,7 +174,11 @@ class StackFeature(OfferingFeature):
             self.bar.offer(sentence, (tr("Open the series"), self._open_series))
             return
         if parts.doubts and (volume or not parts.fit_a_volume):
-            self._say_doubts(opened, parts)
+            # What is wrong with a volume is said as long as nobody works on it.
+            answers = [(tr("Choose…"), self.ask)]
+            if parts.planes == parts.pages:  # all were taken, and only how far apart they are is in doubt
+                answers.insert(0, (tr("Size of a voxel…"), lambda: self.context.do("pixel_size")))
+            self.bar.offer(f"{opened.path.name}: {' '.join(map(from_core, parts.doubts))}", *answers)
             return
         if not (parts.several_volumes or (parts.several and not volume)):
             return
@@ -194,13 +189,6 @@ class StackFeature(OfferingFeature):
         if parts.fit_a_volume and not volume:
             answers.insert(0, (tr("Open as volume"), self._open_otherwise))
         self.bar.offer(sentence, *answers)
-
-    def _say_doubts(self, opened: Opened, parts: Parts) -> None:
-        """Say what is wrong with a volume as long as nobody works on it, and offer what may be better."""
-        answers = [(tr("Choose…"), self.ask)]
-        if parts.planes == parts.pages:  # all were taken, and only how far apart they are is in doubt
-            answers.insert(0, (tr("Size of a voxel…"), lambda: self.context.do("pixel_size")))
-        self.bar.offer(f"{opened.path.name}: {' '.join(map(from_core, parts.doubts))}", *answers)
 
     def ask(self) -> None:
         """Ask which part is to be opened."""
@@ -220,10 +208,6 @@ class StackFeature(OfferingFeature):
     @property
     def _parts(self) -> Parts | None:
         return None if self._opened is None else self._opened.parts
-
-    @property
-    def _holds_volume(self) -> bool:
-        return self._parts is not None and self._parts.fit_a_volume
 
     def _look(self, series: int) -> None:
         if self._opened is not None:
@@ -263,11 +247,12 @@ def _stack_text(situation: Situation) -> str:
     return tr("Open all pages as one volu&me")
 
 
-class PixelSizeFeature(OfferingFeature):
+class PixelSizeFeature(Feature):
     """Asks for the size, offers to where a volume tells none, and makes it an edit that can be undone."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
+        self.bar = offering(context, self.offer)
         self.dialog: PixelSizeDialog | None = None
         self._told: tuple[tuple[float, ...], str | None] | None = None
 

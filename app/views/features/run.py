@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtCore import QEvent, QObject, Qt, QTimer
+from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QLabel, QMenu, QWidget
 
@@ -36,7 +36,8 @@ from app.views.widgets.preference_row import PreferenceRow
 from app.views.widgets.speed import SpeedControl
 from app.views.window.bars import TaskBar
 from app.views.window.dialogs import Files
-from app.views.window.feature import DialogFeature, Feature, FeatureContext, Panel
+from app.views.window.feature import Feature, FeatureContext, OneDialog, Panel
+from app.views.window.keyboard import Keys
 from cpm_core.formats.animations.comparison import PICTURE, TABLE
 
 _UPDATE_EVERY = 250
@@ -141,8 +142,7 @@ class TimelineFeature(Feature):
         super().__init__(context)
         self.navigation = context.workspace.navigation
         self.panel = TimelinePanel(self.navigation, lambda: is_running(context.session.situation))
-        self._keys = _Keys(self.navigation, context.window)
-        context.canvas_area.canvas.installEventFilter(self._keys)
+        Keys(context.canvas_area.canvas, self._go_to_end)
         context.session.document_changed.connect(lambda _: self.panel.show_parameters())
         context.preferences.follow(TIMELINE_MEMORY, self._use_budget)
 
@@ -184,6 +184,13 @@ class TimelineFeature(Feature):
         """Name the keys as they are now."""
         self.panel.show_keys()
 
+    def _go_to_end(self, event: QKeyEvent) -> bool:
+        """Go to the first or last step by Home and End on the canvas; in sliders and fields they keep their meaning."""
+        if event.key() not in (Qt.Key.Key_Home, Qt.Key.Key_End):
+            return False
+        (self.navigation.to_first if event.key() == Qt.Key.Key_Home else self.navigation.to_last)()
+        return True
+
     def _memory_label(self) -> QLabel:
         label = QLabel()
         navigation = self.navigation
@@ -201,25 +208,6 @@ class TimelineFeature(Feature):
     def _use_budget(self) -> None:
         megabytes = int(self.context.preferences.value(TIMELINE_MEMORY))
         self.context.session.post(RunCall(None, Run.set_timeline_budget, megabytes * MEGABYTE))
-
-
-class _Keys(QObject):
-    """Home and End on the canvas; in sliders, lists and fields they keep their usual meaning."""
-
-    def __init__(self, navigation: TimelineNavigation, parent: QObject) -> None:
-        super().__init__(parent)
-        self._navigation = navigation
-
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Go to the first or last step."""
-        if event.type() == QEvent.Type.KeyPress and isinstance(event, QKeyEvent):
-            if event.key() == Qt.Key.Key_Home:
-                self._navigation.to_first()
-                return True
-            if event.key() == Qt.Key.Key_End:
-                self._navigation.to_last()
-                return True
-        return False
 
 
 class TasksFeature(Feature):
@@ -314,11 +302,12 @@ _LEAST_SEEN = 0.02
 """Fraction of the image that must be visible for the tiles to show only the visible part."""
 
 
-class ComparisonFeature(DialogFeature[CompareDialog]):
+class ComparisonFeature(Feature):
     """Runs with other parameters, and classical methods, next to one another."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
+        self.dialog = OneDialog(self._made)
         context.session.listen(ComparisonWritten, self._report)
 
     def action_specs(self) -> Sequence[ActionSpec]:
@@ -332,7 +321,7 @@ class ComparisonFeature(DialogFeature[CompareDialog]):
                        partial(self._open_at, 1), "Ctrl+Shift+M", when=has_image),
         )  # fmt: skip
 
-    def made(self) -> CompareDialog | None:
+    def _made(self) -> CompareDialog | None:
         """The dialog; tiles show the visible part of the image as it is shown."""
         context, display = self.context, self.context.session.scene.display
         if display is None:
@@ -344,9 +333,13 @@ class ComparisonFeature(DialogFeature[CompareDialog]):
         return CompareDialog(context.window, context.session, comparison, display, crop, self._ask)
 
     def _open_at(self, choice: int) -> None:
-        self.open()
-        if self.dialog is not None:
-            self.dialog.choices.setCurrentIndex(choice)
+        opened = self.dialog.open()
+        if opened is not None:
+            opened.choices.setCurrentIndex(choice)
+
+    def close(self) -> bool:
+        """Close the dialog."""
+        return self.dialog.close()
 
     def _ask(self, parent: QWidget) -> Path | None:
         together = (Files(tr("Table of all methods"), (TABLE,)), Files(tr("Picture of all methods"), (PICTURE,)))

@@ -6,7 +6,7 @@ import json
 from collections.abc import Sequence
 from functools import partial
 
-from PySide6.QtCore import QElapsedTimer, QEvent, QObject, Qt
+from PySide6.QtCore import QElapsedTimer, QEvent, Qt
 from PySide6.QtGui import QGuiApplication, QKeyEvent
 from PySide6.QtWidgets import QMenu
 
@@ -29,6 +29,7 @@ from app.views.theme.look import Look, use_look
 from app.views.theme.theme import Theme
 from app.views.widgets.action_spec import LAYER, ActionSpec, Submenu
 from app.views.window.feature import Feature, FeatureContext, Panel
+from app.views.window.keyboard import Keys
 from cpm_core.contours.result import Result
 
 _KEY = "layers/{layer}"
@@ -197,8 +198,7 @@ class ComparingFeature(Feature):
         self.wipe = Wipe(canvas)
         self.magnifier = Magnifier(canvas)
         self._held = QElapsedTimer()
-        self._keys = _Release(self)
-        canvas.installEventFilter(self._keys)
+        Keys(canvas, self._release, QEvent.Type.KeyRelease)
         self.wipe.ended.connect(lambda: self._other.choose(None))
         self._other.changed.connect(self._show_wipe)
         context.session.scene_changed.connect(self._draw)
@@ -219,11 +219,13 @@ class ComparingFeature(Feature):
                        self._switch, "M", when=has_image, holds=lambda situation: self.magnifier.shown),
         )  # fmt: skip
 
-    def release(self) -> None:
-        """The key of the magnifier has been released; after a while that ends it."""
-        if self.magnifier.shown and self._held.isValid() and self._held.elapsed() >= _HELD:
-            self._switch()
-        self._held.invalidate()
+    def _release(self, event: QKeyEvent) -> bool:
+        """The key of the magnifier, when it is released after a while, ends it."""
+        if event.key() == Qt.Key.Key_M and not event.isAutoRepeat():
+            if self.magnifier.shown and self._held.isValid() and self._held.elapsed() >= _HELD:
+                self._switch()
+            self._held.invalidate()
+        return False
 
     def _switch(self) -> None:
         self.magnifier.switch(not self.magnifier.shown)
@@ -257,22 +259,6 @@ class ComparingFeature(Feature):
         if self._other.chosen is not None:
             self.wipe.draw(self._other.far(scene))
         self.magnifier.draw(self._other.near(scene))
-
-
-class _Release(QObject):
-    """Reports the release of the key of the magnifier."""
-
-    def __init__(self, feature: ComparingFeature) -> None:
-        super().__init__(feature.context.window)
-        self._feature = feature
-
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Look for the key."""
-        if not isinstance(event, QKeyEvent) or event.type() != QEvent.Type.KeyRelease:
-            return False
-        if event.key() == Qt.Key.Key_M and not event.isAutoRepeat():
-            self._feature.release()
-        return False
 
 
 class KeyboardFeature(Feature):

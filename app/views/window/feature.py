@@ -5,7 +5,6 @@ A new one is a module in `app.views.features` and an entry in its list.
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -172,33 +171,30 @@ class Feature:
 D = TypeVar("D", bound=QDialog)
 
 
-class DialogFeature(Feature, Generic[D]):
-    """Opens its dialog or brings it to the front, and closes it with the window."""
+class OneDialog(Generic[D]):
+    """A dialog that may stay open next to the window; `make` returns none where there is nothing to open it on."""
 
-    def __init__(self, context: FeatureContext) -> None:
-        super().__init__(context)
-        self.dialog: D | None = None
+    def __init__(self, make: Callable[[], D | None]) -> None:
+        self._make = make
+        self.shown: D | None = None
 
-    @abstractmethod
-    def made(self) -> D | None:
-        """A new dialog; None where there is nothing to open it on."""
-
-    def open(self) -> None:
+    def open(self) -> D | None:
         """Open the dialog, or bring it to the front."""
-        if self.dialog is None:
-            self.dialog = self.made()
-            if self.dialog is None:
-                return
-            self.dialog.finished.connect(self._forget)
-        self.dialog.show()
-        self.dialog.raise_()
-        self.dialog.activateWindow()
+        if self.shown is None:
+            self.shown = self._make()
+            if self.shown is None:
+                return None
+            self.shown.finished.connect(self._forget)
+        self.shown.show()
+        self.shown.raise_()
+        self.shown.activateWindow()
+        return self.shown
 
     def close(self) -> bool:
         """Close the dialog, which ends what it runs itself."""
-        if self.dialog is not None:
-            self.dialog.close()
+        if self.shown is not None:
+            self.shown.close()
         return True
 
     def _forget(self, _: int) -> None:
-        self.dialog = None
+        self.shown = None

@@ -314,3 +314,19 @@ class Areas:
     def _has_keyboard(self, name: str) -> bool:
         focused = QApplication.focusWidget()
         return focused is not None and (focused is self._panels[name] or self._panels[name].isAncestorOf(focused))
+
+
+class Keys(QObject):
+    """Gives the keys of a widget to `take` first, which returns whether it has used a key."""
+
+    def __init__(
+        self, widget: QWidget, take: Callable[[QKeyEvent], bool], kind: QEvent.Type = QEvent.Type.KeyPress
+    ) -> None:
+        super().__init__(widget)
+        self._take = take
+        self._kind = kind
+        widget.installEventFilter(self)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Pass the keys on."""
+        return event.type() == self._kind and isinstance(event, QKeyEvent) and self._take(event)

@@ -152,7 +152,7 @@ def test_a_held_key_magnifies_until_it_is_released(window, feature, hand, monkey
     hand.canvas.setFocus()
     hand.key(KEY.Key_M)
     assert feature.magnifier.shown
-    monkeypatch.setattr("app.views.features.view.comparing._HELD", 0)
+    monkeypatch.setattr("app.views.features.view._HELD", 0)
     feature.magnifier.switch(False)
     hand.qtbot.keyPress(hand.canvas, KEY.Key_M)
     assert feature.magnifier.shown

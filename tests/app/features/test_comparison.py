@@ -57,7 +57,7 @@ def opened(window: MainWindow, hand: Hand, *modifiers: Qt.KeyboardModifier) -> C
     for modifier in modifiers:
         keys |= modifier
     hand.key(KEY.Key_M, keys)
-    made = window.feature(ComparisonFeature).dialog
+    made = window.feature(ComparisonFeature).dialog.shown
     assert made is not None
     hand.qtbot.waitExposed(made)
     return made
@@ -212,7 +212,7 @@ def test_closing_leaves_no_thread(ready, parameters, hand, monkeypatch, way) -> 
     hand.wait(going.is_set)
     if way == "escape":
         hand.qtbot.keyClick(parameters, KEY.Key_Escape)
-        assert ready.feature(ComparisonFeature).dialog is None
+        assert ready.feature(ComparisonFeature).dialog.shown is None
         hand.wait(lambda: not comparing_threads())
     else:
         ready.close()

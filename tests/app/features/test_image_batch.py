@@ -39,7 +39,7 @@ def folder(tmp_path):
 def dialog(ready: MainWindow, hand: Hand, folder) -> BatchDialog:
     """The dialog, opened by its key on the folder."""
     hand.key(Qt.Key.Key_E, Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.AltModifier)
-    made = ready.feature(BatchFeature).dialog
+    made = ready.feature(BatchFeature).dialog.shown
     assert made is not None
     hand.qtbot.waitExposed(made)
     made.folder.clear()
@@ -75,10 +75,10 @@ def test_a_folder_is_run_as_by_the_command_line_also_while_the_dialog_is_closed(
     dialog.close()
     assert batch.running
     feature = ready.feature(BatchFeature)
-    hand.wait(lambda: feature.dialog is None)
+    hand.wait(lambda: feature.dialog.shown is None)
     feature.open()
-    assert feature.dialog is not None
-    dialog = feature.dialog
+    assert feature.dialog.shown is not None
+    dialog = feature.dialog.shown
     assert dialog.button.text() == "&Stop"
     hand.wait(lambda: not batch.running)
     hand.wait(lambda: dialog.button.text() == "&Start")

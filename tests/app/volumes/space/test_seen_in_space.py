@@ -91,7 +91,7 @@ def test_the_picture_in_space_is_saved_as_it_is_seen(volume, hand, space, tmp_pa
 
 def test_a_turntable_is_one_full_turn(volume, hand, space, tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(turntable, "FRAMES", 8)
-    monkeypatch.setattr("app.views.features.view.space.FRAMES", 8)
+    monkeypatch.setattr("app.views.features.volumes.FRAMES", 8)
     hand.wait(lambda: space.view.idle)
     path = tmp_path / "turn.gif"
     volume.feature(SpaceFeature).write_turntable(path)
