@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
@@ -14,7 +13,6 @@ from app.model.document.document import Document, ImageReference
 from app.model.document.samples import samples
 from app.session.storage.folders import first_folder, remember_folder
 from app.session.storage.preferences import Preferences
-from app.views.features.animation import AnimationFeature
 from app.views.features.contours import TruthFeature
 from app.views.features.files import OpenSaveFeature
 from app.views.features.run import ParametersFeature
@@ -51,7 +49,6 @@ ASKS: dict[str, Callable[[MainWindow], object]] = {
     "Compare with ground truth": lambda window: window.feature(TruthFeature)._load(),
     "Import preset": lambda window: window.feature(ParametersFeature).preset_files.import_action.trigger(),
     "Export preset": lambda window: window.feature(ParametersFeature).preset_files._export(),
-    "Export snapshot strip": lambda window: window.feature(AnimationFeature)._ask_to_save_strip(np.zeros((2, 2, 3))),
 }
 
 
