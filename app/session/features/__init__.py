@@ -1,1 +1,1 @@
-"""Features of the session beside a run: contour review, ground truth, parameter sweeps, skeletons, navigation."""
+"""Features of the session in addition to a run: review, ground truth, objects, pages, slices, timeline."""

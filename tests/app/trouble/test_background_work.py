@@ -12,7 +12,7 @@ from PySide6.QtCore import Qt
 from app.session.exchange.contour_tracking import ContourTracker
 from app.session.features import truth_comparison
 from app.session.features.latest import Latest
-from app.session.worker import overlays, reconstruction
+from app.session.worker import prepared_methods, reconstruction
 from app.session.worker.requests import Probe
 from app.views.export import dialog as export_dialog
 from app.views.features.exchange import ExportFeature
@@ -93,7 +93,9 @@ def test_contours_of_an_earlier_step_are_not_exported_as_those_of_the_last_one(
 
 
 def test_a_run_starts_and_goes_on_where_an_overlay_fails(ready, hand, monkeypatch) -> None:
-    monkeypatch.setattr(overlays, "OVERLAYS", {**overlays.OVERLAYS, "potential": raising(MemoryError())})
+    monkeypatch.setattr(
+        prepared_methods, "OVERLAYS", {**prepared_methods.OVERLAYS, "potential": raising(MemoryError())}
+    )
     ready.session.want_overlay("potential", True)
     hand.wait(lambda: "memory" in said(ready))
     hand.key(KEY.Key_Period)
