@@ -390,7 +390,7 @@ class Guide(QDialog):
         cell, text = "<td style='padding: 2px 14px 2px 0'>", f"<h2>{tr('All keys')}</h2>"
         for title, rows in groups(self._window, self._specs.values()):
             lines = "".join(
-                f"<tr>{cell}<b>{html.escape(tr(' or ').join(keys))}</b></td>{cell}{html.escape(meaning)}</td></tr>"
+                f"<tr>{cell}<b>{' &nbsp;'.join(map(html.escape, keys))}</b></td>{cell}{html.escape(meaning)}</td></tr>"
                 for keys, meaning in rows
             )
             text += f"<h3>{title}</h3><table>{lines}</table>"
