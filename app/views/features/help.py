@@ -19,6 +19,7 @@ from app.views.widgets.action_spec import ActionSpec
 from app.views.widgets.preference_row import PreferenceRow
 from app.views.window.feature import Feature, FeatureContext
 from app.views.window.preferences import PreferencesDialog, ShortcutsPage
+from cpm_core.formats.provenance import VERSION
 
 SEEN = "tour/seen"
 """Preference: whether the tour has been shown."""
@@ -110,17 +111,14 @@ class HelpFeature(Feature):
 
     def _show_about(self) -> None:
         """Show versions, license and paper; a button copies them."""
-        known = versions()
-        rows = "".join(
-            f"<tr><td>{name}</td><td style='padding-left: 12px'>{version}</td></tr>" for name, version in known
-        )
+        rows = "".join(f"<tr><td>{name} </td><td>{version}</td></tr>" for name, version in versions()[1:])
+        text = "".join(f"<p>{html.escape(text)}</p>" for text in (PURPOSE, PAPER, LICENSE))
         box = QMessageBox(self.context.window)
         box.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         box.setWindowTitle(tr("About CPM"))
         box.setIconPixmap(program_icon().pixmap(64, 64))
-        box.setText(
-            "".join(f"<p>{html.escape(text)}</p>" for text in (PURPOSE, PAPER, LICENSE)) + f"<table>{rows}</table>"
-        )
+        box.setText(f"CPM {VERSION}")
+        box.setInformativeText(f"{text}<table>{rows}</table>")
         box.setTextInteractionFlags(Qt.TextInteractionFlag.TextBrowserInteraction)
         copy = box.addButton(tr("&Copy this text"), QMessageBox.ButtonRole.ActionRole)
         copy.setToolTip(tr("Copy it to the clipboard, as for a report of an error."))
