@@ -17,8 +17,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cpm_core.formats.common.content import fingerprint
 from cpm_core.formats.common.printable import printable
-from cpm_core.formats.fingerprint import fingerprint
 from cpm_core.formats.images import foreign, numpy_array, resolution
 from cpm_core.formats.images.choice import Choice
 from cpm_core.formats.images.decoded import Decoded, UnreadableError

@@ -17,7 +17,7 @@ import numpy as np
 
 from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.result import Result
-from cpm_core.formats.atomic import check_place, write_together
+from cpm_core.formats.common.atomic import check_place, write_together
 from cpm_core.formats.common.printable import printable
 from cpm_core.formats.contours import coco, contour_csv, contour_json, figure, geojson, imagej, labelme, svg
 from cpm_core.formats.contours.dxf import drawing as dxf
