@@ -15,8 +15,7 @@ from app.model.parameters.controls import CHANNEL
 from app.model.preferences.table import TIMELINE_MEMORY, UNIT, WORDING
 from app.model.state.resolve import resolve
 from app.model.state.situation import Situation, can_step, has_image, has_particles, is_running, is_started
-from app.model.text.language import from_core, tr
-from app.model.text.numbers import written
+from app.model.text.language import from_core, tr, written
 from app.model.text.wording import Wording, wording_called
 from app.session.features.comparison import ComparisonWritten
 from app.session.features.timeline import TimelineNavigation
