@@ -13,7 +13,7 @@ from PySide6.QtCore import QObject, QSettings, Signal
 from app.model.parameters.presets import SUFFIX, Preset, built_in, checked_name, read, written
 from app.model.text.language import tr
 from app.session.exchange.messages import sentence
-from cpm_core.formats.atomic import write_together
+from cpm_core.formats.common.atomic import write_together
 
 
 class PresetStore(QObject):
