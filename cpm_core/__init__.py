@@ -95,11 +95,11 @@ from cpm_core.formats import (
 )
 from cpm_core.formats.animations.animation import write_animation
 from cpm_core.formats.animations.snapshot_strip import strip
+from cpm_core.formats.common.provenance import VERSION
 from cpm_core.formats.contours.figure import write_figure
 from cpm_core.formats.ground_truth_file import load_truth, load_volume_truth
 from cpm_core.formats.images.examples import example
 from cpm_core.formats.meshes.swc import write_swc
-from cpm_core.formats.provenance import VERSION
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions

@@ -33,7 +33,7 @@ from app.session.updates import Progress
 from app.session.worker.commands import Command, Copy, Export, RestoreRuns, RunCall, RunsRestored, Start, WarmUp
 from app.session.worker.run import Run
 from app.session.worker.worker_thread import WorkerThread
-from cpm_core.formats.fingerprint import differ
+from cpm_core.formats.common.content import differ
 from cpm_core.formats.images import resolution
 from cpm_core.formats.images.reading import DEFAULT, Reading
 from cpm_core.image.image import Image

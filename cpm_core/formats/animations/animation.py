@@ -12,7 +12,7 @@ from typing import Protocol
 import numpy as np
 
 from cpm_core.formats.animations import apng, gif, mp4
-from cpm_core.formats.atomic import check_place, draft_of
+from cpm_core.formats.common.atomic import check_place, draft_of
 from cpm_core.numerics.types import Pixels
 
 

@@ -21,8 +21,8 @@ from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.result import Result
 from cpm_core.contours.surface import Surface
 from cpm_core.formats.animations.snapshot_strip import strip
-from cpm_core.formats.atomic import check_place, write_together
-from cpm_core.formats.printable import cell
+from cpm_core.formats.common.atomic import check_place, write_together
+from cpm_core.formats.common.printable import cell
 from cpm_core.formats.writers import FOR_VOLUMES, WRITABLE, check_export, encoded, omission, suffix_of
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array, Pixels

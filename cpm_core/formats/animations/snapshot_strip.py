@@ -15,7 +15,7 @@ import PIL.ImageDraw
 import PIL.ImageFont
 import PIL.PngImagePlugin
 
-from cpm_core.formats.atomic import check_place, write_together
+from cpm_core.formats.common.atomic import check_place, write_together
 from cpm_core.numerics.real_numbers import checked_number
 from cpm_core.numerics.types import Pixels
 from cpm_core.parameters.quotation import shown

@@ -6,10 +6,10 @@ import os
 from collections import deque
 from pathlib import Path
 
-from cpm_core.formats.atomic import check_place, write_together
+from cpm_core.formats.common.atomic import check_place, write_together
+from cpm_core.formats.common.printable import printable
+from cpm_core.formats.common.provenance import PROGRAM, facts_on, text_of
 from cpm_core.formats.meshes.world import decimals_for, positions
-from cpm_core.formats.printable import printable
-from cpm_core.formats.provenance import PROGRAM, facts_on, text_of
 from cpm_core.image.geometry import Convention, Geometry
 from cpm_core.medial_axis.space.centerlines import Centerlines
 

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.contours.result import Result
-from cpm_core.formats.printable import printable
-from cpm_core.formats.provenance import PROGRAM, facts_of, text_of
+from cpm_core.formats.common.printable import printable
+from cpm_core.formats.common.provenance import PROGRAM, facts_of, text_of
 from cpm_core.image.geometry import Convention, Geometry
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array

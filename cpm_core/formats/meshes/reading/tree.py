@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import scipy
 
-from cpm_core.formats.images.content import content_of
+from cpm_core.formats.common.content import content_of
 from cpm_core.formats.meshes.reading.place import Place, place_of
 from cpm_core.image.geometry import Convention
 from cpm_core.image.image import Image

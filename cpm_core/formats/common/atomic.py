@@ -7,13 +7,13 @@ import errno
 import hashlib
 import os
 import secrets
+import signal
 import stat
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextvars import ContextVar
 from pathlib import Path
-
-from cpm_core.formats.interrupts import interrupts_put_off
+from types import FrameType
 
 _DRAFT = ".cpm-"
 """Beginning of the name of a draft."""
@@ -191,3 +191,31 @@ def _move(draft: Path, target: Path) -> None:
     written = _WRITTEN.get()
     if written is not None:
         written.add(target)
+
+
+@contextlib.contextmanager
+def interrupts_handled(handler: Callable[[int, FrameType | None], object] | signal.Handlers) -> Iterator[None]:
+    """Handle Ctrl+C in the block by `handler`; in any but the main thread, which alone is interrupted, as before."""
+    try:
+        before = signal.signal(signal.SIGINT, handler)
+    except ValueError:  # only the main thread may change it
+        yield
+        return
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@contextlib.contextmanager
+def interrupts_put_off() -> Iterator[None]:
+    """Let Ctrl+C wait until the end of the block, and then have the effect that it would have had."""
+    before = signal.getsignal(signal.SIGINT)
+    if not callable(before):  # ignored, or not of Python
+        yield
+        return
+    came: list[tuple[int, FrameType | None]] = []
+    with interrupts_handled(lambda *told: came.append(told)):
+        yield
+    if came:
+        before(*came[0])

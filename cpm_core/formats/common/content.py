@@ -1,4 +1,4 @@
-"""Fingerprint: the hash of a file, by which it is known again."""
+"""Content of a file: all of it, unless it is too large, and its fingerprint, the hash by which it is known again."""
 
 from __future__ import annotations
 
@@ -6,6 +6,9 @@ import hashlib
 import os
 from collections.abc import Callable, Iterable
 from pathlib import Path
+
+MOST = 2**29
+"""Most bytes of a file of contours or of a surface."""
 
 _PART = 2**20
 """Bytes that are read at once."""
@@ -18,6 +21,18 @@ _SAMPLES = 64
 
 _SAMPLED = "sampled:"
 """Begins the fingerprint of a larger file."""
+
+
+def content_of(file: Path) -> bytes:
+    """The bytes of a file; ValueError when it cannot be read or is too large."""
+    try:
+        size = file.stat().st_size
+        content = file.read_bytes() if size <= MOST else b""
+    except OSError as error:
+        raise ValueError(f"{file} cannot be read: {error.strerror or error}.") from error
+    if size > MOST:
+        raise ValueError(f"{file.name} has {size >> 20} MB, more than the {MOST >> 20} MB that are read.")
+    return content
 
 
 def fingerprint(path: Path, go_on: Callable[[], object] | None = None) -> str:

@@ -13,7 +13,7 @@ from pathlib import PurePosixPath, PureWindowsPath
 from typing import Any
 
 from cpm_core.contours.result import Result
-from cpm_core.formats.printable import printable
+from cpm_core.formats.common.printable import printable
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import Extrusion, Voxels
 from cpm_core.medial_axis.skeleton import Skeleton
