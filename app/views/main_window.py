@@ -166,7 +166,7 @@ class MainWindow(QMainWindow):
         files.import_contours = importing.take
         importing.open_files = files.take_dropped
         importing.open_picture = lambda path: files.take([path])
-        files.bring_in = self.feature(ParametersFeature).preset_files.import_file
+        files.bring_in = self.feature(ParametersFeature).presets.import_file
         self.feature(RecoveryFeature).keep(files.document_file)
         self.feature(FolderFeature).keep(files.document_file)
         self.feature(PagesFeature).keep(files.document_file)
