@@ -19,9 +19,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.model.text.language import tr
-from app.model.text.numbers import written
-from app.model.text.reasons import reason
+from app.model.text.language import reason, tr, written
 from app.session.storage.preferences import Preferences
 from app.views.export.frames import NARROWEST, WIDEST, frame_size
 from cpm_core.formats.animation import check_encoder

@@ -11,8 +11,7 @@ from PySide6.QtCore import QRectF
 
 from app.model.export.provenance import comment_on
 from app.model.state.situation import has_particles
-from app.model.text.language import tr
-from app.model.text.reasons import reason
+from app.model.text.language import reason, tr
 from app.session.exchange.messages import Exported, Report
 from app.session.signals import FILMING
 from app.session.tasks.tasks import Task

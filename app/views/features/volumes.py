@@ -16,7 +16,7 @@ from app.model.text.language import tr
 from app.model.volume.slices import AXES, Slices
 from app.session.exchange.messages import Exported, Report
 from app.session.features.latest import MadeLater
-from app.session.features.pages.stack_pages import WantedContour
+from app.session.features.stack_pages import WantedContour
 from app.session.scene import Scene
 from app.session.storage.session_file import DocumentFile
 from app.session.tasks.tasks import Task
