@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject, Signal
 
 from app.model.document.saving import to_file
-from app.model.text.language import tr
-from app.model.text.reasons import cause
+from app.model.text.language import cause, tr
 from app.session.exchange.messages import CommandFailed, Report
 from app.session.session import Session
 from app.session.tasks.tasks import Task

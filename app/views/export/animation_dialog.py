@@ -19,12 +19,10 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.model.text.language import tr
-from app.model.text.numbers import written
-from app.model.text.reasons import reason
+from app.model.text.language import reason, tr, written
 from app.session.storage.preferences import Preferences
-from app.views.export.film.frame_renderer import NARROWEST, WIDEST, frame_size
-from cpm_core.formats.animations import mp4
+from app.views.export.frames import NARROWEST, WIDEST, frame_size
+from cpm_core.formats.animation import check_encoder
 
 _FORMATS = (
     (".gif", tr("GIF, shown by all programs")),
@@ -147,7 +145,11 @@ class AnimationDialog(QDialog):
 
     def _follow(self) -> None:
         plan = self.plan
-        missing = _missing(plan.suffix)
+        missing = ""
+        try:
+            check_encoder(plan.suffix)
+        except ValueError as error:
+            missing = reason(error)
         seconds = len(plan.steps) / plan.frames_per_second
         words = tr("{count} frames of {width} × {height} px, {seconds} s. The layers are drawn as on the canvas now.")
         summary = words.format(
@@ -164,16 +166,6 @@ class AnimationDialog(QDialog):
         self._preferences.put(_KEY + "speed", plan.frames_per_second)
         self._preferences.put(_KEY + "format", plan.suffix)
         self.accept()
-
-
-def _missing(suffix: str) -> str:
-    """What has to be installed for a format, or empty."""
-    try:
-        if suffix in mp4.ANIMATES:
-            mp4.check()
-    except ValueError as error:
-        return reason(error)
-    return ""
 
 
 def _number(least: int, most: int, value: int, suffix: str = "") -> QSpinBox:

@@ -15,11 +15,10 @@ from app.model.display.page_rows import PageRow, page_rows
 from app.model.document.document import Document
 from app.model.document.saving import to_file
 from app.model.text.language import tr
-from app.session.core_functions import Core
+from app.session.exchange.core_functions import Core
 from app.session.exchange.messages import Exported, Opened, Report, Saved
 from app.session.features.contour_review import ContourReview
-from app.session.features.latest import Latest
-from app.session.features.pages.kept_pages import (
+from app.session.features.kept_pages import (
     Found,
     KeptPage,
     PlainPages,
@@ -31,7 +30,8 @@ from app.session.features.pages.kept_pages import (
     starts_along,
     with_change,
 )
-from app.session.features.pages.page_runs import PageDone, PageOrder, run_pages
+from app.session.features.latest import Latest
+from app.session.features.page_runs import PageDone, PageOrder, run_pages
 from app.session.scene import Item
 from app.session.session import Session
 from app.session.signals import EXPORTING, OPENING, RUNNING

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from app.session.core_functions import Core
+from app.session.exchange.core_functions import Core
 from app.session.features.comparison import Comparison
 from app.session.features.contour_review import ContourReview
 from app.session.features.hand_editing import HandEditing
 from app.session.features.image_batch import ImageBatch
-from app.session.features.objects.object_list import ObjectList
-from app.session.features.objects.object_selection import ObjectFitting, ObjectSelection
+from app.session.features.object_list import ObjectList
+from app.session.features.object_selection import ObjectFitting, ObjectSelection
 from app.session.features.other_result import OtherResult
-from app.session.features.pages.stack_pages import StackPages
 from app.session.features.skeleton import Skeletons
 from app.session.features.slices import ShownSlices
+from app.session.features.stack_pages import StackPages
 from app.session.features.timeline import TimelineNavigation
 from app.session.features.truth_comparison import GroundTruth
 from app.session.session import Session

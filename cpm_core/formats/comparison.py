@@ -7,25 +7,19 @@ import io
 import logging
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
-
-import numpy as np
-import PIL.Image
-import PIL.ImageDraw
-import PIL.PngImagePlugin
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.result import Result
 from cpm_core.contours.surface import Surface
-from cpm_core.formats.animations.snapshot_strip import strip
 from cpm_core.formats.common.atomic import check_place, write_together
 from cpm_core.formats.common.printable import cell
 from cpm_core.formats.writers import FOR_VOLUMES, WRITABLE, check_export, encoded, omission, suffix_of
+from cpm_core.image.drawing.axes import encoded_figure, require_matplotlib, show_curves, show_image
 from cpm_core.image.image import Image
-from cpm_core.numerics.types import Array, Pixels
 from cpm_core.objects.methods import CONTOUR_METHODS, Facts, Start, result_of
 
 _LOG = logging.getLogger(__name__)
@@ -33,21 +27,14 @@ _LOG = logging.getLogger(__name__)
 TABLE, PICTURE = ".csv", ".png"
 """Suffixes of what is written of all methods together; with others, the contours of each method are."""
 
-_START, _TRUTH, _CLOSED, _OPEN, _HALO = "#f0e442", "#d79bd0", "#56b4e9", "#ff9d1e", "#101216"
-"""Colors of the start, of the ground truth, of closed and of open contours, and around them."""
-
-_SIDE, _LEAST_WIDTH, _FINER = 420, 380, 2
-"""Longer side of an image in a tile; least width of a tile, for its caption [px]; how many times finer lines are drawn
-before they are reduced."""
+_START, _TRUTH = "#f0e442", "#d79bd0"
+"""Colors of the start and of the ground truth."""
 
 _FEW, _ACROSS = 4, (4, 3)
-"""So many tiles stand in one row; of more, one of these numbers, that which leaves the fewest places empty."""
+"""So many tiles form one row; of more, one of these numbers, that which leaves the fewest places empty."""
 
-_DARKEST, _BRIGHTEST = 0.1, 0.86
-"""Brightness of the extreme gray levels, on which lines and their halos must be visible."""
-
-_LETTERS = 13.0
-"""Height of the letters [px]."""
+_SIDE, _CAPTION = 4.0, 0.4
+"""Side of a tile and height of its caption [inches]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,34 +61,36 @@ def table(rows: Sequence[Facts]) -> bytes:
     return text.getvalue().encode()
 
 
-def picture(image: Image, start: Start, tiles: Sequence[Tile], truth: Truth | None = None) -> Pixels:
-    """The start and the contours of each method on the image, side by side, each with its facts below.
+def picture(image: Image, start: Start, tiles: Sequence[Tile], truth: Truth | None = None) -> bytes:
+    """The start and the contours of each method on the image, side by side, each with its facts above, as PNG.
 
-    A ground truth is drawn below all of them. What the colors mean stands below the start.
+    A ground truth is drawn below all of them.
     """
-    outlines = [Contour(outline, closed=True) for outline in start.outlines]
-    below = [] if truth is None else [(truth.contours, _TRUTH)]
-    frames = [_drawn(image, [*below, (outlines, _START)])]
-    legend = {"start": "yellow"} | ({} if truth is None else {"truth": "pink"})
-    captions = []
+    require_matplotlib()
+    from matplotlib.figure import Figure
+
+    known = () if truth is None else tuple(replace(one, color=_TRUTH) for one in truth.contours)
+    drawn = [Contour(outline, closed=True, color=_START) for outline in start.outlines]
+    title = "Start (yellow)" if truth is None else "Start (yellow), ground truth (pink)"
+    parts: list[tuple[str, Sequence[Contour]]] = [(title, drawn)]
     for tile in tiles:
-        closed, loose = ([one for one in tile.contours if one.closed is kind] for kind in (True, False))
-        legend |= ({"closed": "blue"} if closed else {}) | ({"open": "orange"} if loose else {})
-        frames.append(_drawn(image, [*below, (closed, _CLOSED), (loose, _OPEN)]))
-        captions.append(caption(tile.facts))
-    first = ", ".join(f"{name} {color}" for name, color in legend.items()).capitalize()
-    return strip(frames, [first, *captions], columns=_columns(len(frames)), text_size=_LETTERS)
-
-
-def _columns(count: int) -> int:
-    """How many of some tiles stand in a row."""
-    return count if count <= _FEW else min(_ACROSS, key=lambda across: -count % across)
-
-
-def caption(facts: Facts) -> str:
-    """A line below a tile: the method, its time, and how well it agrees where that is known."""
-    words = f"{CONTOUR_METHODS[facts.method].title}: {facts.seconds:.2f} s"
-    return words if facts.dice is None or facts.f is None else f"{words}, Dice {facts.dice:.3f}, F {facts.f:.3f}"
+        facts = tile.facts
+        title = f"{CONTOUR_METHODS[facts.method].title}: {facts.seconds:.2f} s"
+        if facts.dice is not None and facts.f is not None:
+            title += f", Dice {facts.dice:.3f}, F {facts.f:.3f}"
+        parts.append((title, tile.contours))
+    count = len(parts)
+    columns = count if count <= _FEW else min(_ACROSS, key=lambda across: -count % across)
+    rows = -(-count // columns)
+    figure = Figure(figsize=(_SIDE * columns, (_SIDE + _CAPTION) * rows), layout="constrained")
+    every = figure.subplots(rows, columns, squeeze=False).ravel()
+    for ax in every[count:]:
+        ax.set_axis_off()
+    for ax, (title, contours) in zip(every, parts, strict=False):
+        show_image(ax, image.values, image.spacing)
+        show_curves(ax, [*known, *contours])
+        ax.set_title(title, fontsize=9)
+    return encoded_figure(figure, PICTURE, ", ".join(tile.facts.method for tile in tiles))
 
 
 def write_comparison(
@@ -148,7 +137,7 @@ def write_comparison(
         if suffix == TABLE:
             contents.append((path, table([tile.facts for tile in tiles])))
         elif suffix == PICTURE:
-            contents.append((path, _picture_file(image, start, tiles, truth)))
+            contents.append((path, picture(image, start, tiles, truth)))
         else:
             results = [tile.result(image, start) for tile in tiles]
             contents += _contour_files(zip(files_of(path, names), results, strict=True), suffix, tell, refused)
@@ -200,34 +189,3 @@ def _contour_files(
                 tell(f"{file} was not written: {error}")
             else:
                 refused(file, str(error))
-
-
-def _picture_file(image: Image, start: Start, tiles: Sequence[Tile], truth: Truth | None) -> bytes:
-    stream, texts = io.BytesIO(), PIL.PngImagePlugin.PngInfo()
-    texts.add_text("Description", ", ".join(tile.facts.method for tile in tiles))
-    PIL.Image.fromarray(picture(image, start, tiles, truth)).save(stream, format="PNG", pnginfo=texts)
-    return stream.getvalue()
-
-
-def _drawn(image: Image, layers: Sequence[tuple[Sequence[Contour], str]]) -> Pixels:
-    """The image as large as a tile, with lines in their colors on dark halos; a narrow one stands on white."""
-    low, high = np.percentile(image.values, (0.2, 99.8))
-    shade = np.clip((image.values - low) / max(high - low, 1e-300), 0.0, 1.0)
-    gray = np.rint(255.0 * (_DARKEST + (_BRIGHTEST - _DARKEST) * shade)).astype(np.uint8)
-    rows, cols = image.shape
-    zoom = _FINER * _SIDE / max(rows, cols)
-    size = max(round(cols * zoom), _FINER), max(round(rows * zoom), _FINER)
-    large = PIL.Image.fromarray(gray).convert("RGB").resize(size, PIL.Image.Resampling.BILINEAR)
-    pen = PIL.ImageDraw.Draw(large)
-    for contours, own in layers:
-        for color, width in ((_HALO, 3 * _FINER), (own, 2 * _FINER - 1)):
-            for contour in contours:
-                pen.line(_line(contour.path, zoom), fill=color, width=width, joint="curve")
-    tile = np.asarray(large.resize((size[0] // _FINER, size[1] // _FINER), PIL.Image.Resampling.BOX))
-    beside = max(_LEAST_WIDTH - tile.shape[1], 0)
-    return np.pad(tile, ((0, 0), (beside // 2, beside - beside // 2), (0, 0)), constant_values=255)
-
-
-def _line(path: Array, zoom: float) -> list[tuple[float, float]]:
-    """A path as Pillow takes it: the center of the first pixel lies half a pixel inside."""
-    return [((col + 0.5) * zoom, (row + 0.5) * zoom) for row, col in path.tolist()]

@@ -11,9 +11,9 @@ import numpy as np
 
 from app.model.document.document import Document, ImageReference
 from app.model.text.language import tr
-from app.session.core_functions import Core
+from app.session.exchange.core_functions import Core
 from app.session.exchange.messages import sentence
-from app.session.features.pages.kept_pages import KeptPage, StackSource, bare, started_by, starts_along
+from app.session.features.kept_pages import KeptPage, StackSource, bare, started_by, starts_along
 from app.session.tasks.tasks import Cancelled, Task
 from app.session.timeline.run_actions import RunAction, Stepped
 from app.session.timeline.stored.plain_runs import FIGURES, RunsWriter

@@ -16,7 +16,7 @@ from app.model.document.objects import AnySelection
 from app.model.text.language import tr
 from app.session.exchange.messages import Report
 from app.session.features.latest import Latest
-from app.session.features.objects.selector import AnySelector, Partitions, selector_on
+from app.session.features.selector import AnySelector, Partitions, selector_on
 from app.session.scene import Proposal
 from app.session.session import Session
 from app.session.tasks.tasks import Task

@@ -1,42 +1,25 @@
-"""Animations: what other programs find in the files are the frames, at their times and in their colours."""
+"""Animations: what other programs find in the files are the frames, at their times."""
 
 import importlib.machinery
 import sys
 import types
 from pathlib import Path
 
-import imageio.v3 as iio
 import numpy as np
 import PIL.Image
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from hypothesis.extra import numpy as arrays
 
-from cpm_core.formats.animations.animation import ANIMATED, check_animation, write_animation
-from cpm_core.formats.animations.frame_compression import changed, indexed
-from cpm_core.formats.animations.snapshot_strip import write_picture
+from cpm_core.formats.animation import ANIMATED, check_animation, write_animation, write_picture
 
-COLOURS = np.array([(0xF0, 0xE4, 0x42), (0x2B, 0xD4, 0xA4), (0x56, 0xB4, 0xE9), (0xFF, 0x9D, 0x1E)], np.uint8)
-"""Moving and resting particles, closed and open contours."""
-
-SUFFIXES = (".gif", ".png", ".apng")
+SUFFIXES = (".gif", ".png")
 
 
-def scene(step, shape=(75, 101), noise=8.0):
-    """A picture of many dull colours with a few dots of pure ones that move."""
-    random = np.random.default_rng(0)
-    levels = np.linspace(20, 235, shape[1])[:, None] + random.normal(0, noise, (*shape, 3))
-    frame = np.clip(levels, 0, 255).astype(np.uint8)
-    for number, colour in enumerate(COLOURS):
-        row, col = 8 + 15 * number, 5 + 7 * step
-        frame[row : row + 2, col : col + 2] = colour
+def scene(step, shape=(75, 101)):
+    """A picture of few colours with a dot that moves."""
+    frame = np.zeros((*shape, 3), np.uint8)
+    frame[:] = np.linspace(20, 235, shape[1]).astype(np.uint8)[:, None] // 8 * 8
+    frame[8:10, 5 + 7 * step : 7 + 7 * step] = (0xF0, 0xE4, 0x42)
     return frame
-
-
-def plain(step):
-    """The same in fewer colours than a palette holds."""
-    return scene(step, noise=0.0) // 8 * 8
 
 
 def frames_of(path):
@@ -57,90 +40,17 @@ def test_all_frames_are_there_for_their_time(tmp_path, suffix):
     steps = [scene(step) for step in range(7)]
     assert write_animation(iter(steps), tmp_path / f"a{suffix}", 12.5, progress=seen.append)
     shown, durations = frames_of(tmp_path / f"a{suffix}")
-    assert shown.shape == (7, 75, 101, 3)
+    assert np.array_equal(shown, steps)
     assert durations == [80.0] * 7
     assert seen == [1, 2, 3, 4, 5, 6, 7]
     assert [path.name for path in tmp_path.iterdir()] == [f"a{suffix}"]
 
 
-@pytest.mark.parametrize("suffix", [".png", ".apng"])
-def test_an_animated_png_holds_the_very_frames(tmp_path, suffix):
-    steps = [scene(step) for step in (0, 1, 1, 2)]
-    write_animation(steps, tmp_path / f"a{suffix}")
-    assert np.array_equal(frames_of(tmp_path / f"a{suffix}")[0], steps)
-
-
-def test_the_colours_of_particles_survive_in_a_gif_and_grey_levels_nearly(tmp_path):
-    steps = [scene(step) for step in range(5)]
-    assert len(np.unique(steps[0].reshape(-1, 3), axis=0)) > 2000
-    write_animation(steps, tmp_path / "a.gif", 10)
-    shown, _ = frames_of(tmp_path / "a.gif")
-    for frame, step in zip(shown, steps, strict=True):
-        for colour in COLOURS:
-            where = (step == colour).all(axis=2)
-            assert where.sum() == 4
-            assert (frame[where] == colour).all()
-        assert np.abs(frame.astype(int) - step).mean() < 4
-        assert np.abs(frame.astype(int) - step).max() <= 30
-
-
-def test_a_gif_of_few_colours_holds_the_very_frames(tmp_path):
-    steps = [plain(step) for step in range(4)]
-    write_animation(steps, tmp_path / "a.gif")
-    assert np.array_equal(frames_of(tmp_path / "a.gif")[0], steps)
-    assert np.array_equal(iio.imread(tmp_path / "a.gif")[..., :3], steps)
-
-
-def test_a_coloured_picture_keeps_its_dots_and_looks_alike():
-    random = np.random.default_rng(1)
-    row, col = np.mgrid[:120, :160]
-    frame = np.stack([row * 2, col, 255 - row - col // 2], axis=-1).clip(0, 255).astype(np.uint8)
-    dots = np.stack([random.permutation(120)[:60], random.permutation(160)[:60]], axis=1)
-    frame[dots[:, 0], dots[:, 1]] = COLOURS[0]
-    indices, palette = indexed(frame)
-    assert len(palette) <= 256
-    shown = palette[indices]
-    assert (shown[dots[:, 0], dots[:, 1]] == COLOURS[0]).all()
-    assert np.abs(shown.astype(int) - frame).mean() < 8
-
-
-@settings(max_examples=30, deadline=None)
-@given(arrays.arrays(np.uint8, st.tuples(st.integers(1, 20), st.integers(1, 12), st.just(3))))
-def test_a_picture_of_few_colours_is_its_palette(frame):
-    indices, palette = indexed(frame)
-    assert np.array_equal(palette[indices], frame)
-    assert len(np.unique(palette, axis=0)) == len(palette)
-
-
-@settings(max_examples=30, deadline=None)
-@given(st.data())
-def test_the_rectangle_of_changes_holds_all_of_them_and_no_more(data):
-    shape = (data.draw(st.integers(1, 9)), data.draw(st.integers(1, 9)), 3)
-    last = np.zeros(shape, np.uint8)
-    frame = data.draw(arrays.arrays(np.uint8, shape, elements=st.sampled_from([0, 0, 0, 0, 0, 0, 0, 7])))
-    top, left, bottom, right = changed(last, frame)
-    mended = last.copy()
-    mended[top:bottom, left:right] = frame[top:bottom, left:right]
-    assert np.array_equal(mended, frame)
-    assert bottom > top
-    assert right > left
-    if (last != frame).any():
-        part = frame[top:bottom, left:right].any(axis=2)
-        assert part[0].any() and part[-1].any() and part[:, 0].any() and part[:, -1].any()
-
-
 def test_times_do_not_drift_where_hundredths_do_not_suffice(tmp_path):
-    write_animation((scene(0) + np.uint8(k) for k in range(30)), tmp_path / "a.gif", 30.0)
+    write_animation((scene(0) + np.uint8(k % 20) for k in range(30)), tmp_path / "a.gif", 30.0)
     durations = frames_of(tmp_path / "a.gif")[1]
     assert set(durations) == {30, 40}
     assert sum(durations) == 1000
-
-
-@pytest.mark.parametrize("suffix", SUFFIXES)
-def test_a_single_frame_is_an_animation_too(tmp_path, suffix):
-    write_animation([plain(0)], tmp_path / f"a{suffix}")
-    with PIL.Image.open(tmp_path / f"a{suffix}") as image:
-        assert np.array_equal(np.asarray(image.convert("RGB")), plain(0))
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
@@ -165,7 +75,7 @@ def test_cancelled_at_any_frame_it_leaves_the_old_file(tmp_path, suffix):
 def test_a_frame_that_is_none_or_of_another_size_leaves_nothing(tmp_path, suffix):
     for frames, sentence in (
         ([], "would be an animation without frames"),
-        ([scene(0), scene(1, (75, 99))], "has 75 x 99 px, but those before have 75 x 101 px"),
+        ([scene(0), scene(1, (75, 99))], r"of shape \(75, 99, 3\)"),
         ([scene(0), scene(1)[..., 0]], r"holds uint8 of shape \(75, 101\)"),
         ([scene(0) / 2.0], "holds float64"),
     ):
@@ -178,7 +88,7 @@ def test_speeds_that_cannot_be_shown_are_refused(tmp_path):
     for speed in (0.0, -1.0, 1000.0, float("nan")):
         with pytest.raises(ValueError, match=r"frames_per_second is .* but must be a number from 0\.1 to 120"):
             write_animation([scene(0)], tmp_path / "a.png", speed)
-    with pytest.raises(ValueError, match="A GIF shows at most 50 frames a second, not 60"):
+    with pytest.raises(ValueError, match=r"from 0\.1 to 50"):
         write_animation([scene(0)], tmp_path / "a.gif", 60)
     assert list(tmp_path.iterdir()) == []
 
@@ -257,21 +167,9 @@ def test_without_the_encoder_a_sentence_says_what_to_install_and_what_to_take_in
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_frame_is_asked_for_only_when_those_before_are_written(tmp_path):
-    drawn, written = [], []
-
-    def drawing():
-        for step in range(5):
-            drawn.append(len(written))
-            yield scene(step)
-
-    write_animation(drawing(), tmp_path / "a.png", progress=written.append)
-    assert drawn == [0, 1, 2, 3, 4]
-
-
-@pytest.mark.parametrize("suffix", [".gif", ".png", ".apng"])
+@pytest.mark.parametrize("suffix", SUFFIXES)
 def test_an_animation_carries_a_comment_and_the_same_frames(tmp_path, suffix):
-    steps, comment = [plain(step) for step in range(3)], "found by " * 80
+    steps, comment = [scene(step) for step in range(3)], "found by " * 80
     write_animation(steps, tmp_path / f"a{suffix}", comment=comment)
     with PIL.Image.open(tmp_path / f"a{suffix}") as picture:
         told = picture.info.get("Description") or picture.info["comment"].decode("ascii")
@@ -281,8 +179,8 @@ def test_an_animation_carries_a_comment_and_the_same_frames(tmp_path, suffix):
 
 def test_a_film_and_a_picture_carry_a_comment(tmp_path, monkeypatch):
     encoder = Ffmpeg(monkeypatch)
-    write_animation([plain(0)], tmp_path / "a.mp4", 24, comment="by CPM")
+    write_animation([scene(0)], tmp_path / "a.mp4", 24, comment="by CPM")
     assert encoder.given["output_params"][-2:] == ["-metadata", "comment=by CPM"]
-    write_picture(plain(0), tmp_path / "a.png", "by CPM")
+    write_picture(scene(0), tmp_path / "a.png", "by CPM")
     with PIL.Image.open(tmp_path / "a.png") as picture:
         assert picture.info["Description"] == "by CPM"

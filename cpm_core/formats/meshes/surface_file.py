@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import logging
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
-from types import MappingProxyType
 
 import numpy as np
 
@@ -16,26 +16,27 @@ from cpm_core.contours.surface.of_labels import surface_of_labels
 from cpm_core.formats.common.content import content_of
 from cpm_core.formats.images.decoded import UnreadableError
 from cpm_core.formats.masks.label_volume import labels_like
-from cpm_core.formats.meshes.reading import obj, ply, stl, vtk
-from cpm_core.formats.meshes.reading.place import place_of
-from cpm_core.formats.meshes.reading.triangles import Triangles
+from cpm_core.formats.meshes import obj, ply, stl, vtk
+from cpm_core.formats.meshes.coordinates import place_of
+from cpm_core.formats.meshes.triangles import Triangles
 from cpm_core.formats.readers import load_volume
 from cpm_core.image.geometry import Convention
 from cpm_core.image.image import Image
 
 _LOG = logging.getLogger(__name__)
 
-_READERS: Mapping[str, tuple[str, Callable[[bytes], Triangles]]] = MappingProxyType(
-    {
-        ".ply": ("triangles of MeshLab, Blender and others", ply.read),
-        ".stl": ("triangles for printing", stl.read),
-        ".obj": ("triangles of drawing programs", obj.read),
-        ".vtk": ("poly data of ParaView and 3D Slicer", vtk.read),
-    }
-)
+_READERS: dict[str, tuple[str, Callable[[bytes], Triangles]]] = {
+    ".ply": ("triangles of MeshLab, Blender and others", ply.read),
+    ".stl": ("triangles for printing", stl.read),
+    ".obj": ("triangles of drawing programs", obj.read),
+    ".vtk": ("poly data of ParaView and 3D Slicer", vtk.read),
+}
 
 SURFACES_READABLE: dict[str, str] = {suffix: what for suffix, (what, _) in _READERS.items()}
 """Suffixes of files that surfaces can be read from -> what they are; volumes are read as labels."""
+
+_HEAD = 4096
+"""Bytes at the beginning of a file in which it tells its coordinates and its unit."""
 
 _MOST_LABELS = 100_000
 """Largest label that is the number of an object."""
@@ -112,31 +113,23 @@ def decode_surface(
     except Exception as error:  # damaged files raise exceptions of any kind
         _LOG.info("%s: %s: %s", name, type(error).__name__, error)
         raise ValueError(f"{name} is damaged, or no surface of this kind: write it again.") from error
-    place, notes = place_of(found.remarks, image, space)
+    place, notes = place_of(content[:_HEAD].decode("latin-1"), image, space)
     faces = found.faces[:, ::-1] if place.mirrored else found.faces
     try:
         surface = Surface(place.voxels(found.points), faces, place.spacing, place.unit, numbers=found.numbers)
     except ValueError as error:
         raise ValueError(f"{name} cannot be used. {error}") from error
     if surface.volume < 0.0 and surface.closed:
-        surface = Surface(
-            surface.vertices, surface.faces[:, ::-1], surface.spacing, surface.unit, numbers=surface.numbers
-        )
-    if image is not None:
-        _check_inside(surface, image, name)
-    return surface, notes
-
-
-def _check_inside(surface: Surface, image: Image, name: str) -> None:
-    """ValueError unless a vertex lies in the volume."""
+        surface = replace(surface, faces=surface.faces[:, ::-1])
     used = surface.vertices[np.unique(surface.faces)]
     if not len(used):
         raise ValueError(f"{name} holds no triangles: choose another file.")
-    if not ((used >= -0.5) & (used <= np.array(image.shape) - 0.5)).all(axis=1).any():
+    if image is not None and not ((used >= -0.5) & (used <= np.array(image.shape) - 0.5)).all(axis=1).any():
         raise ValueError(
             f"The surface of {name} lies outside the volume {image.source}: choose the surface of this very volume, in "
             "its unit, and tell whether it is in LPS or RAS."
         )
+    return surface, notes
 
 
 def _of_labels(file: Path, image: Image | None) -> Surface:
