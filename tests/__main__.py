@@ -15,7 +15,7 @@ PARTS = {
     "indices": ("pytest", "tests/core"),
     "claims": ("tests.benchmarks.claims",),
 }
-"""Broken input and random use; releases and licenses of libraries; no network; checked indices; the claims of the paper."""
+"""Broken input and random use; releases and licenses; no network; checked indices; the claims of the paper."""
 
 
 def main() -> int:
