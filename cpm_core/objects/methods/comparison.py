@@ -1,20 +1,102 @@
-"""Whole runs of methods, with the time that their steps take."""
+"""All methods by name, a choice of them with settings, whole runs, and what is said of a run."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from types import MappingProxyType
 from typing import Any
 
-from cpm_core.contours.agreement import Comparison, compare
+import numpy as np
+
+from cpm_core.contours.agreement import compare
+from cpm_core.contours.contour import Contour, sampled
 from cpm_core.contours.ground_truth import Truth
-from cpm_core.contours.surface.agreement import SurfaceComparison, compare_surface
+from cpm_core.contours.result import Result
+from cpm_core.contours.surface import Surface
+from cpm_core.contours.surface.agreement import compare_surface
 from cpm_core.contours.surface.ground_truth import VolumeTruth
+from cpm_core.field.edge_map import edge_map
+from cpm_core.field.interpolation import interpolate
 from cpm_core.image.image import Image, as_image
 from cpm_core.numerics.real_numbers import checked_number
-from cpm_core.objects.methods.method import AnyMethod, ContourMethod, ContourState, Start
+from cpm_core.objects.methods.level_sets import GEODESIC, GEOMETRIC_GVF
+from cpm_core.objects.methods.method import AnyMethod, ContourMethod, ContourState, Settings, Start
+from cpm_core.objects.methods.particles import PARTICLES, PROPOSED_OBJECT
+from cpm_core.objects.methods.regions import (
+    CHAN_VESE,
+    GRAB_CUT,
+    MORPHOLOGICAL_CHAN_VESE,
+    MORPHOLOGICAL_GAC,
+    RANDOM_WALKER,
+)
+from cpm_core.objects.methods.snakes import GVF_SNAKE, SNAKE
+from cpm_core.parameters.provenance import Provenance
 from cpm_core.parameters.quotation import counted, described, shown
+
+_ALL: tuple[AnyMethod, ...] = (
+    PARTICLES,
+    PROPOSED_OBJECT,
+    SNAKE,
+    GVF_SNAKE,
+    GEODESIC,
+    GEOMETRIC_GVF,
+    CHAN_VESE,
+    MORPHOLOGICAL_GAC,
+    MORPHOLOGICAL_CHAN_VESE,
+    RANDOM_WALKER,
+    GRAB_CUT,
+)
+
+CONTOUR_METHODS: Mapping[str, AnyMethod] = MappingProxyType({method.name: method for method in _ALL})
+"""All methods that can be compared, by name. A new one is a function with its settings, and a line above."""
+
+
+def runnable(ndim: int = 2) -> tuple[str, ...]:
+    """Names of the methods that lack nothing to run, in images or in volumes, which have three axes."""
+    found = (method for method in CONTOUR_METHODS.values() if ndim == 2 or method.in_volumes)
+    return tuple(method.name for method in found if not method.missing)
+
+
+def method_named(name: str) -> AnyMethod:
+    """The method of a name; ValueError with the names that there are when there is none."""
+    if name not in CONTOUR_METHODS:
+        raise ValueError(f"{shown(name)} is no method: choose among {', '.join(CONTOUR_METHODS)}.")
+    return CONTOUR_METHODS[name]
+
+
+FIRST = ("cpm", "gvf", "gac", "chan_vese")
+"""The methods that are compared at first."""
+
+
+@dataclass(frozen=True)
+class Compared:
+    """A comparison of methods, which a session keeps; its start is what is drawn.
+
+    Attributes
+    ----------
+    methods : tuple of str
+        Names of the methods.
+    settings : tuple of (str, Settings)
+        The settings of methods that are not their defaults. Those of the particles have the parameters of the run.
+    around : bool
+        Whether the start lies around the objects.
+    """
+
+    methods: tuple[str, ...] = FIRST
+    settings: tuple[tuple[str, Settings], ...] = ()
+    around: bool = False
+
+    def settings_of(self, method: str) -> Any:
+        """The settings of a method by name: those that were chosen, or its defaults."""
+        return dict(self.settings).get(method) or CONTOUR_METHODS[method].defaults
+
+    def with_settings(self, method: str, settings: Settings) -> Compared:
+        """The comparison in which a method has these settings."""
+        others = {name: one for name, one in self.settings if name != method}
+        changed = others if settings == CONTOUR_METHODS[method].defaults else {**others, method: settings}
+        return replace(self, settings=tuple(changed.items()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,22 +142,19 @@ def moments(method: AnyMethod, image: Image, start: Start, settings: Any = None)
         raise ValueError(
             f"the settings are {shown(settings)} but must be {method.settings.__name__}, those of {method.title}."
         )
-    method.check()
+    if method.missing:
+        raise ValueError(method.missing)
     image = as_image(image)
     if image.ndim == 3 and not method.in_volumes:
         raise ValueError(f"{image.source} is a volume, but {method.title} is for images: choose another method.")
     if image.ndim != start.ndim:
         wanted = "spheres, Start((), spheres=(...,))" if image.ndim == 3 else "outlines, Start((outline,))"
         raise ValueError(f"The start does not fit {image.source}, which has {image.ndim} axes: give {wanted}.")
-    states = method.evolve(image, start, settings)
-    seconds = 0.0
-    while True:
-        began = time.perf_counter()
-        state = next(states, None)
+    began, seconds = time.perf_counter(), 0.0
+    for state in method.evolve(image, start, settings):
         seconds += time.perf_counter() - began
-        if state is None:
-            return
         yield Moment(method, state, seconds)
+        began = time.perf_counter()
 
 
 def run_method(
@@ -94,15 +173,12 @@ def run_method(
         checked_number(
             "max_steps", max_steps, lambda count: count >= 0 and count == int(count), "at least 0, and whole"
         )
-    last = None
     for last in moments(method, image, start, settings):
         if last.state.step == max_steps:
             break
-    if last is None:
-        raise ValueError(f"{method.title} gave no state.")
     began = time.perf_counter()
-    _ = last.state.contours, last.state.surface
-    return Moment(method, last.state, last.seconds + time.perf_counter() - began)
+    _ = last.state.contours
+    return replace(last, seconds=last.seconds + time.perf_counter() - began)
 
 
 @dataclass(frozen=True)
@@ -160,7 +236,7 @@ class Facts:
 
 
 def facts_of(moment: Moment, truth: Truth | VolumeTruth | None = None) -> Facts:
-    """What is said of a moment of a run, beside a ground truth where one is known.
+    """What is said of a moment of a run, with its agreement with a ground truth where one is known.
 
     Examples
     --------
@@ -176,12 +252,49 @@ def facts_of(moment: Moment, truth: Truth | VolumeTruth | None = None) -> Facts:
     if surface is not None:
         contours = surface.components
         closed = contours if surface.closed else 0
-    plain = Facts(moment.method.name, state.step, moment.seconds, state.converged, state.stop_reason, contours, closed)
+    facts = Facts(moment.method.name, state.step, moment.seconds, state.converged, state.stop_reason, contours, closed)
+    if truth is None:
+        return facts
     if isinstance(truth, VolumeTruth):
         sized = None if surface is None else replace(surface, spacing=truth.spacing, unit=truth.unit)
-        return _beside(plain, compare_surface(sized, truth))
-    return plain if truth is None else _beside(plain, compare(state.contours, truth))
-
-
-def _beside(facts: Facts, seen: Comparison | SurfaceComparison) -> Facts:
+        seen: Any = compare_surface(sized, truth)
+    else:
+        seen = compare(state.contours, truth)
     return replace(facts, dice=seen.dice, f=seen.f, hausdorff=seen.hausdorff, mean_distance=seen.mean_boundary_distance)
+
+
+_SMOOTHING = 1.0
+"""Width of the Gaussian before the edge strength along the contours is taken [px]."""
+
+
+def result_of(
+    facts: Facts, contours: Sequence[Contour], image: Image, start: Start, settings: Any, surface: Surface | None = None
+) -> Result:
+    """The contours that a method has found, or its surface, as a result, for everything that takes one.
+
+    The contours have numbers from 1 and the mean edge strength along them; there are no particles.
+    """
+    strength = edge_map(image.values, _SMOOTHING) if contours else image.values
+    numbered = []
+    for number, contour in enumerate(contours, start=1):
+        mean = float(interpolate(strength[None], sampled([contour])).mean())
+        numbered.append(replace(contour, number=number, strength=mean))
+    shapes: list[dict[str, Any]] = [{"shape": "polygon", "points": outline.tolist()} for outline in start.outlines]
+    shapes += [{"shape": "sphere", "center": center, "radius": radius} for *center, radius in start.spheres]
+    made = Provenance(
+        facts.method, asdict(settings), None, tuple(shapes), sha256=image.sha256, of_file=bool(image.file_sha256)
+    )
+    return Result(
+        particles=np.empty((0, image.ndim)),
+        contours=tuple(numbered),
+        surface=None if surface is None else replace(surface, spacing=image.spacing, unit=image.unit),
+        steps=facts.steps,
+        converged=facts.converged,
+        stop_reason=facts.stop_reason,
+        shape=image.shape,
+        spacing=image.spacing,
+        unit=image.unit,
+        source=image.source,
+        image=image,
+        provenance=made,
+    )
