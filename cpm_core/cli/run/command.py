@@ -58,8 +58,8 @@ from cpm_core.formats import (
     load_image,
     suffix_of,
 )
-from cpm_core.formats.printable import printable
-from cpm_core.formats.provenance import ENTRY, facts_of, plain_shapes, with_shapes
+from cpm_core.formats.common.printable import printable
+from cpm_core.formats.common.provenance import ENTRY, facts_of, plain_shapes, with_shapes
 from cpm_core.formats.sessions.recorded_run import Recorder
 from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile
 from cpm_core.image.image import Image
@@ -68,7 +68,7 @@ from cpm_core.objects import Selection
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.quotation import counted
 from cpm_core.reconstruction.curve.closing import close_contours
-from cpm_core.segmentation.segment import segment, with_hand_edits
+from cpm_core.segmentation.evolve import segment, with_hand_edits
 from cpm_core.shapes import KINDS, Everywhere
 from cpm_core.shapes.document_shapes import charges_of, seeds_on
 

@@ -24,10 +24,10 @@ from cpm_core.contours.surface import Surface
 from cpm_core.field.edge_map import edge_map
 from cpm_core.image.image import Image
 from cpm_core.model.volume.starts import sphere
+from cpm_core.numerics.grids import zero_surface
 from cpm_core.numerics.polyline import resampled
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Mask
-from cpm_core.numerics.zero_surface import zero_surface
 from cpm_core.parameters import ParameterInfo, Parameters
 from cpm_core.parameters.quotation import counted, described, shown
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import QCheckBox, QComboBox, QFormLayout, QHBoxLayout, QLabel, QSizePolicy, QWidget
 
-from app.model.text.numbers import written
+from app.model.text.language import written
 from app.views.canvas.layers.layer import Layer
 from app.views.canvas.layers.options import Amount, Choice, Option
 from app.views.theme import color_maps

@@ -6,8 +6,7 @@ from PySide6.QtCore import QObject, QPoint, QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QCursor, QPainter, QPaintEvent, QPen, QRegion
 from PySide6.QtWidgets import QWidget
 
-from app.model.text.language import tr
-from app.model.text.numbers import written
+from app.model.text.language import tr, written
 from app.session.scene import Scene
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.mirrors.mirror import Mirror

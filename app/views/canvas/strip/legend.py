@@ -8,8 +8,7 @@ from PySide6.QtCore import QPointF, QRectF, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QToolButton, QWidget
 
-from app.model.text.language import tr
-from app.model.text.numbers import written
+from app.model.text.language import tr, written
 from app.views.canvas.layers.legend_entry import LegendEntry
 from app.views.theme import theme
 from app.views.theme.look import look

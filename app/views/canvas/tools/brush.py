@@ -7,7 +7,7 @@ from dataclasses import replace
 from PySide6.QtCore import Qt
 
 from app.model.text.language import tr
-from app.session.features.objects.object_list import ObjectBrush
+from app.session.features.object_list import ObjectBrush
 from app.views.canvas.tools.ringed import RingTool
 from app.views.canvas.tools.tool import TAKING_AWAY, ToolContext
 from app.views.theme import theme

@@ -13,7 +13,7 @@ from app.views.canvas.tools.box_depth import box_between
 from app.views.canvas.tools.tool import ShapeTool, ToolContext
 from cpm_core.numerics.types import Position
 from cpm_core.shapes import SMALLEST_RADIUS, Box, Circle, Ellipse, Points, Shape, Sphere
-from cpm_core.shapes.space.sphere import SMALLEST
+from cpm_core.shapes.solids import SMALLEST
 
 
 class DraggedTool(ShapeTool):

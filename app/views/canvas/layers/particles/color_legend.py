@@ -6,8 +6,7 @@ import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter
 
-from app.model.text.language import tr
-from app.model.text.numbers import written
+from app.model.text.language import tr, written
 from app.views.canvas.items.pinned import INK, MARGIN, Pinned
 from app.views.theme import color_maps, theme
 
