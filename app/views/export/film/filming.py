@@ -36,8 +36,6 @@ class Filming(QObject):
         Branches and steps.
     contours : bool
         Whether contours are shown.
-    compared : int or None
-        Branch to compare with.
     take : callable
         Called with every frame.
     end : callable
@@ -53,7 +51,6 @@ class Filming(QObject):
         task: Task,
         places: Sequence[tuple[int, int]],
         contours: bool,
-        compared: int | None,
         take: Callable[[Pixels], None],
         end: Callable[[], None],
         has_room: Callable[[], bool] = lambda: True,
@@ -64,7 +61,6 @@ class Filming(QObject):
         self._task = task
         self._places = list(places)
         self._contours = contours
-        self._compared = compared
         self._take = take
         self._end = end
         self._has_room = has_room
@@ -95,7 +91,7 @@ class Filming(QObject):
         elif not self._due and self._next < len(self._places) and self._has_room():
             self._due = True
             branch, step = self._places[self._next]
-            command = TakeFrame(self._task, self._generation, branch, step, self._contours, self._compared)
+            command = TakeFrame(self._task, self._generation, branch, step, self._contours)
             self._session.post(command)
 
     def _take_frame(self, report: FrameTaken) -> None:

@@ -12,8 +12,8 @@ from app.session.scene import ReviewedContours, Scene
 from app.session.worker.commands import Command
 from app.session.worker.requests import FrameTaken
 from app.views.canvas.canvas import Canvas
-from app.views.canvas.coordinates import image_rectangle
 from app.views.canvas.image_view import ImageView
+from app.views.canvas.items.item import image_rectangle
 from cpm_core.numerics.types import Pixels
 
 NARROWEST, WIDEST = 64, 3840
@@ -79,8 +79,7 @@ class FrameRenderer:
         """Draw a moment as RGB values, shape (H, W, 3)."""
         tracked = taken.contours.tracked if taken.contours is not None else None
         contours = ReviewedContours.of(tracked, self._scene.document.marks)
-        scene = replace(self._scene, snapshot=taken.moment, reconstruction=taken.contours, contours=contours)
-        self._view.draw(replace(scene, compared=taken.compared))
+        self._view.draw(replace(self._scene, snapshot=taken.moment, reconstruction=taken.contours, contours=contours))
         picture = QImage(*self._size, QImage.Format.Format_RGB32)
         painter = QPainter(picture)
         self._view.render(painter)
