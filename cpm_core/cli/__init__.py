@@ -17,8 +17,8 @@ from cpm_core.cli.help import complete, is_examples, text_of, with_suggestion
 from cpm_core.cli.inputs import use_files
 from cpm_core.cli.run import command as run_command
 from cpm_core.cli.terminal import drop_output, say, take_any_character
-from cpm_core.formats.atomic import written_files
-from cpm_core.formats.provenance import VERSION
+from cpm_core.formats.common.atomic import written_files
+from cpm_core.formats.common.provenance import VERSION
 from cpm_core.parameters.quotation import counted
 
 _MODULES = (

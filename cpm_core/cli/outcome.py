@@ -15,8 +15,8 @@ from typing import Any
 from cpm_core.cli.terminal import say
 from cpm_core.contours.result import Result
 from cpm_core.formats import export
-from cpm_core.formats.printable import printable
-from cpm_core.formats.provenance import VERSION
+from cpm_core.formats.common.printable import printable
+from cpm_core.formats.common.provenance import VERSION
 from cpm_core.parameters.quotation import counted
 
 SCHEMA = 1

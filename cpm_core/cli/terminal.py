@@ -11,7 +11,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import TracebackType
 
-from cpm_core.formats.printable import printable
+from cpm_core.formats.common.printable import printable
 from cpm_core.model.state import State
 from cpm_core.objects.warm_up import FIRST, is_compiled, warm_up
 

@@ -23,7 +23,7 @@ from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply
-from cpm_core.formats.animations import comparison
+from cpm_core.formats import comparison
 from cpm_core.image.image import Image
 from cpm_core.numerics.parallel import cores
 from cpm_core.objects.methods import CONTOUR_METHODS, Facts, Start, facts_of, moments, result_of

@@ -11,12 +11,11 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject, Signal
 
 from app.model.document.saving import to_file
-from app.model.text.language import tr
-from app.model.text.reasons import cause
+from app.model.text.language import cause, tr
 from app.session.exchange.messages import CommandFailed, Report
 from app.session.session import Session
 from app.session.tasks.tasks import Task
-from cpm_core.formats.fingerprint import fingerprint
+from cpm_core.formats.common.content import fingerprint
 from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, save_session
 from cpm_core.objects.warm_up import is_compiled
 

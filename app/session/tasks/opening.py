@@ -10,10 +10,9 @@ from pathlib import Path
 
 from app.model.display.display_image import display_of
 from app.model.document.modes import suited
-from app.model.text.language import tr
-from app.model.text.reasons import reason
+from app.model.text.language import reason, tr
 from app.model.volume.parts import Parts
-from app.session.core_functions import Core
+from app.session.exchange.core_functions import Core
 from app.session.exchange.messages import ImageReady, NotOpened, Opened, Report, Saved
 from app.session.tasks.tasks import Task, Tasks
 from cpm_core.formats import READABLE, open_stack

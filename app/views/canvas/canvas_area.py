@@ -10,9 +10,9 @@ from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
 from app.model.document import edits
 from app.model.text.keys import with_keys
 from app.model.text.language import from_core, tr
+from app.session.features.workspace import Workspace
 from app.session.scene import Scene
 from app.session.signals import OF_THE_PROGRAM, OPENING
-from app.session.workspace import Workspace
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.crosshair import Crosshair
 from app.views.canvas.image_view import ImageView

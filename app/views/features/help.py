@@ -19,7 +19,7 @@ from app.views.widgets.action_spec import ActionSpec
 from app.views.widgets.preference_row import PreferenceRow
 from app.views.window.feature import Feature, FeatureContext
 from app.views.window.preferences import PreferencesDialog, ShortcutsPage
-from cpm_core.formats.provenance import VERSION
+from cpm_core.formats.common.provenance import VERSION
 
 SEEN = "tour/seen"
 """Preference: whether the tour has been shown."""

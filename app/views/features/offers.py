@@ -14,8 +14,7 @@ from app.model.document.modes import ADVICE, use_kind
 from app.model.document.samples import sample_at
 from app.model.preferences.table import KEEP_PARAMETERS, OFFER_SETTINGS
 from app.model.state.situation import Situation, has_image, has_volume
-from app.model.text.language import from_core, tr
-from app.model.text.numbers import written
+from app.model.text.language import from_core, tr, written
 from app.model.volume.parts import Parts
 from app.session.exchange.messages import Opened
 from app.session.features.latest import Latest

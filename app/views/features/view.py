@@ -12,8 +12,7 @@ from PySide6.QtWidgets import QMenu
 from app.model.display.coloring import QUANTITIES
 from app.model.preferences.table import CONTOUR_WIDTH, INKS, POINT_SIZE, SHAPE_WIDTH, THEME, UNIT
 from app.model.state.situation import Condition, Situation, has_image
-from app.model.text.language import tr
-from app.model.text.numbers import written
+from app.model.text.language import tr, written
 from app.session.storage.preferences import Preferences
 from app.views.canvas.canvas import ZOOM
 from app.views.canvas.layers.image_layer import AUTOMATIC, WHOLE

@@ -16,7 +16,7 @@ from app.model.text.language import tr
 from app.model.volume.slices import AXES, Slices
 from app.session.exchange.messages import Exported, Report
 from app.session.features.latest import MadeLater
-from app.session.features.pages.stack_pages import WantedContour
+from app.session.features.stack_pages import WantedContour
 from app.session.scene import Scene
 from app.session.storage.session_file import DocumentFile
 from app.session.tasks.tasks import Task
@@ -32,8 +32,7 @@ from app.views.volume.space_panel import SpacePanel, specs
 from app.views.widgets.action_spec import ActionSpec
 from app.views.window.dialogs import Files
 from app.views.window.feature import Feature, FeatureContext, Panel
-from cpm_core.formats.animations.animation import ANIMATED, write_animation
-from cpm_core.formats.animations.snapshot_strip import write_picture
+from cpm_core.formats.animation import ANIMATED, write_animation, write_picture
 from cpm_core.formats.contours.pages.files import FOR_STACKS, stack_suffix_of
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Place

@@ -9,9 +9,8 @@ from pathlib import Path
 
 from cpm_core.cli.batch.jobs import Done, Job
 from cpm_core.cli.batch.summary import Row, Summary, now
-from cpm_core.formats.atomic import write_together
-from cpm_core.formats.interrupts import interrupts_put_off
-from cpm_core.formats.printable import printable
+from cpm_core.formats.common.atomic import interrupts_put_off, write_together
+from cpm_core.formats.common.printable import printable
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.parameters import Parameters
 

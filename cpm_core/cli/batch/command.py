@@ -16,8 +16,8 @@ from cpm_core.cli.inputs import as_number
 from cpm_core.cli.outcome import IN_PART, print_json
 from cpm_core.cli.terminal import Count, announce_compilation
 from cpm_core.formats import READABLE, WRITABLE
-from cpm_core.formats.fingerprint import fingerprint
-from cpm_core.formats.printable import printable
+from cpm_core.formats.common.content import fingerprint
+from cpm_core.formats.common.printable import printable
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.formats.writers import check_needs
 from cpm_core.parameters.quotation import counted, shown

@@ -13,9 +13,9 @@ from cpm_core.cli.outcome import outcome_of
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply
 from cpm_core.formats import encoded, load_image, omission
-from cpm_core.formats.fingerprint import fingerprint_if_read
+from cpm_core.formats.common.content import fingerprint_if_read
+from cpm_core.formats.common.provenance import with_shapes
 from cpm_core.formats.images.reading import DEFAULT
-from cpm_core.formats.provenance import with_shapes
 from cpm_core.formats.sessions.chosen_part import part_for
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.parameters import Parameters

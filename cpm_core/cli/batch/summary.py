@@ -9,10 +9,10 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from cpm_core.formats.atomic import append, write_together
-from cpm_core.formats.fingerprint import fingerprint_if_read
-from cpm_core.formats.printable import cell, printable, text_of_cell
-from cpm_core.formats.provenance import VERSION
+from cpm_core.formats.common.atomic import append, write_together
+from cpm_core.formats.common.content import fingerprint_if_read
+from cpm_core.formats.common.printable import cell, printable, text_of_cell
+from cpm_core.formats.common.provenance import VERSION
 
 NAME = "summary.csv"
 """Name of the table in the folder of a batch."""

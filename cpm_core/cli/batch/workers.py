@@ -14,7 +14,7 @@ from multiprocessing.process import BaseProcess
 from typing import Any
 
 from cpm_core.cli.batch.jobs import Done, Job, do
-from cpm_core.formats.interrupts import interrupts_handled
+from cpm_core.formats.common.atomic import interrupts_handled
 from cpm_core.numerics.parallel import at_most, cores
 from cpm_core.objects.warm_up import is_compiled, warm_up
 

@@ -58,8 +58,8 @@ from cpm_core.formats import (
     load_image,
     suffix_of,
 )
-from cpm_core.formats.printable import printable
-from cpm_core.formats.provenance import ENTRY, facts_of, plain_shapes, with_shapes
+from cpm_core.formats.common.printable import printable
+from cpm_core.formats.common.provenance import ENTRY, facts_of, plain_shapes, with_shapes
 from cpm_core.formats.sessions.recorded_run import Recorder
 from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile
 from cpm_core.image.image import Image

@@ -17,11 +17,11 @@ from cpm_core.cli.outcome import IN_PART, Files, outcome_of, print_json
 from cpm_core.cli.terminal import Count, announce_compilation, say
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats import load_pages
+from cpm_core.formats.common.content import differ
+from cpm_core.formats.common.printable import printable
 from cpm_core.formats.contours.pages.files import check_stack_export, export_stack, stack_suffix_of
 from cpm_core.formats.contours.pages.stack_json import load_stack_result
-from cpm_core.formats.fingerprint import differ
 from cpm_core.formats.images.stacks.pages import Pages
-from cpm_core.formats.printable import printable
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.types import Array

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from cpm_core.cli.run.drawn import shapes_drawn
-from cpm_core.formats.atomic import check_place
+from cpm_core.formats.common.atomic import check_place
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.sessions.recorded_run import Recorder, with_run
 from cpm_core.formats.sessions.session_file import SUFFIX, ImageFile, SessionFile, save_session

@@ -28,8 +28,8 @@ from cpm_core.cli.run.agreement import agreement, sentence_on
 from cpm_core.cli.terminal import announce_compilation, progress_line, say
 from cpm_core.contours.result import Result
 from cpm_core.formats import FOR_VOLUMES, load_volume, suffix_of
+from cpm_core.formats.common.provenance import with_shapes
 from cpm_core.formats.contours.points_csv import load_points
-from cpm_core.formats.provenance import with_shapes
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions, Pair, VolumeRegions

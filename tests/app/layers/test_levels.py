@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from app.views.canvas.layers import image_layer
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from PySide6.QtCore import QPoint, Qt
 
 from app.model.display.display_image import IntensityWindow, apply_window, display_of_image, percentile_window
+from app.views.canvas.layers import image_layer
 
 IMAGES = arrays(np.float64, (5, 9), elements=st.floats(-1e4, 1e5, allow_subnormal=False, width=32))
 

@@ -12,8 +12,8 @@ from pytestqt.qtbot import QtBot
 
 from app.model.document.modes import use_mode
 from app.model.preferences.table import PREFERENCES
+from app.session.features.workspace import Workspace
 from app.session.session import Session
-from app.session.workspace import Workspace
 from app.views.application import make_application
 from app.views.canvas.canvas_area import FIRST_TOOL
 from app.views.canvas.tools.brush_tools import RingTool

@@ -14,7 +14,7 @@ import tifffile
 
 from cpm_core import cli
 from cpm_core.cli.run import command as run_command
-from cpm_core.formats.fingerprint import fingerprint
+from cpm_core.formats.common.content import fingerprint
 from cpm_core.parameters import DEFAULTS, PARAMETERS, PRESETS, Parameters
 from cpm_core.parameters.choices import CHOICES
 

@@ -142,7 +142,7 @@ def test_an_interrupt_during_the_start_is_one_line(disk, makes):
     ("place", "files"),
     [
         ("cpm_core.cli.run.command.segment", "nothing was"),
-        ("cpm_core.formats.atomic.Path.unlink", "2 files were"),
+        ("cpm_core.formats.common.atomic.Path.unlink", "2 files were"),
         ("cpm_core.cli.run.command.save", "2 files were"),
         ("cpm_core.cli.run.command._report", "3 files were"),
         ("cpm_core.cli.outcome.Files.status", "3 files were"),

@@ -30,8 +30,8 @@ from cpm_core.cli.batch import batch, workers
 from cpm_core.cli.batch.jobs import Done, Job, do
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark
-from cpm_core.formats.atomic import write_together
-from cpm_core.formats.fingerprint import fingerprint
+from cpm_core.formats.common.atomic import write_together
+from cpm_core.formats.common.content import fingerprint
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
 from cpm_core.numerics import parallel
 from cpm_core.shapes import Circle, Everywhere, Region, Sphere

@@ -5,7 +5,7 @@ from functools import partial
 
 import pytest
 
-from cpm_core.formats.atomic import check_place, draft_of, write_together
+from cpm_core.formats.common.atomic import check_place, draft_of, write_together
 from cpm_core.formats.sessions.session_file import SessionFile, save_session
 
 from ..kills.command_line import draw_images

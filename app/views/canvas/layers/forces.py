@@ -9,8 +9,7 @@ import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter, QPainterPath, QPen
 
-from app.model.text.language import tr
-from app.model.text.numbers import written
+from app.model.text.language import tr, written
 from app.session.scene import Scene
 from app.session.worker.requests import Probe, Probed
 from app.views.canvas.items.item import FAINT, INK, Pinned

@@ -10,8 +10,7 @@ from PySide6.QtGui import QCursor, QMouseEvent
 from PySide6.QtWidgets import QWidget
 
 from app.model.display.display_image import DisplayImage, IntensityWindow, Shades, apply_window, color_curve
-from app.model.text.language import tr
-from app.model.text.numbers import written
+from app.model.text.language import tr, written
 from app.session.scene import Scene
 from app.session.worker.requests import FindWindow, Shade, WindowFound
 from app.views.canvas.items.item import cached

@@ -20,8 +20,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.model.text.language import tr
-from app.model.text.numbers import written
+from app.model.text.language import tr, written
 from app.views.canvas.layers.image_layer import ImageLayer
 from app.views.canvas.layers.layer import Amount, Choice, Layer, Option
 from app.views.theme import color_maps

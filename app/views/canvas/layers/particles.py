@@ -14,8 +14,7 @@ from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
 from app.model.display.coloring import QUANTITIES, SHADES, InsertionTimes, colored
 from app.model.display.trails import Trails
-from app.model.text.language import tr
-from app.model.text.numbers import written
+from app.model.text.language import tr, written
 from app.session.exchange.messages import Snapshot
 from app.session.scene import Scene
 from app.views.canvas.items.discs import NO_POSITIONS, Discs

@@ -10,7 +10,7 @@ from PySide6.QtCore import Qt
 
 from app.model.document import edits
 from app.model.text.language import tr
-from app.session.features.objects.object_list import ObjectBrush
+from app.session.features.object_list import ObjectBrush
 from app.session.undo_history import Erasure
 from app.views.canvas.tools.tool import TAKING_AWAY, ShapeTool, ToolContext
 from app.views.theme import theme

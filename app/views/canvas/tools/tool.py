@@ -16,8 +16,8 @@ from app.model.text.language import tr
 from app.model.volume.slices import Slice
 from app.session.features.contour_review import ContourReview
 from app.session.features.hand_editing import HandEditing
-from app.session.features.objects.object_list import ObjectList
-from app.session.features.objects.object_selection import ObjectSelection
+from app.session.features.object_list import ObjectList
+from app.session.features.object_selection import ObjectSelection
 from app.session.features.slices import ShownSlices
 from app.session.session import Session
 from app.views.canvas.layers.drawing import DrawingLayer
