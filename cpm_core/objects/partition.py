@@ -37,8 +37,8 @@ from cpm_core.objects.outline.outline import SMOOTHING, outlines
 from cpm_core.objects.selection import Selection, confidence_of
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.quotation import counted, described, sized
+from cpm_core.segmentation.evolve import segment
 from cpm_core.segmentation.reach.bounding import thing_within
-from cpm_core.segmentation.segment import segment
 
 NOWHERE = np.empty((0, 2))
 """No places."""

@@ -38,8 +38,8 @@ from cpm_core.shapes import (
 )
 from cpm_core.shapes.ellipse import Ellipse
 from cpm_core.shapes.path import SMALLEST
-from cpm_core.shapes.space.box import Cuboid
-from cpm_core.shapes.space.extruded import Extruded
+from cpm_core.shapes.solids import Cuboid
+from cpm_core.shapes.volume_limits import Extruded
 
 NEAR = 1.0
 """Distance from a slice up to which it shows a point, in sides of the smallest voxel."""

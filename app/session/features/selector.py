@@ -28,7 +28,7 @@ from cpm_core.objects.partition import EVERYWHERE, Partition, partition
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, places_of, selection_of
 from cpm_core.objects.selection import Selection
 from cpm_core.parameters import PRESETS, Parameters
-from cpm_core.segmentation.segment import segment
+from cpm_core.segmentation.evolve import segment
 
 _QUIET = 250
 """Time without a change to parameters or limits after which a run from everywhere begins again [ms]."""

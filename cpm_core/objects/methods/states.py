@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.surface import Surface
+from cpm_core.numerics.grids import zero_surface
 from cpm_core.numerics.types import Array
-from cpm_core.numerics.zero_surface import zero_surface
 
 _NONE = np.empty((0, 2))
 _LEAST_CORNERS = 3

@@ -14,8 +14,7 @@ from app.session.signals import EDITING
 from app.views.canvas.tools.tool import ShapeTool, ToolContext
 from cpm_core.numerics.types import Place, Position
 from cpm_core.shapes import SMALLEST_RADIUS, Box, Charge, Circle, Ellipse, Points, Shape, Sphere
-from cpm_core.shapes.space.box import SMALLEST
-from cpm_core.shapes.space.sphere import SMALLEST as SMALLEST_SPHERE
+from cpm_core.shapes.solids import SMALLEST
 
 
 def box_between(one: Position, other: Position, here: Slice, volume: ImageReference) -> tuple[Place, Place]:
@@ -86,7 +85,7 @@ class CircleTool(DraggedTool):
     def shape(self, begin: Position, at: Position) -> Circle | Sphere:
         """The circle around `begin` through the pointer, in a volume the sphere."""
         if self.volume is not None:
-            return Sphere.round(begin, SMALLEST_SPHERE, self.volume.spacing).with_handle_at(begin, at)
+            return Sphere.round(begin, SMALLEST, self.volume.spacing).with_handle_at(begin, at)
         return Circle(begin, max(math.dist(begin, at), SMALLEST_RADIUS))
 
 

@@ -6,9 +6,9 @@ import gc
 import weakref
 
 import pytest
-from app.model.display.truth import surfaces
 
 import cpm_core as cpm
+from app.model.display import differences as surfaces
 from app.model.volume import object_sections, shape_sections
 from app.model.volume.slices import Slice
 from app.model.volume.surface_section import kept_with_surface

@@ -16,12 +16,10 @@ from cpm_core.field.convolution import block_means, convolved_field, convolved_p
 from cpm_core.field.edge_map import NO_SMOOTHING, smoothed_along
 from cpm_core.field.scale_field import WEAKEST_EDGE
 from cpm_core.field.scale_space import SourceImages
-from cpm_core.field.volume.ridges import Ridges, ridges_of
-from cpm_core.field.volume.surface_force import force_on_voxels
+from cpm_core.field.volume_surface import Ridges, force_on_voxels, ridges_of
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import shape_of_scale, to_image
-from cpm_core.image.volume_barriers import Walls
-from cpm_core.image.volume_regions import VolumeRegions
+from cpm_core.image.volume_regions import VolumeRegions, Walls
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.numerics.vectors import Vector
