@@ -1,6 +1,6 @@
 """Longest time for which the window's thread keeps its event loop waiting, in what `test_never_blocks` does.
 
-Run by ``python -m pytest -s tests/benchmarks/bench_blocking.py``. Measured is what this thread itself computes between
+Run by ``python -m pytest -s tests/benchmarks/blocking.py``. Measured is what this thread itself computes between
 two returns to the loop, not what others take of the computer meanwhile.
 """
 
@@ -20,10 +20,8 @@ window, large = scenarios.window, scenarios.large
 
 
 @pytest.fixture
-def image_file(request, tmp_path):
-    """A large image, unless no times are taken."""
-    small = request.config.getoption("benchmark_disable")
-    return scenarios.write_discs(tmp_path / "large.npy", scenarios.SIDE // 4 if small else scenarios.LARGE)
+def image_file(tmp_path):
+    return scenarios.write_discs(tmp_path / "large.npy", scenarios.LARGE)
 
 
 @pytest.fixture(autouse=True)
