@@ -49,10 +49,11 @@ CORE = "core\x04"
 _COMMAND_LINE = ROOT / "cpm_core" / "cli"
 """Speaks English, as what it prints is read by programs too."""
 
-_BATCH = tuple(_COMMAND_LINE / "batch" / f"{name}.py" for name in ("batch", "jobs", "summary", "workers"))
+_BATCH = (_COMMAND_LINE / "batch.py", _COMMAND_LINE / "workers.py")
 """What the window shares with it."""
 
 _NOT_READ = (
+    "cpm_core/cli/batch.py",  # its help
     "cpm_core/contours/features.py",  # names of numbers
     "cpm_core/formats/sessions/particle_state.py",  # names of fields of files
     "cpm_core/formats/sessions/space_state.py",
@@ -100,7 +101,7 @@ def finished() -> Iterator[tuple[str, str]]:
     for said in OF_THE_SYSTEM:
         yield said, "what the system says of files"
     for said in ("The image is small: scales is set to {most}.", "The image is gray: it has no channel {wanted}."):
-        yield said, "cpm_core/cli/arguments.py"
+        yield said, "cpm_core/cli/inputs.py"
     for said in WORDS:
         yield said, "a word within sentences"
 

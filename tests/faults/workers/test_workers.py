@@ -2,7 +2,7 @@
 
 import pytest
 
-from cpm_core.cli.batch import jobs
+from cpm_core.cli import workers
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.parameters import Parameters
 
@@ -35,8 +35,8 @@ def test_an_error_that_nothing_expects_costs_one_image_of_a_batch(tmp_path, monk
     def fail(*_, **__):
         raise error
 
-    monkeypatch.setattr(jobs, "segment", fail)
+    monkeypatch.setattr(workers, "segment", fail)
     made = SessionFile(shapes=())
-    done = jobs.do(jobs.Job(0, str(tmp_path / "0.npy"), made, Parameters(scales=1), 1, (".svg",)))
+    done = workers.do(workers.Job(0, str(tmp_path / "0.npy"), made, Parameters(scales=1), 1, (".svg",)))
     assert done.error.endswith(".")
     assert "\n" not in done.error
