@@ -113,7 +113,7 @@ class ImageBatch(QObject):
         batch = Batch(Order(images, session, fingerprint(applied), output, suffixes, session.parameters))
         for number, row in batch.known.items():
             self._told.emit((task, number, row))
-        for number, row in batch.rows(here(batch.jobs, None, task.go_on)):
+        for number, row in batch.rows(here(batch.jobs, None, task.check_cancelled)):
             self._told.emit((task, number, row))
             task.fraction = len(batch.summary.rows) / len(images)
         return BatchDone(output)
