@@ -128,9 +128,8 @@ from cpm_core.pages.tracks import TrackEvent
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 from cpm_core.reconstruction import reconstruct_curve, reconstruct_surface
 from cpm_core.segmentation.engine import Engine
-from cpm_core.segmentation.evolve import Evolution, Evolved, evolve
+from cpm_core.segmentation.evolve import Evolution, Evolved, evolve, segment
 from cpm_core.segmentation.method import METHODS, Method
-from cpm_core.segmentation.segment import segment
 
 __version__ = VERSION
 

@@ -38,7 +38,7 @@ from cpm_core.image.image import Image
 from cpm_core.medial_axis.space.centerlines import Centerlines
 from cpm_core.parameters.quotation import counted, shown
 from cpm_core.segmentation.engine import Engine
-from cpm_core.segmentation.segment import segment, with_hand_edits
+from cpm_core.segmentation.evolve import segment, with_hand_edits
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on, starts_of
 
 

@@ -19,7 +19,7 @@ from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.formats.sessions.chosen_part import part_for
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.parameters import Parameters
-from cpm_core.segmentation.segment import segment, with_hand_edits
+from cpm_core.segmentation.evolve import segment, with_hand_edits
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on
 
 _LOG = logging.getLogger(__name__)

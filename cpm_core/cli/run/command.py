@@ -68,7 +68,7 @@ from cpm_core.objects import Selection
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.quotation import counted
 from cpm_core.reconstruction.curve.closing import close_contours
-from cpm_core.segmentation.segment import segment, with_hand_edits
+from cpm_core.segmentation.evolve import segment, with_hand_edits
 from cpm_core.shapes import KINDS, Everywhere
 from cpm_core.shapes.document_shapes import charges_of, seeds_on
 

@@ -39,7 +39,7 @@ from cpm_core.numerics.types import Array
 from cpm_core.objects.partition import partition
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.quotation import counted, shown
-from cpm_core.segmentation.segment import segment
+from cpm_core.segmentation.evolve import segment
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on, starts_of
 
 _OF_IMAGES = ("circle", "close", "pages", "follow", "resume", "save_session")

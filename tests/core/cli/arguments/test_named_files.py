@@ -7,7 +7,7 @@ import pytest
 from cpm_core.formats import export, load_image
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_session
 from cpm_core.parameters import Parameters
-from cpm_core.segmentation.segment import segment
+from cpm_core.segmentation.evolve import segment
 from cpm_core.shapes import Circle
 
 ROW, COL = np.indices((60, 70))
