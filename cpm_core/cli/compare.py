@@ -145,7 +145,8 @@ def _methods(named: Sequence[str], ndim: int) -> list[str]:
     """The methods that are named, or all that can run."""
     for name in named:
         method = method_named(name)
-        method.check()
+        if method.missing:
+            raise ValueError(method.missing)
         if ndim == 3 and not method.in_volumes:
             raise ValueError(f"{method.title} is for images: in a volume choose among {', '.join(runnable(ndim))}.")
     return list(dict.fromkeys(named or runnable(ndim)))

@@ -13,8 +13,7 @@ from app.model.document import objects
 from app.model.document.document import Document
 from app.model.document.objects import brushed
 from app.model.text.language import tr
-from app.model.volume.object_sections import holds, size_of
-from app.model.volume.surface_section import prepare
+from app.model.volume.surface_section import holds, prepare, size_of
 from app.session.features.latest import Latest
 from app.session.session import Session
 from cpm_core.contours.surface import Surface

@@ -299,10 +299,6 @@ class Selector:
         self.items = items
         self.edited = edited
         self._known: dict[tuple[Click, ...], Selection] = {}
-        nowhere = np.empty((0, 2))
-        # What a first click begins with. Without it, the partition begins with its last answer to one of the places,
-        # which may be what the pointer has shown where a stroke begins.
-        self._nothing = Selection(np.zeros(partition.shape, np.bool_), (), (), 0.0, nowhere, nowhere)
         self._changed = next((item for item in items if item.number == edited), None)
         others = [item for item in items if item.frozen and item.number != edited]
         self._elsewhere = np.concatenate([np.empty((0, 2)), *(_enclosed(item) for item in others)])
@@ -316,9 +312,9 @@ class Selector:
             if self._changed is not None and clicks == self._changed.clicks:
                 return self._known.setdefault(clicks, selection_of(self._changed, self.partition.shape))
             outside = places_of(clicks, inside=False)
-            previous = self.selection(clicks[:-1]) or self._nothing
-            if previous is self._nothing and len(self._elsewhere):  # frozen objects only take away
-                previous = self.partition.select(inside, outside, previous=previous)
+            previous = self.selection(clicks[:-1])
+            if previous is None and len(self._elsewhere):  # frozen objects only take away
+                previous = self.partition.select(inside, outside)
             outside = np.concatenate([outside, self._elsewhere])
             if len(self._known) > _MOST_SELECTIONS:
                 del self._known[next(reversed(self._known))]  # a preview; those of the clicks came first

@@ -9,23 +9,21 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from app.model.display.differences import differences_in, truth_in
 from app.model.display.display_image import DisplayImage, DisplayVolume, IntensityWindow, apply_window
 from app.model.display.iso_lines import iso_lines
-from app.model.display.truth.surfaces import differences_in, truth_in
 from app.model.document.document import Document
 from app.model.document.hit_testing import Hit, hit
-from app.model.volume.object_sections import objects_in, selection_in, skeleton_in
 from app.model.volume.sampled_volumes import SampledForce, SampledValues
 from app.model.volume.shape_sections import sections
 from app.model.volume.slices import Slice, Slices
+from app.model.volume.surface_section import objects_in, selection_in, skeleton_in, unmeasured
 from app.model.volume.surface_section import section as lines_of
-from app.model.volume.surface_section import unmeasured
 from app.session.exchange.messages import Reconstruction, Snapshot
 from app.session.features.latest import MadeLater, MadeOnce, Same
 from app.session.scene import NO_CONTOURS, Item, NearParticles, ReviewedContours, Scene, ShownObjects
 from app.session.session import Session
-from app.session.worker.requests import Compared, Probed
-from cpm_core.contours.result import Result
+from app.session.worker.requests import Probed
 from cpm_core.contours.review import ReviewedContour
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -82,7 +80,6 @@ class Sections:
             contours=part(_contours, scene.reconstruction, here),
             overlays=self._overlays(scene, here, image),
             probed=part(_probed, scene.probed, here, volume, reach),
-            compared=part(_compared, scene.compared, here, volume, reach),
             truth=part(truth_in, scene.truth, here),
             differences=part(differences_in, scene.apart, here),
             objects=part(_shown, scene.objects, here),
@@ -145,20 +142,6 @@ def _probed(probed: Probed | None, here: Slice, volume: Image, reach: float) -> 
     sides = np.array(here.sides(volume.spacing)) / min(volume.spacing)
     along = {name: here.flattened(force[None])[0] / sides for name, force in probed.forces.items()}
     return replace(probed, position=here.within(probed.position), forces=along)
-
-
-def _compared(compared: Compared | None, here: Slice, volume: Image, reach: float) -> Compared | None:
-    if compared is None:
-        return None
-    surface = getattr(compared.result, "surface", None)
-    lines = () if surface is None else lines_of(surface, here)
-    position = (
-        None
-        if compared.position is None
-        else here.flattened(compared.position[_index(compared.position, here, volume, reach)[0]])
-    )
-    result = replace(compared.result, contours=lines, surface=None) if isinstance(compared.result, Result) else None
-    return replace(compared, position=position, result=result)
 
 
 def sections_of(shapes: Iterable[Shape], here: Slice, volume: Image) -> Iterator[tuple[int, Shape]]:

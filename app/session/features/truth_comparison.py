@@ -9,8 +9,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QObject, Signal
 
-from app.model.display.truth.differences import Difference, differences
-from app.model.display.truth.surfaces import Apart, apart_from, surface_differences
+from app.model.display.differences import Apart, Difference, apart_from, differences, surface_differences
 from app.model.text.language import tr
 from app.model.volume.surface_section import prepare
 from app.session.exchange.messages import CommandFailed, Report

@@ -23,7 +23,7 @@ from app.session.storage.presets import PresetStore
 from app.session.worker.commands import RunCall
 from app.session.worker.recorded_run import MEGABYTE
 from app.session.worker.run import Run
-from app.views.canvas.coordinates import image_rectangle
+from app.views.canvas.items.item import image_rectangle
 from app.views.comparison import CompareDialog
 from app.views.panels.parameters.parameters import ParametersPanel
 from app.views.panels.presets import Presets

@@ -10,19 +10,17 @@ from PySide6.QtGui import QColor
 
 from app.model.display.coloring import QUANTITIES, SHADES, InsertionTimes, colored
 from app.model.display.space.picture import Colors
-from app.model.display.space.projection import Shaded
-from app.model.display.space.shown_parts import Contents
 from app.model.display.space.triangles import Mesh
-from app.model.display.space.view_in_space import ColoredMesh, Particles, Wires
-from app.model.volume.shape_wires import wires
+from app.model.display.space.view_in_space import ColoredMesh, Contents, Particles, Wires
+from app.model.display.space.voxels import Shaded
+from app.model.volume.shape_sections import wires
 from app.model.volume.surface_section import kept_with_surface
 from app.session.exchange.messages import Reconstruction, Snapshot
 from app.session.features.latest import MadeOnce
 from app.session.scene import Proposal, Scene
 from app.views.canvas.layers import Layers
-from app.views.canvas.layers.contours.skeleton import banded
-from app.views.canvas.layers.particles.color_legend import BEGIN, UNKNOWN
-from app.views.canvas.layers.particles.particles import ParticleLayer
+from app.views.canvas.layers.particles import BEGIN, UNKNOWN, ParticleLayer
+from app.views.canvas.layers.skeleton import banded
 from app.views.theme import color_maps, theme
 from app.views.theme.look import Ink, look
 from cpm_core.contours.ground_truth import Truth

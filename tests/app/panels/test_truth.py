@@ -11,7 +11,7 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
-from app.model.display.truth.differences import differences
+from app.model.display.differences import differences
 from app.session.features.latest import Latest
 from app.views.features.contours import TruthFeature
 from app.views.main_window import MainWindow

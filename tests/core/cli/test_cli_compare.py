@@ -13,9 +13,8 @@ import tifffile
 from cpm_core.formats import load_surface
 from cpm_core.formats.sessions.session_file import SessionFile, load_session, save_session
 from cpm_core.objects.methods import CONTOUR_METHODS, Compared, runnable
-from cpm_core.objects.methods.compared import FIRST
+from cpm_core.objects.methods.comparison import FIRST
 from cpm_core.objects.methods.level_sets import GeodesicSettings
-from cpm_core.objects.methods.method import Needed
 from cpm_core.objects.methods.regions import GRAB_CUT
 from cpm_core.shapes import Ellipse, Stroke
 
@@ -197,15 +196,14 @@ def test_a_session_gives_image_and_start(image, command, tmp_path):
 
 
 def test_a_method_whose_package_is_missing_is_left_out_and_said(image, command, monkeypatch):
-    lacking = Needed("no_such_package", "no-such-package", "opencv")
-    monkeypatch.setitem(vars(GRAB_CUT), "needs", lacking)
+    monkeypatch.setitem(vars(GRAB_CUT), "needs", ("no_such_package", "opencv"))
     status, out, err = command("compare", image, *CIRCLE, "--max-steps", 1, "--json")
     assert status == 0
     assert "grab_cut" not in {row["method"] for row in json.loads(out)["methods"]}
     assert 'pip install "cpm-particles[opencv]"' in err
     status, _, err = command("compare", image, *CIRCLE, "--methods", "cpm", "grab_cut")
     assert status == 2
-    assert "Grab cut needs the package no-such-package: install it" in err
+    assert "Grab cut needs a package: install it" in err
 
 
 def test_a_session_gives_methods_settings_and_the_side_of_the_start(image, mask, command, tmp_path):
