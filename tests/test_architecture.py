@@ -21,7 +21,7 @@ FORBIDDEN = {"cpm_core": QT, "app.model": QT, "app.session": WIDGETS}
 CORE_LIBRARIES = {"numpy", "scipy", "skimage", "numba", "llvmlite", "PIL", "tifffile", "roifile", "argcomplete"}
 
 LATE_LIBRARIES = {
-    "cpm_core.image.drawing.axes": {"matplotlib"},
+    "cpm_core.image.drawing": {"matplotlib"},
     "cpm_core.formats.animation": {"imageio_ffmpeg"},
     "cpm_core.formats.images.medical.nifti": {"nibabel"},
     "cpm_core.formats.images.medical.nrrd": {"nrrd"},
