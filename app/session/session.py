@@ -18,10 +18,9 @@ from app.model.export.order import ExportOrder
 from app.model.state.resolve import FIRST_PACE, PACES, Resolved, resolve
 from app.model.state.situation import RunStatus, Situation, can_step
 from app.model.text.keys import with_keys
-from app.model.text.language import from_core, tr
-from app.model.text.reasons import reason
+from app.model.text.language import from_core, reason, tr
 from app.model.volume.slices import Slices
-from app.session.core_functions import Core
+from app.session.exchange.core_functions import Core
 from app.session.exchange.mailbox import Pacer
 from app.session.exchange.messages import ImageReady, NotOpened, Opened
 from app.session.live_edits import Live
@@ -34,7 +33,7 @@ from app.session.updates import Progress
 from app.session.worker.commands import Command, Copy, Export, RestoreRuns, RunCall, RunsRestored, Start, WarmUp
 from app.session.worker.run import Run
 from app.session.worker.worker_thread import WorkerThread
-from cpm_core.formats.fingerprint import differ
+from cpm_core.formats.common.content import differ
 from cpm_core.formats.images import resolution
 from cpm_core.formats.images.reading import DEFAULT, Reading
 from cpm_core.image.image import Image

@@ -15,7 +15,7 @@ from argcomplete.shell_integration import shellcode
 from cpm_core.cli import batch, bench, compare, export, info, run, skeleton
 from cpm_core.cli.inputs import expanded, only_image
 from cpm_core.cli.output import say
-from cpm_core.formats.provenance import VERSION
+from cpm_core.formats.common.provenance import VERSION
 
 BAD_INPUT = 2
 INTERRUPTED = 130

@@ -23,11 +23,10 @@ from cpm_core.cli.arguments import (
 from cpm_core.cli.output import IN_PART, StatusLine, announce_compilation, print_json, say, say_notes
 from cpm_core.cli.workers import Done, Job, elsewhere, here
 from cpm_core.formats import WRITABLE
-from cpm_core.formats.atomic import append, write_together
-from cpm_core.formats.fingerprint import fingerprint, fingerprint_if_read
-from cpm_core.formats.interrupts import interrupts_put_off
-from cpm_core.formats.printable import cell, printable, text_of_cell
-from cpm_core.formats.provenance import VERSION
+from cpm_core.formats.common.atomic import append, interrupts_put_off, write_together
+from cpm_core.formats.common.content import fingerprint, fingerprint_if_read
+from cpm_core.formats.common.printable import cell, printable, text_of_cell
+from cpm_core.formats.common.provenance import VERSION
 from cpm_core.formats.sessions.session_file import SessionFile, load_session
 from cpm_core.formats.writers import check_needs
 from cpm_core.parameters import Parameters

@@ -18,7 +18,7 @@ from cpm_core.model.starts import circle, uniform_grid
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import PRESETS
 from cpm_core.segmentation.engine import Engine
-from cpm_core.segmentation.segment import segment
+from cpm_core.segmentation.evolve import segment
 
 _PITCH = 64
 """Distance between the centers of neighboring disks of the scene [px]."""

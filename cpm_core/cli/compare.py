@@ -28,7 +28,7 @@ from cpm_core.cli.output import Files, announce_compilation, report, say
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.surface.ground_truth import VolumeTruth
 from cpm_core.formats import load_image, load_volume
-from cpm_core.formats.animations.comparison import Tile, check_comparison, files_of, write_comparison
+from cpm_core.formats.comparison import Tile, check_comparison, files_of, write_comparison
 from cpm_core.formats.contours.reading.contour_file import CONTOURS_READABLE
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.image.colors import LUMINANCE
@@ -118,7 +118,8 @@ def run(arguments: argparse.Namespace) -> int:
             raise ValueError(f"--{name} is for images, but --sphere is for volumes: leave one out.")
     named = arguments.methods or [name for name in compared.methods if name]
     for method in map(method_named, named):
-        method.check()
+        if method.missing:
+            raise ValueError(method.missing)
         if ndim == 3 and not method.in_volumes:
             raise ValueError(f"{method.title} is for images: in a volume choose among {', '.join(runnable(ndim))}.")
     names = list(dict.fromkeys(named or runnable(ndim)))

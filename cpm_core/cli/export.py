@@ -26,9 +26,9 @@ from cpm_core.formats import (
     load_volume,
     suffix_of,
 )
+from cpm_core.formats.common.provenance import ENTRY, facts_of, facts_on, with_shapes
 from cpm_core.formats.contours.reading.contour_file import plane_of, read_contours
 from cpm_core.formats.images.resolution import known_unit
-from cpm_core.formats.provenance import ENTRY, facts_of, facts_on, with_shapes
 from cpm_core.formats.sessions.recorded_run import shown_state
 from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, load_session
 from cpm_core.image.image import Image
@@ -36,7 +36,7 @@ from cpm_core.medial_axis.space.centerlines import Centerlines
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import counted
 from cpm_core.segmentation.engine import Engine
-from cpm_core.segmentation.segment import segment
+from cpm_core.segmentation.evolve import segment
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on, starts_of
 
 

@@ -34,7 +34,7 @@ from cpm_core.image.image import Image
 from cpm_core.image.pyramid import most_scales
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
-from cpm_core.segmentation.segment import with_hand_edits
+from cpm_core.segmentation.evolve import with_hand_edits
 from cpm_core.shapes import Start
 from cpm_core.shapes.outlines import start_on_surface, starts_along, starts_in
 

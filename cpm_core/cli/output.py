@@ -16,8 +16,8 @@ from typing import Any
 
 from cpm_core.contours.result import Result
 from cpm_core.formats import export
-from cpm_core.formats.printable import printable
-from cpm_core.formats.provenance import VERSION
+from cpm_core.formats.common.printable import printable
+from cpm_core.formats.common.provenance import VERSION
 from cpm_core.image.image import Image
 from cpm_core.model.state import State
 from cpm_core.objects.warm_up import FIRST, is_compiled, warm_up

@@ -59,9 +59,9 @@ from cpm_core.formats import (
     load_volume,
     suffix_of,
 )
-from cpm_core.formats.atomic import check_place
+from cpm_core.formats.common.atomic import check_place
+from cpm_core.formats.common.provenance import ENTRY, facts_of, plain_shapes, with_shapes
 from cpm_core.formats.images.reading import Reading
-from cpm_core.formats.provenance import ENTRY, facts_of, plain_shapes, with_shapes
 from cpm_core.formats.sessions.recorded_run import Recorder, with_run
 from cpm_core.formats.sessions.session_file import SUFFIX, ImageFile, SessionFile, save_session
 from cpm_core.image.image import Image
@@ -72,7 +72,7 @@ from cpm_core.objects import Selection, objects_result, partition
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.quotation import counted, sized
 from cpm_core.reconstruction.curve.closing import close_contours
-from cpm_core.segmentation.segment import segment
+from cpm_core.segmentation.evolve import segment
 from cpm_core.shapes import KINDS, Barrier, Circle, Everywhere, Points, Region, Shape, Sphere, Stroke
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on, starts_of
 

@@ -20,7 +20,7 @@ from cpm_core.cli.arguments import (
 from cpm_core.cli.inputs import fitted
 from cpm_core.cli.output import Files, announce_compilation, longest, report
 from cpm_core.formats import FOR_CENTERLINES, load_image, load_volume, suffix_of
-from cpm_core.formats.provenance import ENTRY, facts_of, facts_on
+from cpm_core.formats.common.provenance import ENTRY, facts_of, facts_on
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeletonize import skeleton
 from cpm_core.medial_axis.space.centerlines import Centerlines

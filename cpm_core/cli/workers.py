@@ -19,16 +19,16 @@ from cpm_core.cli.inputs import notes_on, reviewed, with_room
 from cpm_core.cli.output import facts_of_run
 from cpm_core.contours.result import Result
 from cpm_core.formats import encoded, load_image, omission
-from cpm_core.formats.fingerprint import fingerprint_if_read
+from cpm_core.formats.common.atomic import interrupts_handled
+from cpm_core.formats.common.content import fingerprint_if_read
+from cpm_core.formats.common.provenance import with_shapes
 from cpm_core.formats.images.reading import DEFAULT
-from cpm_core.formats.interrupts import interrupts_handled
-from cpm_core.formats.provenance import with_shapes
 from cpm_core.formats.sessions.chosen_part import part_for
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.numerics.parallel import at_most, cores
 from cpm_core.objects.warm_up import is_compiled, warm_up
 from cpm_core.parameters import Parameters
-from cpm_core.segmentation.segment import segment
+from cpm_core.segmentation.evolve import segment
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on
 
 _LOG = logging.getLogger(__name__)

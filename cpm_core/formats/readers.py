@@ -17,7 +17,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cpm_core.formats.fingerprint import fingerprint
+from cpm_core.formats.common.content import fingerprint
+from cpm_core.formats.common.printable import printable
 from cpm_core.formats.images import foreign, numpy_array, resolution
 from cpm_core.formats.images.choice import Choice
 from cpm_core.formats.images.decoded import Decoded, UnreadableError
@@ -27,7 +28,6 @@ from cpm_core.formats.images.reading import checked_unit
 from cpm_core.formats.images.stacks import frames, tiff_stack
 from cpm_core.formats.images.stacks.pages import Axis, Pages
 from cpm_core.formats.images.stacks.stack import Stack, plane_of, volume_of
-from cpm_core.formats.printable import printable
 from cpm_core.image.colors import LUMINANCE, LUMINANCE_NOTE, checked_color, in_color
 from cpm_core.image.gray_levels import NO_DATA, no_data_note
 from cpm_core.image.image import MINIMUM_SIDE, Image

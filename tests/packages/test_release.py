@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from cpm_core.formats.provenance import VERSION
+from cpm_core.formats.common.provenance import VERSION
 from cpm_core.formats.sessions.session_file import SUFFIX
 from cpm_core.formats.sessions.session_json import MARK
 from tests.packages.places import ROOT

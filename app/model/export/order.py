@@ -8,8 +8,7 @@ from typing import Literal
 
 from app.model.document.document import Document
 from app.model.document.objects import objects_result
-from app.model.text.language import tr
-from app.model.text.numbers import written
+from app.model.text.language import tr, written
 from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply, reviewed

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from app.model.document.document import Document
 from app.model.document.modes import MODES
-from cpm_core.formats.provenance import facts_on, plain_shapes, text_of
+from cpm_core.formats.common.provenance import facts_on, plain_shapes, text_of
 from cpm_core.parameters.provenance import Provenance, taken
 from cpm_core.segmentation.method import METHODS
 

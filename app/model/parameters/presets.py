@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import base64
-import binascii
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import cache
 from typing import Any
 
-from app.model.text.assets import asset
-from app.model.text.language import tr
-from app.model.text.reasons import reason
+from app.model.text.language import reason, tr
 from cpm_core.formats.sessions.plain_values import parameters_from_plain
 from cpm_core.parameters import PLANE_PRESETS, Parameters
 
@@ -42,15 +38,11 @@ _BUILT_IN = {
 
 @dataclass(frozen=True, slots=True)
 class Preset:
-    """Named settings; `picture` is a small PNG image of a result, empty for none.
-
-    `key` is the name among the core's `PRESETS`, empty for a preset of the user.
-    """
+    """Named settings; `key` is the name among the core's `PRESETS`, empty for a preset of the user."""
 
     name: str
     parameters: Parameters
     about: str = ""
-    picture: bytes = b""
     key: str = ""
 
     @property
@@ -62,7 +54,11 @@ class Preset:
 @cache
 def built_in() -> tuple[Preset, ...]:
     """The presets of the program, for images."""
-    return tuple(_made(key, parameters) for key, parameters in PLANE_PRESETS.items())
+    presets = []
+    for key, parameters in PLANE_PRESETS.items():
+        name, about = _BUILT_IN[key]
+        presets.append(Preset(name, parameters, about, key))
+    return tuple(presets)
 
 
 def checked_name(name: str) -> str:
@@ -86,7 +82,6 @@ def written(preset: Preset) -> bytes:
         "name": preset.name,
         "about": preset.about,
         "parameters": asdict(preset.parameters),
-        "picture": base64.b64encode(preset.picture).decode("ascii"),
     }
     return (json.dumps(kept, indent=1, ensure_ascii=False) + "\n").encode("utf-8")
 
@@ -103,17 +98,13 @@ def read(content: bytes, source: str) -> Preset:
     if version > _VERSION:
         message = tr("{file} has version {version} but this program reads up to {most}: a newer CPM opens it.")
         raise ValueError(message.format(file=source, version=version, most=_VERSION))
-    name, about, picture = (kept.get(field, "") for field in ("name", "about", "picture"))
-    if not (isinstance(name, str) and isinstance(about, str) and isinstance(picture, str)):
-        raise ValueError(tr("{file} is damaged: its name or picture is not text.").format(file=source))
-    try:
-        drawn = base64.b64decode(picture, validate=True)
-    except (binascii.Error, ValueError):
-        drawn = b""
+    name, about = kept.get("name", ""), kept.get("about", "")
+    if not (isinstance(name, str) and isinstance(about, str)):
+        raise ValueError(tr("{file} is damaged: its name is not text.").format(file=source))
     try:
         if len(about) > _LONGEST_ABOUT:
             raise ValueError(tr("its description is too long."))
-        return Preset(checked_name(name), _parameters(kept.get("parameters")), about, drawn)
+        return Preset(checked_name(name), _parameters(kept.get("parameters")), about)
     except (TypeError, ValueError) as error:
         raise ValueError(tr("{file} cannot be used: {reason}").format(file=source, reason=reason(error))) from error
 
@@ -138,12 +129,3 @@ def _parameters(kept: object) -> Parameters:
     if unknown:
         raise ValueError(tr("there is no parameter {name}.").format(name=unknown[0]))
     return parameters
-
-
-def _made(key: str, parameters: Parameters) -> Preset:
-    name, about = _BUILT_IN.get(key, (key.capitalize(), ""))
-    try:
-        picture = asset(f"presets/{key}.png").read_bytes()
-    except (ValueError, OSError):
-        picture = b""
-    return Preset(name, parameters, about, picture, key)

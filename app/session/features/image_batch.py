@@ -11,12 +11,11 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject, Signal
 
 from app.model.document.saving import to_file
-from app.model.text.language import tr
-from app.model.text.reasons import cause
+from app.model.text.language import cause, tr
 from app.session.exchange.messages import CommandFailed, Report
 from app.session.session import Session
 from app.session.tasks.tasks import Task
-from cpm_core.formats.fingerprint import fingerprint
+from cpm_core.formats.common.content import fingerprint
 from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, save_session
 from cpm_core.objects.warm_up import is_compiled
 
@@ -114,7 +113,7 @@ class ImageBatch(QObject):
         batch = Batch(Order(images, session, fingerprint(applied), output, suffixes, session.parameters))
         for number, row in batch.known.items():
             self._told.emit((task, number, row))
-        for number, row in batch.rows(here(batch.jobs, None, task.go_on)):
+        for number, row in batch.rows(here(batch.jobs, None, task.check_cancelled)):
             self._told.emit((task, number, row))
             task.fraction = len(batch.summary.rows) / len(images)
         return BatchDone(output)

@@ -13,7 +13,7 @@ from PySide6.QtCore import QObject, QSettings, Signal
 from app.model.parameters.presets import SUFFIX, Preset, built_in, checked_name, read, written
 from app.model.text.language import tr
 from app.session.exchange.messages import sentence
-from cpm_core.formats.atomic import write_together
+from cpm_core.formats.common.atomic import write_together
 
 
 class PresetStore(QObject):
@@ -69,7 +69,7 @@ class PresetStore(QObject):
         self._read_folder()
         self.changed.emit()
 
-    def bring_in(self, path: Path) -> Preset:
+    def import_from(self, path: Path) -> Preset:
         """Import a preset file; a name that is taken gets a number.
 
         ValueError when the file is not a valid preset, OSError when it cannot be read.
@@ -80,7 +80,7 @@ class PresetStore(QObject):
             name, number = f"{preset.name} {number}", number + 1
         return self.save(replace(preset, name=name))
 
-    def hand_out(self, preset: Preset, path: Path) -> None:
+    def export_to(self, preset: Preset, path: Path) -> None:
         """Export a preset to a file; OSError when it cannot be written."""
         self._write(path, preset)
 

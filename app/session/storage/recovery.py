@@ -20,7 +20,7 @@ from app.session.exchange.messages import Saved
 from app.session.exchange.messages import sentence as _sentence
 from app.session.storage.autosave import KEY, lock_of
 from app.session.tasks.opening import Wanted
-from cpm_core.formats.atomic import remove_abandoned
+from cpm_core.formats.common.atomic import remove_abandoned
 from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, load_session
 
 ASIDE = "set aside"

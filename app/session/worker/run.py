@@ -21,7 +21,7 @@ from app.session.worker.recorded_run import Begun, RecordedRun, RunRecord
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.result import Result
 from cpm_core.field.placed_charges import PlacedCharge
-from cpm_core.formats.provenance import plain_shapes
+from cpm_core.formats.common.provenance import plain_shapes
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.medial_axis.skeleton import Skeleton

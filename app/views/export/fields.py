@@ -18,8 +18,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.export.formats import Format, formats, listed
-from app.model.text.language import tr
-from app.model.text.reasons import reason
+from app.model.text.language import reason, tr
 from app.views.widgets.fields.decimal_field import DecimalField
 from app.views.window.dialogs import ask_for_folder
 from cpm_core.formats import WRITABLE, check_export, suffix_of

@@ -15,8 +15,7 @@ from app.model.parameters.controls import CHANNEL
 from app.model.preferences.table import TIMELINE_MEMORY, UNIT, WORDING
 from app.model.state.resolve import resolve
 from app.model.state.situation import Situation, can_step, has_image, has_particles, is_running, is_started
-from app.model.text.language import from_core, tr
-from app.model.text.numbers import written
+from app.model.text.language import from_core, tr, written
 from app.model.text.wording import Wording, wording_called
 from app.session.features.comparison import ComparisonWritten
 from app.session.features.timeline import TimelineNavigation
@@ -24,12 +23,12 @@ from app.session.storage.presets import PresetStore
 from app.session.worker.commands import RunCall
 from app.session.worker.recorded_run import MEGABYTE
 from app.session.worker.run import Run
-from app.views.canvas.coordinates import image_rectangle
+from app.views.canvas.items.item import image_rectangle
 from app.views.comparison import CompareDialog
 from app.views.panels.parameters.parameters import ParametersPanel
+from app.views.panels.presets import Presets
 from app.views.panels.run.run_panel import RunPanel
 from app.views.panels.timeline.timeline_panel import TimelinePanel
-from app.views.presets.preset_files import PresetFiles
 from app.views.widgets.action_spec import ActionSpec, Submenu
 from app.views.widgets.preference_row import PreferenceRow
 from app.views.widgets.speed import SpeedControl
@@ -37,7 +36,7 @@ from app.views.window.bars import TaskBar
 from app.views.window.dialogs import Files
 from app.views.window.feature import Feature, FeatureContext, OneDialog, Panel
 from app.views.window.keyboard import Keys
-from cpm_core.formats.animations.comparison import PICTURE, TABLE
+from cpm_core.formats.comparison import PICTURE, TABLE
 
 _UPDATE_EVERY = 250
 """Time between two updates of the panel during the run [ms]."""
@@ -237,15 +236,15 @@ class ParametersFeature(Feature):
         store = PresetStore(parent=context.window)
         for trouble in store.troubles:
             context.preferences.complain(trouble)
-        self.preset_files = PresetFiles(context, store)
-        self.panel = ParametersPanel(context.session, self.preset_files.gallery)
+        self.presets = Presets(context, store)
+        self.panel = ParametersPanel(context.session, self.presets.button)
         context.preferences.follow(WORDING, lambda: self.panel.use_wording(self._wording))
         # The actions must show the preferences.
         context.preferences.changed.connect(self._refresh)
 
     def action_specs(self) -> Sequence[ActionSpec | Submenu]:
         """Presets, channels, and labels of parameters."""
-        presets = Submenu(name="presets", menu="Run", text=tr("&Preset"), fill=self.preset_files.fill, gap=True)
+        presets = Submenu(name="presets", menu="Run", text=tr("&Preset"), fill=self.presets.fill, gap=True)
         channels = Submenu(name="channels", menu="Run", text=tr("C&hannel"), fill=self.fill_channels)
         return (presets, channels, *self._wordings())
 

@@ -12,10 +12,10 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import Measures, measure
 from cpm_core.contours.rasterize import Labels, paint
 from cpm_core.contours.result import Result
+from cpm_core.formats.common.provenance import ENTRY, PROGRAM, facts_of
 from cpm_core.formats.contours.appearance import rgb
 from cpm_core.formats.contours.json_text import pairs, rounded, text
 from cpm_core.formats.contours.reading.coco import HOLES, OBJECT, OUTLINES
-from cpm_core.formats.provenance import ENTRY, PROGRAM, facts_of
 from cpm_core.medial_axis.skeleton import Skeleton
 
 _Part = tuple[Contour, Measures]

@@ -11,8 +11,8 @@ import numpy as np
 from cpm_core.contours.contour import numbers_of
 from cpm_core.contours.measurements import contour_labels, measure
 from cpm_core.contours.result import Result
-from cpm_core.formats.printable import cell
-from cpm_core.formats.provenance import entries_of, facts_of
+from cpm_core.formats.common.printable import cell
+from cpm_core.formats.common.provenance import entries_of, facts_of
 from cpm_core.medial_axis.skeleton import Skeleton
 
 _ASCII_UNIT = {"µm": "um"}  # spreadsheets often take a header with other letters for a wrong encoding

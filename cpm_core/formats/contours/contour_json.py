@@ -6,8 +6,8 @@ from typing import Any
 
 from cpm_core.contours.measurements import measure
 from cpm_core.contours.result import Result
+from cpm_core.formats.common.provenance import ENTRY, facts_of
 from cpm_core.formats.contours.json_text import rounded, text
-from cpm_core.formats.provenance import ENTRY, facts_of
 from cpm_core.medial_axis.skeleton import Skeleton
 
 FORMAT = "cpm-contours"

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import Measures, measure
 from cpm_core.contours.result import Result
+from cpm_core.formats.common.provenance import ENTRY, facts_of
 from cpm_core.formats.contours.appearance import rgb, title
 from cpm_core.formats.contours.json_text import pairs, text
-from cpm_core.formats.provenance import ENTRY, facts_of
 from cpm_core.medial_axis.skeleton import Skeleton
 
 

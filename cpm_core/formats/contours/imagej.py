@@ -11,8 +11,8 @@ from roifile import ROI_OPTIONS, ROI_TYPE, ImagejRoi
 
 from cpm_core.contours.contour import Contour, numbers_of
 from cpm_core.contours.result import Result
+from cpm_core.formats.common.provenance import ascii_entries_of, facts_of
 from cpm_core.formats.contours.appearance import rgb, title
-from cpm_core.formats.provenance import ascii_entries_of, facts_of
 from cpm_core.medial_axis.skeleton import Skeleton
 
 _LARGEST = 32767

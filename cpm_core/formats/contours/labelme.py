@@ -9,9 +9,9 @@ from typing import Any
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
+from cpm_core.formats.common.provenance import ENTRY, facts_of
 from cpm_core.formats.contours.json_text import pairs, text
 from cpm_core.formats.contours.reading.labelme import CONTOUR
-from cpm_core.formats.provenance import ENTRY, facts_of
 from cpm_core.medial_axis.skeleton import Skeleton
 
 _VERSION = "5.5.0"

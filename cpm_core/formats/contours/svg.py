@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.result import Result
+from cpm_core.formats.common.provenance import facts_of, text_of
 from cpm_core.formats.contours.appearance import DEFAULT
-from cpm_core.formats.provenance import facts_of, text_of
 from cpm_core.medial_axis.skeleton import Skeleton
 
 _MILLIMETERS = {"nm": 1e-6, "µm": 1e-3, "mm": 1.0, "cm": 10.0, "m": 1000.0}

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.lib import format as array_format
 from numpy.typing import NDArray
 
+from cpm_core.formats.common.printable import printable
 from cpm_core.formats.images.choice import FIRST, Choice, UnchosenError, series_of
 from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size, from_samples
 from cpm_core.formats.images.stacks.stack import Stack, as_planes, check_content, check_memory, plane_of
-from cpm_core.formats.printable import printable
 from cpm_core.image.image import MINIMUM_SIDE
 
 FORMAT = "NumPy"

@@ -9,8 +9,8 @@ import numpy as np
 import tifffile
 
 from cpm_core.contours.result import Result
+from cpm_core.formats.common.provenance import PROGRAM, entries_of, facts_of, text_of
 from cpm_core.formats.masks.labels import labels_of
-from cpm_core.formats.provenance import PROGRAM, entries_of, facts_of, text_of
 from cpm_core.medial_axis.skeleton import Skeleton
 
 _PER_CENTIMETER = {"nm": 1e7, "µm": 1e4, "mm": 10.0, "cm": 1.0, "m": 0.01}

@@ -18,7 +18,7 @@ from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.rasterize import MOST_LABELS, label_type
 from cpm_core.contours.result import Result
 from cpm_core.contours.surface import Surface
-from cpm_core.formats.provenance import PROGRAM, facts_of, text_of
+from cpm_core.formats.common.provenance import PROGRAM, facts_of, text_of
 from cpm_core.medial_axis.skeleton import Skeleton
 
 _GOLDEN, _PLASTIC, _SILVER = 0.6180339887, 0.7548776662, 0.4142135624

@@ -9,8 +9,8 @@ import numpy as np
 import scipy
 
 from cpm_core.contours.result import Result
+from cpm_core.formats.common.provenance import PROGRAM, facts_of, text_of
 from cpm_core.formats.masks.labels import labels_of
-from cpm_core.formats.provenance import PROGRAM, facts_of, text_of
 from cpm_core.image.geometry import Geometry
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array

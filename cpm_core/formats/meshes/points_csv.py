@@ -6,8 +6,8 @@ import csv
 import io
 
 from cpm_core.contours.result import Result
-from cpm_core.formats.printable import cell
-from cpm_core.formats.provenance import entries_of, facts_of
+from cpm_core.formats.common.printable import cell
+from cpm_core.formats.common.provenance import entries_of, facts_of
 from cpm_core.medial_axis.skeleton import Skeleton
 
 

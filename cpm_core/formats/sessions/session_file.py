@@ -15,10 +15,10 @@ from typing import Any
 from cpm_core.contours.contour import present_names
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark
-from cpm_core.formats.atomic import check_place, write_together
-from cpm_core.formats.fingerprint import differ, fingerprint_if_read
+from cpm_core.formats.common.atomic import check_place, write_together
+from cpm_core.formats.common.content import differ, fingerprint_if_read
+from cpm_core.formats.common.provenance import PROGRAM
 from cpm_core.formats.images.reading import DEFAULT, Reading
-from cpm_core.formats.provenance import PROGRAM
 from cpm_core.formats.sessions.beside_document import TruthFile, beside_document, place_to_plain
 from cpm_core.formats.sessions.compared_methods import compared_to_plain
 from cpm_core.formats.sessions.plain_values import (

@@ -81,8 +81,7 @@ def test_presets_and_modes_keep_the_channel_of_the_image(colored) -> None:
     document = use_mode(colored.session.document, "automatic")
     assert document.parameters.channel == "blue"
     assert use_preset(document, PRESETS["noisy"]).parameters.channel == "blue"
-    gallery = colored.feature(ParametersFeature).preset_files.gallery
-    assert gallery.current is not None
+    assert colored.feature(ParametersFeature).presets.current is not None
 
 
 def test_the_channel_of_the_run_can_be_seen_and_follows_the_choice(colored, hand) -> None:

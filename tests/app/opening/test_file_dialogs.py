@@ -47,18 +47,13 @@ ASKS: dict[str, Callable[[MainWindow], object]] = {
     "Open": lambda window: window.feature(OpenSaveFeature).ask_for_file(),
     "Save session": lambda window: window.feature(OpenSaveFeature).save_as(),
     "Compare with ground truth": lambda window: window.feature(TruthFeature)._load(),
-    "Import preset": lambda window: window.feature(ParametersFeature).preset_files.import_action.trigger(),
-    "Export preset": lambda window: window.feature(ParametersFeature).preset_files._export(),
+    "Import preset": lambda window: window.feature(ParametersFeature).presets.import_action.trigger(),
+    "Export preset": lambda window: window.feature(ParametersFeature).presets._export(),
 }
 
 
-def test_every_dialog_begins_beside_the_image_and_lists_no_suffixes(
-    window, seen, image_file, monkeypatch, cases
-) -> None:
+def test_every_dialog_begins_beside_the_image_and_lists_no_suffixes(window, seen, image_file, cases) -> None:
     for title in cases(ASKS):
-        monkeypatch.setattr(
-            "app.views.presets.preset_files.ask_for_preset", lambda parent, names, question, button: names[0]
-        )
         ASKS[title](window)
         begin, filters, _, options = seen[title]
         assert Path(begin) == image_file.parent or Path(begin).parent == image_file.parent

@@ -329,10 +329,10 @@ def test_points_are_drawn_and_can_be_taken_back(window, hand, tmp_path) -> None:
 
 
 def test_a_preset_that_is_dropped_is_among_the_presets(window, hand, tmp_path) -> None:
-    store = window.feature(ParametersFeature).preset_files.store
+    store = window.feature(ParametersFeature).presets.store
     path = tmp_path / "calm.cpmpreset"
     store.save(Preset("Calm", Parameters(beta=1.2)))
-    store.hand_out(store.called("Calm"), path)
+    store.export_to(store.called("Calm"), path)
     store.delete("Calm")
     drop(window, path)
     assert store.called("Calm").parameters.beta == 1.2

@@ -49,7 +49,7 @@ def fields(window) -> dict[str, object]:
         "choice": next(iter(parameters.choices.values())).box,
         "button": window.findChild(QToolButton, "save"),
         "check box": parameters.rows["smoothing"].findChild(QCheckBox),
-        "preset": parameters.gallery,
+        "preset": parameters.presets,
         "timeline": window.panels["timeline"].view,
         "step": window.panels["timeline"].step,
     }
@@ -66,7 +66,7 @@ def test_space_runs_from_every_field_that_is_no_text(board, hand, cases) -> None
         hand.key(KEY.Key_Space)
         assert board.session.status.phase != "ready"
         assert board.session.document.parameters == parameters
-        assert not board.panels["parameters"].gallery.popup.isVisible()
+        assert not board.panels["parameters"].presets.popup.isVisible()
         board.session.reset()
         hand.wait_for_phase("ready")
 
@@ -171,11 +171,11 @@ def test_enter_presses_the_focused_button(board, hand) -> None:
 
 
 def test_the_presets_open_by_enter_and_do_not_reopen_by_space(board, hand) -> None:
-    gallery = board.panels["parameters"].gallery
+    gallery = board.panels["parameters"].presets
     focus(hand, gallery)
     hand.key(KEY.Key_Return)
     assert gallery.popup.isVisible()
-    hand.qtbot.keyClick(gallery.pictures, KEY.Key_Return)
+    hand.qtbot.keyClick(gallery.popup, KEY.Key_Escape)
     assert not gallery.popup.isVisible()
     focus(hand, gallery)
     hand.key(KEY.Key_Space)

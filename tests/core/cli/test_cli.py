@@ -11,7 +11,7 @@ import pytest
 import tifffile
 
 from cpm_core.cli import run as run_command
-from cpm_core.formats.fingerprint import fingerprint
+from cpm_core.formats.common.content import fingerprint
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 
 ROOT = Path(__file__).parents[3]

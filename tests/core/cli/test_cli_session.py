@@ -21,7 +21,7 @@ from cpm_core.cli import workers
 from cpm_core.cli.workers import Job, do
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark
-from cpm_core.formats.fingerprint import fingerprint
+from cpm_core.formats.common.content import fingerprint
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
 from cpm_core.shapes import Circle, Everywhere, Region, Sphere
 

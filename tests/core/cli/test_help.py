@@ -15,7 +15,7 @@ from app import __main__ as program
 from cpm_core import cli
 from cpm_core.cli import COMMANDS
 from cpm_core.cli.output import SCHEMA, SCHEMA_FILE
-from cpm_core.formats.provenance import VERSION
+from cpm_core.formats.common.provenance import VERSION
 
 VALIDATOR = jsonschema.Draft202012Validator(json.loads(SCHEMA_FILE.read_text("utf-8")))
 

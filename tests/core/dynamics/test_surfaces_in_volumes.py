@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import PRESETS
-from cpm_core.field.volume.volume_field import VolumeField, build_volume_field
+from cpm_core.field.volume_field import VolumeField, build_volume_field
 from cpm_core.model.coverage import cover_surfaces, no_surface
 from cpm_core.model.state import Particles, SurfaceContact
 from cpm_core.model.volume.births import apart, insertion, tangents, thinned

@@ -10,7 +10,7 @@ from cpm_core.field.region_contrast import region_contrast
 from cpm_core.model.starts import uniform_grid
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction import find_contours
-from cpm_core.segmentation.segment import segment
+from cpm_core.segmentation.evolve import segment
 
 POINTS = np.stack([np.linspace(30.0, 70.0, 15), np.full(15, 49.5)], axis=1)
 NORMALS = np.tile([0.0, 3.0], (15, 1))

@@ -9,8 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import cpm_core as cpm
-from cpm_core.field.placed_charges import MOST, RADIUS, at_scale, placed_force, placed_potential
-from cpm_core.field.volume.placed_charges import placed_at
+from cpm_core.field.placed_charges import MOST, RADIUS, at_scale, placed_at, placed_force, placed_potential
 
 VOLUME = cpm.PRESETS["volume"]
 SPACING = (2.0, 1.0, 1.0)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from cpm_core.formats.atomic import check_place, draft_of, write_together
+from cpm_core.formats.common.atomic import check_place, draft_of, write_together
 
 posix = pytest.mark.skipif(os.name != "posix", reason="rights and signals are those of POSIX")
 
@@ -143,7 +143,7 @@ def test_an_interrupt_while_files_are_moved_waits_until_all_are(tmp_path, interr
     program = (
         "import os, signal, sys\n"
         "from pathlib import Path\n"
-        "from cpm_core.formats.atomic import write_together\n"
+        "from cpm_core.formats.common.atomic import write_together\n"
         "replace = Path.replace\n"
         "def slow(self, target):\n"
         "    os.kill(os.getpid(), signal.SIGINT)\n"

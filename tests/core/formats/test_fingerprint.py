@@ -6,8 +6,8 @@ import shutil
 
 import pytest
 
-import cpm_core.formats.fingerprint as module
-from cpm_core.formats.fingerprint import differ, fingerprint
+import cpm_core.formats.common.content as module
+from cpm_core.formats.common.content import differ, fingerprint
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, find_image, load_session, save_session
 
 LARGEST = 2**30

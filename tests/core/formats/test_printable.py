@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cpm_core.formats import WRITABLE, encoded, load_contours
-from cpm_core.formats.printable import cell, printable, text_of_cell
+from cpm_core.formats.common.printable import cell, printable, text_of_cell
 
 from .drawn import LINE_AND_SQUARE, RESULT
 

@@ -24,7 +24,7 @@ from pycocotools.coco import COCO
 import cpm_core
 from cpm_core import Image, Parameters, PlacedCharge, Regions, circle, encoded, load_image, objects_result, partition
 from cpm_core.formats import FOR_SKELETONS, WRITABLE, export, load_contours, load_points
-from cpm_core.formats.provenance import VERSION, entries_of, facts_of, with_shapes
+from cpm_core.formats.common.provenance import VERSION, entries_of, facts_of, with_shapes
 from cpm_core.formats.writers import DRAWN
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.shapes import Barrier, Circle, Points

@@ -7,7 +7,7 @@ from cpm_core.field.edge_map import gradient, magnitude
 from cpm_core.image.border import inside_border
 from cpm_core.model.starts import uniform_grid
 from cpm_core.parameters import Parameters
-from cpm_core.segmentation.segment import segment
+from cpm_core.segmentation.evolve import segment
 
 
 def bordered(width, gray=20.0, sides=("top", "bottom", "left", "right")):

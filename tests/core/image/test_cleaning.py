@@ -5,8 +5,7 @@ import pytest
 from scipy import ndimage
 
 from cpm_core.field.edge_map import gradient, magnitude
-from cpm_core.image.denoising.cleaning import clean
-from cpm_core.image.denoising.total_variation import noise_level, total_variation
+from cpm_core.image.denoising import clean, noise_level, total_variation
 
 from ..scenes import disk
 

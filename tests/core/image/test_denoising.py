@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cpm_core.image.denoising.total_variation import noise_level, total_variation
+from cpm_core.image.denoising import noise_level, total_variation
 
 
 @pytest.mark.parametrize("deviation", [1.0, 20.0, 120.0])

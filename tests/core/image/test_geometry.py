@@ -15,7 +15,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.formats import encoded
 from cpm_core.image.geometry import Geometry, from_affine
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.numerics.zero_surface import zero_surface
+from cpm_core.numerics.grids import zero_surface
 
 SHAPE = (12, 14, 16)
 VALUES = (4.0 - np.linalg.norm(np.indices(SHAPE).T - (5, 6, 7), axis=-1).T).astype(np.float32)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cpm_core.image.denoising.histogram_regression import expected
+from cpm_core.image.denoising import expected
 
 HALVES = np.where(np.indices((120, 120))[1] < 60, 40.0, 200.0)
 RNG = np.random.default_rng(1)

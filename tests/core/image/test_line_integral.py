@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core.image.denoising.line_integral import averaged_along, directions
+from cpm_core.image.denoising import averaged_along, directions
 
 ROW, COL = np.indices((80, 84)).astype(float)
 INSIDE = slice(24, -24)

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from cpm_core import Engine, Parameters, Regions, circle, segment, uniform_grid
 from cpm_core.field.scale_field import build_scale_field
-from cpm_core.image.barriers import build_barrier_map
 from cpm_core.image.pyramid import pyramid, to_image
+from cpm_core.image.regions import build_barrier_map
 
 from ..scenes import disk, outline_distance, ring
 

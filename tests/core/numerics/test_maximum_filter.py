@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy import ndimage
 
 from cpm_core.image.border import within
-from cpm_core.numerics.maximum_filter import running_maximum
+from cpm_core.numerics.grids import running_maximum
 
 shapes = st.one_of(st.tuples(st.integers(1, 12), st.integers(1, 12)), st.tuples(*[st.integers(1, 6)] * 3))
 

@@ -8,7 +8,7 @@ from cpm_core.image.regions import Regions
 from cpm_core.model.plane.enclosed_regions import reseeding_places
 from cpm_core.model.starts import circle
 from cpm_core.parameters import Parameters
-from cpm_core.segmentation.segment import segment
+from cpm_core.segmentation.evolve import segment
 
 ROW, COL = np.indices((120, 140))
 

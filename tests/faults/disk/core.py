@@ -11,7 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from cpm_core import cli
-from cpm_core.formats.atomic import draft_of
+from cpm_core.formats.common.atomic import draft_of
 from cpm_core.formats.sessions.session_file import SessionFile, load_session, save_session
 
 from ..kills.command_line import draw_images

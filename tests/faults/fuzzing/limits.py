@@ -9,7 +9,7 @@ import traceback
 from collections.abc import Iterator
 from pathlib import Path
 
-from cpm_core.formats.printable import printable
+from cpm_core.formats.common.printable import printable
 
 LONGEST = 10.0
 """Processor time that one input may take [s]; that of the clock would tell how busy the computer is."""

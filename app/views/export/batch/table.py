@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.model.text.language import from_core, tr
-from app.model.text.numbers import written
+from app.model.text.language import from_core, tr, written
 from app.views.panels.item_table.columns import NONE, Column, place
 from app.views.panels.item_table.model import Sorted
 from app.views.panels.item_table.row_model import RowModel

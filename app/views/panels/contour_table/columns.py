@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from app.model.text.language import tr
-from app.model.text.numbers import written
+from app.model.text.language import tr, written
 from app.session.scene import Item
 from app.views.panels.item_table.columns import Column, number_text, place
 from cpm_core.contours.contour import Reached

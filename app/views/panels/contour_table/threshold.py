@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QGridLayout, QLabel, QSizePolicy, QWidget
 
 from app.model.display.filter_counts import Distribution
 from app.model.parameters.controls import Control
-from app.model.text.numbers import written
+from app.model.text.language import written
 from app.views.widgets.fields.marked_slider import MarkedSlider
 
 _BINS = 40

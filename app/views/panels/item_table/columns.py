@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
-from app.model.text.numbers import written
+from app.model.text.language import written
 
 Row = TypeVar("Row")
 

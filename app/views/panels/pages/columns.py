@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from app.model.display.page_rows import PageRow
-from app.model.text.language import tr
-from app.model.text.numbers import written
+from app.model.text.language import tr, written
 from app.views.panels.item_table.columns import NONE, Column, number_text, place
 from cpm_core.contours.measurements import Measures
 

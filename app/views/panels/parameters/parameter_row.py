@@ -17,8 +17,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.parameters.controls import Control, in_dimension, slider_range
-from app.model.text.language import tr
-from app.model.text.numbers import written
+from app.model.text.language import tr, written
 from app.model.text.wording import FIRST_WORDING, Wording
 from app.views.panels.parameters.explanation import tip
 from app.views.theme.icons import icon

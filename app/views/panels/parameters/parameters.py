@@ -6,7 +6,7 @@ from functools import partial
 
 from PySide6.QtCore import QSize, QTimer
 from PySide6.QtGui import QResizeEvent
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QScrollArea, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QScrollArea, QToolButton, QVBoxLayout, QWidget
 
 from app.model.display.filter_counts import FILTERS, GAP, FilterCounts
 from app.model.document import edits
@@ -20,7 +20,6 @@ from app.session.session import Session
 from app.views.panels.parameters.choice_row import ChoiceRow
 from app.views.panels.parameters.explanation import Explanation, Form, form_in
 from app.views.panels.parameters.parameter_row import ParameterRow
-from app.views.presets.preset_gallery import PresetGallery
 from app.views.theme.theme import Theme
 from app.views.widgets.scrolled import Scroller
 from app.views.widgets.section import Section
@@ -38,7 +37,7 @@ _ROWS = 96
 class ParametersPanel(QWidget):
     """Shows the parameters of the document and the presets, and edits them through the session."""
 
-    def __init__(self, session: Session, gallery: PresetGallery) -> None:
+    def __init__(self, session: Session, presets: QToolButton) -> None:
         super().__init__()
         self._session = session
         self._counts = FilterCounts()
@@ -47,7 +46,7 @@ class ParametersPanel(QWidget):
         """Number of contours before a slider that is held was moved, by parameter."""
         self.rows = {control.name: ParameterRow(control) for control in controls()}
         self.choices = {control.name: ChoiceRow(control) for control in choice_controls()}
-        self.gallery = gallery
+        self.presets = presets
         self._acting: frozenset[str] = frozenset((*self.rows, *self.choices))
         self.explanation = Explanation()
         self.advanced = self._lay_out()
@@ -104,7 +103,7 @@ class ParametersPanel(QWidget):
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Show as much of the explanation as the window has room for."""
         super().resizeEvent(event)
-        left = self.height() - self.gallery.sizeHint().height() - _ROWS
+        left = self.height() - self.presets.sizeHint().height() - _ROWS
         forms: tuple[Form, ...] = ("full", "brief", "hidden")
         wanted = form_in(self.window().height())
         fitting = (form for form in forms[forms.index(wanted) :] if self.explanation.height_of(form) <= left)
@@ -140,9 +139,9 @@ class ParametersPanel(QWidget):
         head = QHBoxLayout()
         heading = QLabel(tr("Preset"))
         heading.setObjectName("heading")
-        heading.setBuddy(self.gallery)
+        heading.setBuddy(self.presets)
         head.addWidget(heading)
-        head.addWidget(self.gallery, 1)
+        head.addWidget(self.presets, 1)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(12, 8, 6, 6)
         layout.setSpacing(4)

@@ -9,8 +9,7 @@ from PySide6.QtGui import QFocusEvent, QKeyEvent, QMouseEvent, QPaintEvent
 from PySide6.QtWidgets import QWidget
 
 from app.model.display.plots import PLOTS, Plot, RunMetrics, figure
-from app.model.text.language import tr
-from app.model.text.numbers import written
+from app.model.text.language import tr, written
 from app.views.panels.run.chart_painter import ChartPainter, sides
 
 _PAGE = 10

@@ -10,8 +10,7 @@ from PySide6.QtGui import QColor, QPainter, QPalette, QPen, QPolygonF
 from PySide6.QtWidgets import QWidget
 
 from app.model.display.plots import Axis, Plot, RunMetrics, figure
-from app.model.text.language import tr
-from app.model.text.numbers import written
+from app.model.text.language import tr, written
 from cpm_core.numerics.types import Array
 
 _GAP, _RIGHT = 3.0, 8.0

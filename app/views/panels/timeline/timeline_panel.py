@@ -20,8 +20,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.text.keys import with_keys
-from app.model.text.language import tr
-from app.model.text.numbers import written
+from app.model.text.language import tr, written
 from app.session.features.timeline import TimelineNavigation
 from app.session.worker.recorded_run import MEGABYTE
 from app.views.panels.timeline.branch_form import BranchForm, timeline_button

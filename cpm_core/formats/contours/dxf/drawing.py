@@ -8,10 +8,10 @@ from collections.abc import Iterator
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
+from cpm_core.formats.common.provenance import ascii_entries_of, facts_of
 from cpm_core.formats.contours.appearance import rgb
 from cpm_core.formats.contours.dxf.colors import BY_LAYER, NUMBER_OF, nearest
 from cpm_core.formats.contours.dxf.frame import Frame
-from cpm_core.formats.provenance import ascii_entries_of, facts_of
 from cpm_core.medial_axis.skeleton import Skeleton
 
 CLOSED, OPEN = "CLOSED", "OPEN"

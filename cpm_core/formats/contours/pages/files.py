@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
 
-from cpm_core.formats.atomic import check_place, draft_of, write_together
+from cpm_core.formats.common.atomic import check_place, draft_of, write_together
 from cpm_core.formats.contours.pages import label_stack, placed_contours, stack_json, tables
 from cpm_core.pages.page import StackResult
 

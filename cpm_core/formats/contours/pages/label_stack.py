@@ -11,7 +11,7 @@ import tifffile
 
 from cpm_core.contours.rasterize import Labels, label_type, paint
 from cpm_core.contours.result import Result
-from cpm_core.formats.provenance import PROGRAM, entries_of, facts_of
+from cpm_core.formats.common.provenance import PROGRAM, entries_of, facts_of
 from cpm_core.pages.page import StackResult
 
 _LARGEST_IMAGEJ = 2**32 - 2**25

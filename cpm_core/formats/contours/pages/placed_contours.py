@@ -8,9 +8,9 @@ from dataclasses import replace
 from typing import Any
 
 from cpm_core.contours.result import Result
+from cpm_core.formats.common.provenance import ENTRY, facts_of
 from cpm_core.formats.contours import geojson, imagej
 from cpm_core.formats.contours.json_text import text
-from cpm_core.formats.provenance import ENTRY, facts_of
 from cpm_core.pages.page import StackResult
 
 _NO_CHANNEL = -1

@@ -12,10 +12,10 @@ import numpy as np
 
 from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.result import Result
+from cpm_core.formats.common.provenance import ENTRY, facts_of, facts_on
 from cpm_core.formats.contours.contour_json import found_in, image_of
 from cpm_core.formats.contours.json_text import text
 from cpm_core.formats.images.decoded import MAXIMUM_PIXELS
-from cpm_core.formats.provenance import ENTRY, facts_of, facts_on
 from cpm_core.pages.page import MeasuredContrast, Page, StackResult
 from cpm_core.pages.tracks import TrackEvent
 from cpm_core.parameters.provenance import Provenance

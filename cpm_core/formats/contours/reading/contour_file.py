@@ -14,10 +14,10 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import labels_of
+from cpm_core.formats.common.content import content_of
 from cpm_core.formats.contours.reading import coco, geojson, imagej, labelme, mask, own_json, svg, table
 from cpm_core.formats.contours.reading.contents import Contents, Plane
 from cpm_core.formats.contours.reading.dxf import reader as dxf
-from cpm_core.formats.images.content import content_of
 from cpm_core.formats.images.decoded import UnreadableError
 from cpm_core.formats.readers import READABLE, load_image
 from cpm_core.image.image import Image

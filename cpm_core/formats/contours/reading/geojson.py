@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from cpm_core.contours.contour import present_names
+from cpm_core.formats.common.provenance import ENTRY
 from cpm_core.formats.contours.appearance import DEFAULT
 from cpm_core.formats.contours.json_text import PIXEL
 from cpm_core.formats.contours.reading.contents import Contents, color_of
-from cpm_core.formats.provenance import ENTRY
 from cpm_core.numerics.types import Array
 
 Known = dict[str, Any]

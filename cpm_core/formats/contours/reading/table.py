@@ -9,10 +9,10 @@ from itertools import groupby
 import numpy as np
 
 from cpm_core.contours.contour import present_names
+from cpm_core.formats.common.printable import text_of_cell
 from cpm_core.formats.contours.reading.contents import Contents
 from cpm_core.formats.contours.reading.curves import ellipse
 from cpm_core.formats.images.decoded import UnreadableError
-from cpm_core.formats.printable import text_of_cell
 
 _OWN = ("closed", "row", "col")
 _NAPARI = ("index", "shape-type", "vertex-index")

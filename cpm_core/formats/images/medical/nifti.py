@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
+from cpm_core.formats.common.printable import printable
 from cpm_core.formats.images.choice import FIRST, Choice
 from cpm_core.formats.images.decoded import Decoded, UnreadableError, from_samples
 from cpm_core.formats.images.stacks.stack import Stack, as_planes, check_content, plane_of
-from cpm_core.formats.printable import printable
 from cpm_core.image.geometry import Geometry, from_affine
 from cpm_core.parameters.quotation import shown
 

@@ -9,12 +9,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cpm_core.formats.common.printable import printable
 from cpm_core.formats.images import resolution
 from cpm_core.formats.images.choice import FIRST, Choice
 from cpm_core.formats.images.decoded import Decoded, UnreadableError, from_samples
 from cpm_core.formats.images.medical.content import Packing, beside, values_of
 from cpm_core.formats.images.stacks.stack import Stack, as_planes, plane_of
-from cpm_core.formats.printable import printable
 from cpm_core.image.geometry import Convention, Geometry, from_affine
 from cpm_core.parameters.quotation import shown
 

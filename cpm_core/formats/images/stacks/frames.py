@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+from cpm_core.formats.common.printable import printable
 from cpm_core.formats.images import raster
 from cpm_core.formats.images.choice import FIRST, Choice
 from cpm_core.formats.images.decoded import Decoded
 from cpm_core.formats.images.stacks.stack import Stack, as_planes, plane_of
-from cpm_core.formats.printable import printable
 
 FORMAT = ""
 READS = raster.READS

@@ -10,11 +10,11 @@ import numpy as np
 import tifffile
 from numpy.typing import NDArray
 
+from cpm_core.formats.common.printable import printable
 from cpm_core.formats.images import tiff
 from cpm_core.formats.images.choice import FIRST, Choice, series_of
 from cpm_core.formats.images.decoded import Decoded, UnreadableError
 from cpm_core.formats.images.stacks.stack import Stack, as_planes, check_content, joined, plane_of
-from cpm_core.formats.printable import printable
 
 FORMAT = "TIFF"
 READS = {".tif": "TIFF image or stack", ".tiff": "TIFF image or stack"}

@@ -14,9 +14,9 @@ from cpm_core.image.regions import Regions
 from cpm_core.model.starts import circle, uniform_grid
 from cpm_core.parameters import PRESETS, UNLIMITED_REACH, Parameters
 from cpm_core.segmentation.engine import Engine
+from cpm_core.segmentation.evolve import segment
 from cpm_core.segmentation.reach.drawn_area import drawn_area, radius_of
 from cpm_core.segmentation.reach.reach_map import budget_of, reach_map
-from cpm_core.segmentation.segment import segment
 from tests.core import scenes
 
 SHAPE = PRESETS["shape"]

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial import KDTree
 
 import cpm_core as cpm
-from cpm_core.field.volume.volume_field import build_volume_field
+from cpm_core.field.volume_field import build_volume_field
 from cpm_core.model.volume.inseparable import inseparable
 
 from ...reconstruction.surface.solids import ball, brick, grid, ring, union, without

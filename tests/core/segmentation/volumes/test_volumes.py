@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import cpm_core as cpm
-from cpm_core.field.volume.volume_field import build_volume_field
+from cpm_core.field.volume_field import build_volume_field
 from cpm_core.numerics import parallel
 from cpm_core.parameters import OF_PLANES
 

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cpm_core.formats.common.printable import printable
 from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size, from_samples
 from cpm_core.formats.images.medical.dicom.frame import Frame
-from cpm_core.formats.printable import printable
 from cpm_core.image.gray_levels import NO_DATA
 
 # pydicom logs a warning for everything unusual in a file; the user gets one sentence on what matters instead.

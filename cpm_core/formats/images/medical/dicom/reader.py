@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from cpm_core.formats.common.printable import printable
 from cpm_core.formats.images.choice import FIRST, Choice, series_of
 from cpm_core.formats.images.decoded import Decoded, UnreadableError
 from cpm_core.formats.images.medical.dicom import pixels
 from cpm_core.formats.images.medical.dicom.frame import Frame, frames_of
 from cpm_core.formats.images.medical.dicom.series import Series, all_series
 from cpm_core.formats.images.stacks.stack import Stack, as_planes, check_content, joined, plane_of
-from cpm_core.formats.printable import printable
 from cpm_core.parameters.quotation import shown
 
 FORMAT = "DICOM"

@@ -1,0 +1,1 @@
+"""What the formats share: provenance, printable text, and the writing of files."""

@@ -1,0 +1,145 @@
+"""Provenance in files: the version of the program, the image and its hash, the method, what it was given, and the end.
+
+The same result always gives the same text: no file tells a time. Of the image it tells the name of its file alone,
+never a folder.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict, replace
+from pathlib import PurePosixPath, PureWindowsPath
+from typing import Any
+
+from cpm_core.contours.result import Result
+from cpm_core.formats.common.printable import printable
+from cpm_core.image.regions import Regions
+from cpm_core.image.volume_regions import Extrusion, Voxels
+from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.parameters.provenance import Provenance
+from cpm_core.shapes import SHAPES, EnclosedRegion, EnclosingWall, Shape
+
+VERSION = "0.1.0"
+"""Version of CPM; the package is built with it."""
+
+PROGRAM = f"CPM {VERSION}"
+
+ENTRY = "provenance"
+"""Name of the entry of files in JSON."""
+
+_MOST_PLACES = 32
+"""Positions of a shape that are told one by one; of more only the number is."""
+
+
+def facts_of(result: Result | Skeleton) -> dict[str, Any]:
+    """All that is known of the origin of a result, as plain JSON."""
+    facts = facts_on(result.source, result.provenance, _limits(result))
+    if isinstance(result, Result) and result.provenance.method != "objects":
+        facts |= {"steps": result.steps, "stop_reason": result.stop_reason}
+    return facts
+
+
+def facts_on(source: str, made: Provenance, shapes: Iterable[Mapping[str, Any]] = ()) -> dict[str, Any]:
+    """The same for an image by its name; those of `shapes` are told that the provenance does not have already."""
+    image = {"name": printable(PurePosixPath(PureWindowsPath(source).name).name)}
+    if made.sha256:
+        image["sha256" if made.of_file else "array_sha256"] = made.sha256
+    facts: dict[str, Any] = {"program": "CPM", "version": VERSION, "image": image}
+    if made.method:
+        facts["method"] = made.method
+    if made.parameters:
+        facts["parameters"] = dict(made.parameters)
+    if made.seeds is not None:
+        facts["seeds"] = made.seeds
+    drawn = [*made.shapes, *(shape for shape in shapes if shape not in made.shapes)]
+    if drawn:
+        facts["shapes"] = [_shortened(shape) for shape in drawn]
+    if made.scale is not None:
+        facts["scale"] = made.scale
+    if made.steered:
+        facts["steered"] = True
+    return facts
+
+
+def text_of(facts: Mapping[str, Any]) -> str:
+    """The facts as JSON in one line of ASCII, for a comment or description in a file."""
+    return json.dumps(facts, allow_nan=False, separators=(",", ":"))
+
+
+def entries_of(facts: Mapping[str, Any]) -> dict[str, str]:
+    """The facts as names and short texts, for files that hold no JSON, such as tables.
+
+    No text but the name of an image has a comma: many programs that read tables know no quoted cells.
+    """
+    image = facts["image"]
+    hashes = {f"image_{name}": value for name, value in image.items() if name != "name"}
+    entries = {"program": f"{facts['program']} {facts['version']}", "image": image["name"], **hashes}
+    for name, value in facts.items():
+        if name == "parameters":
+            entries[name] = _plain(value)
+        elif name == "shapes":
+            entries[name] = "; ".join(map(_plain, value))
+        elif name not in ("program", "version", "image"):
+            entries[name] = str(value).replace(",", ";")
+    return entries
+
+
+def _plain(values: Mapping[str, Any]) -> str:
+    """Names with their values, of which nested lists are one list."""
+    return " ".join(f"{name}={' '.join(_flat(value))}" for name, value in values.items())
+
+
+def _flat(value: Any) -> Iterator[str]:
+    if isinstance(value, (list, tuple)):
+        for part in value:
+            yield from _flat(part)
+    else:
+        yield str(value).replace(",", ";")
+
+
+def ascii_entries_of(facts: Mapping[str, Any]) -> dict[str, str]:
+    """The same with escapes, as in JSON, for all that is not ASCII."""
+    return {
+        name: "".join(letter if letter.isascii() else json.dumps(letter)[1:-1] for letter in text)
+        for name, text in entries_of(facts).items()
+    }
+
+
+def plain_shapes(shapes: Iterable[Shape]) -> tuple[dict[str, Any], ...]:
+    """Shapes for `Provenance.shapes`, with the kinds and fields that session files have."""
+    kinds = {kind: name for name, kind in SHAPES.items()}
+    return tuple({"shape": kinds[type(shape)], **_fields(shape)} for shape in shapes)
+
+
+def _fields(shape: Shape) -> dict[str, Any]:
+    """The fields of a shape; of a surface, which may have many thousand triangles, their number and the voxels."""
+    if isinstance(shape, EnclosedRegion | EnclosingWall):
+        return {"triangles": len(shape.surface.surface.faces), "voxels": int(shape.limit.mask.sum())}
+    return asdict(shape)
+
+
+def with_shapes(result: Result, shapes: Iterable[Shape], more: Iterable[Mapping[str, Any]] = ()) -> Result:
+    """The result of a run whose seeds, limits and charges come from these shapes, and from `more` as plain JSON."""
+    return replace(result, provenance=replace(result.provenance, shapes=(*plain_shapes(shapes), *more)))
+
+
+def _limits(result: Result | Skeleton) -> list[dict[str, Any]]:
+    """Regions of interest and barriers of a run as shapes."""
+    regions = result.regions if isinstance(result, Result) else None
+    known = regions or Regions()
+    limits = [*(("region", limit) for limit in known.interest), *(("barrier", limit) for limit in known.barriers)]
+    return [{"shape": shape, **_limit(limit)} for shape, limit in limits]
+
+
+def _limit(limit: Any) -> dict[str, Any]:
+    """What a region of interest or a barrier consists of."""
+    if isinstance(limit, Extrusion):
+        return {"points": limit.line, "axis": limit.axis, "first": limit.first, "last": limit.last}
+    return {"voxels": int(limit.mask.sum())} if isinstance(limit, Voxels) else {"points": limit}
+
+
+def _shortened(shape: Mapping[str, Any]) -> dict[str, Any]:
+    """A shape with the number of its positions in place of long lists of them."""
+    long = {name for name, value in shape.items() if isinstance(value, (list, tuple)) and len(value) > _MOST_PLACES}
+    return {name: len(value) if name in long else value for name, value in shape.items()}
