@@ -265,6 +265,27 @@ def test_no_room_imports_itself_by_way_of_others(depth):
     assert circles(arrows_between(names, depth)) == []
 
 
+STILL_AROUND: set[tuple[str, str]] = set()
+"""Pairs of folders that still import one another; none is added."""
+
+
+def folders_that_import_one_another():
+    """Pairs of folders, a folder's own files taken as the folder."""
+    folders = {module_name(path): path.parent.relative_to(ROOT).as_posix() for path in SOURCES}
+    arrows = set()
+    for path in SOURCES:
+        for other in module(path).imported:
+            known = next((part for part in prefixes(other) if part in folders), None)
+            if known is not None:
+                arrows.add((path.parent.relative_to(ROOT).as_posix(), folders[known]))
+    return {(one, other) for one, other in arrows if one < other and (other, one) in arrows}
+
+
+def test_no_folder_lies_both_above_and_below_another():
+    """So that rooms can be drawn as floors: the files of a folder lie above all its subfolders, or below them."""
+    assert folders_that_import_one_another() == STILL_AROUND
+
+
 def test_circles_are_seen():
     arrows = {"a": {"b"}, "b": {"c"}, "c": {"b"}, "d": {"a"}}
     assert circles(arrows) == [["b", "c"]]
