@@ -57,7 +57,6 @@ def test_a_value_is_shown_on_one_printable_line(value):
         (lambda: uniform_grid((16.5, 3)), "whole numbers"),
         (lambda: circle((8.0, 8.0), 1e4, 1e-6), "choose a larger spacing"),
         (lambda: stroke([(0.0, 0.0), (0.0, 1e5)], 1e-6), "choose a larger spacing"),
-        (lambda: coulomb_force(np.zeros((2, 2)), tolerance=None), "tolerance is None"),
         (lambda: measure((), (0.0, 1.0)), "spacing is"),
     ],
 )
