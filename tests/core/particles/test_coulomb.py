@@ -40,11 +40,15 @@ def test_two_particles_repel_with_the_inverse_square_and_one_spot_not_at_all():
 
 @pytest.mark.parametrize("name", SCENES)
 def test_the_error_of_the_tree_is_small_however_the_particles_lie(name):
-    assert relative_error(SCENES[name], coulomb_force(SCENES[name], "tree")) <= (2e-2 if name.startswith(EVEN) else 1e-3)
+    assert relative_error(SCENES[name], coulomb_force(SCENES[name], "tree")) <= (
+        2e-2 if name.startswith(EVEN) else 1e-3
+    )
 
 
 @settings(max_examples=30, deadline=None)
-@given(axes=st.sampled_from([2, 3]), spots=st.integers(1, 30), copies=st.integers(1, 40), seed=st.integers(0, 2**32 - 1))
+@given(
+    axes=st.sampled_from([2, 3]), spots=st.integers(1, 30), copies=st.integers(1, 40), seed=st.integers(0, 2**32 - 1)
+)
 def test_the_error_of_the_tree_is_small_around_any_spots(axes, spots, copies, seed):
     random = np.random.default_rng(seed)
     points = np.repeat(random.uniform(-1000.0, 1000.0, (spots, axes)), copies, axis=0)
