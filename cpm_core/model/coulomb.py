@@ -112,9 +112,7 @@ def _pair_sums(sites: Array) -> Array:
 @reordered
 def _sum_pairs(sites: Array, force: Array, first: int, last: int) -> None:
     for n in range(first, last):
-        force[n, 0], force[n, 1], force[n, 2] = _pairs_of(
-            sites, sites.shape[1], sites[0, n], sites[1, n], sites[2, n]
-        )
+        force[n, 0], force[n, 1], force[n, 2] = _pairs_of(sites, sites.shape[1], sites[0, n], sites[1, n], sites[2, n])
 
 
 @reordered
