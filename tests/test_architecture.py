@@ -21,7 +21,7 @@ FORBIDDEN = {"cpm_core": QT, "app.model": QT, "app.session": WIDGETS}
 CORE_LIBRARIES = {"numpy", "scipy", "skimage", "numba", "llvmlite", "PIL", "tifffile", "roifile", "argcomplete"}
 
 LATE_LIBRARIES = {
-    "cpm_core.image.drawing.axes": {"matplotlib"},
+    "cpm_core.image.drawing": {"matplotlib"},
     "cpm_core.contours.surface": {"fast_simplification"},
     "cpm_core.objects.segmented.areas": {"shapely"},
     "cpm_core.formats.animation": {"imageio_ffmpeg"},
@@ -30,7 +30,7 @@ LATE_LIBRARIES = {
     "cpm_core.formats.images.medical.dicom.reader": {"pydicom"},
     "cpm_core.formats.images.medical.dicom.pixels": {"pydicom", "imagecodecs"},
     "cpm_core.formats.comparison": {"matplotlib"},
-    "cpm_core.cli.batch.workers": {"distributed"},
+    "cpm_core.cli.workers": {"distributed"},
 }
 """What these modules import as well, and only where it is needed: inside functions, and for types."""
 

@@ -18,8 +18,7 @@ from numpy.typing import ArrayLike
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
 from cpm_core.field.edge_map import edge_map
-from cpm_core.image.drawing import raster
-from cpm_core.image.drawing.notebook import Pictured
+from cpm_core.image import drawing
 from cpm_core.image.image import Image, as_image, as_plane
 from cpm_core.image.regions import Regions
 from cpm_core.model.starts import uniform_grid
@@ -89,7 +88,7 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
 
 
 @dataclass(frozen=True, eq=False)
-class Partition(Pictured):
+class Partition(drawing.Pictured):
     """An image that contours cut into faces.
 
     Attributes
@@ -211,8 +210,12 @@ class Partition(Pictured):
     def __repr__(self) -> str:
         return described("Partition", self.image.source, sized(self.shape), counted(len(self.contours), "contour"))
 
-    def _repr_png_(self) -> bytes:
-        return raster.picture(self.image.values, self.shape, self.image.spacing, self.contours)
+    def plot(self, ax: drawing.Axes | None = None) -> drawing.Axes:
+        """Draw the image with the contours by matplotlib."""
+        ax = drawing.axes_for(ax)
+        drawing.show_image(ax, self.image.values, self.image.spacing)
+        drawing.show_curves(ax, self.contours)
+        return ax
 
 
 def _among(places: Array, others: Array) -> Mask:

@@ -15,7 +15,7 @@ from app.model.document.document import Document
 from app.model.document.objects import brushed
 from app.model.text.language import tr
 from app.model.volume.surface_section import holds, prepare, size_of
-from app.session.features.latest import Latest
+from app.session.features.background import LatestOnlyWorker
 from app.session.session import Session
 from cpm_core.contours.surface import Surface
 from cpm_core.image.image import Image
@@ -95,9 +95,9 @@ class ObjectList(QObject):
         self._session = session
         self._known = session.document.objects
         self._figures: AllFigures | None = None
-        self._latest = Latest(session, "cpm-object-measures", tr("measuring objects"))
+        self._latest = LatestOnlyWorker(session, "cpm-object-measures", tr("measuring objects"))
         self._latest.done.connect(self._use_figures)
-        self._merging = Latest(session, "cpm-merging", tr("merging objects"))
+        self._merging = LatestOnlyWorker(session, "cpm-merging", tr("merging objects"))
         self._merging.done.connect(self._use_merged)
         session.document_changed.connect(self._follow)
         session.image_changed.connect(self._merging.forget)

@@ -14,7 +14,7 @@ from app.model.document.modes import MODES
 from app.model.text.language import tr
 from app.model.volume.surface_section import prepare
 from app.session.exchange.messages import Report
-from app.session.features.latest import Latest
+from app.session.features.background import LatestOnlyWorker
 from app.session.scene import Proposal
 from app.session.session import Session
 from app.session.tasks.tasks import Task
@@ -82,7 +82,7 @@ class Partitions(QObject):
         self._asked_for: Source | None = None
         self._everywhere: Prepared | None = None
         self._task: Task | None = None
-        self._latest = Latest(session, "cpm-partition", tr("preparing the selection of objects"))
+        self._latest = LatestOnlyWorker(session, "cpm-partition", tr("preparing the selection of objects"))
         self._latest.done.connect(self._take)
         self._quiet = QTimer(self, singleShot=True, interval=_QUIET)
         self._quiet.timeout.connect(self.look)
@@ -143,7 +143,9 @@ class Partitions(QObject):
 
         def work(task: Task) -> Report:
             image, grid = source.image, uniform_grid(source.image.shape)
-            found = segment(image, grid, source.parameters, regions=source.regions, progress=lambda _: task.go_on())
+            found = segment(
+                image, grid, source.parameters, regions=source.regions, progress=lambda _: task.check_cancelled()
+            )
             return Prepared(source, _ready(partition(found)))
 
         name = tr("Finding contours everywhere, to select objects from…")

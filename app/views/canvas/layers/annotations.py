@@ -12,7 +12,7 @@ from app.model.volume.slices import edges_of
 from app.session.scene import Scene
 from app.views.canvas.items.item import INK, MARGIN, Pinned
 from app.views.canvas.layers.layer import Layer, Requests, Switch
-from cpm_core.image.drawing.scale_bar import Bar
+from cpm_core.image.drawing import Bar
 
 LONGEST = 160.0
 """Largest length of the bar [px of the screen]; it is never shorter than 2/5 of it."""

@@ -1,24 +1,35 @@
-"""Drawing on axes of matplotlib, which is imported only when something is drawn."""
+"""Drawing on axes of matplotlib, which is imported only when something is drawn: images, contours, scale bars."""
 
 from __future__ import annotations
 
 import io
+import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from importlib.util import find_spec
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cpm_core.image.drawing.palette import BRIGHTEST, DARKEST, EXTREMES, FIELD, HALO, JUNCTION, PARTICLE
-from cpm_core.image.drawing.raster import Bytes, Curve, color_of
-from cpm_core.image.drawing.scale_bar import longest_bar
 from cpm_core.numerics.types import Array, Index
 from cpm_core.parameters.quotation import shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes as Axes  # noqa: PLC0414 - for the annotations of other modules
     from matplotlib.figure import Figure
+
+# The colors are those of the window, hues of Okabe and Ito that color-blind people can tell apart.
+PARTICLE, CLOSED, OPEN, JUNCTION, FIELD = "#f0e442", "#56b4e9", "#ff9d1e", "#ff7ac6", "#ff9ad5"
+HALO = "#101216"
+"""What surrounds lines and dots, so that they can be seen on any gray."""
+
+DARKEST, BRIGHTEST = 0.1, 0.86
+"""Brightness of the extreme gray levels, on which lines and their halos must be visible."""
+
+EXTREMES = (0.2, 99.8)
+"""Percentiles of the gray levels that count as their extremes."""
 
 _ARROWS = 26
 """Arrows along the longer side of an image."""
@@ -32,12 +43,33 @@ _LONGEST_BAR = 0.3
 _BOX: Mapping[str, Any] = MappingProxyType({"facecolor": HALO, "edgecolor": "none", "alpha": 0.6, "pad": 1.5})
 """What lies behind texts, so that they can be read on any gray; with outlines they would be no texts in SVG."""
 
-_DPI = 200
+_DPI, _NOTEBOOK_DPI = 200, 80
 _LARGEST = 6.0
 """Longer side of the figure of a file [inches]."""
 
 FIGURES: Mapping[str, str] = {".svg": "svg", ".png": "png", ".pdf": "pdf"}
 """Suffix of a figure -> what matplotlib calls its format."""
+
+
+class Curve(Protocol):
+    """A line to draw."""
+
+    @property
+    def path(self) -> Array:
+        """Vertices, shape (K, 2), the first repeated at the end where the line is closed [px]."""
+
+    @property
+    def closed(self) -> bool:
+        """Whether it is closed."""
+
+    @property
+    def color(self) -> str:
+        """Its color, ``"#rrggbb"``; empty for the usual one."""
+
+
+def color_of(curve: Curve) -> str:
+    """The color in which a curve is drawn."""
+    return curve.color or (CLOSED if curve.closed else OPEN)
 
 
 def require_matplotlib() -> None:
@@ -65,7 +97,9 @@ def axes_for(ax: Axes | None, *, space: bool = False) -> Axes:
     return made
 
 
-def show_image(ax: Axes, values: Array, spacing: Sequence[float] = (1.0, 1.0), colors: Bytes | None = None) -> None:
+def show_image(
+    ax: Axes, values: Array, spacing: Sequence[float] = (1.0, 1.0), colors: NDArray[np.uint8] | None = None
+) -> None:
     """An image, or its colors, in px: row 0 is on top, and pixels that are not square are drawn as wide as they are."""
     rows, cols = values.shape[:2]
     if colors is not None:
@@ -170,7 +204,7 @@ def new_figure(shape: tuple[int, ...] | None, spacing: Sequence[float] = (1.0, 1
     return figure, figure.add_axes((0.0, 0.0, 1.0, 1.0))
 
 
-def encoded_figure(figure: Figure, suffix: str, about: str) -> bytes:
+def encoded_figure(figure: Figure, suffix: str, about: str, dpi: int = _DPI) -> bytes:
     """A figure as the bytes of a file that tell what it shows and no time, so that equal figures are equal files."""
     import matplotlib as mpl
 
@@ -181,5 +215,67 @@ def encoded_figure(figure: Figure, suffix: str, about: str) -> bytes:
         ".pdf": {"CreationDate": None, "Subject": about},
     }
     with mpl.rc_context({"svg.hashsalt": "cpm", "svg.fonttype": "none"}):
-        figure.savefig(stream, format=FIGURES[suffix], dpi=_DPI, metadata=told[suffix])
+        figure.savefig(stream, format=FIGURES[suffix], dpi=dpi, metadata=told[suffix])
     return stream.getvalue()
+
+
+METRIC = {"nm": 1e-9, "µm": 1e-6, "mm": 1e-3, "m": 1.0}
+"""Units in which a length is told, and what they are worth [m]."""
+
+KNOWN = {**METRIC, "um": 1e-6, "cm": 1e-2}
+"""Units that images have."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bar:
+    """A scale bar of round length, `pixels` of the image long."""
+
+    pixels: float
+    label: str
+
+
+def longest_bar(most: float, spacing: float, unit: str | None, *, keep_unit: bool = False) -> Bar:
+    """The longest scale bar of round length, 1, 2 or 5 times a power of ten, in a readable unit.
+
+    `most` is its maximum length [px of the image], `spacing` the size of a pixel [unit], px without a unit. With
+    `keep_unit` the length is told in this very unit.
+    """
+    size, name = (most * spacing, unit) if unit else (most, "px")
+    if not keep_unit:
+        size, name = _readable(size, name)
+    length = round_down(size)
+    return Bar(most * (length / size), f"{length:g} {name}" if length < 1e6 else f"{length:,.0f} {name}")
+
+
+def round_down(value: float) -> float:
+    """The largest round number, 1, 2 or 5 times a power of ten, that is not above a positive value."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return next((factor * power for factor in (5.0, 2.0, 1.0) if factor * power <= value), power / 2.0)
+
+
+def _readable(size: float, unit: str) -> tuple[float, str]:
+    """The size in the metric unit in which it has one to three digits; unchanged in any other unit."""
+    if unit not in KNOWN:
+        return size, unit
+    meters = size * KNOWN[unit]
+    fitting = [name for name, worth in METRIC.items() if meters >= 0.999999 * worth]
+    name = fitting[-1] if fitting else "nm"
+    return meters / METRIC[name], name
+
+
+class Pictured:
+    """An object that notebooks show by its plot, with the line that `repr` gives as its title."""
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw it."""
+        raise NotImplementedError
+
+    def _repr_png_(self) -> bytes:
+        from matplotlib import pyplot
+
+        figure = pyplot.figure(dpi=_NOTEBOOK_DPI)
+        in_space = getattr(self, "surface", None) is not None
+        self.plot(figure.add_subplot(projection="3d" if in_space else None)).set_title(repr(self).strip("<>"))
+        png = encoded_figure(figure, ".png", repr(self), _NOTEBOOK_DPI)
+        pyplot.close(figure)
+        return png
