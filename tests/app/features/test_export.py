@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
-import sys
 from dataclasses import replace
 from pathlib import Path
-from xml.etree import ElementTree
 
 import numpy as np
 import PIL.Image
@@ -17,13 +15,10 @@ from PySide6.QtCore import QPoint, Qt
 
 import cpm_core
 from app.model.document import edits
-from app.model.export.formats import formats, listed
 from app.session.storage.folders import first_folder
 from app.views.export.dialog import ExportDialog
 from app.views.features.exchange import ExportFeature
 from app.views.main_window import MainWindow
-from cpm_core.formats import WRITABLE
-from cpm_core.formats.writers import DRAWN
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Circle
@@ -33,7 +28,6 @@ pytestmark = pytest.mark.shared_window
 
 KEY, CTRL = Qt.Key, Qt.KeyboardModifier.ControlModifier
 LEFT = Qt.MouseButton.LeftButton
-SVG = "{http://www.w3.org/2000/svg}"
 DISCS = ((12, 36, 18), (48, 96, 16), (60, 30, 12))
 """Row, column and radius; the border cuts the first one."""
 
@@ -110,21 +104,6 @@ def write(hand: Hand, window: MainWindow, dialog: ExportDialog) -> Path:
     return path
 
 
-def test_open_contours_are_counted_before_and_after_a_mask_is_written(found, hand, dialog) -> None:
-    type_into(hand, dialog.file.name, "found.png")
-    assert dialog.format.suffix == ".png"
-    assert "2 contours, 1 open ones left out" in dialog.counts.text()
-    path = write(hand, found, dialog)
-    assert path.parent.name == "images"  # beside the image
-    with PIL.Image.open(path) as picture:
-        labels = np.asarray(picture)
-    assert set(np.unique(labels)) == {0, 1, 2}
-    assert labels[8, 36] == 0
-    said = found.canvas_area.messages.text
-    assert str(path) in said
-    assert "2 contours, 1 open ones left out" in said
-
-
 def test_the_file_tells_image_start_and_whether_the_run_was_steered(found, hand, dialog) -> None:
     type_into(hand, dialog.file.name, "plain.json")
     made = json.loads(write(hand, found, dialog).read_text(encoding="utf-8"))["provenance"]
@@ -180,63 +159,12 @@ def test_kept_ones_only_and_the_selection_are_written_with_the_numbers_of_the_ta
         assert [one["number"] for one in json.loads(path.read_text(encoding="utf-8"))["contours"]] == wanted
 
 
-def test_outlines_hold_open_contours_too(found, hand, dialog) -> None:
-    type_into(hand, dialog.file.name, "lines.png")
-    click(hand, dialog.drawn["outlines"])
-    assert dialog.drawn["outlines"].isChecked()
-    assert "3 contours" in dialog.counts.text()
-    assert "left out" not in dialog.counts.text()
-    with PIL.Image.open(write(hand, found, dialog)) as picture:
-        labels = np.asarray(picture)
-    assert set(np.unique(labels)) == {0, 1, 2, 3}
-    assert labels[60, 30] == 0
-
-
 def test_a_typed_size_of_a_pixel_goes_into_the_file(found, hand, dialog) -> None:
     type_into(hand, dialog.file.name, "found.json")
     type_into(hand, dialog.pixel_size.number, "0.25")
     hand.qtbot.keyClick(dialog.pixel_size.number, KEY.Key_Tab)
     image = json.loads(write(hand, found, dialog).read_text(encoding="utf-8"))["image"]
     assert (image["spacing"], image["unit"]) == ([0.25, 0.25], "µm")
-
-
-def test_a_figure_shows_image_contours_and_a_scale_bar_of_the_typed_size(found, hand, dialog) -> None:
-    choose(hand, dialog.format, ".figure.svg")
-    assert dialog.file.name.text().endswith("_contours.figure.svg")
-    type_into(hand, dialog.pixel_size.number, "0.25")
-    hand.qtbot.keyClick(dialog.pixel_size.number, KEY.Key_Tab)
-    assert dialog.counts.text().startswith("Writes 3 contours.")
-    root = ElementTree.fromstring(write(hand, found, dialog).read_text(encoding="utf-8"))
-    assert root.find(f".//{SVG}image") is not None
-    assert len(root.findall(f".//{SVG}path")) >= 6
-    assert any("µm" in "".join(text.itertext()) for text in root.iter(f"{SVG}text"))
-
-
-def test_a_figure_without_matplotlib_says_what_to_install(found, hand, dialog, monkeypatch) -> None:
-    monkeypatch.setitem(sys.modules, "matplotlib", None)
-    choose(hand, dialog.format, ".figure.pdf")
-    assert "pip install matplotlib" in dialog.note.text()
-    assert not dialog.export_button.isEnabled()
-    monkeypatch.setattr(sys, "frozen", True, raising=False)
-    assert not DRAWN & {one.suffix for one in formats()}
-
-
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [
-        ("mask.bmp", "mask.bmp ends in “.bmp”, which is not a format: choose one from the list above."),
-        ("mask", "mask has no suffix: choose a format from the list above."),
-        ("", "The file has no name: type one."),
-    ],
-)
-def test_a_name_that_cannot_be_used_is_told_in_one_line(found, hand, dialog, name, words) -> None:
-    type_into(hand, dialog.file.name, "a")
-    hand.qtbot.keyClick(dialog.file.name, KEY.Key_Backspace)
-    hand.qtbot.keyClicks(dialog.file.name, name)
-    assert dialog.note.text() == words
-    assert not dialog.export_button.isEnabled()
-    choose(hand, dialog.format, ".dxf")
-    assert dialog.file.name.text().endswith(".dxf")
 
 
 def test_a_folder_that_is_not_there_and_the_image_itself_are_refused(found, hand, dialog, tmp_path) -> None:
@@ -264,14 +192,6 @@ def test_a_folder_that_was_chosen_is_that_of_the_next_dialog_for_this_image_only
     found.session.open(other)
     hand.wait(lambda: found.session.document.image.name == "other.npy")
     assert first_folder(found.preferences, found.session.document, "export") == tmp_path / "images"
-
-
-def test_every_format_is_offered_once_with_images_first() -> None:
-    offered = [one.suffix for one in formats()]
-    assert len(set(offered)) == len(offered)
-    assert {listed(suffix) for suffix in WRITABLE} == set(offered)
-    assert [one.group for one in formats()][:4] == [formats()[0].group] * 4
-    assert offered[0] == ".png"
 
 
 def test_objects_are_offered_and_written_without_a_run(window, hand, tmp_path) -> None:

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import multiprocessing
 import shlex
-import threading
 
 import pytest
 from PIL import Image as Picture
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QListWidgetItem
 
 from app.views.export.batch.dialog import BatchDialog
 from app.views.features.exchange import BatchFeature
 from app.views.main_window import MainWindow
 from cpm_core import cli
-from cpm_core.cli import workers
 from tests.app.conftest import Hand, disc
 
 pytestmark = pytest.mark.shared_window
@@ -48,20 +45,6 @@ def dialog(ready: MainWindow, hand: Hand, folder) -> BatchDialog:
     hand.qtbot.keyClicks(made.output, str(folder / "found"))
     hand.wait(lambda: made.told.text() == "3 images are ready.")
     return made
-
-
-def test_a_batch_says_that_loops_are_compiled_until_the_first_image_is_done(ready, hand, dialog, monkeypatch) -> None:
-    monkeypatch.setattr("app.session.features.image_batch.is_compiled", lambda: False)
-    go_on, whole = threading.Event(), workers.here
-    monkeypatch.setattr(workers, "here", lambda *given: go_on.wait(30) and whole(*given))
-    batch = ready.workspace.batch
-    hand.qtbot.mouseClick(dialog.button, LEFT)
-    try:
-        hand.wait(lambda: "The inner loops are compiled for this computer" in dialog.told.text())
-    finally:
-        go_on.set()
-    hand.wait(lambda: not batch.running)
-    hand.wait(lambda: dialog.told.text().startswith("2 of 3 images are done. 1 could not be used."))
 
 
 def test_a_folder_is_run_as_by_the_command_line_also_while_the_dialog_is_closed(
@@ -106,13 +89,3 @@ def test_it_stops_at_once_and_leaves_no_process(ready: MainWindow, hand: Hand, d
     hand.wait(lambda: not multiprocessing.active_children())
     hand.wait(lambda: ready.session.tasks.idle)
     hand.wait(lambda: dialog.button.text() == "&Start")
-
-
-def test_without_a_format_or_an_image_it_says_what_is_missing(hand: Hand, dialog, tmp_path) -> None:
-    for row in range(dialog.formats.count()):
-        item: QListWidgetItem = dialog.formats.item(row)
-        item.setCheckState(Qt.CheckState.Unchecked)
-    hand.wait(lambda: dialog.told.text() == "No format is chosen: choose one.")
-    assert not dialog.button.isEnabled()
-    dialog.use_folder(tmp_path / "nothing")
-    hand.wait(lambda: dialog.told.text().startswith("There is no image in this folder"))
