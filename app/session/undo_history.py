@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Hashable
 from dataclasses import dataclass, field, replace
 
-from app.model.document.changes import ChangeInWords, in_words
+from app.model.document.changes import ChangeInWords, described
 from app.model.document.document import Document, ImageReference
 
 DEEPEST = 500
@@ -40,7 +40,7 @@ class Change:
 
     def __post_init__(self) -> None:
         # here, and not when the history is shown: that is after every step of a drag
-        object.__setattr__(self, "words", in_words(self.name, self.before, self.after))
+        object.__setattr__(self, "words", described(self.name, self.before, self.after))
 
 
 @dataclass(frozen=True, slots=True)

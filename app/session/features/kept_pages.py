@@ -9,13 +9,11 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
 
-import numpy as np
-
 from app.model.document.document import Document
 from app.model.document.saving import restored
 from app.model.text.language import tr
 from app.model.volume.parts import Parts
-from app.session.undo_history import Change, History
+from app.session.undo_history import History
 from cpm_core.contours.result import Result
 from cpm_core.formats import load_pages
 from cpm_core.formats.contours.pages.stack_json import page_from_plain, page_to_plain
@@ -23,7 +21,7 @@ from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.images.stacks.pages import Pages
 from cpm_core.formats.sessions.session_file import SessionFile, decode, encode
 from cpm_core.pages.follow import Follower
-from cpm_core.pages.page import Page, StackResult, StartingLine, without_image
+from cpm_core.pages.page import Page, StackResult, StartingLine
 from cpm_core.shapes import Polygon, Shape, Start, Stroke
 from cpm_core.shapes.document_shapes import check_axes, starts_of
 
@@ -122,25 +120,12 @@ class KeptPage:
     @property
     def own_start(self) -> bool:
         """Whether a person has drawn where its run starts."""
-        return has_own_start(self.document, self.given)
+        return bool(self.document.starts) and self.document.starts != self.given
 
     @property
     def unsaved(self) -> bool:
         """Whether closing would lose something of it."""
         return self.runs_unsaved or self.document != self.known
-
-    def saved(self) -> KeptPage:
-        """The same page after it has been written to a file."""
-        return replace(self, known=self.document, runs_unsaved=False)
-
-    def seen(self, view: Mapping[str, Any]) -> SessionFile:
-        """Its content with the view of another page, so that paging does not move the image."""
-        return replace(self.file, view=dict(view))
-
-
-def has_own_start(document: Document, given: tuple[Start, ...]) -> bool:
-    """Whether a person has drawn where the run of a document starts, which was `given` starts."""
-    return bool(document.starts) and document.starts != given
 
 
 def started_by(document: Document, starts: tuple[Start, ...]) -> Document:
@@ -161,43 +146,18 @@ def bare(document: Document) -> Document:
     return Document(document.image, document.shapes, document.parameters, mode=document.mode)
 
 
-def with_change(history: History, change: Change) -> History:
-    """A history with one more change, unless that changes nothing."""
-    if change.before != change.after:
-        history.push(change)
-    return history
-
-
 Found = Result | str
 """What was found on a page, or why it could not be used."""
 
 
-def linked(
-    source: StackSource, found: Mapping[int, Found], before: Mapping[int, Found], drawn: tuple[Mapping[str, Any], ...]
-) -> StackResult:
-    """Number the contours of all pages by their tracks, page by page.
-
-    `before` is what was known of the pages: where the same contours were found again, it stays.
-    """
+def linked(source: StackSource, found: Mapping[int, Found], drawn: tuple[Mapping[str, Any], ...]) -> StackResult:
+    """Number the contours of all pages by their tracks, page by page."""
     follower, pages = Follower(), []
     for number in sorted(found):
         one = found[number]
-        if isinstance(one, str):
-            pages.append(Page(number, None, trouble=one))
-            continue
-        light, known = without_image(one), before.get(number)
-        same = isinstance(known, Result) and _alike(light, known)
-        pages.append(follower.take(number, known if same and isinstance(known, Result) else light))
+        pages.append(Page(number, None, trouble=one) if isinstance(one, str) else follower.take(number, one))
     stack = source.pages
     return StackResult(stack.name, source.count, tuple(pages), stack.axis, stack.alone, drawn)
-
-
-def _alike(one: Result, other: Result) -> bool:
-    """Whether two results have the same contours, whatever their numbers."""
-    return len(one.contours) == len(other.contours) and all(
-        a.closed == b.closed and a.points.shape == b.points.shape and np.array_equal(a.points, b.points)
-        for a, b in zip(one.contours, other.contours, strict=True)
-    )
 
 
 _MOST = 24 * 2**20

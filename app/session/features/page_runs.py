@@ -90,7 +90,10 @@ def run_pages(order: PageOrder, core: Core, task: Task) -> Iterator[PageDone]:
             image = order.source.pages[number - 1]
             reference = ImageReference.of(Path(order.source.path), image, order.source.reading_of(number))
             document = replace(document, image=reference, parameters=fitting(document.parameters, image))
-            result, runs = _run(document, image, core, task)
+            method, state, scales = _run(document, image, core, task)
+            found = method.result(state, document.parameters)
+            assert isinstance(found, Result)
+            result = apply(with_kept(found, document.marks), document.marks)
         except Cancelled:
             raise
         except Exception as error:  # one page must not end the others
@@ -99,11 +102,13 @@ def run_pages(order: PageOrder, core: Core, task: Task) -> Iterator[PageDone]:
             yield PageDone(Page(number, None, trouble=trouble), document, given)
             continue
         page = follower.take(number, result)
-        yield PageDone(page, document, given, runs(page.contours))
+        yield PageDone(page, document, given, _plain_run(document, method, state, scales, page.contours))
 
 
-def _run(document: Document, image: Image, core: Core, task: Task) -> tuple[Result, _Runs]:
-    """The result of the run of a document, without rejected contours, and the run for the timeline."""
+def _run(
+    document: Document, image: Image, core: Core, task: Task
+) -> tuple[Method[Any], MethodState, tuple[tuple[int, int], ...]]:
+    """Run a document to its end: the method, its last state, and at which step which scale began."""
     method = core.methods["cpm"](image, document.parameters, document.regions)
     seeds = SeedCache(image).seeds_for(
         document.image_starts, document.parameters.smoothing, document.regions, document.parameters.channel
@@ -115,27 +120,21 @@ def _run(document: Document, image: Image, core: Core, task: Task) -> tuple[Resu
         state = method.step(state, document.parameters, document.charges)
         if state.scale != scales[-1][1]:
             scales.append((state.step, state.scale))
-    found = method.result(state, document.parameters)
-    assert isinstance(found, Result)
-    chosen = apply(with_kept(found, document.marks), document.marks)
-    return chosen, _Runs(document, method, state, tuple(scales))
+    return method, state, tuple(scales)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class _Runs:
-    """A run for the timeline of its page."""
-
-    document: Document
-    method: Method[Any]
-    state: MethodState
-    scales: tuple[tuple[int, int], ...]
-
-    def __call__(self, contours: Sequence[Contour]) -> Mapping[str, Any]:
-        """The run as a session keeps it, with its last state and the numbers of its contours."""
-        document, last = self.document, self.state.step
-        action: RunAction = Stepped(document.parameters, document.charges, self.method.regions)
-        steps = ((), *(((action,),) * last))
-        branch = StoredBranch(1, _NAME, False, None, 0, steps, self.scales, np.empty((FIGURES, 0)))
-        run = StoredRun(document, document.sources, (branch,))
-        numbers = {contour.number: middle(contour) for contour in contours}
-        return RunsWriter().to_plain(StoredRuns((run,), (1, last), {(1, last): self.state}, numbers))
+def _plain_run(
+    document: Document,
+    method: Method[Any],
+    state: MethodState,
+    scales: tuple[tuple[int, int], ...],
+    contours: Sequence[Contour],
+) -> Mapping[str, Any]:
+    """A run as a session keeps it for the timeline, with its last state and the numbers of its contours."""
+    last = state.step
+    action: RunAction = Stepped(document.parameters, document.charges, method.regions)
+    steps = ((), *(((action,),) * last))
+    branch = StoredBranch(1, _NAME, False, None, 0, steps, scales, np.empty((FIGURES, 0)))
+    run = StoredRun(document, document.sources, (branch,))
+    numbers = {contour.number: middle(contour) for contour in contours}
+    return RunsWriter().to_plain(StoredRuns((run,), (1, last), {(1, last): state}, numbers))

@@ -5,13 +5,14 @@ from __future__ import annotations
 import logging
 import shutil
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import TypeVar
 
 from PySide6.QtCore import QByteArray, QObject, QSettings, Signal
 
 from app.model.preferences.table import Preference
-from app.model.text.language import cause, tr
+from app.model.text.language import tr
 from cpm_core.parameters.quotation import shown
 
 Value = TypeVar("Value", bool, int, float, str, list[str], QByteArray)
@@ -93,17 +94,12 @@ class Preferences(QObject):
 
     def _check_file(self) -> None:
         """Keep a copy of a file that cannot be read, because the next value that is stored replaces the file."""
-        path, status = Path(self._settings.fileName()), self._settings.status()
-        if status == QSettings.Status.NoError:
+        path = Path(self._settings.fileName())
+        if self._settings.status() == QSettings.Status.NoError:
             return
-        try:
-            copy = shutil.copy(path, path.with_name(f"{path.name}.unread"))
-        except OSError as error:
-            text = tr("{path} cannot be read, so that the preferences are the default ones: {reason}.")
-            self.complain(text.format(path=path, reason=cause(error)))
-        else:
-            text = tr("The preferences in {path} cannot be read and are the default ones; that file is kept as {copy}.")
-            self.complain(text.format(path=path, copy=copy))
+        with suppress(OSError):
+            shutil.copy(path, path.with_name(f"{path.name}.unread"))
+        self.complain(tr("The preferences in {path} cannot be read and are the default ones.").format(path=path))
 
     def flush(self) -> None:
         """Write to the file now."""

@@ -316,7 +316,7 @@ class Run:
             raise ValueError("There is nothing to export yet: let the particles run first.")
         return found
 
-    def told(self, result: Result | Skeleton) -> Result | Skeleton:
+    def with_provenance(self, result: Result | Skeleton) -> Result | Skeleton:
         """What the current run has found, with what was drawn for it and whether it was steered, for files."""
         made, image = result.provenance, None if self.method is None else self.method.image
         if image is not None and not made.sha256:  # contours drawn by hand

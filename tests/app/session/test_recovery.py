@@ -16,8 +16,7 @@ from PySide6.QtGui import QGuiApplication
 from PySide6.QtWidgets import QLabel, QMessageBox
 
 from app.model.document import edits
-from app.session.storage.autosave import KEY, folder_of_journals, lock_of
-from app.session.storage.recovery import left_behind
+from app.session.storage.recovery import KEY, folder_of_journals, left_behind, lock_of
 from app.views.features.files import OpenSaveFeature, RecoveryFeature
 from app.views.window.dialogs import Button, Question
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session

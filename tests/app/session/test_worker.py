@@ -517,7 +517,7 @@ def test_the_pace_can_be_changed_while_a_slow_step_is_waited_for(bench: Bench) -
 
 
 def export(bench: Bench, shown: Reconstruction | None = None) -> None:
-    bench.worker_thread.post(Export(Task("Writing a.csv…"), shown, (), Path("a.csv")))
+    bench.worker_thread.post(Export(Task("Writing a.csv…"), shown, Document(), ".csv", Path("a.csv")))
 
 
 def test_what_is_written_is_the_very_reconstruction_that_is_shown(bench: Bench) -> None:

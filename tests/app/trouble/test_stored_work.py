@@ -10,10 +10,9 @@ from PySide6.QtCore import QSettings
 
 from app.model.parameters.presets import Preset
 from app.session.storage import autosave
-from app.session.storage.autosave import KEY, folder_of_journals
 from app.session.storage.preferences import Preferences
 from app.session.storage.presets import PresetStore
-from app.session.storage.recovery import ASIDE, left_behind
+from app.session.storage.recovery import ASIDE, KEY, folder_of_journals, left_behind
 from app.views.features.files import OpenSaveFeature, RecoveryFeature
 from cpm_core.formats.sessions import session_file
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_session
