@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 from app.model.document.document import Document
 from app.model.parameters.controls import Control, choice_controls, controls, value_of
 from app.model.text.language import tr, written
 from cpm_core.shapes import Charge, Everywhere, Interest, Limit, Points, Shape
 
-_ICONS: tuple[tuple[type, str], ...] = (
+_ICONS: tuple[tuple[Any, str], ...] = (
     (Charge, "attract"), (Interest, "region"), (Limit, "barrier"), (Everywhere, "everywhere"), (Points, "points"),
     (object, "circle"),
 )  # fmt: skip
