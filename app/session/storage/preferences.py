@@ -97,9 +97,11 @@ class Preferences(QObject):
         path = Path(self._settings.fileName())
         if self._settings.status() == QSettings.Status.NoError:
             return
+        copy = path.with_name(f"{path.name}.unread")
         with suppress(OSError):
-            shutil.copy(path, path.with_name(f"{path.name}.unread"))
-        self.complain(tr("The preferences in {path} cannot be read and are the default ones.").format(path=path))
+            shutil.copy(path, copy)
+        text = tr("The preferences in {path} cannot be read and are the default ones; that file is kept as {copy}.")
+        self.complain(text.format(path=path, copy=copy))
 
     def flush(self) -> None:
         """Write to the file now."""

@@ -47,14 +47,6 @@ def numbers(document: Document) -> list[int]:
     return [item.number for item in document.objects.items]
 
 
-def test_clicks_are_taken_back_one_by_one(document) -> None:
-    twice = objects.click(objects.click(document, HERE), NOT_THERE)
-    assert twice.objects.clicks == (HERE, NOT_THERE)
-    assert objects.take_back(twice).objects.clicks == (HERE,)
-    assert objects.take_back(objects.take_back(twice)) == document
-    assert objects.drop(twice) == document
-
-
 def test_what_is_taken_has_the_boundary_of_the_selection_and_a_number_of_its_own(document) -> None:
     frame, dot = document.objects.items
     assert (frame.number, dot.number) == (1, 2)
@@ -90,13 +82,6 @@ def test_names_colors_classes_and_states_are_those_of_the_objects_given(document
     assert (changed.objects.color(frame), changed.objects.color(dot)) == ("#123456", changed.objects.classes[1].color)
     again = objects.classify(changed, (1,), 3)
     assert again.objects.color(again.objects[1]) == again.objects.classes[2].color
-
-
-def test_an_object_is_called_by_its_name_or_by_its_class_and_number(document) -> None:
-    named = objects.name_class(document, 2, "nucleus")
-    assert [objects.title(named.objects, item) for item in named.objects.items] == ["object 1", "nucleus 2"]
-    named = objects.rename(named, 2, "pupil")
-    assert objects.title(named.objects, named.objects[2]) == "pupil"
 
 
 def test_frozen_objects_are_barriers_of_a_run(document) -> None:

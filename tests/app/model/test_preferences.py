@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -29,11 +27,6 @@ def test_a_preference_has_words_a_page_and_a_default_that_it_accepts(preference)
     assert preference.page in PAGES
     assert preference.taken(preference.default) == preference.default
     assert preference.taken(str(preference.default).lower()) == preference.default
-
-
-def test_names_and_labels_of_preferences_are_different() -> None:
-    assert len({preference.name for preference in PREFERENCES}) == len(PREFERENCES)
-    assert len({preference.label for preference in PREFERENCES}) == len(PREFERENCES)
 
 
 @given(stored=STORED)
@@ -134,10 +127,3 @@ def test_no_key_ever_belongs_to_two_actions(changes) -> None:
 def test_an_action_with_its_default_keys_is_not_stored() -> None:
     chosen = shortcuts.with_key("F5", ACTIONS[0], ACTIONS, {})
     assert shortcuts.with_key("Space", ACTIONS[0], ACTIONS, chosen) == {}
-
-
-@pytest.mark.parametrize("stored", ["", "[]", "nonsense", "{", json.dumps({"run": "F5"}), json.dumps({"run": [5]})])
-def test_broken_shortcuts_are_left_out_and_said(stored) -> None:
-    chosen, trouble = shortcuts.read(stored)
-    assert chosen == {}
-    assert trouble.endswith("the default ones are used.")
