@@ -28,7 +28,7 @@ LATE_LIBRARIES = {
     "cpm_core.formats.images.medical.dicom.reader": {"pydicom"},
     "cpm_core.formats.images.medical.dicom.pixels": {"pydicom", "imagecodecs"},
     "cpm_core.formats.comparison": {"matplotlib"},
-    "cpm_core.cli.batch.workers": {"distributed"},
+    "cpm_core.cli.workers": {"distributed"},
 }
 """What these modules import as well, and only where it is needed: inside functions, and for types."""
 

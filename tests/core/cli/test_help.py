@@ -1,8 +1,10 @@
 """Help: examples that the parser takes, words that were mistyped, and the form of what is printed as JSON."""
 
-import argparse
 import json
+import os
 import shlex
+import subprocess
+import sys
 
 import jsonschema
 import numpy as np
@@ -11,8 +13,8 @@ import pytest
 
 from app import __main__ as program
 from cpm_core import cli
-from cpm_core.cli.help import EXAMPLES
-from cpm_core.cli.outcome import SCHEMA, SCHEMA_FILE
+from cpm_core.cli import COMMANDS
+from cpm_core.cli.output import SCHEMA, SCHEMA_FILE
 from cpm_core.formats.common.provenance import VERSION
 
 VALIDATOR = jsonschema.Draft202012Validator(json.loads(SCHEMA_FILE.read_text("utf-8")))
@@ -32,49 +34,6 @@ def folder(tmp_path_factory):
 RUN = ("--circle", "30,32,8", "--max-steps", 30)
 
 
-def commands():
-    """The parsers of all commands by their names."""
-    (found,) = (action for action in cli.parser()._actions if isinstance(action, argparse._SubParsersAction))
-    return found.choices
-
-
-def test_each_command_teaches_by_examples_that_it_takes():
-    assert set(EXAMPLES) == set(commands()) == program._COMMANDS
-    for name, examples in EXAMPLES.items():
-        assert len(examples) >= 2
-        for _, line in examples:
-            words = shlex.split(line)
-            if "eval" in words:
-                continue
-            taken = words[: words.index(">")] if ">" in words else words
-            assert taken[:2] == ["cpm", name]
-            assert cli.parser().parse_args(taken[1:]).name == name
-
-
-def test_the_help_of_a_command_ends_with_its_examples(capsys):
-    for name, parser in commands().items():
-        parser.print_help()
-        end = capsys.readouterr().out.split("Examples:\n")[1]
-        assert [line.strip() for line in end.splitlines()] == [
-            part for what, line in EXAMPLES[name] for part in (line, what)
-        ]
-
-
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        (["rnu", "x"], 'cpm: "rnu" is no command and no file: did you mean cpm run?'),
-        (["missing.png"], 'cpm: "missing.png" does not exist: check its name and folder, or see cpm --help.'),
-        (["*.nothing"], 'cpm: No file is named like "*.nothing": check the pattern and the folder.'),
-    ],
-)
-def test_a_mistyped_command_or_file_opens_no_window(arguments, sentence, monkeypatch, capsys, tmp_path):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(program, "_open_window", lambda path: pytest.fail("a window was opened"))
-    assert program.main(arguments) == 2
-    assert capsys.readouterr().err == sentence + "\n"
-
-
 def test_a_pattern_that_the_shell_has_left_alone_opens_its_only_image(monkeypatch, folder, capsys):
     opened = []
     monkeypatch.setattr(program, "_open_window", lambda path: opened.append(path) or 0)
@@ -82,11 +41,6 @@ def test_a_pattern_that_the_shell_has_left_alone_opens_its_only_image(monkeypatc
     assert opened == [str(folder / "disk2.png")]
     assert program.main([str(folder / "*.png")]) == 2
     assert "opens one image but 2 were given" in capsys.readouterr().err
-
-
-def test_a_mistyped_option_is_told_with_the_one_that_was_meant(command, folder):
-    status, _, err = command("run", folder / "disk2.png", "--cicle", "1,2,3")
-    assert (status, err) == (2, "cpm: unrecognized arguments: --cicle 1,2,3; did you mean --circle? See cpm --help.\n")
 
 
 def test_folders_and_patterns_stand_for_their_images_in_the_order_of_their_numbers(command, folder):
@@ -108,6 +62,34 @@ def test_an_image_that_cannot_be_read_does_not_keep_the_others_back(command, fol
     VALIDATOR.validate(found)
 
 
+def test_the_parser_takes_the_examples_of_each_command():
+    assert set(COMMANDS) == program._COMMANDS
+    for name, command in COMMANDS.items():
+        for line in command.examples if name != "completion" else ():
+            assert cli.parser().parse_args(shlex.split(line)[1:]).name == name
+
+
+@pytest.mark.parametrize(
+    ("line", "proposed"),
+    [("cpm ru", {"run"}), ("cpm run --auto gr", {"grid", "gradient"}), ("cpm run cel", {"cell.png"})],
+)
+def test_a_shell_is_told_what_may_follow(line, proposed, tmp_path):
+    (tmp_path / "cell.png").touch()
+    asked = {
+        "_ARGCOMPLETE": "1", "COMP_LINE": line, "COMP_POINT": str(len(line)), "_ARGCOMPLETE_SHELL": "bash",
+        "_ARGCOMPLETE_IFS": "\n", "_ARGCOMPLETE_STDOUT_FILENAME": str(tmp_path / "found"), "COMP_TYPE": "9",
+        "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
+    }  # fmt: skip
+    subprocess.run([sys.executable, "-m", "app"], env=os.environ | asked, cwd=tmp_path, check=True, timeout=60)
+    assert {word.strip() for word in (tmp_path / "found").read_text("utf-8").split("\n")} == proposed
+
+
+def test_a_mistyped_word_opens_no_window(monkeypatch, capsys):
+    monkeypatch.setattr(program, "_open_window", lambda path: pytest.fail("a window was opened"))
+    assert program.main(["rnu", "x"]) == 2
+    assert "is no command and no file" in capsys.readouterr().err
+
+
 def outcomes(command, folder, tmp_path):
     """What each command prints as JSON."""
     image = folder / "disk2.png"
@@ -127,6 +109,7 @@ def outcomes(command, folder, tmp_path):
     yield "compare", ("compare", image, "--start", image, "--methods", "gvf", "--max-steps", 5, "--truth", image)
     yield "compare", ("compare", volume, "--sphere", "9.5,9.5,9.5,3", "--methods", "morph_gac", "--max-steps", 5)
     yield "info", ("info", image)
+    yield "bench", ("bench", "--quick")
     yield "export", ("export", session, "--to", tmp_path / "a.svg")
     yield "batch", ("batch", image, "--session", session, "--output", tmp_path / "out", "--workers", 1)
 
@@ -140,9 +123,3 @@ def test_the_json_of_each_command_has_the_documented_form(command, folder, tmp_p
         assert list(found)[:3] == ["command", "schema", "version"]
         assert (found["command"], found["schema"], found["version"]) == (name, SCHEMA, VERSION)
         VALIDATOR.validate(found)
-
-
-def test_the_first_compilation_is_announced(command, folder, monkeypatch, tmp_path):
-    monkeypatch.setattr("cpm_core.cli.terminal.is_compiled", lambda: False)
-    _, _, err = command("run", folder / "disk2.png", *RUN)
-    assert err.startswith("cpm: the inner loops are compiled for this computer, once;")

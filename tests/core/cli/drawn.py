@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...scenes import disk
+from ..scenes import disk
 
 SHAPE = (64, 88)
 

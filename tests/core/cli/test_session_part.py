@@ -53,18 +53,6 @@ def test_a_batch_takes_the_part_that_the_session_shows_of_each_file(command, ses
         assert areas(tmp_path / "out", name) == pytest.approx([np.pi * 49], rel=0.05)
 
 
-def test_a_file_that_lacks_the_part_is_reported(command, session, tmp_path):
-    one = np.array([[LEFT, LEFT, RIGHT]]).astype(np.uint8)
-    tifffile.imwrite(tmp_path / "own.ome.tif", one, metadata={"axes": "TCYX"}, photometric="minisblack", ome=True)
-    image = ImageFile(str(tmp_path / "own.ome.tif"), "", SHAPE, reading=Reading(channel=3))
-    save_session(SessionFile(image, (INSIDE,)), tmp_path / "third.cpm")
-    write(tmp_path / "other.ome.tif")
-    status, _, err = command("batch", tmp_path / "other.ome.tif", "--session", tmp_path / "third.cpm",
-                             "--output", tmp_path / "out", "--workers", 1)  # fmt: skip
-    assert status == 1
-    assert "channel is 3" in err
-
-
 def test_a_run_on_another_file_takes_the_part_as_well_and_flags_take_its_place(command, session, tmp_path):
     write(tmp_path / "other.ome.tif", at=(0, 1))
     _, at_two, _ = command("run", tmp_path / "other.ome.tif", "--session", session, "--json")
@@ -96,26 +84,10 @@ def test_methods_are_compared_on_the_part_that_the_session_shows(command, sessio
     assert compared(command, tmp_path, tmp_path / "other.ome.tif", "--session", session) == told
 
 
-def test_a_flag_takes_the_place_of_the_part_of_a_session_in_a_comparison(command, session, tmp_path):
-    found = [compared(command, tmp_path, "--session", session, *flags) for flags in ((), ("--channel", 1))]
-    assert found[0] != found[1]
-
-
 def painted(path, **colors):
     """A file with the gray levels of some channels of color."""
     levels = np.stack([colors.get(name, LEFT) for name in ("red", "green", "blue")], axis=-1)
     PIL.Image.fromarray(levels.astype(np.uint8)).save(path)
-
-
-@pytest.mark.parametrize("named", ["parameter", "reading"])
-def test_methods_are_compared_on_the_channel_of_a_session(command, tmp_path, named):
-    painted(tmp_path / "a.png", red=RIGHT)
-    PIL.Image.fromarray(RIGHT.astype(np.uint8)).save(tmp_path / "red.png")
-    channel, color = ("red", "luminance") if named == "parameter" else ("luminance", "contrast")
-    image = ImageFile(str(tmp_path / "a.png"), "", SHAPE, reading=Reading(color=color))
-    save_session(SessionFile(image, (INSIDE,), parameters=Parameters(channel=channel)), tmp_path / "red.cpm")
-    alone, _ = compared(command, tmp_path, tmp_path / "red.png", "--circle", "32,66,5")
-    assert compared(command, tmp_path, "--session", tmp_path / "red.cpm")[0] == alone
 
 
 @pytest.mark.parametrize("kept", ["red", "contrast"])

@@ -9,7 +9,7 @@ from cpm_core.pages.page import StackResult, seeds_along, starts_after
 from cpm_core.pages.tracks import Tracker
 from cpm_core.shapes import Polygon, Stroke
 
-from .drawn import LEAVING, MOVING, SHAPE, SPLITTING, page
+from .drawn import LEAVING, MOVING, SHAPE, SPLITTING
 
 
 def tracks_of(pages):
@@ -100,11 +100,6 @@ def test_pages_are_followed_in_the_order_that_is_asked_for_and_go_on_from_known_
     np.testing.assert_array_equal(again.contours[0].points, backwards[2].contours[0].points)
 
 
-def test_a_page_that_there_is_not_is_refused_before_anything_is_run():
-    with pytest.raises(ValueError, match="page is 6, but there are 5 pages: choose 1 to 5"):
-        cpm.follow(MOVING, cpm.circle((32, 22), 5.0), numbers=[1, 6])
-
-
 def test_the_next_page_starts_as_from_shapes_along_the_contours():
     """What the window draws on the next page gives the very particles of a run from the command line."""
     angle = np.linspace(0.0, 6.0, 80)
@@ -148,23 +143,3 @@ def test_a_number_is_never_given_to_another_track():
     tracker.follow(2, [box(10, 10, 20, 20)], SHAPE)
     contours, _ = tracker.follow(3, [box(10, 10, 20, 20), box(40, 60, 10, 10)], SHAPE)
     assert [contour.number for contour in contours] == [1, 3]
-
-
-def test_several_tracks_are_told_in_the_plural():
-    tracker = Tracker()
-    tracker.follow(1, [box(10, 10, 30, 50)], SHAPE)
-    _, (event,) = tracker.follow(2, [box(10, 10, 30, 14), box(10, 28, 30, 14), box(10, 46, 30, 14)], SHAPE)
-    assert event.sentence == "Page 2: tracks 2 and 3 split off track 1."
-
-
-def test_a_page_may_be_too_small_for_the_scales():
-    small = page((12, 20, 6))[:24, :40]
-    (found,) = cpm.follow([small], cpm.circle((12, 20), 3.0), cpm.Parameters(scales=5))
-    assert found.trouble == ""
-    assert len(found.contours) == 1
-
-
-@pytest.mark.parametrize("given", [np.array(5.0), 7, None], ids=["without axes", "a number", "nothing"])
-def test_what_has_no_pages_is_refused_in_a_sentence(given):
-    with pytest.raises(ValueError, match=r"pages is .* but must be a sequence of images"):
-        cpm.follow(given, [[4.0, 4.0]])

@@ -6,19 +6,18 @@ import argparse
 import re
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
-from cpm_core.cli.arguments import notes_on
-from cpm_core.cli.inputs import check_kept
-from cpm_core.cli.outcome import IN_PART, Files, outcome_of, print_json
-from cpm_core.cli.terminal import Count, announce_compilation, say
+from cpm_core.cli.arguments import check_targets
+from cpm_core.cli.inputs import notes_on
+from cpm_core.cli.output import IN_PART, Files, StatusLine, announce_compilation, facts_of_run, report, say, say_notes
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats import load_pages
 from cpm_core.formats.common.content import differ
-from cpm_core.formats.common.printable import printable
 from cpm_core.formats.contours.pages.files import check_stack_export, export_stack, stack_suffix_of
 from cpm_core.formats.contours.pages.stack_json import load_stack_result
 from cpm_core.formats.images.stacks.pages import Pages
@@ -30,7 +29,7 @@ from cpm_core.pages.page import Page, StackResult
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import counted, shown
 
-_NOT_OF_PAGES = ("page", "object", "close", "truth")
+_NOT_OF_PAGES = ("page", "object", "close", "truth", "save_session")
 """Options that have a meaning for one image only; ``--not`` follows ``--object``."""
 
 _SAVED_EVERY = 30.0
@@ -46,7 +45,7 @@ class StackRun:
     path : Path
         The stack.
     part : mapping
-        What `load_pages` is told beside the path.
+        What `load_pages` is told in addition to the path.
     parameters : Parameters
         Parameters of all runs.
     seeds : callable
@@ -84,19 +83,15 @@ def add_pages(parser: argparse._ActionsContainer) -> None:
     )
 
 
-def check_pages(arguments: argparse.Namespace, image: str) -> None:
+def check_pages(arguments: argparse.Namespace, image: Path) -> None:
     """Raise ValueError for options that do not belong together, and for files that cannot be written."""
-    for name in ("follow", "resume"):
-        if arguments.pages is None and getattr(arguments, name):
-            raise ValueError(f"--{name} is for the pages of a stack: add --pages all, or leave it out.")
-    if arguments.pages is None:
-        return
     for name in _NOT_OF_PAGES:
         if getattr(arguments, name):
-            raise ValueError(f"--{name} is for one image, but --pages runs several: leave one of them out.")
+            given = f"--{name.replace('_', '-')}"
+            raise ValueError(f"{given} is for one image, but --pages runs several: leave one of them out.")
     for path in arguments.export:
         check_stack_export(path)
-    check_kept(arguments.export, arguments, image)
+    check_targets(arguments.export, arguments, image)
     if arguments.resume and not _kept_in(arguments.export):
         raise ValueError("--resume needs the .json file that holds the pages that are done: add it to --export.")
 
@@ -104,13 +99,17 @@ def check_pages(arguments: argparse.Namespace, image: str) -> None:
 def run_pages(arguments: argparse.Namespace, order: StackRun) -> int:
     """Run the pages, and write what is found on all of them; what is done is written on Ctrl+C too."""
     pages = load_pages(order.path, **order.part)
-    numbers = numbers_of(arguments.pages, len(pages), pages.name)
-    known = _known(arguments, order, pages, numbers)
-    _tell_notes(pages, numbers[0], order.parameters)
+    numbers = numbers_of_pages(arguments.pages, len(pages), pages.name)
+    found = _known(arguments, order, pages, numbers)
+    left = numbers[len(found) :]
+    with suppress(ValueError):  # which is reported when the page is run
+        say_notes(pages.name, notes_on(pages[numbers[0] - 1], order.parameters))
     announce_compilation()
-    found = list(known)
-    left = numbers[len(known) :]
     began, saved = time.perf_counter(), time.monotonic()
+
+    def whole() -> StackResult:
+        return StackResult(pages.name, len(pages), tuple(found), pages.axis, pages.alone, tuple(order.drawn))
+
     runs = follow(
         pages,
         order.seeds,
@@ -120,32 +119,36 @@ def run_pages(arguments: argparse.Namespace, order: StackRun) -> int:
         max_steps=order.max_steps,
         regions=order.regions,
         charges=order.charges,
-        known=known,
+        known=tuple(found),
     )
+    files = Files()
     try:
-        with Count(len(left)) as count:
-            for page in runs:
+        with StatusLine() as line:
+            for done, page in enumerate(runs, start=1):
                 found.append(page)
-                count.advance()
+                line.count(done, len(left))
                 if page.trouble:
-                    count.message(printable(f"cpm: page {page.number}: {page.trouble}"))
+                    line.say(f"page {page.number}: {page.trouble}")
                 if time.monotonic() - saved > _SAVED_EVERY:
                     saved = time.monotonic()
-                    export_stack(_whole(pages, order, found), *_kept_in(arguments.export))
+                    export_stack(whole(), *_kept_in(arguments.export))
     except KeyboardInterrupt:
-        raise KeyboardInterrupt(_kept(pages, order, found, len(numbers), arguments.export)) from None
-    whole = _whole(pages, order, found)
-    if not whole.results:
+        if not (whole().results and arguments.export):
+            raise
+        export_stack(whole(), *arguments.export, refused=files.refuse)
+        text = f"{len(found)} of {counted(len(numbers), 'page')} were done, and the files hold them"
+        more = "; the same command with --resume does the others" if _kept_in(arguments.export) else ""
+        raise KeyboardInterrupt(f"{text}{more}") from None
+    if not whole().results:
         raise ValueError(f"No page of {pages.name} could be used. Page {found[0].number}: {found[0].trouble}")
-    files = Files()
     with files.writing(*arguments.export):
-        export_stack(whole, *arguments.export, refused=files.refuse)
-    files.check()
-    _report(whole, files, time.perf_counter() - began, as_json=arguments.json)
-    return files.status() or (IN_PART if len(whole.results) < len(found) else 0)
+        export_stack(whole(), *arguments.export, refused=files.refuse)
+    status = files.status()
+    _report(whole(), files, time.perf_counter() - began, as_json=arguments.json)
+    return status or (IN_PART if len(whole().results) < len(found) else 0)
 
 
-def numbers_of(given: str, count: int, name: str) -> list[int]:
+def numbers_of_pages(given: str, count: int, name: str) -> list[int]:
     """Numbers of pages as they are given: all, or numbers and ranges between commas; ValueError for other text."""
     if given == "all":
         return list(range(1, count + 1))
@@ -169,14 +172,14 @@ def _kept_in(exports: Sequence[str]) -> list[str]:
     return [path for path in exports if stack_suffix_of(path) == ".json"]
 
 
-def _known(arguments: argparse.Namespace, order: StackRun, pages: Pages, numbers: Sequence[int]) -> tuple[Page, ...]:
+def _known(arguments: argparse.Namespace, order: StackRun, pages: Pages, numbers: Sequence[int]) -> list[Page]:
     """The pages that an earlier run has done, as far as they are the first of those that are wanted."""
     if not arguments.resume:
-        return ()
-    (path, *_) = _kept_in(arguments.export)
+        return []
+    path = _kept_in(arguments.export)[0]
     if not Path(path).exists():
-        say(f"cpm: {path} does not exist yet: all pages are run.")
-        return ()
+        say(f"{path} does not exist yet: all pages are run.")
+        return []
     earlier = load_stack_result(Path(path))
     for _, result in earlier.results:
         made = result.provenance
@@ -184,67 +187,27 @@ def _known(arguments: argparse.Namespace, order: StackRun, pages: Pages, numbers
         if differ(made.sha256, pages.sha256) or any(made.parameters[name] != value for name, value in wanted.items()):
             raise ValueError(f"{path} was made of another stack, or with other parameters: leave --resume out.")
     same = takewhile(lambda pair: pair[0].number == pair[1], zip(earlier.pages, numbers, strict=False))
-    known = tuple(page for page, _ in same)
-    say(f"cpm: {counted(len(known), 'page')} done before.")
+    known = [page for page, _ in same]
+    say(f"{counted(len(known), 'page')} done before.")
     return known
 
 
-def _tell_notes(pages: Pages, number: int, parameters: Parameters) -> None:
-    """Tell what was changed between the file and the gray levels of its first page that is run."""
-    try:
-        notes = notes_on(pages[number - 1], parameters)
-    except ValueError:
-        return  # told when it is run
-    for note in notes:
-        say(f"cpm: {pages.name}: {note}")
-
-
-def _whole(pages: Pages, order: StackRun, found: Sequence[Page]) -> StackResult:
-    return StackResult(pages.name, len(pages), tuple(found), pages.axis, pages.alone, tuple(order.drawn))
-
-
-def _kept(pages: Pages, order: StackRun, found: Sequence[Page], wanted: int, exports: Sequence[str]) -> str:
-    """Write the pages that are done; what an interrupt says then."""
-    whole, refused = _whole(pages, order, found), dict[Path, str]()
-    if not (whole.results and exports):
-        return ""
-    export_stack(whole, *exports, refused=refused.__setitem__)
-    done = f"{len(found)} of {counted(wanted, 'page')} were done, and the files hold them"
-    return f"{done}; the same command with --resume does the others" if _kept_in(exports) else done
-
-
 def _report(found: StackResult, files: Files, seconds: float, *, as_json: bool) -> None:
-    tracks, failed = found.tracks, len(found.pages) - len(found.results)
-    if as_json:
-        plain = [
-            {
-                "page": page.number,
-                **({} if page.result is None else _facts(page)),
-                "events": [event.sentence for event in page.events],
-                "trouble": page.trouble,
-            }
-            for page in found.pages
-        ]
-        counts = {"tracks": len(tracks), "done": len(found.results), "failed": failed, "seconds": round(seconds, 3)}
-        print_json("run", {"pages": plain, **counts, "not_written": files.refused})
-        return
+    plain: list[dict[str, Any]] = []
+    lines: list[str] = []
     for page in found.pages:
+        facts = {} if page.result is None else facts_of_run(page.result, 0.0)
+        facts.pop("seconds", None)  # that of one page is not known
+        events = [event.sentence for event in page.events]
+        plain.append({"page": page.number, **facts, "events": events, "trouble": page.trouble})
         if page.result is not None:
             closed = sum(contour.closed for contour in page.contours)
-            print(f"page {page.number}: {counted(len(page.contours), 'contour')} ({closed} closed)")
-    for page in found.pages:
-        for event in page.events:
-            print(event.sentence)
+            lines.append(f"page {page.number}: {counted(len(page.contours), 'contour')} ({closed} closed)")
+    tracks, failed = len(found.tracks), len(found.pages) - len(found.results)
     failures = f", {failed} failed" if failed else ""
-    told = f"{counted(len(found.pages), 'page')}, {counted(len(tracks), 'track')}"
-    print(f"{found.source}: {told} in {seconds:.2f} s{failures}")
-    for path in files.written:
-        print(printable(f"Wrote {path}"))
-
-
-def _facts(page: Page) -> dict[str, object]:
-    """Outcome of the run on a page; the time of one page is not known."""
-    assert page.result is not None
-    facts = outcome_of(page.result, 0.0)
-    del facts["seconds"]
-    return facts
+    lines += [event.sentence for page in found.pages for event in page.events]
+    lines.append(
+        f"{found.source}: {counted(len(found.pages), 'page')}, {counted(tracks, 'track')} in {seconds:.2f} s{failures}"
+    )
+    counts = {"tracks": tracks, "done": len(found.results), "failed": failed, "seconds": round(seconds, 3)}
+    report("run", {"pages": plain, **counts}, lines, files, as_json=as_json)

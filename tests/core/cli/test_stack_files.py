@@ -51,38 +51,6 @@ def test_the_measures_of_all_pages_are_one_table(found, tmp_path):
         assert float(row["contrast"]) > 0.5
 
 
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [("shape", []), ("shape", [96]), ("shape", [96, 96, 1]), ("spacing", [1.0]), ("spacing", [1.0, float("nan")])],
-)
-def test_a_page_with_other_axes_than_an_image_is_refused(found, tmp_path, name, value):
-    path = tmp_path / "a.json"
-    export_stack(found, path)
-    plain = json.loads(path.read_text(encoding="utf-8"))
-    plain["pages"][0]["image"][name] = value
-    path.write_text(json.dumps(plain), encoding="utf-8")
-    with pytest.raises(ValueError, match="holds no pages of a stack"):
-        load_stack_result(path)
-
-
-@pytest.mark.parametrize("place", [1e101, -1.7e308, float("inf"), float("nan")])
-def test_vertices_that_cannot_be_measured_are_refused(found, tmp_path, place):
-    path = tmp_path / "a.json"
-    export_stack(found, path)
-    plain = json.loads(path.read_text(encoding="utf-8"))
-    plain["pages"][0]["contours"][0]["points"][0][1] = place
-    path.write_text(json.dumps(plain), encoding="utf-8")
-    with pytest.raises(ValueError, match="holds no pages of a stack"):
-        load_stack_result(path)
-
-
-def test_the_vertices_of_all_pages_are_one_table(found, tmp_path):
-    export_stack(found, tmp_path / "a.csv")
-    rows = list(csv.DictReader(io.StringIO((tmp_path / "a.csv").read_text(encoding="utf-8"))))
-    assert len(rows) == sum(len(one.points) for _, result in found.results for one in result.contours)
-    assert list(rows[0])[:2] == ["page", "track"]
-
-
 def test_geojson_tells_page_track_and_the_plane_of_qupath(found, tmp_path):
     export_stack(found, tmp_path / "a.geojson")
     features = json.loads((tmp_path / "a.geojson").read_text(encoding="utf-8"))["features"]
@@ -110,17 +78,6 @@ def test_what_was_written_as_json_gives_the_same_files_when_it_is_read_again(fou
     assert {name: (tmp_path / name).read_bytes() for name in names} == before
 
 
-def test_json_tells_tracks_and_events(found, tmp_path):
-    export_stack(found, tmp_path / "a.json")
-    plain = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
-    assert plain["tracks"] == [
-        {"track": 1, "pages": [4, 5, 7], "origin": 0, "ends": None},
-        {"track": 2, "pages": [5, 7], "origin": 1, "ends": None},
-    ]
-    assert [page["trouble"] for page in plain["pages"]] == ["", "", "", "It is constant."]
-    assert plain["stack"]["drawn"] == [{"shape": "x"}]
-
-
 def test_a_stack_without_contours_refuses_what_would_be_empty_and_writes_the_rest(tmp_path):
     (bare,) = cpm.follow(MOVING[:1], cpm.circle((32, 22), 5.0), cpm.Parameters(min_length=1e4))
     nothing, refused = StackResult("cells.tif", 1, (bare,)), {}
@@ -137,26 +94,3 @@ def test_a_file_that_holds_no_pages_is_a_sentence(content, tmp_path):
     (tmp_path / "a.json").write_text(content, encoding="utf-8")
     with pytest.raises(ValueError, match=r"a\.json holds no pages of a stack"):
         load_stack_result(tmp_path / "a.json")
-
-
-@pytest.mark.parametrize(
-    ("place", "name", "value"),
-    [
-        ("run", "particles", 2**31),
-        ("run", "particles", -1),
-        ("image", "shape", [10**9] * 2),
-        ("image", "shape", [0, 9]),
-    ],
-)
-def test_pages_larger_than_any_image_are_refused_before_they_take_memory(found, tmp_path, place, name, value):
-    export_stack(found, tmp_path / "a.json")
-    plain = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
-    plain["pages"][0][place][name] = value
-    (tmp_path / "a.json").write_text(json.dumps(plain))
-    with pytest.raises(ValueError, match=r"a\.json holds no pages of a stack"):
-        load_stack_result(tmp_path / "a.json")
-
-
-def test_a_format_of_one_image_is_refused(found, tmp_path):
-    with pytest.raises(ValueError, match=r"a\.svg names no format for all pages of a stack: choose one of \.tif"):
-        export_stack(found, tmp_path / "a.svg")
