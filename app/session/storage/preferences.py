@@ -13,7 +13,6 @@ from PySide6.QtCore import QByteArray, QObject, QSettings, Signal
 
 from app.model.preferences.table import Preference
 from app.model.text.language import tr
-from cpm_core.parameters.quotation import shown
 
 Value = TypeVar("Value", bool, int, float, str, list[str], QByteArray)
 V = TypeVar("V")
@@ -27,12 +26,11 @@ class Preferences(QObject):
     changed = Signal(str)
     """Key of a value that has changed."""
     troubled = Signal(str)
-    """A sentence on what is stored and cannot be used, or cannot be stored."""
+    """A sentence on what is stored and cannot be read."""
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._settings = QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "cpm", "cpm")
-        self._broken: set[str] = set()
         self.troubles: list[str] = []
         """What was said by `troubled` so far; what is stored stays in the file until another value is chosen."""
         self._check_file()
@@ -40,16 +38,8 @@ class Preferences(QObject):
     def value(self, preference: Preference[V]) -> V:
         """The value of a preference; its default when none is stored or the stored one cannot be used."""
         stored = self._settings.value(preference.name)
-        if stored is None:
-            return preference.default
-        taken = preference.taken(stored)
-        if taken is not None:
-            return taken
-        if preference.name not in self._broken:
-            self._broken.add(preference.name)
-            text = tr("The preference {name} cannot be {value}: the default is used.")
-            self.complain(text.format(name=preference.name, value=shown(stored)))
-        return preference.default
+        taken = None if stored is None else preference.taken(stored)
+        return preference.default if taken is None else taken
 
     def choose(self, preference: Preference[V], value: V) -> None:
         """Store a value; the default is not stored."""

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QLockFile, QObject, QSettings, QTimer, Signal
 
-from app.model.preferences.table import AUTOSAVE, AUTOSAVE_EVERY
+from app.model.preferences.table import AUTOSAVE
 from app.model.text.language import tr
 from app.session.exchange.messages import Saved
 from app.session.exchange.messages import sentence as _sentence
@@ -32,6 +32,9 @@ KEY = "journal"
 
 UNREADABLE = ".unreadable"
 """Suffix of journals that cannot be read."""
+
+_EVERY = 2000
+"""Time from a change until it is written, with further changes in between [ms]."""
 
 _log = logging.getLogger(__name__)
 
@@ -65,11 +68,10 @@ class Journal(QObject):
         self._writer: ThreadPoolExecutor | None = None
         self._last: Future[str] | None = None
         self._closed = False
-        self._timer = QTimer(self, singleShot=True)
+        self._timer = QTimer(self, singleShot=True, interval=_EVERY)
         self._timer.timeout.connect(self.write)
         self._preferences = preferences
         self._worked.connect(self._announce)
-        preferences.follow(AUTOSAVE_EVERY, self._use_interval)
         preferences.follow(AUTOSAVE, self._plan)
         document_file.edited.connect(self._plan)
         document_file.changed.connect(self._plan)
@@ -100,10 +102,6 @@ class Journal(QObject):
             self._writer.shutdown()
             self._writer = None
             self._lock.unlock()
-
-    def _use_interval(self) -> None:
-        """Take over the time from a change until it is written, with further changes in between."""
-        self._timer.setInterval(round(1000 * self._preferences.value(AUTOSAVE_EVERY)))
 
     def _plan(self) -> None:
         if not (self._closed or self._timer.isActive()) and (self._document_file.unsaved or self._writer is not None):

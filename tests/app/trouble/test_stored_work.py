@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from PySide6.QtCore import QSettings
 
-from app.session.storage import autosave
+from app.session.storage import recovery
 from app.session.storage.preferences import Preferences
 from app.session.storage.recovery import KEY, folder_of_journals, left_behind
 from app.views.features.files import OpenSaveFeature, RecoveryFeature
@@ -84,7 +84,7 @@ def test_restored_work_stays_in_its_journal_until_another_file_holds_it(
     def refuse(*_: object) -> None:
         raise ValueError("No space left on device.")
 
-    monkeypatch.setattr(autosave, "save_session", refuse)
+    monkeypatch.setattr(recovery, "save_session", refuse)
     press(offer(window), "Restore")
     hand.wait(lambda: len(window.session.document.shapes) == 2 and window.session.idle)
     assert left.exists()
@@ -98,7 +98,7 @@ def test_work_that_no_journal_can_take_is_said_once_and_taken_back(window, hand,
         raise ValueError("No space left on device.")
 
     with monkeypatch.context() as full:
-        full.setattr(autosave, "save_session", refuse)
+        full.setattr(recovery, "save_session", refuse)
         draw(window)
         journal(window).write()
         hand.wait(lambda: "No space left on device." in said(window))
