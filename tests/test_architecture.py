@@ -22,6 +22,8 @@ CORE_LIBRARIES = {"numpy", "scipy", "skimage", "numba", "llvmlite", "PIL", "tiff
 
 LATE_LIBRARIES = {
     "cpm_core.image.drawing": {"matplotlib"},
+    "cpm_core.contours.surface": {"fast_simplification"},
+    "cpm_core.objects.segmented.areas": {"shapely"},
     "cpm_core.formats.animation": {"imageio_ffmpeg"},
     "cpm_core.formats.images.medical.nifti": {"nibabel"},
     "cpm_core.formats.images.medical.nrrd": {"nrrd"},
