@@ -9,7 +9,6 @@ from pathlib import Path
 from PySide6.QtCore import QObject, Qt, QTimer
 
 from app.model.document import edits
-from app.model.document.changes import ChangeInWords
 from app.model.document.document import Document, ImageReference, Mode
 from app.model.document.modes import MODES, fresh_parameters, needs_start, starting
 from app.model.document.samples import sample_at
@@ -28,7 +27,7 @@ from app.session.scene import ReviewedContours, Scene
 from app.session.signals import EDITING, EXPORTING, OPENING, RUNNING, SessionSignals
 from app.session.tasks.opening import Opener, Wanted
 from app.session.tasks.tasks import Tasks
-from app.session.undo_history import Change, Erasure, History, Turned
+from app.session.undo_history import Change, ChangeInWords, Erasure, History, Turned
 from app.session.updates import Progress
 from app.session.worker.commands import Command, Export, RestoreRuns, RunCall, RunsRestored, Start, WarmUp
 from app.session.worker.run import Run

@@ -22,15 +22,17 @@ from app.session.features.contour_review import ContourReview
 from app.session.features.kept_pages import (
     Found,
     KeptPage,
+    PageDone,
+    PageOrder,
     PlainPages,
     StackSource,
     StoredPages,
     bare,
     linked,
+    run_pages,
     started_by,
     starts_along,
 )
-from app.session.features.page_runs import PageDone, PageOrder, run_pages
 from app.session.scene import Item
 from app.session.session import Session
 from app.session.signals import EXPORTING, OPENING, RUNNING

@@ -13,7 +13,7 @@ import numpy as np
 from app.model.document.document import Document
 from app.session.exchange.mailbox import Mailbox, Pacer
 from app.session.exchange.messages import Overlays, Reconstruction, Snapshot
-from app.session.timeline.run_actions import Erased, Joined, RunAction, Stepped
+from app.session.timeline.moments import Erased, Joined, RunAction, Stepped
 from app.session.timeline.stored_runs import StoredRuns
 from app.session.worker.prepared_methods import OverlayMaker, PreparedMethods
 from app.session.worker.reconstruction import Reconstructor, Request, edited

@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 
 from app.model.document import edits
-from app.model.document.changes import described
 from app.model.document.document import Document
+from app.session.undo_history import described
 from app.views.theme.icons import icon
 from cpm_core.parameters import PRESETS
 from cpm_core.shapes import Barrier, Circle

@@ -7,7 +7,7 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.model.document.hit_testing import Hit, hit
+from app.model.document.edits import Hit, hit
 from cpm_core.shapes import Circle, Everywhere, Region
 
 CIRCLE = Circle((50.0, 60.0), 20.0)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
 from app.model.document.document import Document
-from app.session.timeline.run_actions import Stepped
+from app.session.timeline.moments import Stepped
 from app.session.timeline.timeline import MOST_RUNS, Timeline
 from app.session.worker.recorded_run import Begun, RecordedRun, RunRecord
 from cpm_core import Engine, Parameters
