@@ -32,6 +32,14 @@ def disk(center: tuple[float, float], radius: float) -> np.ndarray:
 
 
 @pytest.fixture
+def image_file(tmp_path):
+    """A file with two disks of different gray levels."""
+    path = tmp_path / "disks.npy"
+    np.save(path, np.where(disk(*SMALL), 140.0, np.where(disk(*LARGE), 220.0, 20.0)))
+    return path
+
+
+@pytest.fixture
 def objects(window, hand):
     """The selection of objects of a window in which the tool is in use and ready."""
     selection = window.workspace.object_selection
