@@ -27,6 +27,9 @@ LATE_LIBRARIES = {
     "cpm_core.formats.images.medical.nrrd": {"nrrd"},
     "cpm_core.formats.images.medical.dicom.reader": {"pydicom"},
     "cpm_core.formats.images.medical.dicom.pixels": {"pydicom", "imagecodecs"},
+    "cpm_core.formats.contours.dxf": {"ezdxf"},
+    "cpm_core.formats.contours.svg": {"svgelements"},
+    "cpm_core.formats.masks.nifti": {"nibabel"},
     "cpm_core.cli.batch.workers": {"distributed"},
 }
 """What these modules import as well, and only where it is needed: inside functions, and for types."""

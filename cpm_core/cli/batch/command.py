@@ -19,7 +19,6 @@ from cpm_core.formats import READABLE, WRITABLE
 from cpm_core.formats.common.content import fingerprint
 from cpm_core.formats.common.printable import printable
 from cpm_core.formats.sessions.session_file import load_session
-from cpm_core.formats.writers import check_needs
 from cpm_core.parameters.quotation import counted, shown
 from cpm_core.shapes.document_shapes import starts_of
 
@@ -118,7 +117,6 @@ def _suffixes(given: Sequence[str]) -> tuple[str, ...]:
     for suffix in wanted:
         if suffix not in WRITABLE:
             raise ValueError(f"--export is {shown(suffix)} but must be one of {', '.join(WRITABLE)}.")
-        check_needs(suffix)
     return wanted
 
 
