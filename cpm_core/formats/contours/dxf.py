@@ -106,10 +106,8 @@ def read(content: bytes, plane: Plane) -> Contents:
         found.shape = shape = rows, cols
         spacing = row, col
     elif drawing.units and plane.unit is not None:
-        spacing, scale = (
-            plane.spacing,
-            ezdxf.units.conversion_factor(*map(InsertUnits, (drawing.units, _UNITS[plane.unit]))),
-        )
+        units = InsertUnits(drawing.units), InsertUnits(_UNITS[plane.unit])
+        spacing, scale = plane.spacing, ezdxf.units.conversion_factor(*units)
     elif drawing.units:
         found.notes.append("The drawing has a unit, but the image has no size of a pixel: one unit is taken for 1 px.")
     lines: list[tuple[DXFGraphic, Array, bool]] = []
