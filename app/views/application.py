@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QApplication
 
 from app.model.document.samples import samples
 from app.model.text.language import language, use_marks
-from app.session.workspace import Workspace
+from app.session.features.workspace import Workspace
 from app.views.features.files import RecoveryFeature, StartFeature
 from app.views.features.help import HelpFeature
 from app.views.features.offers import BeginningFeature

@@ -14,8 +14,7 @@ from pathlib import Path
 
 from cpm_core.formats import WRITABLE
 from cpm_core.formats.writers import FOR_VOLUMES
-from cpm_core.objects.methods.registry import CONTOUR_METHODS
-from cpm_core.objects.methods.settings import Settings
+from cpm_core.objects.methods import CONTOUR_METHODS, Settings
 from cpm_core.parameters import PARAMETERS
 from cpm_core.parameters.choices import CHOICES
 from cpm_core.shapes import SHAPES

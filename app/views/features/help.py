@@ -19,7 +19,6 @@ from app.views.widgets.action_spec import ActionSpec
 from app.views.widgets.preference_row import PreferenceRow
 from app.views.window.feature import Feature, FeatureContext
 from app.views.window.preferences import PreferencesDialog, ShortcutsPage
-from cpm_core.formats.common.provenance import VERSION
 
 SEEN = "tour/seen"
 """Preference: whether the tour has been shown."""
@@ -117,7 +116,7 @@ class HelpFeature(Feature):
         box.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         box.setWindowTitle(tr("About CPM"))
         box.setIconPixmap(program_icon().pixmap(64, 64))
-        box.setText(f"CPM {VERSION}")
+        box.setText(" ".join(versions()[0]))
         box.setInformativeText(f"{text}<table>{rows}</table>")
         box.setTextInteractionFlags(Qt.TextInteractionFlag.TextBrowserInteraction)
         copy = box.addButton(tr("&Copy this text"), QMessageBox.ButtonRole.ActionRole)

@@ -23,7 +23,7 @@ from app.session.storage.presets import PresetStore
 from app.session.worker.commands import RunCall
 from app.session.worker.recorded_run import MEGABYTE
 from app.session.worker.run import Run
-from app.views.canvas.coordinates import image_rectangle
+from app.views.canvas.items.item import image_rectangle
 from app.views.comparison import CompareDialog
 from app.views.panels.parameters.parameters import ParametersPanel
 from app.views.panels.presets import Presets
@@ -36,7 +36,7 @@ from app.views.window.bars import TaskBar
 from app.views.window.dialogs import Files
 from app.views.window.feature import Feature, FeatureContext, OneDialog, Panel
 from app.views.window.keyboard import Keys
-from cpm_core.formats.animations.comparison import PICTURE, TABLE
+from cpm_core.formats.comparison import PICTURE, TABLE
 
 _UPDATE_EVERY = 250
 """Time between two updates of the panel during the run [ms]."""

@@ -238,7 +238,7 @@ class Brackets(gettext.NullTranslations):
 language._catalog = Brackets()
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QAbstractSpinBox, QComboBox, QMenu, QTabBar, QWidget
-from app.session.workspace import Workspace
+from app.session.features.workspace import Workspace
 from app.views.application import make_application
 from app.views.main_window import MainWindow
 

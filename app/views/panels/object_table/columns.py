@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from app.model.document.objects import class_title
 from app.model.text.language import tr, written
-from app.session.features.objects.object_list import Figures
+from app.session.features.object_list import Figures
 from app.views.panels.item_table.columns import NONE, Column, number_text
 from cpm_core.objects.segmented.segmented_object import SegmentedObject, SegmentedObjects
 

@@ -9,7 +9,7 @@ from PySide6.QtCore import QObject, Qt
 from PySide6.QtGui import QColor, QGuiApplication, QPalette
 
 from app.model.display.lengths import shown_in
-from app.session.features.objects.object_list import ObjectList
+from app.session.features.object_list import ObjectList
 from app.session.session import Session
 from app.views.panels.item_table.model import ItemModel, Role
 from app.views.panels.object_table.columns import BODY_COLUMNS, OBJECT_COLUMNS, Row

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QMenu, QToolButt
 
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
-from app.session.features.objects.object_list import ObjectList
+from app.session.features.object_list import ObjectList
 from app.session.session import Session
 from app.views.panels.item_table.row_table import LEAST
 from app.views.panels.object_table.view import ObjectTable

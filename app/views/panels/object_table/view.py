@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeyEvent
 
 from app.model.text.language import tr
-from app.session.features.objects.object_list import ObjectList
+from app.session.features.object_list import ObjectList
 from app.session.session import Session
 from app.views.panels.item_table.model import Sorted
 from app.views.panels.item_table.view import ItemTable

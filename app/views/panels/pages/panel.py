@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWi
 from app.model.display.lengths import shown_in
 from app.model.display.page_rows import PageRow
 from app.model.text.language import tr
-from app.session.features.pages.stack_pages import StackPages
+from app.session.features.stack_pages import StackPages
 from app.views.panels.item_table.row_table import LEAST
 from app.views.panels.pages.table import PageTable
 from app.views.widgets.scrolled import Scrolled
