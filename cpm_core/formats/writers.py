@@ -34,9 +34,8 @@ from cpm_core.formats.contours import (
 from cpm_core.formats.masks import labels, nifti
 from cpm_core.formats.meshes import obj, ply, stl, swc, vtk
 from cpm_core.image.geometry import Convention
+from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.medial_axis.space.centerlines import Centerlines
-from cpm_core.medial_axis.space.steps import VolumeSkeleton
 from cpm_core.parameters.quotation import shown
 
 _LOG = logging.getLogger(__name__)
@@ -293,7 +292,7 @@ def encoded(result: Found, suffix: str, *, outlines: bool = False, space: Conven
     form = next((one for one in FORMATS if one.suffix == suffix), None)
     if form is None:
         raise ValueError(f"{shown(suffix)} names no format that can be written: choose one of {_known()}.")
-    if isinstance(result, VolumeSkeleton):
+    if isinstance(result, Skeleton) and result.lines is not None:
         result = result.lines
     if isinstance(result, Centerlines):
         if not form.lines:
