@@ -16,7 +16,7 @@ from app.model.document.imported import MOST, Imported
 from app.views.main_window import MainWindow
 from cpm_core import Contour
 from cpm_core.formats import encoded
-from cpm_core.formats.contours.contour_file import ContourFile
+from cpm_core.formats.contour_file import ContourFile
 from cpm_core.shapes import Points, Polygon, Stroke
 from tests.app.session.test_saving import answering, drop
 from tests.core.formats.drawn import RESULT

@@ -12,7 +12,7 @@ from roifile import ROI_TYPE, ImagejRoi
 
 from cpm_core import load_truth
 from cpm_core.formats import export
-from cpm_core.formats.contours.contour_file import load_contours, read_contours
+from cpm_core.formats.contour_file import load_contours, read_contours
 
 from ...drawn import RESULT
 

@@ -18,7 +18,7 @@ from roifile import ROI_OPTIONS, ROI_SUBTYPE, ROI_TYPE, ImagejRoi
 
 from cpm_core import Image
 from cpm_core.contours.rasterize import paint
-from cpm_core.formats.contours.contour_file import decode_contours, load_contours, plane_of
+from cpm_core.formats.contour_file import decode_contours, load_contours, plane_of
 
 NEAR = 0.02
 """Distance up to which lines stand for curves [px]."""

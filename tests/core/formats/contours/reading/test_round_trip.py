@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from cpm_core import Contour, Image
 from cpm_core.contours.rasterize import paint
 from cpm_core.formats import WRITABLE, encoded, export
-from cpm_core.formats.contours.contour_file import decode_contours, load_contours, plane_of, read_contours
+from cpm_core.formats.contour_file import decode_contours, load_contours, plane_of, read_contours
 from cpm_core.formats.writers import DRAWN
 
 from ...drawn import RESULT
