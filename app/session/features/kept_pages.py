@@ -27,7 +27,7 @@ from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply, middle
 from cpm_core.formats import load_pages
-from cpm_core.formats.contours.pages.stack_json import page_from_plain, page_to_plain
+from cpm_core.formats.contours.contour_json import page_from_plain, page_to_plain
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.images.stacks.pages import Pages
 from cpm_core.formats.sessions.session_file import SessionFile, decode, encode

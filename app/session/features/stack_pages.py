@@ -44,7 +44,7 @@ from cpm_core.contours.measurements import centroid
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply
 from cpm_core.formats.common.provenance import plain_shapes
-from cpm_core.formats.contours.pages.files import export_stack
+from cpm_core.formats.contours.stack import export_stack
 from cpm_core.formats.sessions.session_file import ImageFile
 from cpm_core.pages.page import StackResult, starts_after
 from cpm_core.shapes import Start
