@@ -58,7 +58,7 @@ ROWS = (
     Row("Work is saved in a session, with its runs", "Ctrl+S",
         "tests/app/session/test_saving.py::test_what_is_saved_by_a_key_is_restored_with_marks_and_view"),
     Row("Nothing is lost in a crash", "the next start offers it",
-        "tests/app/session/test_recovery.py::test_the_whole_name_of_the_work_is_in_the_question"),
+        "tests/app/session/test_recovery.py::test_a_change_is_in_the_journal_a_moment_later_by_itself"),
     Row("Recent work and samples are at hand", "the start screen, Alt+Home",
         "tests/app/opening/test_start_screen.py::test_recent_work_is_opened_by_keys_alone"),
     Row("Help that leads through whole tasks", "F1, menu Help",

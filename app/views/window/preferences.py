@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -39,7 +39,6 @@ from app.session.storage.preferences import Preferences
 from app.views.theme.icons import swatch
 from app.views.widgets.fields.decimal_field import DecimalField
 from app.views.widgets.key_text import native, natives
-from app.views.widgets.preference_row import PreferenceRow
 from app.views.window.shortcuts import Shortcuts
 
 _WIDTH, _HEIGHT, _MARGIN = 720, 540, 80
@@ -60,9 +59,7 @@ class PreferencesDialog(QDialog):
         Widgets by their labels.
     """
 
-    def __init__(
-        self, parent: QWidget, preferences: Preferences, rows: Iterable[PreferenceRow], shortcuts: ShortcutsPage
-    ) -> None:
+    def __init__(self, parent: QWidget, preferences: Preferences, shortcuts: ShortcutsPage) -> None:
         super().__init__(parent)
         self.setWindowTitle(tr("Preferences"))
         self.shortcuts = shortcuts
@@ -81,9 +78,6 @@ class PreferencesDialog(QDialog):
         self.rows = {
             preference.label: self._add_field(forms[preference.page], preference) for preference in PREFERENCES
         }
-        for row in rows:
-            self.rows[row.label] = row.make()
-            _add_row(forms[row.page], row.label, self.rows[row.label], row.note)
         preferences.changed.connect(self._follow)
         self.contents.currentRowChanged.connect(pages.setCurrentIndex)
         self.contents.setCurrentRow(0)

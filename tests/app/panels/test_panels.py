@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QCheckBox, QLabel, QToolButton
 
 from app.model.display.plots import RunMetrics
 from app.model.parameters.controls import controls
+from app.model.preferences.table import THEME
 from app.model.state.resolve import resolve
 from app.model.state.situation import RunStatus, Situation
 from app.views.canvas.items.curves import pieces
@@ -151,9 +152,9 @@ def test_the_pieces_of_a_path_cover_every_segment(length) -> None:
 
 
 def test_light_and_dark_colors_can_be_chosen(window) -> None:
-    window.actions_by_name["theme_dark"].trigger()
+    window.preferences.choose(THEME, "dark")
     dark = window.palette().window().color().lightness()
-    window.actions_by_name["theme_light"].trigger()
+    window.preferences.choose(THEME, "light")
     assert dark < 60
     assert window.palette().window().color().lightness() > 200
 
