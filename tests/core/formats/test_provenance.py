@@ -22,7 +22,7 @@ from pycocotools.coco import COCO
 
 import cpm_core
 from cpm_core import Image, Parameters, PlacedCharge, Regions, circle, encoded, load_image, objects_result, partition
-from cpm_core.formats import FOR_SKELETONS, WRITABLE, export, load_points
+from cpm_core.formats import FOR_SKELETONS, WRITABLE
 from cpm_core.formats.common.provenance import VERSION, entries_of, facts_of, with_shapes
 from cpm_core.formats.writers import DRAWN
 from cpm_core.parameters.provenance import Provenance
@@ -30,6 +30,7 @@ from cpm_core.shapes import Barrier, Circle, Points
 
 from ..scenes import disk
 from .drawn import CELL, RESULT
+from .meshes.test_meshes import RESULT as IN_VOLUME
 
 MADE = Provenance(
     "cpm",
@@ -243,20 +244,15 @@ def test_objects_tell_their_clicks_and_their_image():
     assert facts["image"]["array_sha256"] == image.sha256
 
 
-def test_files_of_surfaces_tell_it_as_far_as_they_have_room(tmp_path):
-    volume = cpm_core.example("ball")
-    result = cpm_core.segment(volume, cpm_core.sphere((15, 15, 15), 4, 60), cpm_core.PRESETS["volume"], max_steps=40)
-    paths = [tmp_path / f"a{suffix}" for suffix in (".vtk", ".stl", ".points.csv")]
-    export(result, *paths)
-    title = paths[0].read_bytes().split(b"\n")[1].decode()
-    assert f"IMAGE={volume.sha256} METHOD=cpm " in title
-    assert " edge_floor=0.16" in title
-    header = paths[1].read_bytes()[:80].decode()
-    begin = header.rpartition("IMAGE=")[2]
+def test_files_of_surfaces_tell_it_as_far_as_they_have_room():
+    result = replace(IN_VOLUME, provenance=MADE, particles=np.arange(9.0).reshape(3, 3))
+    title = encoded(result, ".vtk").split(b"\n")[1].decode()
+    assert f"IMAGE={MADE.sha256} METHOD=cpm " in title
+    assert " scales=3" in title
+    begin = encoded(result, ".stl")[:80].decode().rpartition("IMAGE=")[2]
     assert len(begin) >= 40
-    assert volume.sha256.startswith(begin)
-    rows = list(csv.DictReader(io.StringIO(paths[2].read_text(), newline="")))
+    assert MADE.sha256.startswith(begin)
+    rows = list(csv.DictReader(io.StringIO(encoded(result, ".points.csv").decode(), newline="")))
     told = entries_of(facts_of(result))
     assert {name: rows[0][name] for name in told} == told
     assert not any(rows[1][name] for name in told)
-    assert np.allclose(load_points(paths[2], axes=3), result.particles, atol=1e-4)

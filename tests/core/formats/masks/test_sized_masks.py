@@ -2,6 +2,7 @@
 
 import gzip
 import io
+import json
 from dataclasses import replace
 
 import nibabel
@@ -10,19 +11,12 @@ import PIL.Image
 import pytest
 import tifffile
 
-from cpm_core import Contour
 from cpm_core.contours.rasterize import paint
 from cpm_core.formats import encoded, export, load_image
 
-from ..drawn import RESULT
+from ..drawn import FIBRE, RESULT
 
 MASK = paint(RESULT.contours, RESULT.shape)
-
-
-def many(count):
-    """A result with so many triangles, all in the same place."""
-    triangle = Contour(np.array([[1.0, 1.0], [1.0, 4.0], [4.0, 1.0]]), closed=True)
-    return replace(RESULT, contours=(triangle,) * count)
 
 
 @pytest.mark.parametrize("suffix", [".tif", ".tiff"])
@@ -45,15 +39,17 @@ def test_imagej_and_we_find_the_size_of_a_pixel_in_the_tiff(tmp_path):
 
 
 def test_more_labels_than_sixteen_bits_hold_make_thirty_two(tmp_path):
-    export(many(65536), tmp_path / "a.tif", tmp_path / "a.nii")
+    last = replace(RESULT, contours=(replace(FIBRE, number=70_000),))
+    export(last, tmp_path / "a.tif", tmp_path / "a.nii", outlines=True)
     with tifffile.TiffFile(tmp_path / "a.tif") as file:
         assert file.pages[0].dtype == np.uint32
-        assert file.asarray().max() == 65536
+        assert file.asarray().max() == 70_000
+        assert json.loads(file.pages[0].description)["image"] == {"name": RESULT.source}
     image = load_image(tmp_path / "a.tif")
     assert image.spacing == pytest.approx((0.5, 0.25))
     volume = nibabel.load(tmp_path / "a.nii")
     assert volume.get_data_dtype() == np.uint32
-    assert np.asarray(volume.dataobj).max() == 65536
+    assert np.asarray(volume.dataobj).max() == 70_000
 
 
 def volume_of(result):
