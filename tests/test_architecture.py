@@ -23,10 +23,10 @@ CORE_LIBRARIES = {"numpy", "scipy", "skimage", "numba", "llvmlite", "PIL", "tiff
 LATE_LIBRARIES = {
     "cpm_core.image.drawing.axes": {"matplotlib"},
     "cpm_core.formats.animation": {"imageio_ffmpeg"},
-    "cpm_core.formats.images.medical.nifti": {"nibabel"},
-    "cpm_core.formats.images.medical.nrrd": {"nrrd"},
-    "cpm_core.formats.images.medical.dicom.reader": {"pydicom"},
-    "cpm_core.formats.images.medical.dicom.pixels": {"pydicom", "imagecodecs"},
+    "cpm_core.formats.images.nifti": {"nibabel"},
+    "cpm_core.formats.images.nrrd": {"nrrd"},
+    "cpm_core.formats.images.dicom": {"pydicom", "imagecodecs"},
+    "cpm_core.formats.images.raster": {"imagecodecs"},
     "cpm_core.formats.comparison": {"matplotlib"},
     "cpm_core.cli.batch.workers": {"distributed"},
 }

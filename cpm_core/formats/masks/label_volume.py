@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cpm_core.formats.readers import load_volume
+from cpm_core.formats.images.readers import load_volume
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array
 

@@ -10,7 +10,7 @@ from app.views.features.offers import StackFeature
 from app.views.features.volumes import SlicesFeature
 from cpm_core import load_volume
 from tests.app.volumes.conftest import open_file
-from tests.core.formats.images.volumes.made import OBLIQUE, VALUES, write_series, write_slice
+from tests.core.formats.images.made import OBLIQUE, VALUES, write_series, write_slice
 
 pytestmark = pytest.mark.shared_window
 

@@ -19,7 +19,7 @@ from cpm_core.formats.contours.reading import coco, geojson, imagej, labelme, ma
 from cpm_core.formats.contours.reading.contents import Contents, Plane
 from cpm_core.formats.contours.reading.dxf import reader as dxf
 from cpm_core.formats.images.decoded import UnreadableError
-from cpm_core.formats.readers import READABLE, load_image
+from cpm_core.formats.images.readers import READABLE, load_image
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import shown
