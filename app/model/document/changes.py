@@ -34,8 +34,8 @@ from cpm_core.shapes import (
     Threshold,
     Wall,
 )
-from cpm_core.shapes.space.box import Cuboid
-from cpm_core.shapes.space.enclosed import Enclosed
+from cpm_core.shapes.solids import Cuboid
+from cpm_core.shapes.volume_limits import Enclosed
 
 _ICONS: Mapping[type, str] = MappingProxyType(
     {

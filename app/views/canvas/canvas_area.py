@@ -16,10 +16,10 @@ from app.session.signals import OF_THE_PROGRAM, OPENING
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.crosshair import Crosshair
 from app.views.canvas.image_view import ImageView
-from app.views.canvas.layers.image.level_drag import LevelDrag
+from app.views.canvas.layers.image_layer import LevelDrag
+from app.views.canvas.legend import Strip
 from app.views.canvas.pointed import Pointed
 from app.views.canvas.selected_places import part_around, selected_places
-from app.views.canvas.strip.strip import Strip
 from app.views.canvas.tools import TOOLS
 from app.views.canvas.tools.select import SelectTool
 from app.views.canvas.tools.tool import Tool, ToolContext

@@ -24,7 +24,7 @@ from app.model.display.comparison import Tile
 from app.model.display.display_image import DisplayImage
 from app.model.text.language import from_core, tr, written
 from app.session.features.comparison import Done
-from app.views.canvas.coordinates import to_xy
+from app.views.canvas.items.item import to_xy
 from app.views.theme import theme
 from app.views.theme.look import look
 from cpm_core.contours.contour import Contour

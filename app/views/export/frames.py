@@ -18,8 +18,8 @@ from app.session.tasks.tasks import Task
 from app.session.worker.commands import Command
 from app.session.worker.requests import FrameTaken, TakeFrame
 from app.views.canvas.canvas import Canvas
-from app.views.canvas.coordinates import image_rectangle
 from app.views.canvas.image_view import ImageView
+from app.views.canvas.items.item import image_rectangle
 from cpm_core.numerics.types import Pixels
 
 _INTERVAL = 15
@@ -88,8 +88,7 @@ class FrameRenderer:
         """Draw a moment as RGB values, shape (H, W, 3)."""
         tracked = taken.contours.tracked if taken.contours is not None else None
         contours = ReviewedContours.of(tracked, self._scene.document.marks)
-        scene = replace(self._scene, snapshot=taken.moment, reconstruction=taken.contours, contours=contours)
-        self._view.draw(replace(scene, compared=taken.compared))
+        self._view.draw(replace(self._scene, snapshot=taken.moment, reconstruction=taken.contours, contours=contours))
         picture = QImage(*self._size, QImage.Format.Format_RGB32)
         painter = QPainter(picture)
         self._view.render(painter)
@@ -126,8 +125,6 @@ class FrameRecorder(QObject):
         Branches and steps.
     contours : bool
         Whether contours are shown.
-    compared : int or None
-        Branch to compare with.
     take : callable
         Called with every frame.
     end : callable
@@ -143,7 +140,6 @@ class FrameRecorder(QObject):
         task: Task,
         places: Sequence[tuple[int, int]],
         contours: bool,
-        compared: int | None,
         take: Callable[[Pixels], None],
         end: Callable[[], None],
         has_room: Callable[[], bool] = lambda: True,
@@ -154,7 +150,6 @@ class FrameRecorder(QObject):
         self._task = task
         self._places = list(places)
         self._contours = contours
-        self._compared = compared
         self._take = take
         self._end = end
         self._has_room = has_room
@@ -185,7 +180,7 @@ class FrameRecorder(QObject):
         elif not self._due and self._next < len(self._places) and self._has_room():
             self._due = True
             branch, step = self._places[self._next]
-            command = TakeFrame(self._task, self._generation, branch, step, self._contours, self._compared)
+            command = TakeFrame(self._task, self._generation, branch, step, self._contours)
             self._session.post(command)
 
     def _take_frame(self, report: FrameTaken) -> None:

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from app.model.display.display_image import DisplayImage, Shades
 from app.model.text.language import tr
-from app.views.canvas.coordinates import to_xy
+from app.views.canvas.items.item import to_xy
 from app.views.theme import theme
 from app.views.theme.look import look
 from cpm_core.contours.contour import Contour

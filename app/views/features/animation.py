@@ -102,8 +102,7 @@ class AnimationFeature(Feature):
             renderer,
             task,
             places,
-            contours=layers["contours"].shown or layers["ghost"].shown,
-            compared=self._navigation.comparison.branch if layers["ghost"].shown else None,
+            contours=layers["contours"].shown,
             take=frames.put,
             end=lambda: frames.put(None),
             has_room=lambda: frames.qsize() < _AHEAD,
@@ -135,7 +134,7 @@ class AnimationFeature(Feature):
 def _taken(frames: queue.Queue[Pixels | None], task: Task) -> Iterator[Pixels]:
     """Frames as they arrive, until there are no more; raises when the task is canceled."""
     while True:
-        task.go_on()
+        task.check_cancelled()
         try:
             frame = frames.get(timeout=_TIMEOUT)
         except queue.Empty:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QMenu
 
-from app.model.display.truth.differences import Difference
+from app.model.display.differences import Difference
 from app.model.document import contours
 from app.model.document.modes import use_skeleton
 from app.model.preferences.table import UNIT
@@ -87,7 +87,7 @@ class ContoursFeature(Feature):
         """The table."""
         return (
             Panel(name="contours", title=tr("Contours"), widget=self.panel, area="bottom", tab="below", shown=False,
-                  height=250, shortcut="F11"),
+                  height=160, shortcut="F11"),
         )  # fmt: skip
 
     def ask_name(self) -> None:

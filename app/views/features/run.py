@@ -23,7 +23,7 @@ from app.session.storage.presets import PresetStore
 from app.session.worker.commands import RunCall
 from app.session.worker.recorded_run import MEGABYTE
 from app.session.worker.run import Run
-from app.views.canvas.coordinates import image_rectangle
+from app.views.canvas.items.item import image_rectangle
 from app.views.comparison import CompareDialog
 from app.views.panels.parameters.parameters import ParametersPanel
 from app.views.panels.presets import Presets
@@ -83,7 +83,7 @@ class RunControlFeature(Feature):
 
     def panels(self) -> Sequence[Panel]:
         """The panel of the run."""
-        return (Panel(name="run", title=tr("Run"), widget=self.panel, fitted=True, shortcut="F5"),)
+        return (Panel(name="run", title=tr("Run"), widget=self.panel, height=140, shortcut="F5"),)
 
     def close(self) -> bool:
         """Stop the updates."""
@@ -167,7 +167,15 @@ class TimelineFeature(Feature):
     def panels(self) -> Sequence[Panel]:
         """The timeline, below the canvas."""
         return (
-            Panel(name="timeline", title=tr("Timeline"), widget=self.panel, area="bottom", tab="below", shortcut="F9"),
+            Panel(
+                name="timeline",
+                title=tr("Timeline"),
+                widget=self.panel,
+                area="bottom",
+                tab="below",
+                height=40,
+                shortcut="F9",
+            ),
         )
 
     def preferences(self) -> Sequence[PreferenceRow]:

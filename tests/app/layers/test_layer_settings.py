@@ -6,8 +6,8 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.session.features.workspace import Workspace
+from app.views.canvas.layers.layer import Amount, Choice, Switch
 from app.views.canvas.layers.layer_form import LayerForm
-from app.views.canvas.layers.options import Amount, Choice, Switch
 from app.views.main_window import MainWindow
 
 

@@ -16,7 +16,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.model.display.truth.differences import Difference
+from app.model.display.differences import Difference
 from app.model.text.language import tr, written
 from app.session.features.truth_comparison import GroundTruth
 from app.views.theme import theme
