@@ -320,8 +320,11 @@ class DrawingLayer(Layer):
         """Show other shapes, another selection, or the shapes behind a run."""
         scene = self.scene
         shapes, selected = scene.document.shapes, scene.selected
-        if shapes is not before.document.shapes or (selected, scene.moved) != (before.selected, before.moved):
-            self._show(scene.document, selected, scene.moved)
+        if shapes is not before.document.shapes or (selected, scene.has_particles) != (
+            before.selected,
+            before.has_particles,
+        ):
+            self._show(scene.document, selected, scene.has_particles)
         elif scene.image_seeds is not before.image_seeds:
             self._draw_everywhere()
 
