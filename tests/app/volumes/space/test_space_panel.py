@@ -12,7 +12,7 @@ from pytestqt.qtbot import QtBot
 
 from app.model.display.display_image import IntensityWindow
 from app.model.display.space.triangles import Mesh
-from app.model.display.space.view_in_space import Contents, Particles
+from app.model.display.space.view_in_space import Particles, ViewInSpace
 from app.model.display.space.voxels import Shaded
 from app.model.volume.slices import Slices
 from app.session.features.workspace import Workspace
@@ -42,15 +42,15 @@ CUBE = Surface(
 )  # fmt: skip
 
 
-def contents(**more: object) -> Contents:
+def contents(**more: object) -> ViewInSpace:
     voxels = np.zeros((21, 41, 41), np.uint8)
     voxels[8:13, 15:26, 15:26] = 255
     return of(voxels, SPACING, "µm", **more)
 
 
-def of(voxels: np.ndarray, spacing: tuple[float, ...], unit: str | None, **more: object) -> Contents:
+def of(voxels: np.ndarray, spacing: tuple[float, ...], unit: str | None, **more: object) -> ViewInSpace:
     image = Image(voxels.astype(float), spacing, unit)
-    return Contents(image, Shaded(image.values, IntensityWindow(0.0, 255.0)), Slices.of(image.shape), **more)
+    return ViewInSpace(image, Shaded(image.values, IntensityWindow(0.0, 255.0)), Slices.of(image.shape), **more)
 
 
 @pytest.fixture
