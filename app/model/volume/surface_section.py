@@ -40,12 +40,14 @@ def section(surface: Surface, cut: Slice) -> tuple[Contour, ...]:
 def _section(surface: Surface, cut: Slice) -> tuple[Contour, ...]:
     faces = surface.faces
     heights = surface.vertices[:, cut.axis] - cut.index
-    sides = heights[faces] >= 0.0  # a vertex in the slice lies on one side, so that each triangle is cut once or never
-    halves = sides.sum(axis=1)
-    crossing = (halves == 1) | (halves == 2)
+    above = heights >= 0.0  # a vertex in the slice lies on one side, so that each triangle is cut once or never
+    one, two, three = (above[faces[:, corner]] for corner in range(3))
+    crossing = (one != two) | (one != three)
     if not crossing.any():
         return ()
-    faces, alone = faces[crossing], np.where(halves[crossing] == 1, sides[crossing].T, ~sides[crossing].T).T
+    faces = faces[crossing]
+    sides = above[faces]
+    alone = sides == (sides.sum(axis=1) == 1)[:, None]
     corner, rows = alone.argmax(axis=1), np.arange(len(faces))
     tip = faces[rows, corner]
     ends = np.stack([tip, faces[rows, (corner + 1) % 3], tip, faces[rows, (corner + 2) % 3]], axis=1).reshape(-1, 2)

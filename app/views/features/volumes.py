@@ -390,7 +390,7 @@ class SpaceFeature(Feature):
     def _pick(self, place: Place) -> None:
         """Move the slices there, and draw there what the tool in use draws without a slice."""
         self.context.workspace.slices.through(place)
-        tool = self.context.canvas_area.canvas.tool
+        tool = self.context.canvas_area.canvas.hold.tool
         camera, image = self.panel.view.camera, self.context.session.image
         if tool is not None and tool.name == "objects" and camera is not None and image is not None:
             select_at(self.context.workspace.object_selection, camera, image.spacing, place)

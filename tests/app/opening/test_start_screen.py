@@ -74,11 +74,11 @@ def test_escape_and_the_same_key_lead_back_to_the_image(window, hand) -> None:
 
 def test_letters_lead_to_a_name_and_do_not_choose_a_tool(window, hand, other) -> None:
     open_image(window, hand, other)
-    tool = hand.canvas.tool
+    tool = hand.canvas.hold.tool
     hand.key(KEY.Key_Home, ALT)
     hand.key(KEY.Key_D)
     assert screen(window).recent.currentItem().text().startswith("disc.npy")
-    assert hand.canvas.tool is tool
+    assert hand.canvas.hold.tool is tool
 
 
 def test_a_sample_is_opened_by_a_click(window, hand) -> None:

@@ -24,8 +24,8 @@ PIXELS = np.stack([ROW, COL], axis=-1).reshape(-1, 2).astype(float)
 def brush(hand):
     """The tool in use."""
     hand.key(KEY.Key_Z)
-    assert hand.canvas.tool.name == "brush"
-    return hand.canvas.tool
+    assert hand.canvas.hold.tool.name == "brush"
+    return hand.canvas.hold.tool
 
 
 def items(window) -> tuple[SegmentedObject, ...]:

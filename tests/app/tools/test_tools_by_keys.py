@@ -146,7 +146,7 @@ def test_escape_cancels_the_drag_before_it_hides_the_cross_hair(window, hand, ke
     hand.key(KEY.Key_Escape)
     assert drawn(window) == ()
     assert window.canvas_area.crosshair.at is not None
-    assert not hand.canvas.dragging
+    assert not hand.canvas.hold.dragging
     hand.key(KEY.Key_Escape)
     assert window.canvas_area.crosshair.at is None
 
@@ -173,11 +173,11 @@ def test_another_image_has_neither_the_cross_hair_nor_the_corners_drawn_on_the_o
     np.save(tmp_path / "small.npy", np.eye(20))
     hand.key(KEYS["polygon"])
     keys("!>>!vv!")
-    assert hand.canvas.tool.drafting
+    assert hand.canvas.hold.tool.drafting
     window.open_image(str(tmp_path / "small.npy"))
     hand.wait(lambda: window.session.document.image.name == "small.npy")
     assert window.canvas_area.crosshair.at is None
-    assert not hand.canvas.tool.drafting
+    assert not hand.canvas.hold.tool.drafting
 
 
 def test_space_still_runs_while_the_cross_hair_is_shown(window, hand, keys) -> None:

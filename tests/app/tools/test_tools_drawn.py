@@ -159,7 +159,7 @@ def test_spraying_scatters_points_in_the_ring_as_one_step_of_undo_and_never_two_
     hand.drag(*way)
     points = only(window)
     assert isinstance(points, Points)
-    radius = window.canvas_area.canvas.tool.radius
+    radius = window.canvas_area.canvas.hold.tool.radius
     positions = np.array(points.positions)
     assert len(positions) > 5
     assert polyline.distances(way, positions).max() <= radius + PIXEL
@@ -179,7 +179,7 @@ def test_less_and_greater_change_the_ring_which_is_shown_and_hidden_with_the_poi
     hand.move(10, 10)
     hand.move(32, 32)
     first = np.ptp(ring.getData()[0])
-    assert first == pytest.approx(2 * hand.canvas.tool.radius, rel=1e-3)
+    assert first == pytest.approx(2 * hand.canvas.hold.tool.radius, rel=1e-3)
     hand.key(KEY.Key_Greater)
     assert np.ptp(ring.getData()[0]) > 1.1 * first
     assert np.mean(ring.getData()[0]) == pytest.approx(32, abs=PIXEL)
@@ -213,7 +213,7 @@ def test_the_eraser_deletes_single_points_and_other_shapes_that_it_touches_and_k
     touched = (Barrier(((5.0, 15.0), (15.0, 15.0))), Stroke(((12.0, 25.0), (30.0, 25.0))), Charge((10.0, 27.0)))
     add(window, far, points, *touched)
     hand.key(KEY.Key_E)
-    radius = hand.canvas.tool.radius
+    radius = hand.canvas.hold.tool.radius
     assert radius < 6
     hand.drag((10, 8), (10, 32))
     assert window.session.document.shapes == (far, Points(((40.0, 10.0),)))
@@ -266,7 +266,7 @@ def test_every_tool_has_a_key_of_its_own_a_tip_and_a_button_within_a_window_720_
         assert with_keys(tool.tip) in button.toolTip()
         assert not button.icon().isNull()
         qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
-        assert hand.canvas.tool.name == tool.name
+        assert hand.canvas.hold.tool.name == tool.name
         assert button.isChecked()
 
 

@@ -146,7 +146,7 @@ def test_the_eraser_takes_away_particles_in_a_ball_and_no_others(volume, hand) -
     hand.wait(lambda: volume.session.idle)
     before = volume.session.scene.snapshot.position
     hand.key(KEY.Key_E)
-    radius = volume.canvas_area.canvas.tool.radius
+    radius = volume.canvas_area.canvas.hold.tool.radius
     hand.click(7, 16)
     hand.wait(lambda: volume.session.idle and len(volume.session.scene.snapshot.position) < len(before))
     after = volume.session.scene.snapshot.position

@@ -120,9 +120,9 @@ def test_what_volumes_lack_is_gray_with_a_sentence_and_returns_with_an_image(vol
 
 def test_a_tool_that_volumes_lack_gives_way_to_the_sphere(window, hand, volume_file) -> None:
     window.actions_by_name["outline"].trigger()
-    assert window.canvas_area.canvas.tool.name == "outline"
+    assert window.canvas_area.canvas.hold.tool.name == "outline"
     open_file(window, hand, volume_file)
-    assert window.canvas_area.canvas.tool.name == "circle"
+    assert window.canvas_area.canvas.hold.tool.name == "circle"
     assert window.actions_by_name["circle"].isChecked()
 
 

@@ -128,7 +128,7 @@ def test_a_double_click_on_the_last_button_does_not_draw_on_the_image(window, ha
     hand.qtbot.mouseClick(tour.next, LEFT)
     QTest.mouseDClick(window.windowHandle(), LEFT, pos=at)
     assert window.session.document.shapes == ()
-    assert hand.canvas.dragging is False
+    assert hand.canvas.hold.dragging is False
 
 
 def test_ring_and_bubble_follow_the_window(window, hand, tour) -> None:

@@ -120,6 +120,16 @@ class Requests(Protocol):
         """Switch the updates of an overlay on or off; see `app.session.worker.prepared_methods`."""
 
 
+class NoRequests:
+    """Ignores requests: the layers of another view have already made them."""
+
+    def post(self, command: Command) -> None:
+        """Do nothing."""
+
+    def want_overlay(self, name: str, wanted: bool) -> None:
+        """Do nothing."""
+
+
 class Layer(QObject):
     """Base class of layers: subclasses set the class variables, add their items with `add`, and draw in `follow`.
 
