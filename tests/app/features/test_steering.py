@@ -385,7 +385,7 @@ def test_charges_drawn_before_the_run_act_from_its_first_step_and_stay_visible(r
     hand.key(KEY.Key_Period)
     hand.wait(lambda: ready.session.idle)
     assert shown().state.charges == (PlacedCharge((20.0, 20.0), 2.0),)
-    discs = hand.canvas.layers.drawing._charges._discs
+    discs = hand.canvas.layers.drawing._charges
     assert discs.isVisible()
     assert discs.opacity() == 1.0
     hand.key(KEY.Key_6, ALT)

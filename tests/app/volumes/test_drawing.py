@@ -117,12 +117,12 @@ def test_a_drag_with_the_tool_for_regions_is_a_box_that_dims_what_is_outside(vol
     assert "a sphere, a box" in volume.canvas_area.hint.text()
     assert region.first[1:] == pytest.approx((8, 8), abs=PIXEL)
     canvas = volume.canvas_area.canvas
-    veil = canvas.layers.drawing._limits._dim._veil
+    veil = canvas.layers.drawing._dim._veil
     assert not veil.isEmpty()
     volume.workspace.slices.at(0)
-    outside = canvas.layers.drawing._limits._dim._veil
+    outside = canvas.layers.drawing._dim._veil
     assert outside.boundingRect().contains(veil.boundingRect())
-    assert outside.contains(canvas.layers.drawing._limits._dim._room.center()), "nothing of this slice lies in it"
+    assert outside.contains(canvas.layers.drawing._dim._room.center()), "nothing of this slice lies in it"
 
 
 def test_charges_are_placed_moved_and_changed_in_every_slice(volume, hand, cases) -> None:
