@@ -261,9 +261,9 @@ def test_a_surface_that_is_not_opaque_lets_the_particles_behind_it_be_seen() -> 
 
 
 def test_the_axes_begin_at_the_first_voxel() -> None:
-    view = of_shape((5, 9, 13), (2.0, 1.0, 1.0))
+    view = of_shape((8, 9, 13), (2.0, 1.0, 1.0))
     camera = Camera.on(view.lengths, SIZE)
-    assert view.lengths == (8.0, 8.0, 12.0)
+    assert view.lengths == (14.0, 8.0, 12.0)
     picture = view.drawn(camera, SIZE, Look())
     for axis, color in enumerate(AXIS_COLORS):
         end = np.array([0.5 * length if k == axis else 0.0 for k, length in enumerate(view.lengths)])
