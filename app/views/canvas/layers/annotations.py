@@ -110,7 +110,7 @@ class OrientationLayer(Layer):
         super().__init__(view, requests)
         self.letters: tuple[str, ...] = ("",) * 4
         """What is shown at the top, the bottom, the left and the right."""
-        self._letters = [pg.TextItem(color=INK, fill=BACKGROUND, anchor=edge) for edge in self._EDGES]
+        self._letters = [pg.TextItem(color=INK, fill=QColor(BACKGROUND), anchor=edge) for edge in self._EDGES]
         self.pin(*self._letters)
         view.sigResized.connect(self._place)
         self._place()

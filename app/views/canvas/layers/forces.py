@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pyqtgraph as pg
+from PySide6.QtGui import QColor
 
 from app.model.text.language import tr, written
 from app.session.scene import Scene
@@ -64,7 +65,7 @@ class ForceLayer(Layer):
             name: pg.PlotCurveItem(pen=line_pen(color, 2.2), antialias=True, connect="pairs")
             for name, (_, color) in KINDS.items()
         }
-        self.legend = pg.TextItem(anchor=(1.0, 0.0), fill=BACKGROUND)
+        self.legend = pg.TextItem(anchor=(1.0, 0.0), fill=QColor(BACKGROUND))
         for index, item in enumerate((self._ring, self._halo, *self._arrows.values(), self.legend)):
             item.setZValue(_Z + 0.1 * index)
         self.add(self._ring, self._halo, *self._arrows.values())
