@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from PySide6.QtCore import Qt
 
-from app.session.worker.requests import NAMES, Probe, Probed
+from app.session.worker.requests import NAMES
 from app.views.canvas.layers.forces import KINDS
 
 
@@ -66,19 +65,6 @@ def test_far_from_all_particles_no_forces_are_shown(held, ready, hand):
     assert not held.legend.isVisible()
 
 
-def test_without_the_pointer_the_particle_nearest_to_the_center_is_shown(held, ready, hand):
-    _, state, _ = moment(ready)
-    hand.canvas.pointed.emit(None)
-    hand.canvas.setFocus()
-    hand.canvas.zoom(3.0)
-    for _ in range(4):
-        hand.key(Qt.Key.Key_Right)
-    hand.canvas.pointed.emit(None)
-    seen = hand.canvas.view.viewRect().center()
-    nearest = np.hypot(*(state.position - (seen.y(), seen.x())).T).argmin()
-    hand.wait(lambda: held.probed and held.probed.identity == state.particles.identity[nearest])
-
-
 def test_the_forces_follow_a_run_and_vanish_with_it(held, ready, hand):
     hand.move(*moment(ready)[1].position[0])
     hand.wait(lambda: held.probed is not None)
@@ -88,11 +74,3 @@ def test_the_forces_follow_a_run_and_vanish_with_it(held, ready, hand):
     hand.wait(lambda: ready.session.idle)
     assert held.probed is None
     assert not held.legend.isVisible()
-
-
-def test_a_late_probe_finds_nothing(held, ready, hand):
-    heard = []
-    ready.session.listen(Probed, heard.append)
-    ready.session.post(Probe(ready.session.generation - 1, (1.0, 1.0), 1e9))
-    hand.wait(lambda: bool(heard))
-    assert heard[0].identity == -1

@@ -44,14 +44,6 @@ def test_a_large_slice_is_shown_as_a_preview_and_then_with_all_its_pixels(large,
     assert {shown(view).shape for view in sides} == {(24, 32), (24, 28)}
 
 
-def test_a_preview_takes_the_place_of_the_image_it_stands_for() -> None:
-    values = np.arange(2100.0 * 3000.0).reshape(2100, 3000)
-    preview = DisplayImage.preview(values, IntensityWindow(0.0, values.max()))
-    assert preview.shape == (2100, 3000)
-    assert preview.shades.shape == (525, 750)
-    assert preview.shades[100, 200] == round(255.0 * values[400, 800] / values.max())
-
-
 def test_a_slice_shares_the_gray_levels_of_its_volume() -> None:
     volume = Image(ball(), (3.0, 2.0, 1.0), "mm", "ball")
     assert volume.gray_range == (20.0, 200.0)

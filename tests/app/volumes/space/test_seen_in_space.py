@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import PIL.Image
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication
 
 from app.views.features.volumes import SpaceFeature
@@ -123,23 +123,3 @@ def test_the_menu_of_the_view_turns_it_and_chooses_what_is_shown(volume, hand, s
     hand.wait(lambda: view.idle)
     volume.actions_by_name["copy_space"].trigger()
     assert QApplication.clipboard().image().size() == view.picture().size()
-
-
-def test_a_drag_of_the_right_button_moves_the_volume_and_opens_no_menu(volume, hand, space) -> None:
-    view, right, before = space.view, Qt.MouseButton.RightButton, space.view.camera
-    hand.qtbot.mousePress(view, right, pos=view.rect().center())
-    hand.qtbot.mouseMove(view, view.rect().center() + QPoint(20, 10))
-    hand.qtbot.mouseRelease(view, right, pos=view.rect().center() + QPoint(20, 10))
-    hand.qtbot.wait(5)
-    assert QApplication.activePopupWidget() is None
-    assert view.camera is not before
-
-
-def test_the_view_opens_with_as_much_room_as_the_panel_above_it(window, hand, volume_file, image_file) -> None:
-    window.resize(1400, 1000)
-    docks = window.docks
-    before = docks["run"].height()
-    open_file(window, hand, volume_file)
-    hand.wait(lambda: docks["space"].height() >= docks["parameters"].height() - 2)
-    open_file(window, hand, image_file)
-    hand.wait(lambda: docks["run"].height() <= before + 2)
