@@ -18,7 +18,7 @@ from cpm_core.contours.surface import Surface
 from cpm_core.formats.common.atomic import check_place, write_together
 from cpm_core.formats.common.printable import cell
 from cpm_core.formats.writers import FOR_VOLUMES, WRITABLE, check_export, encoded, omission, suffix_of
-from cpm_core.image.drawing.axes import encoded_figure, require_matplotlib, show_curves, show_image
+from cpm_core.image.drawing import encoded_figure, require_matplotlib, show_curves, show_image
 from cpm_core.image.image import Image
 from cpm_core.objects.methods import CONTOUR_METHODS, Facts, Start, result_of
 

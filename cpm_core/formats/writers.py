@@ -23,11 +23,10 @@ from cpm_core.formats.contours import coco, contour_csv, contour_json, figure, g
 from cpm_core.formats.contours.dxf import drawing as dxf
 from cpm_core.formats.masks import label_tiff, labels, nifti
 from cpm_core.formats.meshes import obj, ply, points_csv, stl, swc, vtk
-from cpm_core.image.drawing.axes import require_matplotlib
+from cpm_core.image.drawing import require_matplotlib
 from cpm_core.image.geometry import Convention
+from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.medial_axis.space.centerlines import Centerlines
-from cpm_core.medial_axis.space.steps import VolumeSkeleton
 from cpm_core.parameters.quotation import shown
 
 _LOG = logging.getLogger(__name__)
@@ -273,7 +272,7 @@ def encoded(
     """
     if not isinstance(suffix, str) or suffix not in {**_WRITERS, **_MESHES, **FOR_CENTERLINES}:
         raise ValueError(f"{shown(suffix)} names no format that can be written: choose one of {_known()}.")
-    if isinstance(result, VolumeSkeleton):
+    if isinstance(result, Skeleton) and result.lines is not None:
         result = result.lines
     if isinstance(result, Centerlines):
         if suffix not in FOR_CENTERLINES:

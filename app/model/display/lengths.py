@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from app.model.text.language import tr, written
-from cpm_core.image.drawing.scale_bar import KNOWN, Bar, longest_bar
+from cpm_core.image.drawing import KNOWN, Bar, longest_bar
 
 _PIXEL = "px"
 _OF_THE_IMAGE = "image"

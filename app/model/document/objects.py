@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from functools import partial, reduce
+from functools import reduce
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from cpm_core.numerics.polyline import length, thinned
 from cpm_core.numerics.types import Array, Place, Position
 from cpm_core.objects.faces.space import VolumeSelection
 from cpm_core.objects.objects_result import boundaries_result
+from cpm_core.objects.segmented.areas import lies_on, union
 from cpm_core.objects.segmented.segmented_object import (
     Click,
     Line,
@@ -28,7 +29,6 @@ from cpm_core.objects.segmented.segmented_object import (
     SegmentedObjects,
     contours_of,
 )
-from cpm_core.objects.segmented.union import lies_on, union
 from cpm_core.objects.selection import Selection
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.shapes import Barrier, EnclosedRegion, EnclosingWall, Points, Polygon, Region
@@ -178,12 +178,7 @@ def merge(document: Document, numbers: Iterable[int]) -> Document:
         return document
     chosen = frozenset(numbers)
     merged = [item for item in document.objects.items if item.number in chosen]
-    return merge_into(document, merged, union_of(merged, document.image.shape))
-
-
-def union_of(items: Iterable[SegmentedObject], shape: tuple[int, ...]) -> SegmentedObject:
-    """The first of some objects, with the boundary of all; in a volume that may take seconds."""
-    return reduce(partial(union, shape=shape), items)
+    return merge_into(document, merged, reduce(union, merged))
 
 
 def merge_into(document: Document, merged: Iterable[SegmentedObject], whole: SegmentedObject) -> Document:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from app.model.text.language import from_core, tr
 from cpm_core.formats import FOR_VOLUMES, WRITABLE
 from cpm_core.formats.writers import DRAWN
-from cpm_core.image.drawing.axes import has_matplotlib
+from cpm_core.image.drawing import has_matplotlib
 
 
 @dataclass(frozen=True, slots=True)

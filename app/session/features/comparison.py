@@ -121,7 +121,7 @@ class Comparison(QObject):
         start = self._start_of(document)
 
         def work(task: Task) -> Report:
-            task.go_on()
+            task.check_cancelled()
             notes: list[str] = []
             known = truth if isinstance(truth, Truth) else None
             files = comparison.write_comparison(image, start, tiles, (path,), notes.append, known)
@@ -197,7 +197,7 @@ class Comparison(QObject):
 
         with ThreadPoolExecutor(max(1, cores() - 1), thread_name_prefix="cpm-compare") as pool:
             list(pool.map(work, tiles))
-        task.go_on()
+        task.check_cancelled()
         return ComparisonRun()
 
     def _measured(self, result: Result, facts: Facts) -> Facts:

@@ -20,7 +20,7 @@ from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, save_ses
 from cpm_core.objects.warm_up import is_compiled
 
 if TYPE_CHECKING:  # the command line is loaded when there is a batch
-    from cpm_core.cli.batch.summary import Row
+    from cpm_core.cli.batch import Row
 
 TOPIC = "batch"
 """What messages on it belong to."""
@@ -99,8 +99,8 @@ class ImageBatch(QObject):
     def _work(
         self, session: SessionFile, images: tuple[str, ...], output: Path, suffixes: tuple[str, ...], task: Task
     ) -> Report:
-        from cpm_core.cli.batch.batch import Batch, Order
-        from cpm_core.cli.batch.workers import here
+        from cpm_core.cli.batch import Batch, Order
+        from cpm_core.cli.workers import here
 
         self.compiling = not is_compiled()
         applied = output / APPLIED
@@ -113,7 +113,7 @@ class ImageBatch(QObject):
         batch = Batch(Order(images, session, fingerprint(applied), output, suffixes, session.parameters))
         for number, row in batch.known.items():
             self._told.emit((task, number, row))
-        for number, row in batch.rows(here(batch.jobs, None, task.go_on)):
+        for number, row in batch.rows(here(batch.jobs, None, task.check_cancelled)):
             self._told.emit((task, number, row))
             task.fraction = len(batch.summary.rows) / len(images)
         return BatchDone(output)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import reduce
 
 import numpy as np
 from PySide6.QtCore import QObject, Signal
@@ -14,14 +15,14 @@ from app.model.document.document import Document
 from app.model.document.objects import brushed
 from app.model.text.language import tr
 from app.model.volume.surface_section import holds, size_of
-from app.session.features.latest import Latest
+from app.session.features.background import LatestOnlyWorker
 from app.session.session import Session
 from cpm_core.contours.surface import Surface
 from cpm_core.image.image import Image
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Place, Position
-from cpm_core.objects.segmented.painted_area import PaintedArea
-from cpm_core.objects.segmented.segmented_object import SegmentedObject, SegmentedObjects
+from cpm_core.objects.segmented.areas import painted, union
+from cpm_core.objects.segmented.segmented_object import Line, SegmentedObject, SegmentedObjects
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,9 +95,9 @@ class ObjectList(QObject):
         self._session = session
         self._known = session.document.objects
         self._figures: AllFigures | None = None
-        self._latest = Latest(session, "cpm-object-measures", tr("measuring objects"))
+        self._latest = LatestOnlyWorker(session, "cpm-object-measures", tr("measuring objects"))
         self._latest.done.connect(self._use_figures)
-        self._merging = Latest(session, "cpm-merging", tr("merging objects"))
+        self._merging = LatestOnlyWorker(session, "cpm-merging", tr("merging objects"))
         self._merging.done.connect(self._use_merged)
         session.document_changed.connect(self._follow)
         session.image_changed.connect(self._merging.forget)
@@ -203,8 +204,7 @@ class ObjectList(QObject):
         if len(items) < 2 or image is None:
             return
         if image.is_volume:
-            shape = image.shape
-            self._merging.ask(lambda: (items, objects.union_of(items, shape)))
+            self._merging.ask(lambda: (items, reduce(union, items)))
             return
         self._edit_chosen(tr("merge {what}"), objects.merge)
         self.choose((items[0].number,))
@@ -288,7 +288,8 @@ class ObjectBrush:
     def __init__(self, session: Session, object_list: ObjectList) -> None:
         self._session = session
         self._list = object_list
-        self._area = PaintedArea((), ())
+        self._boundary: tuple[Line, ...] = ()
+        self._shape: tuple[int, ...] = ()
         self._path: list[Position] = []
         self._before: SegmentedObject | None = None
         self._number, self._radius, self._adds, self._gesture = 0, 0.0, True, ""
@@ -331,7 +332,7 @@ class ObjectBrush:
         elif item is not None or self._adds:
             self._before = item
             self._number = self._session.document.objects.next_number if item is None else item.number
-            self._area = PaintedArea(() if item is None else item.boundary, image.shape)
+            self._boundary, self._shape = () if item is None else item.boundary, image.shape
 
     def _touched(self) -> SegmentedObject | None:
         """The object that the newest stretch of the path touches."""
@@ -346,9 +347,9 @@ class ObjectBrush:
         """Paint the newest stretch of the path."""
         if not self._path or not self._number:
             return
-        self._area = self._area.painted(self._path[-2:], self._radius, self._adds)
+        boundary = painted(self._boundary, self._path[-2:], self._radius, self._adds, self._shape)
         before, number, radius = self._before, self._number, self._radius
-        boundary, path = self._area.boundary, tuple(self._path)
+        self._boundary, path = boundary, tuple(self._path)
         self._session.edit(
             tr("paint object"),
             lambda document: brushed(document, before, number, boundary, path, radius),

@@ -15,7 +15,7 @@ from app.model.document.document import Document
 from app.model.document.objects import AnySelection
 from app.model.text.language import tr
 from app.session.exchange.messages import Report
-from app.session.features.latest import Latest
+from app.session.features.background import LatestOnlyWorker
 from app.session.features.selector import AnySelector, Partitions, selector_on
 from app.session.scene import Proposal
 from app.session.session import Session
@@ -87,7 +87,7 @@ class ObjectSelection(QObject):
         self._selector: AnySelector | None = None
         self._asked: Question | None = None
         self._remark, self._was_ready = "", False
-        self._latest = Latest(session, "cpm-objects", tr("selecting objects"))
+        self._latest = LatestOnlyWorker(session, "cpm-objects", tr("selecting objects"))
         self._latest.done.connect(self._use)
         self.partitions = Partitions(session, lambda: self._wanted)
         self.partitions.changed.connect(self._use_partition)

@@ -111,7 +111,7 @@ def _run(document: Document, image: Image, core: Core, task: Task) -> tuple[Resu
     state: MethodState = method.start(document.seeds(seeds))
     scales = [(0, state.scale)]
     while not state.stop_reason:
-        task.go_on()
+        task.check_cancelled()
         state = method.step(state, document.parameters, document.charges)
         if state.scale != scales[-1][1]:
             scales.append((state.step, state.scale))

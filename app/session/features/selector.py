@@ -13,7 +13,7 @@ from app.model.document.document import Document
 from app.model.document.modes import MODES
 from app.model.text.language import tr
 from app.session.exchange.messages import Report
-from app.session.features.latest import Latest
+from app.session.features.background import LatestOnlyWorker
 from app.session.scene import Proposal
 from app.session.session import Session
 from app.session.tasks.tasks import Task
@@ -81,7 +81,7 @@ class Partitions(QObject):
         self._asked_for: Source | None = None
         self._everywhere: Prepared | None = None
         self._task: Task | None = None
-        self._latest = Latest(session, "cpm-partition", tr("preparing the selection of objects"))
+        self._latest = LatestOnlyWorker(session, "cpm-partition", tr("preparing the selection of objects"))
         self._latest.done.connect(self._take)
         self._quiet = QTimer(self, singleShot=True, interval=_QUIET)
         self._quiet.timeout.connect(self.look)
@@ -142,7 +142,9 @@ class Partitions(QObject):
 
         def work(task: Task) -> Report:
             image, grid = source.image, uniform_grid(source.image.shape)
-            found = segment(image, grid, source.parameters, regions=source.regions, progress=lambda _: task.go_on())
+            found = segment(
+                image, grid, source.parameters, regions=source.regions, progress=lambda _: task.check_cancelled()
+            )
             return Prepared(source, _ready(partition(found)))
 
         name = tr("Finding contours everywhere, to select objects from…")
@@ -298,10 +300,6 @@ class Selector:
         self.items = items
         self.edited = edited
         self._known: dict[tuple[Click, ...], Selection] = {}
-        nowhere = np.empty((0, 2))
-        # What a first click begins with. Without it, the partition begins with its last answer to one of the places,
-        # which may be what the pointer has shown where a stroke begins.
-        self._nothing = Selection(np.zeros(partition.shape, np.bool_), (), (), 0.0, nowhere, nowhere)
         self._changed = next((item for item in items if item.number == edited), None)
         others = [item for item in items if item.frozen and item.number != edited]
         self._elsewhere = np.concatenate([np.empty((0, 2)), *(_enclosed(item) for item in others)])
@@ -315,9 +313,9 @@ class Selector:
             if self._changed is not None and clicks == self._changed.clicks:
                 return self._known.setdefault(clicks, selection_of(self._changed, self.partition.shape))
             outside = places_of(clicks, inside=False)
-            previous = self.selection(clicks[:-1]) or self._nothing
-            if previous is self._nothing and len(self._elsewhere):  # frozen objects only take away
-                previous = self.partition.select(inside, outside, previous=previous)
+            previous = self.selection(clicks[:-1])
+            if previous is None and len(self._elsewhere):  # frozen objects only take away
+                previous = self.partition.select(inside, outside)
             outside = np.concatenate([outside, self._elsewhere])
             if len(self._known) > _MOST_SELECTIONS:
                 del self._known[next(reversed(self._known))]  # a preview; those of the clicks came first

@@ -20,7 +20,7 @@ from app.model.volume.slices import Slice, Slices
 from app.model.volume.surface_section import objects_in, selection_in, skeleton_in, unmeasured
 from app.model.volume.surface_section import section as lines_of
 from app.session.exchange.messages import Reconstruction, Snapshot
-from app.session.features.latest import MadeLater, MadeOnce, Same
+from app.session.features.background import AsyncCache, IdentityCache
 from app.session.scene import NO_CONTOURS, Item, NearParticles, ReviewedContours, Scene, ShownObjects
 from app.session.session import Session
 from app.session.worker.requests import Probed
@@ -46,14 +46,14 @@ class Sections:
     ----------
     axis : int, optional
         The axis across which the view shows its slices; by default that which is worked on.
-    later : MadeLater, optional
+    later : AsyncCache, optional
         Makes what takes long on other threads; without it that is made at once, as a film needs it.
     """
 
-    def __init__(self, axis: int | None = None, later: MadeLater | None = None) -> None:
+    def __init__(self, axis: int | None = None, later: AsyncCache | None = None) -> None:
         self.axis = axis
         self.later = later
-        self._parts = MadeOnce()
+        self._parts = IdentityCache()
 
     def of(self, scene: Scene) -> Scene:
         """The scene of a slice; any other scene is returned as it is."""
@@ -61,7 +61,7 @@ class Sections:
         if volume is None or slices is None or scene.volume is not None:
             return scene
         slices = slices if self.axis is None else slices.turned(self.axis)
-        here, part, reach = slices.current, self._parts.of, scene.document.parameters.d_min
+        here, part, reach = slices.current, self._parts.get, scene.document.parameters.d_min
         image = part(_image, volume, here)
         cut = part(objects_in, scene.document.objects, here)
         document, places = part(_document, scene.document, here, volume, cut)
@@ -73,7 +73,7 @@ class Sections:
             scene.shaded,
             document,
             places.get(scene.selected),
-            self._parts.named("seeds", lambda: _seeds(seeds, here, volume, reach), Same(seeds), here, reach),
+            self._parts.named("seeds", lambda: _seeds(seeds, here, volume, reach), seeds, here, reach),
             snapshot=part(_snapshot, scene.snapshot, near, here),
             reconstruction=part(_skeleton, scene.reconstruction, here),
             contours=part(_contours, scene.reconstruction, here),
@@ -110,7 +110,7 @@ class Sections:
                 found[name] = self.later.named(name, lines, lambda: np.empty((0, 2)), drawn, here)
             elif isinstance(drawn, SampledValues):
                 found[name] = self._parts.named(name, partial(_lines, drawn, here), drawn, here)
-        return self._parts.named("overlays", lambda: found, *found, *map(Same, found.values()))
+        return self._parts.named("overlays", lambda: found, *found, *found.values())
 
 
 def _image(volume: Image, here: Slice) -> Image:

@@ -17,6 +17,7 @@ from app.model.document.saving import to_file
 from app.model.text.language import tr
 from app.session.exchange.core_functions import Core
 from app.session.exchange.messages import Exported, Opened, Report, Saved
+from app.session.features.background import LatestOnlyWorker
 from app.session.features.contour_review import ContourReview
 from app.session.features.kept_pages import (
     Found,
@@ -30,7 +31,6 @@ from app.session.features.kept_pages import (
     starts_along,
     with_change,
 )
-from app.session.features.latest import Latest
 from app.session.features.page_runs import PageDone, PageOrder, run_pages
 from app.session.scene import Item
 from app.session.session import Session
@@ -83,7 +83,7 @@ class StackPages(QObject):
         self._core = core
         self._seen: Result | None = None
         self._drawn: tuple[Mapping[str, Any], ...] = ()
-        self._linking = Latest(session, "cpm-pages", tr("following objects through the pages"))
+        self._linking = LatestOnlyWorker(session, "cpm-pages", tr("following objects through the pages"))
         self._linking.done.connect(self._take_linked)
         self._later = QTimer(self, singleShot=True)
         self._later.timeout.connect(self._link)

@@ -110,7 +110,7 @@ class RecordedRun:
     """Timeline and metrics of all runs on an image; `make` gives the method of a run that began with a document."""
 
     def __init__(self, make: Callable[[Document], Method[Any]]) -> None:
-        self.timeline: Timeline[RunAction] = Timeline(self._apply, MEGABYTES * MEGABYTE)
+        self.timeline = Timeline(self._apply, MEGABYTES * MEGABYTE)
         self._make = make
         self._methods: dict[tuple[int, AnyRegions | None], Method[Any]] = {}
         self._records: dict[int, RunRecord] = {}
@@ -267,5 +267,4 @@ class RecordedRun:
             self._methods.pop(next(iter(self._methods)))
 
     def _apply(self, run: int, state: MethodState, action: RunAction) -> MethodState:
-        after: MethodState = action.apply(self._method(run, action.regions), state)
-        return after
+        return action.apply(self._method(run, action.regions), state)  # type: ignore[no-any-return]

@@ -134,7 +134,7 @@ class AnimationFeature(Feature):
 def _taken(frames: queue.Queue[Pixels | None], task: Task) -> Iterator[Pixels]:
     """Frames as they arrive, until there are no more; raises when the task is canceled."""
     while True:
-        task.go_on()
+        task.check_cancelled()
         try:
             frame = frames.get(timeout=_TIMEOUT)
         except queue.Empty:

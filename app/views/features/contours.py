@@ -87,7 +87,7 @@ class ContoursFeature(Feature):
         """The table."""
         return (
             Panel(name="contours", title=tr("Contours"), widget=self.panel, area="bottom", tab="below", shown=False,
-                  height=250, shortcut="F11"),
+                  height=160, shortcut="F11"),
         )  # fmt: skip
 
     def ask_name(self) -> None:

@@ -83,7 +83,7 @@ class RunControlFeature(Feature):
 
     def panels(self) -> Sequence[Panel]:
         """The panel of the run."""
-        return (Panel(name="run", title=tr("Run"), widget=self.panel, fitted=True, shortcut="F5"),)
+        return (Panel(name="run", title=tr("Run"), widget=self.panel, height=140, shortcut="F5"),)
 
     def close(self) -> bool:
         """Stop the updates."""
@@ -167,7 +167,15 @@ class TimelineFeature(Feature):
     def panels(self) -> Sequence[Panel]:
         """The timeline, below the canvas."""
         return (
-            Panel(name="timeline", title=tr("Timeline"), widget=self.panel, area="bottom", tab="below", shortcut="F9"),
+            Panel(
+                name="timeline",
+                title=tr("Timeline"),
+                widget=self.panel,
+                area="bottom",
+                tab="below",
+                height=40,
+                shortcut="F9",
+            ),
         )
 
     def preferences(self) -> Sequence[PreferenceRow]:

@@ -15,7 +15,7 @@ from app.model.state.situation import Condition, Situation, has_volume
 from app.model.text.language import tr
 from app.model.volume.slices import AXES, Slices
 from app.session.exchange.messages import Exported, Report
-from app.session.features.latest import MadeLater
+from app.session.features.background import AsyncCache
 from app.session.features.stack_pages import WantedContour
 from app.session.scene import Scene
 from app.session.storage.session_file import DocumentFile
@@ -61,7 +61,7 @@ class SlicesFeature(Feature):
         """Views of the slices across the other axes, made when they are first shown."""
         self._wanted = bool(context.preferences.get(_SIDES, True))
         self._cross = Cross(context.canvas_area.canvas)
-        self._later: list[MadeLater] = []
+        self._later: list[AsyncCache] = []
         self._draw_later(context.canvas_area.canvas)
         context.canvas_area.canvas.slice_wanted.connect(slices.go)
         context.session.scene_changed.connect(self._show)
@@ -106,7 +106,7 @@ class SlicesFeature(Feature):
 
     def _draw_later(self, view: ImageView) -> None:
         """Draw what takes long of the slices of a view when it has been made on another thread."""
-        view.sections.later = later = MadeLater(self.context.session)
+        view.sections.later = later = AsyncCache(self.context.session)
         later.completed.connect(view.draw_again)
         self._later.append(later)
 
@@ -232,7 +232,7 @@ class PagesFeature(Feature):
         """The table of all pages."""
         return (
             Panel(name="pages", title=tr("Pages"), widget=self.panel, area="bottom", tab="below", shown=False,
-                  height=250, shortcut="Shift+F11"),
+                  height=160, shortcut="Shift+F11"),
         )  # fmt: skip
 
     def use_keys(self) -> None:
@@ -301,9 +301,7 @@ class SpaceFeature(Feature):
 
     def panels(self) -> Sequence[Panel]:
         """The view."""
-        return (
-            Panel(name=_NAME, title=tr("In space"), widget=self.panel, shown=False, share=1.5, shortcut="Shift+F9"),
-        )
+        return (Panel(name=_NAME, title=tr("In space"), widget=self.panel, shown=False, shortcut="Shift+F9"),)
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """What the menu of the view offers, and both exports."""

@@ -15,7 +15,7 @@ from app.model.display.space.view_in_space import ColoredMesh, Particles, ViewIn
 from app.model.display.space.voxels import Shaded
 from app.model.volume.shape_sections import wires
 from app.session.exchange.messages import Reconstruction, Snapshot
-from app.session.features.latest import MadeOnce
+from app.session.features.background import IdentityCache
 from app.session.scene import Proposal, Scene
 from app.views.canvas.layers import Layers
 from app.views.canvas.layers.particles import BEGIN, UNKNOWN, ParticleLayer
@@ -36,7 +36,7 @@ class SeenInSpace:
     """Makes the view in space of the scenes of a session."""
 
     def __init__(self) -> None:
-        self._parts = MadeOnce()
+        self._parts = IdentityCache()
 
     def of(self, scene: Scene, layers: Layers) -> ViewInSpace | None:
         """What a scene shows; particles, gray values and what is drawn as their layers show them on the canvas."""
@@ -49,15 +49,15 @@ class SeenInSpace:
         given = snapshot, layer.word("colour"), layer.word("map"), layer.word("done"), inks
         shaded = self._parts.named("shaded", lambda: Shaded(image.values, window), image, window)
         particles = self._parts.named("particles", lambda: _particles(snapshot, layer), *given)
-        mesh = self._parts.of(_mesh, found)
+        mesh = self._parts.get(_mesh, found)
         drawn = (scene.document.shapes if layers.drawing.shown else (), scene.selected, image)
         skeleton = scene.skeleton if layers["skeleton"].shown else None
-        lines = self._parts.of(_wires, *drawn, skeleton)
+        lines = self._parts.get(_wires, *drawn, skeleton)
         of, offered = scene.document.objects, scene.objects.proposals
         selected = (of, offered, image.spacing) if layers["objects"].shown else None
         objects = self._parts.named("objects", lambda: () if selected is None else tuple(_objects(*selected)), selected)
         known = (scene.truth if layers["truth"].shown else None, image.spacing)
-        truth = self._parts.of(_truth, *known)
+        truth = self._parts.get(_truth, *known)
         return self._parts.named(
             "contents",
             lambda: ViewInSpace(image, shaded, slices, particles, mesh, lines, layers.image.table, objects, truth),

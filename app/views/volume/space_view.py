@@ -27,7 +27,7 @@ from app.model.display.space.picture import FAR, Picture
 from app.model.display.space.view_in_space import Look, ViewInSpace
 from app.model.text.language import tr
 from app.model.volume.slices import directions_of, first_seen
-from app.session.features.latest import Latest
+from app.session.features.background import LatestOnlyWorker
 from app.session.session import Session
 from app.views.theme import theme
 from app.views.volume.space_marks import SpaceMarks
@@ -101,7 +101,7 @@ class SpaceView(QWidget):
         self._pressed: QPointF | None = None
         self._last = QPointF()
         self._drag = (Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier)
-        self._painter = Latest(session, "cpm-space", tr("drawing the view in space"))
+        self._painter = LatestOnlyWorker(session, "cpm-space", tr("drawing the view in space"))
         self._painter.done.connect(self._take)
         self._still = QTimer(self, interval=_STILL, singleShot=True)
         self._still.timeout.connect(partial(self._ask, 1))

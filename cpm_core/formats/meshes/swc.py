@@ -20,7 +20,7 @@ from cpm_core.formats.common.provenance import PROGRAM, facts_on, text_of
 from cpm_core.formats.meshes.coordinates import Place, decimals_for, place_of, positions, unit_in_ascii
 from cpm_core.image.geometry import Convention, Geometry
 from cpm_core.image.image import Image
-from cpm_core.medial_axis.space.centerlines import Branch, Centerlines
+from cpm_core.medial_axis.centerlines import Branch, Centerlines
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import shown
 

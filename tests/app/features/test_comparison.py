@@ -39,7 +39,7 @@ from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.image.image import Image
 from cpm_core.model.starts import circle
 from cpm_core.objects.methods import CONTOUR_METHODS, Compared, Start, run_method
-from cpm_core.objects.methods.compared import FIRST
+from cpm_core.objects.methods.comparison import FIRST
 from cpm_core.shapes import Barrier, Charge, Stroke
 from cpm_core.shapes.outlines import outlines_of
 from tests.app.conftest import Hand, disc

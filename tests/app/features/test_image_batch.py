@@ -15,7 +15,7 @@ from app.views.export.batch.dialog import BatchDialog
 from app.views.features.exchange import BatchFeature
 from app.views.main_window import MainWindow
 from cpm_core import cli
-from cpm_core.cli.batch import workers
+from cpm_core.cli import workers
 from tests.app.conftest import Hand, disc
 
 pytestmark = pytest.mark.shared_window

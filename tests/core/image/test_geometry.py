@@ -111,23 +111,6 @@ def test_letters_tell_where_the_axes_lead():
     assert (turned.letters, round(turned.oblique)) == (("S", "A", "R"), 8)
 
 
-@pytest.mark.parametrize(
-    ("given", "words"),
-    [
-        ({"origin": (0, 1)}, "origin is"),
-        ({"origin": (0, 1, np.nan)}, "three finite numbers"),
-        ({"directions": ((1, 0, 0), (0, 1, 0))}, "three vectors"),
-        ({"directions": ((1, 0, 0), (0, 1, 0), (1, 1, 0))}, "lie in one plane"),
-        ({"directions": ((1, 0, 0), (0, 1, 0), (0, 0, 0))}, "lie in one plane"),
-        ({"convention": "LPI"}, '"LPI" but must be "LPS" or "RAS"'),
-        ({"depth": 0.0}, "above 0"),
-    ],
-)
-def test_what_is_no_geometry_is_refused(given, words):
-    with pytest.raises(ValueError, match=words):
-        Geometry(**given)
-
-
 @given(st.integers(0, 2**32 - 1))
 def test_letters_are_those_of_nibabel(seed):
     orientations = pytest.importorskip("nibabel").orientations

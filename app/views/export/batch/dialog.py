@@ -24,8 +24,8 @@ from PySide6.QtWidgets import (
 from app.model.export.formats import formats
 from app.model.state.situation import in_words
 from app.model.text.language import tr
+from app.session.features.background import LatestOnlyWorker
 from app.session.features.image_batch import ImageBatch
-from app.session.features.latest import Latest
 from app.session.session import Session
 from app.session.tasks.opening import images_in
 from app.views.export.batch.table import ImageTable
@@ -51,7 +51,7 @@ class BatchDialog(QDialog):
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self._session, self._batch = session, batch
         self._images: tuple[Path, ...] = batch.images
-        self._looking = Latest(session, "cpm-folder", tr("looking into a folder"))
+        self._looking = LatestOnlyWorker(session, "cpm-folder", tr("looking into a folder"))
         self._looking.done.connect(self._take_images)
         self._soon = QTimer(self, singleShot=True, interval=_SHOWN_EVERY)
         self._soon.timeout.connect(self.show_state)

@@ -14,7 +14,7 @@ from app.views.panels.item_table.row_model import RowModel
 from app.views.panels.item_table.row_table import RowTable
 
 if TYPE_CHECKING:  # the command line is loaded when there is a batch
-    from cpm_core.cli.batch.summary import Row
+    from cpm_core.cli.batch import Row
 
 
 @dataclass(frozen=True, slots=True)
