@@ -31,6 +31,9 @@ LATE_LIBRARIES = {
     "cpm_core.formats.images.medical.dicom.pixels": {"pydicom", "imagecodecs"},
     "cpm_core.formats.comparison": {"matplotlib"},
     "cpm_core.cli.workers": {"distributed"},
+    "cpm_core.formats.contours.dxf": {"ezdxf"},
+    "cpm_core.formats.contours.svg": {"svgelements"},
+    "cpm_core.formats.masks.nifti": {"nibabel"},
 }
 """What these modules import as well, and only where it is needed: inside functions, and for types."""
 
@@ -271,11 +274,6 @@ STILL_AROUND = {
     ("cpm_core/contours", "cpm_core/contours/graph"),
     ("cpm_core/contours", "cpm_core/contours/measurements"),
     ("cpm_core/contours", "cpm_core/contours/surface"),
-    ("cpm_core/formats", "cpm_core/formats/contours/reading"),
-    ("cpm_core/formats", "cpm_core/formats/masks"),
-    ("cpm_core/formats", "cpm_core/formats/meshes"),
-    ("cpm_core/formats/contours", "cpm_core/formats/contours/reading"),
-    ("cpm_core/formats/contours/reading", "cpm_core/formats/contours/reading/dxf"),
     ("cpm_core/formats/images", "cpm_core/formats/images/stacks"),
     ("cpm_core/objects", "cpm_core/objects/candidates"),
     ("cpm_core/objects", "cpm_core/objects/faces"),

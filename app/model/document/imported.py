@@ -15,7 +15,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.surface import Surface
 from cpm_core.contours.surface.inside import inside_of
 from cpm_core.contours.surface.packing import PackedSurface
-from cpm_core.formats.contours.reading.contour_file import ContourFile
+from cpm_core.formats.contour_file import ContourFile
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.numerics.types import Array, Place

@@ -33,7 +33,7 @@ from app.views.widgets.action_spec import ActionSpec
 from app.views.window.dialogs import Files
 from app.views.window.feature import Feature, FeatureContext, Panel
 from cpm_core.formats.animation import ANIMATED, write_animation, write_picture
-from cpm_core.formats.contours.pages.files import FOR_STACKS, stack_suffix_of
+from cpm_core.formats.contours.stack import FOR_STACKS, stack_suffix_of
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Place
 
