@@ -28,7 +28,7 @@ from app.session.exchange.messages import (
 from app.session.scene import NO_CONTOURS, ReviewedContours
 from app.session.signals import CONTOURS, EDITING, EXPORTING, RUNNING, SessionSignals
 from app.session.worker.commands import RunsRestored
-from app.session.worker.requests import Compared, Probed, Shaded, WindowFound
+from app.session.worker.requests import Compared, Probed, Shaded
 from app.session.worker.worker_thread import WorkerThread
 from cpm_core.contours.result import Result
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -53,7 +53,6 @@ class Progress:
         self._known = RunStatus()
         session.listen(Probed, self._take_probed)
         session.listen(Compared, self._take_compared)
-        session.listen(WindowFound, lambda found: self._show(window_found=found))
         session.listen(Shaded, lambda shaded: self._show(shaded=shaded))
 
     @property
