@@ -18,7 +18,7 @@ from app.views.volume.space_view import SpaceView
 from cpm_core.image.image import Image
 from cpm_core.numerics.segments import distances_to_segments
 from cpm_core.numerics.types import Place
-from cpm_core.objects.faces.space import VolumePartition
+from cpm_core.objects.volume_partition import VolumePartition
 from cpm_core.shapes import Points, Shape, Sphere
 
 REACH = 6.0
