@@ -157,19 +157,9 @@ def classify(document: Document, numbers: Iterable[int], category: int) -> Docum
     return _with(changed, category=category)
 
 
-def paint(document: Document, numbers: Iterable[int], color: str) -> Document:
-    """The document in which objects have a color; that of their class when it is empty."""
-    return _amended(document, numbers, lambda item: replace(item, color=color))
-
-
-def freeze(document: Document, numbers: Iterable[int], frozen: bool) -> Document:
-    """The document in which objects keep their boundaries and hold particles back, or do so no longer."""
-    return _amended(document, numbers, lambda item: replace(item, frozen=frozen))
-
-
-def hide(document: Document, numbers: Iterable[int], hidden: bool) -> Document:
-    """The document in which objects are hidden, or shown again."""
-    return _amended(document, numbers, lambda item: replace(item, hidden=hidden))
+def amend(document: Document, numbers: Iterable[int], **parts: str | bool) -> Document:
+    """The document in which objects have another color (empty: that of their class), or are frozen or hidden or not."""
+    return _amended(document, numbers, lambda item: replace(item, **parts))  # type: ignore[arg-type]
 
 
 def merge(document: Document, numbers: Iterable[int]) -> Document:

@@ -184,17 +184,11 @@ class TakeFrame(Command):
     def execute(self, context: CommandContext) -> None:
         """Recover the step and report it."""
         run = context.run
-        if self.task.over:
-            return
         if self.generation != run.generation:
             context.report(FrameTaken(self.task))
             return
-
-        def wanted() -> bool:
-            return not (self.task.over or context.closing())
-
-        moment = run.moment(self.branch, self.step, wanted)
-        if moment is None or not wanted():
+        moment = run.moment(self.branch, self.step, lambda: not (self.task.over or context.closing()))
+        if moment is None or self.task.over:
             return
         contours = None
         if self.contours and moment.state.step > 0:

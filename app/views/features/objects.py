@@ -117,7 +117,7 @@ class ObjectsFeature(Feature):
         """The table."""
         return (
             Panel(name="objects", title=tr("Objects"), widget=self.panel, area="bottom", tab="below", shown=False,
-                  height=250, shortcut="F10"),
+                  height=160, shortcut="F10"),
         )  # fmt: skip
 
     def use_keys(self) -> None:

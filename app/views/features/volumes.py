@@ -33,7 +33,7 @@ from app.views.widgets.action_spec import ActionSpec
 from app.views.window.dialogs import Files
 from app.views.window.feature import Feature, FeatureContext, Panel
 from cpm_core.formats.animation import ANIMATED, write_animation, write_picture
-from cpm_core.formats.contours.pages.files import FOR_STACKS, stack_suffix_of
+from cpm_core.formats.contours.stack import FOR_STACKS, stack_suffix_of
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Place
 
@@ -232,7 +232,7 @@ class PagesFeature(Feature):
         """The table of all pages."""
         return (
             Panel(name="pages", title=tr("Pages"), widget=self.panel, area="bottom", tab="below", shown=False,
-                  height=250, shortcut="Shift+F11"),
+                  height=160, shortcut="Shift+F11"),
         )  # fmt: skip
 
     def use_keys(self) -> None:
@@ -302,9 +302,7 @@ class SpaceFeature(Feature):
 
     def panels(self) -> Sequence[Panel]:
         """The view."""
-        return (
-            Panel(name=_NAME, title=tr("In space"), widget=self.panel, shown=False, share=1.5, shortcut="Shift+F9"),
-        )
+        return (Panel(name=_NAME, title=tr("In space"), widget=self.panel, shown=False, shortcut="Shift+F9"),)
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """What the menu of the view offers, and both exports."""

@@ -52,9 +52,10 @@ def write_swc(lines: Centerlines, path: str | os.PathLike[str], geometry: Geomet
 def encode(lines: Centerlines, geometry: Geometry | None = None, space: Convention = "LPS") -> bytes:
     """Make an SWC file: a line of text for each point, with x, y, z and radius in the unit of the spacing, and parent.
 
-    The coordinates are those of surfaces, in a volume with this geometry. SWC holds trees alone: a loop is cut at the
-    end of one of its branches, where a point is written twice.
+    The coordinates are those of surfaces, in a volume with this geometry, by default that of the lines. SWC holds trees
+    alone: a loop is cut at the end of one of its branches, where a point is written twice.
     """
+    geometry = geometry or lines.geometry
     rows: list[tuple[int, float, float, float, float, int]] = []
     number: dict[int, int] = {}
     at_node: dict[int, list[int]] = {}

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
-from app.model.document.objects import freeze
+from app.model.document.objects import amend
 from cpm_core.numerics import polyline
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
 
@@ -146,7 +146,7 @@ def test_a_frozen_object_and_an_empty_place_are_not_painted_and_a_word_says_so(w
         lambda: window.canvas_area.messages.text == "There is no object under the brush from which it could take away."
     )
     stroke(hand, (20, 20))
-    window.session.edit("", lambda document: freeze(document, (1,), True))
+    window.session.edit("", lambda document: amend(document, (1,), frozen=True))
     before = items(window)
     stroke(hand, (20, 20), (20, 30))
     assert items(window) == before

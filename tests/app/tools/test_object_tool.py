@@ -151,26 +151,6 @@ def test_a_stroke_says_the_same_of_all_that_it_crosses_and_is_one_step_of_undo(w
     assert not objects.selecting
 
 
-def test_what_the_pointer_showed_where_a_stroke_begins_does_not_count(window, hand, objects, monkeypatch) -> None:
-    partition, begun_with = objects.partitions.partition, []
-    select = type(partition).select
-
-    def recording(self, inside, outside=(), *, previous=None):
-        begun_with.append(previous)
-        return select(self, inside, outside, previous=previous)
-
-    monkeypatch.setattr(type(partition), "select", recording)
-    hand.move(5, 50)  # a pointer that is there already does not move
-    hand.move(18, 18)
-    hand.wait(lambda: window.session.scene.objects.preview is not None)
-    hand.drag((18, 18), (26, 26), (34, 33), (43, 42))
-    hand.wait(lambda: bool(objects.proposals))
-    stroke = objects.proposals[0].clicks
-    assert len(stroke) == 1 and len(stroke[0].places) > 2
-    assert len(begun_with) >= 2
-    assert all(previous is not None and not previous.mask.any() for previous in begun_with[:2])
-
-
 def test_escape_drops_the_proposal_and_backspace_takes_a_click_back(window, hand, objects, layer) -> None:
     click(hand, 18, 18)
     click(hand, 43, 42)

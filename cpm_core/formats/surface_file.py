@@ -14,13 +14,13 @@ from cpm_core.contours.ground_truth import labels_of
 from cpm_core.contours.surface import Surface, surface_of_labels
 from cpm_core.formats.common.content import content_of
 from cpm_core.formats.images.decoded import UnreadableError
-from cpm_core.formats.masks.label_volume import labels_like
 from cpm_core.formats.meshes import obj, ply, stl, vtk
 from cpm_core.formats.meshes.coordinates import place_of
 from cpm_core.formats.meshes.triangles import Triangles
 from cpm_core.formats.readers import load_volume
 from cpm_core.image.geometry import Convention
 from cpm_core.image.image import Image
+from cpm_core.numerics.types import Array
 
 _LOG = logging.getLogger(__name__)
 
@@ -36,6 +36,9 @@ SURFACES_READABLE: dict[str, str] = {suffix: what for suffix, (what, _) in _READ
 
 _HEAD = 4096
 """Bytes at the beginning of a file in which it tells its coordinates and its unit."""
+
+_ASIDE = 0.5
+"""How far labels may lie from where their volume lies [voxels]."""
 
 _MOST_LABELS = 100_000
 """Largest label that is the number of an object."""
@@ -139,3 +142,44 @@ def _of_labels(file: Path, image: Image | None) -> Surface:
     if values.min() == 0 and values.max() <= _MOST_LABELS and not (values % 1.0).any():
         labels = values.astype(np.int32)
     return surface_of_labels(labels, volume.spacing, volume.unit)
+
+
+def labels_like(file: Path, volume: Image) -> Array:
+    """The values of a label volume in the order of the axes of the volume that it belongs to.
+
+    ValueError when it cannot be read, has another size, or lies elsewhere in space.
+    """
+    labels = load_volume(file)
+    values = _turned_as(labels, volume)
+    if values.shape != volume.shape:
+        found, wanted = (" x ".join(map(str, shape)) for shape in (labels.shape, volume.shape))
+        raise ValueError(
+            f"{file.name} has {found} voxels, but this volume has {wanted}: choose the labels of this very volume."
+        )
+    return values
+
+
+def _turned_as(labels: Image, volume: Image) -> Array:
+    """The values of labels in the order of the axes of a volume; ValueError when they lie elsewhere in space."""
+    if labels.geometry is None or volume.geometry is None:
+        return labels.values
+    one, unit = (1.0, 1.0, 1.0), labels.unit == volume.unit
+    there, here = (np.array(image.geometry.affine(one, "LPS")) for image in (labels, volume) if image.geometry)
+    turn = np.linalg.solve(there[:3, :3], here[:3, :3])  # from steps in the volume to those in the labels
+    axes = np.abs(turn).argmax(axis=0)  # the axis of the labels that runs along each of the volume
+    lies = np.abs(turn - np.rint(turn)).max() * max(volume.shape) <= _ASIDE
+    sides = np.array(labels.spacing)[axes]
+    if lies and unit and np.allclose(sides, volume.spacing, rtol=1e-3):  # else the sides were set by hand
+        middles = (
+            image.geometry.affine(image.spacing, "LPS") @ [*(0.5 * (np.array(image.shape) - 1.0)), 1.0]
+            for image in (labels, volume)
+            if image.geometry
+        )
+        lies = bool(np.linalg.norm(np.subtract(*middles)) <= _ASIDE * max(volume.spacing))
+    if not lies:
+        raise ValueError(
+            f"{labels.source} lies elsewhere in space than {volume.source}: choose the labels of this very volume, or "
+            "save them without a place, as .npy or .tif."
+        )
+    backward = tuple(slice(None, None, -1) if turn[axes[axis], axis] < 0.0 else slice(None) for axis in range(3))
+    return np.ascontiguousarray(labels.values.transpose(axes)[backward])

@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-import scipy
 
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array
@@ -47,47 +46,17 @@ def rectangle(corner: Sequence[float] | Array, opposite: Sequence[float] | Array
     return np.array([(top, left), (top, right), (bottom, right), (bottom, left)], dtype=float)
 
 
-def bezier(*corners: Array) -> Array:
+def bezier(*corners: Sequence[float] | Array) -> Array:
     """Vertices of a Bézier curve of degree two or three, without its first one."""
-    if len(corners) == 3:
-        start, middle, end = corners
-        corners = (start, start + 2.0 / 3.0 * (middle - start), end + 2.0 / 3.0 * (middle - end), end)
-    start, one, two, end = corners
-    bend = 6.0 * max(float(np.linalg.norm(start - 2.0 * one + two)), float(np.linalg.norm(one - 2.0 * two + end)))
+    control = np.array([tuple(corner) for corner in corners], dtype=float)
+    if len(control) == 3:
+        start, middle, end = control
+        control = np.array([start, start + 2.0 / 3.0 * (middle - start), end + 2.0 / 3.0 * (middle - end), end])
+    bend = 6.0 * np.linalg.norm(np.diff(control, 2, axis=0), axis=1).max()
     count = int(min(_MOST, math.sqrt(bend / (8.0 * _NEAR)))) + 1
-    along = (np.arange(1, count + 1) / count)[:, None]
-    left = 1.0 - along
-    inner = 3.0 * left * along * (left * one + along * two)
-    return np.asarray(left**3 * start + inner + along**3 * end)
-
-
-def bulged(start: Array, end: Array, bulge: float) -> Array:
-    """Vertices of a circular arc without its first one; `bulge` is the tangent of a quarter of its angle."""
-    if abs(bulge) < 1e-9 or np.array_equal(start, end):
-        return end[None]
-    chord = end - start
-    # from the middle of the chord to the center, along the normal to the left of the chord
-    normal = np.array([-chord[1], chord[0]])
-    center = 0.5 * (start + end) + normal * (1.0 - bulge * bulge) / (4.0 * bulge)
-    first = start - center
-    return ellipse(center, first, np.array([-first[1], first[0]]), 0.0, 4.0 * math.atan(bulge))[1:]
-
-
-def spline(degree: int, knots: Sequence[float], controls: Array, weights: Sequence[float] = ()) -> Array:
-    """Vertices of a B-spline, rational where there are weights, shape (K, 2)."""
-    weight = np.asarray(weights if len(weights) == len(controls) else np.ones(len(controls)), dtype=float)
-    curve = scipy.interpolate.BSpline(
-        np.asarray(knots, dtype=float), np.column_stack([controls * weight[:, None], weight]), degree
-    )
-    low, high = knots[degree], knots[len(controls)]
-    count = 8 * max(1, len(controls) - degree)
-    while True:
-        values = curve(np.linspace(low, high, 2 * count + 1))
-        places = values[:, :2] / values[:, 2:]
-        sag = np.linalg.norm(places[1::2] - 0.5 * (places[:-1:2] + places[2::2]), axis=1).max()
-        if sag < _NEAR or count > _MOST:
-            return np.asarray(places[::2])
-        count *= 2
+    along = np.arange(1, count + 1) / count
+    shares = np.stack([(1 - along) ** 3, 3 * (1 - along) ** 2 * along, 3 * (1 - along) * along**2, along**3], axis=1)
+    return np.asarray(shares @ control)
 
 
 def nested(curves: Sequence[Array]) -> list[tuple[Array, bool]]:

@@ -15,9 +15,8 @@ import numpy as np
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import labels_of
 from cpm_core.formats.common.content import content_of
-from cpm_core.formats.contours.reading import coco, geojson, imagej, labelme, mask, own_json, svg, table
-from cpm_core.formats.contours.reading.contents import Contents, Plane
-from cpm_core.formats.contours.reading.dxf import reader as dxf
+from cpm_core.formats.contours import coco, contour_csv, contour_json, dxf, geojson, imagej, labelme, mask, svg
+from cpm_core.formats.contours.contents import Contents, Plane
 from cpm_core.formats.images.decoded import UnreadableError
 from cpm_core.formats.readers import READABLE, load_image
 from cpm_core.image.image import Image
@@ -156,7 +155,7 @@ def decode_contours(content: bytes, name: str, plane: Plane = UNKNOWN, *, page: 
 
 def _contents(content: bytes, name: str, plane: Plane) -> Contents:
     suffix = Path(name).suffix.lower()
-    if suffix in (".zip", ".roi") or imagej.is_imagej(content):
+    if suffix in (".zip", ".roi") or content.startswith((b"Iout", b"PK")):
         return imagej.read(content)
     if suffix == ".dxf":
         return dxf.read(content, plane)
@@ -165,13 +164,13 @@ def _contents(content: bytes, name: str, plane: Plane) -> Contents:
     if suffix == ".svg" or (suffix not in CONTOURS_READABLE and begin == "<"):
         return svg.read(text, plane)
     if suffix == ".csv" or (suffix not in CONTOURS_READABLE and begin not in ("{", "[")):
-        return table.read(text, name)
+        return contour_csv.read(text, name)
     plain = json.loads(text)
-    if own_json.is_own(plain):
-        return own_json.read(plain)
-    if labelme.is_labelme(plain):
+    if contour_json.is_own(plain):
+        return contour_json.read(plain)
+    if "shapes" in plain:
         return labelme.read(plain)
-    return coco.read(plain) if coco.is_coco(plain) else geojson.read(plain)
+    return coco.read(plain) if "annotations" in plain else geojson.read(plain)
 
 
 def _checked(found: Contents, name: str, page: int | None) -> ContourFile:

@@ -1,4 +1,4 @@
-"""What a file of contours holds, as a reader collects it."""
+"""What files of contours hold: names and colors as they are written, and contours as a reader collects them."""
 
 from __future__ import annotations
 
@@ -15,14 +15,26 @@ from PIL import ImageColor
 from cpm_core.contours.contour import MOST_LETTERS, Contour, Reached
 from cpm_core.numerics.types import Array
 
-Shape = tuple[int, int]
+DEFAULT = "#d6006c"
+"""Color of contours without one of their own: visible on gray and on white."""
+
+
+def title(contour: Contour, number: int) -> str:
+    """Name of a contour, or its number."""
+    return contour.name or f"contour {number}"
+
+
+def rgb(contour: Contour) -> tuple[int, int, int]:
+    """Red, green and blue of a contour, from 0 to 255."""
+    color = contour.color or DEFAULT
+    return int(color[1:3], 16), int(color[3:5], 16), int(color[5:7], 16)
 
 
 @dataclass(frozen=True, slots=True)
 class Plane:
     """What is known of the image that contours belong to: its shape, and the size of a pixel in a unit."""
 
-    shape: Shape | None = None
+    shape: tuple[int, int] | None = None
     spacing: tuple[float, float] = (1.0, 1.0)
     unit: str | None = None
 
@@ -51,7 +63,7 @@ class Contents:
     pages: list[int] = field(default_factory=list)
     places: list[tuple[float, float, int]] = field(default_factory=list)
     left_out: Counter[str] = field(default_factory=Counter)
-    shape: Shape | None = None
+    shape: tuple[int, int] | None = None
     notes: list[str] = field(default_factory=list)
     _objects: int = field(default=0, repr=False)
 
@@ -70,7 +82,7 @@ class Contents:
             vertices = vertices[:-1]
         first, last = (*map(bool, junctions), False, False)[:2]
         self.contours.append(
-            Contour(vertices, closed and len(vertices) > 2, junctions=(first, last), **_checked(properties))
+            Contour(vertices, closed and len(vertices) > 2, junctions=(first, last), **checked(properties))
         )
         self.pages.append(page)
 
@@ -91,7 +103,7 @@ class Contents:
         self.places.append((row, col, page))
 
 
-def _checked(properties: dict[str, Any]) -> dict[str, Any]:
+def checked(properties: dict[str, Any]) -> dict[str, Any]:
     """Properties of a contour; those that it cannot have are dropped."""
     reached = properties.get("reached", "")
     return {
