@@ -12,16 +12,9 @@ import scipy
 from app.model.document.document import Document
 from app.model.text.language import tr
 from cpm_core.contours.contour import Contour
-<<<<<<< HEAD
 from cpm_core.contours.packed_surface import PackedSurface
 from cpm_core.contours.surface import Surface, inside_of
-from cpm_core.formats.contours.reading.contour_file import ContourFile
-=======
-from cpm_core.contours.surface import Surface
-from cpm_core.contours.surface import inside_of
-from cpm_core.contours.packed_surface import PackedSurface
 from cpm_core.formats.contour_file import ContourFile
->>>>>>> main
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.numerics.types import Array, Place
