@@ -28,7 +28,7 @@ from cpm_core.contours.review import apply, middle, with_kept
 from cpm_core.formats import load_pages
 from cpm_core.formats.contours.contour_json import page_from_plain, page_to_plain
 from cpm_core.formats.images.reading import Reading
-from cpm_core.formats.images.stacks.pages import Pages
+from cpm_core.formats.images.stack import Pages
 from cpm_core.formats.sessions.session_file import SessionFile, decode, encode
 from cpm_core.image.image import Image
 from cpm_core.pages.follow import Follower, fitting, trouble_of

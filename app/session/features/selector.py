@@ -11,7 +11,6 @@ from PySide6.QtCore import QObject, QTimer, Signal
 from app.model.document.document import Document
 from app.model.document.modes import MODES
 from app.model.text.language import tr
-from app.model.volume.surface_section import prepare
 from app.session.exchange.messages import Report
 from app.session.features.background import LatestOnlyWorker
 from app.session.scene import Proposal
@@ -229,7 +228,7 @@ class BodySelector:
             self._known.pop(next(iter(self._known)))
         known = self._known.setdefault(key, selection)
         if known.found:
-            prepare(known.surface)
+            _ = known.surface  # made on this thread, not on that of the window
         return known
 
     def proposals(self, starts: Sequence[Array]) -> tuple[Proposal, ...]:

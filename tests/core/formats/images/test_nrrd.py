@@ -98,7 +98,7 @@ def test_values_beside_the_header_are_read_and_those_elsewhere_are_not(tmp_path)
     text = (tmp_path / "a.nhdr").read_text()
     for named in ("/dev/zero", "../a.raw", "missing.raw"):
         (tmp_path / "b.nhdr").write_text(text.replace("a.raw", named))
-        with pytest.raises(ValueError, match=r"b\.nhdr keeps its values in .*, which is not beside it: put both"):
+        with pytest.raises(ValueError, match="which is not one file beside it"):
             load_volume(tmp_path / "b.nhdr")
 
 
@@ -107,7 +107,7 @@ def test_a_file_cut_short_is_refused(tmp_path, encoding):
     write(tmp_path / "a.nrrd", **HEADER, encoding=encoding)
     content = (tmp_path / "a.nrrd").read_bytes()
     (tmp_path / "a.nrrd").write_bytes(content[: len(content) - 200])
-    with pytest.raises(ValueError, match="is a damaged NRRD file"):
+    with pytest.raises(ValueError, match="is damaged"):
         load_volume(tmp_path / "a.nrrd")
 
 
@@ -115,5 +115,5 @@ def test_more_than_memory_holds_is_refused_in_words(tmp_path):
     write(tmp_path / "a.nrrd", **HEADER, encoding="bzip2")
     content = (tmp_path / "a.nrrd").read_bytes().replace(b"sizes: 14 12 10", b"sizes: 99999 99999 9999")
     (tmp_path / "a.nrrd").write_bytes(content)
-    with pytest.raises(ValueError, match=r"a\.nrrd has 9,999 × 99,999 × 99,999 px, which need"):
+    with pytest.raises(ValueError, match=r"need .* GB of memory"):
         load_volume(tmp_path / "a.nrrd")

@@ -4,11 +4,10 @@ import nibabel
 import numpy as np
 import pydicom
 import pytest
-from pydicom.uid import DeflatedExplicitVRLittleEndian, JPEG2000Lossless, RLELossless
+from pydicom.uid import JPEG2000Lossless, RLELossless
 
 from cpm_core import load_image, load_volume
-from cpm_core.formats import open_stack
-from cpm_core.formats.images.medical.dicom.reader import reads
+from cpm_core.formats.images.dicom import reads
 
 from .made import ACROSS, OBLIQUE, SERIES, SHAPE, VALUES, dataset, write_series, write_slice
 
@@ -41,7 +40,7 @@ def test_of_a_series_with_a_gap_the_longest_even_part_is_taken_and_it_is_said(tm
     volume = load_volume(tmp_path / "s")
     assert volume.shape == (11, *SHAPE[1:])
     assert volume.notes == (
-        "Between slices 9 and 10 lie 3 mm, elsewhere 1 mm: 2 slices are missing.",
+        "Its slices are from 1 to 3 mm apart: some may be missing.",
         "The longest even part has 11 slices, 10 to 20, 1 mm apart.",
         "Only these were taken.",
     )
@@ -52,31 +51,9 @@ def test_of_a_series_with_a_gap_the_longest_even_part_is_taken_and_it_is_said(tm
     assert whole.geometry.origin == pytest.approx((-20.0, 10.0, 7.0))
 
 
-def test_of_two_spacings_the_longest_even_part_is_taken_and_it_is_said(tmp_path):
-    heights = [1.0 * k for k in range(9)] + [8.0 + 1.7 * k for k in range(1, 6)]
-    write_series(tmp_path / "s", heights)
-    volume = load_volume(tmp_path / "s")
-    assert volume.spacing[0] == pytest.approx(1.0)
-    assert volume.notes == (
-        "Its slices are from 1 to 1.7 mm apart.",
-        "The longest even part has 9 slices, 1 to 9, 1 mm apart.",
-        "Only these were taken.",
-    )
-
-
-def test_the_other_even_parts_of_a_series_are_volumes_by_choice(tmp_path):
-    heights = [*range(9), *range(11, 22)]
-    write_series(tmp_path / "s", heights, values=np.concatenate([VALUES, VALUES + 1]))
-    assert open_stack(tmp_path / "s").series == ("head", "head, slices 1 to 9")
-    volume = load_volume(tmp_path / "s", series=2)
-    assert (volume.shape, volume.notes) == ((9, *SHAPE[1:]), ())
-    assert np.array_equal(volume.values, VALUES[:9])
-    assert volume.geometry.origin == pytest.approx((-20.0, 10.0, 5.0))
-
-
 def test_without_an_even_part_large_enough_the_sentence_says_why_and_what_to_do(tmp_path):
     write_series(tmp_path / "s", [0, 1, 2, 3, 4, 9, 10, 11, 12])
-    with pytest.raises(ValueError, match=r"s: Between slices 5 and 6 lie 5 mm, .* at least 8 planes: resample them"):
+    with pytest.raises(ValueError, match=r"s: Its slices are from 1 to 5 mm apart.* at least 8 planes: resample them"):
         load_volume(tmp_path / "s")
     assert load_image(tmp_path / "s").shape == SHAPE[1:]
 
@@ -133,7 +110,7 @@ def test_without_positions_slices_come_in_the_order_of_their_numbers(tmp_path):
     volume = load_volume(tmp_path / "s")
     assert np.array_equal(volume.values, VALUES)
     assert (volume.spacing[0], volume.geometry) == (3.0, None)
-    assert volume.notes[0].startswith("It does not tell where its slices lie; they were taken in their order, as far")
+    assert volume.notes[0].endswith("they were taken in their order, 3 mm apart.")
 
 
 def test_one_slice_is_an_image_and_no_volume(tmp_path):
@@ -283,7 +260,7 @@ def test_packed_pixels_of_another_size_than_the_header_says_are_refused(tmp_path
     found, _ = of_twelve_bits(pytest.importorskip("imagecodecs"))
     found.Rows = 11
     found.save_as(tmp_path / "a.dcm")
-    with pytest.raises(ValueError, match="is a damaged DICOM file"):
+    with pytest.raises(ValueError, match="is damaged"):
         load_image(tmp_path / "a.dcm")
 
 
@@ -304,16 +281,6 @@ def test_old_files_without_a_mark_are_known_by_their_first_entry(tmp_path, impli
     content = (tmp_path / "a.dcm").read_bytes()
     assert content[128:132] != b"DICM" and reads(content[:512], tmp_path / "a.dcm")
     assert np.array_equal(load_image(tmp_path / "a.dcm").values, VALUES[0])
-
-
-def test_a_file_that_is_packed_as_a_whole_is_read_or_refused_before_it_takes_all_memory(tmp_path, monkeypatch):
-    found = dataset(VALUES[0], PixelData=bytes(2 * VALUES[0].size))
-    found.file_meta.TransferSyntaxUID = DeflatedExplicitVRLittleEndian
-    found.save_as(tmp_path / "a.dcm", enforce_file_format=True)
-    assert not load_image(tmp_path / "a.dcm").values.any()
-    monkeypatch.setattr("cpm_core.formats.images.medical.dicom.frame.free", lambda: 300.0)
-    with pytest.raises(ValueError, match=r"a\.dcm unpacks to more than the free memory"):
-        load_image(tmp_path / "a.dcm")
 
 
 def test_a_file_without_an_image_is_called_that(tmp_path):

@@ -119,5 +119,5 @@ def test_more_than_the_file_can_hold_is_refused_before_memory_is_taken(tmp_path)
     content[42:48] = np.array([30000] * 3, "<i2").tobytes()
     for name, damaged in (("a.nii", bytes(content)), ("a.nii.gz", gzip.compress(bytes(content)))):
         (tmp_path / name).write_bytes(damaged)
-        with pytest.raises(ValueError, match="is a damaged NIfTI file"):
+        with pytest.raises(ValueError, match="is damaged"):
             load_volume(tmp_path / name)

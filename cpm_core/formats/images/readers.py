@@ -12,34 +12,27 @@ import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.formats.common.content import fingerprint
 from cpm_core.formats.common.printable import printable
-from cpm_core.formats.images import foreign, numpy_array, resolution
-from cpm_core.formats.images.choice import Choice
+from cpm_core.formats.images import dicom, metaimage, nifti, nrrd, numpy_array, raster, resolution, tiff
 from cpm_core.formats.images.decoded import Decoded, UnreadableError
-from cpm_core.formats.images.medical import metaimage, nifti, nrrd
-from cpm_core.formats.images.medical.dicom import reader as dicom
-from cpm_core.formats.images.reading import checked_unit
-from cpm_core.formats.images.stacks import frames, tiff_stack
-from cpm_core.formats.images.stacks.pages import Axis, Pages
-from cpm_core.formats.images.stacks.stack import Stack, plane_of, volume_of
-from cpm_core.image.colors import LUMINANCE, LUMINANCE_NOTE, checked_color, in_color
+from cpm_core.formats.images.reading import Reading, checked_unit
+from cpm_core.formats.images.stack import Axis, Pages, Stack, plane_of, volume_of
+from cpm_core.image.colors import LUMINANCE, LUMINANCE_NOTE, in_color
 from cpm_core.image.gray_levels import NO_DATA, no_data_note
 from cpm_core.image.image import MINIMUM_SIDE, Image
 from cpm_core.numerics.real_numbers import real_numbers
-from cpm_core.parameters.quotation import shown
+
+T = TypeVar("T")
 
 
 class Reader(Protocol):
     """Interface of a module that reads images."""
-
-    FORMAT: str
-    """Name of the format of all its files; empty where it reads several, or none."""
 
     READS: dict[str, str]
     """Suffix -> what such a file is."""
@@ -47,19 +40,32 @@ class Reader(Protocol):
     def reads(self, head: bytes, path: Path, /) -> bool:
         """Whether the file is of this format, by its first 512 bytes (all of a shorter file) and its path."""
 
-    def read(self, path: Path, choice: Choice, /) -> Decoded:
-        """Read an image, of a file of several planes one of them; damaged files may raise anything."""
-
-    def stack(self, path: Path, choice: Choice, /) -> Stack:
-        """Open a file of several planes, of a picture that stands still its only one."""
+    def stack(self, path: Path, reading: Reading, /) -> Stack:
+        """Open a file of one or several planes; damaged files may raise anything."""
 
 
 # dicom comes first, because a DICOM file may begin as a TIFF does; the last one takes what no other reads
-_READERS: tuple[Reader, ...] = (dicom, tiff_stack, numpy_array, nifti, nrrd, metaimage, foreign, frames)
+_READERS: tuple[Reader, ...] = (dicom, tiff, numpy_array, nifti, nrrd, metaimage, raster)
 _HEAD = 512
 """Bytes that identify a format: the signatures of medical formats are at 128 (DICOM) and 344 (NIfTI)."""
 
-_AXES: dict[str, Axis] = {"page": "z", "time": "t", "channel": "c"}
+_FOREIGN: tuple[tuple[int, bytes, str], ...] = (
+    (0, b"ZISRAWFILE", "a CZI file of Zeiss"),
+    (0, b"\xda\xce\xbe\x0a", "an ND2 file of Nikon"),
+    (0, b"p\0\0\0", "a LIF file of Leica"),
+    (0, b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "an OIB or ZVI file of a microscope, or a document"),
+    (0, b"\x89HDF\r\n\x1a\n", "an HDF5 file"),
+    (0, b"MATLAB 5.0 MAT-file", "a MATLAB file"),
+    (4, b"ftyphei", "a HEIC picture"),
+    (4, b"ftyp", "a video"),
+    (0, b"SIMPLE  =", "a FITS image"),
+    (0, b"PK\x03\x04", "an archive of files (ZIP)"),
+    (0, b"\x1f\x8b", "a packed file (gzip)"),
+    (0, b"%PDF-", "a PDF document"),
+    (0, b"8BPS", "a Photoshop picture"),
+    (0, b"<", "an SVG drawing or another XML file"),
+)
+"""Place of a signature in a file, the signature, and what the file is: kinds that are known but not read."""
 
 _LOG = logging.getLogger(__name__)
 
@@ -119,9 +125,8 @@ def load_image(
     >>> cpm.load_image("disk.npy", spacing=0.5, unit="µm")
     <Image disk.npy, 64 x 64 px, 0.5 µm a pixel>
     """
-    file, choice = Path(path), Choice(page, channel, time, series)
-    decoded = _in(checked_color(color), _read(file, lambda reader: reader.read(file, choice)))
-    return _image(decoded, file, _hash(file, go_on), spacing, unit)
+    reading = Reading(page, channel, time, series, color, _sides(spacing), unit)
+    return _image(Path(path), reading, plane_of, go_on)
 
 
 def load_volume(
@@ -163,10 +168,8 @@ def load_volume(
     >>> cpm.load_volume("ball.npy", spacing=(2.0, 1.0, 1.0), unit="mm")
     <Image ball.npy, 31 x 31 x 31 voxels, 2 x 1 x 1 mm a voxel>
     """
-    choice = Choice(None, channel, time, series)
-    file = Path(path)
-    decoded = _in(checked_color(color), _read(file, lambda reader: volume_of(reader.stack(file, choice), choice)))
-    return _image(decoded, file, _hash(file, go_on), spacing, unit)
+    reading = Reading(None, channel, time, series, color, _sides(spacing), unit)
+    return _image(Path(path), reading, volume_of, go_on)
 
 
 def load_pages(
@@ -205,38 +208,30 @@ def load_pages(
     >>> len(pages), pages[1].shape
     (2, (64, 64))
     """
-    file, wanted = Path(path), checked_color(color)
-    opened: Stack = _read(file, lambda reader: reader.stack(file, Choice(None, channel, time, series)))
+    file, reading = Path(path), Reading(None, channel, time, series, color, _sides(spacing), unit)
+    stack = _guarded(file, lambda: _opened(file, reading))
     sha256 = _hash(file, go_on)
-
-    axis, count = _paged(opened, time, channel)
+    axes: tuple[tuple[str, Axis, int], ...] = (
+        ("page", "z", stack.shape[0]),
+        ("time", "t", stack.times if time is None else 1),
+        ("channel", "c", stack.channels if channel is None else 1),
+    )
+    name, axis, count = next((one for one in axes if one[2] > 1), axes[0])
 
     def page(number: int) -> Image:
-        chosen: dict[str, Any] = {"page": None, "channel": channel, "time": time, "series": series, axis: number}
-        return _image(
-            _in(wanted, _read(file, lambda _: plane_of(opened, Choice(**chosen)))), file, sha256, spacing, unit
-        )
+        chosen: dict[str, Any] = {name: number}
+        one = replace(reading, **chosen)
+        return _finished(_guarded(file, lambda: plane_of(stack, one)), file, one, sha256)
 
     return Pages(
         printable(file.name),
         count,
         page,
-        word="frame" if opened.word == "frame" else "page",
-        axis=_AXES[axis],
-        alone=sum(length > 1 for length in (opened.shape[0], opened.times, opened.channels)) < 2,
-        sha256=sha256,
+        "frame" if stack.word == "frame" else "page",
+        axis,
+        sum(length > 1 for length in (stack.shape[0], stack.times, stack.channels)) < 2,
+        sha256,
     )
-
-
-def _paged(stack: Stack, time: int | None, channel: int | None) -> tuple[str, int]:
-    """What the pages of a stack are, as `Choice` names it, and how many there are."""
-    if stack.shape[0] > 1:
-        return "page", stack.shape[0]
-    if stack.times > 1 and time is None:
-        return "time", stack.times
-    if stack.channels > 1 and channel is None:
-        return "channel", stack.channels
-    return "page", 1
 
 
 def holds_volume(path: str | os.PathLike[str], series: int | str | None = None) -> bool:
@@ -263,61 +258,37 @@ def open_stack(path: str | os.PathLike[str], series: int | str | None = None) ->
         As for `load_volume`; `UnchosenError` when an archive holds several images and none is chosen.
     """
     file = Path(path)
-    opened: Stack = _read(file, lambda reader: reader.stack(file, Choice(series=series)))
-    return opened
+    return _guarded(file, lambda: _opened(file, Reading(series=series)))
 
 
-def _read(file: Path, do: Callable[[Reader], Any]) -> Any:
-    """What the reader of a file makes of it; ValueError, one sentence, when it fails."""
-    head = _head(file)
-    reader = next(reader for reader in _READERS if reader.reads(head, file))
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # oddities of a readable file do not concern the user
-            return do(reader)
-    except UnreadableError:
-        raise
-    except MemoryError:
-        raise ValueError(f"{file.name} does not fit into memory: crop it or make it smaller first.") from None
-    except Exception as error:  # decoders raise exceptions of any kind on damaged files
-        _LOG.info("%s: %s: %s", file, type(error).__name__, error)
-        named = (other.FORMAT for other in _READERS if file.name.lower().endswith(tuple(other.READS)))
-        if kind := reader.FORMAT or next(named, ""):
-            raise ValueError(
-                f"{file.name} is a damaged {kind} file: get a sound copy of it, or save it again."
-            ) from error
-        raise ValueError(
-            f"{file.name} is damaged, cut short or of an unknown kind: get a sound copy of it, "
-            "or save it again as PNG or TIFF."
-        ) from error
+def _sides(spacing: ArrayLike | None) -> tuple[float, ...] | None:
+    return None if spacing is None else tuple(np.ravel(real_numbers(spacing)).tolist())
 
 
-def _in(color: str, decoded: Decoded) -> Decoded:
-    """What was read, in the gray levels of a channel of its colors."""
-    if color == LUMINANCE or decoded.colors is None:
-        return decoded
-    values, said = in_color(decoded.values, decoded.colors, color)
-    notes = tuple(said if note == LUMINANCE_NOTE else note for note in decoded.notes)
-    return replace(decoded, values=values, colors=None, notes=notes)
+def _image(
+    file: Path, reading: Reading, part: Callable[[Stack, Reading], Decoded], go_on: Callable[[], object] | None
+) -> Image:
+    """A part of a file as an image."""
+    decoded = _guarded(file, lambda: part(_opened(file, reading), reading))
+    return _finished(decoded, file, reading, _hash(file, go_on))
 
 
-def _image(decoded: Decoded, file: Path, sha256: str, spacing: ArrayLike | None, unit: str | None) -> Image:
-    """The image of what was read, with the size of a pixel that is given, if one is."""
-    sizes, named, geometry = decoded.spacing, decoded.unit, decoded.geometry
-    if spacing is None and unit is not None:
-        raise ValueError(f"unit is {shown(unit)} but there is no spacing: give the size of a pixel as well.")
-    if spacing is not None:
-        given = real_numbers(spacing)
-        if given.ndim == 0:
-            given = np.full(decoded.values.ndim, given.item())
-        sizes, named = tuple(np.ravel(given).tolist()), checked_unit(unit)
-        if geometry is not None and named and decoded.unit:
-            geometry = geometry.scaled(resolution.factor(decoded.unit, named))
-    name, values, notes = printable(file.name), decoded.values, decoded.notes
+def _finished(decoded: Decoded, file: Path, reading: Reading, sha256: str) -> Image:
+    """The image of what was read, in the gray levels and with the size of a pixel that were chosen."""
+    values, notes, colors = decoded.values, decoded.notes, decoded.colors
+    spacing, unit, geometry = decoded.spacing, decoded.unit, decoded.geometry
+    if reading.color != LUMINANCE and colors is not None:
+        values, note = in_color(values, colors, reading.color)
+        notes, colors = tuple(note if one == LUMINANCE_NOTE else one for one in notes), None
+    if reading.spacing is not None:
+        given = reading.spacing
+        spacing, unit = given * values.ndim if len(given) == 1 else given, checked_unit(reading.unit)
+        if geometry is not None and unit and decoded.unit:
+            geometry = geometry.scaled(resolution.factor(decoded.unit, unit))
     if values.dtype == np.float64 and np.all(values == NO_DATA):  # a plane beyond what was recorded
         notes = (*notes, no_data_note(values.size))
         values = np.zeros(values.shape)
-    return Image(values, sizes, named, name, notes, decoded.colors, sha256, geometry)
+    return Image(values, spacing, unit, printable(file.name), notes, colors, sha256, geometry)
 
 
 def _hash(file: Path, go_on: Callable[[], object] | None) -> str:
@@ -325,8 +296,39 @@ def _hash(file: Path, go_on: Callable[[], object] | None) -> str:
     return "" if os.path.isdir(file) else fingerprint(file, go_on)  # noqa: PTH112 - raises nothing
 
 
+def _guarded(file: Path, read: Callable[[], T]) -> T:
+    """What a function reads of a file; ValueError, one sentence, when it fails."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # oddities of a readable file do not concern the user
+            return read()
+    except UnreadableError:
+        raise
+    except MemoryError:
+        raise ValueError(f"{file.name} does not fit into memory: crop it or make it smaller first.") from None
+    except Exception as error:  # decoders raise exceptions of any kind on damaged files
+        _LOG.info("%s: %s: %s", file, type(error).__name__, error)
+        raise ValueError(
+            f"{file.name} is damaged, cut short or of an unknown kind: get a sound copy of it, "
+            "or save it again as PNG or TIFF."
+        ) from error
+
+
+def _opened(file: Path, reading: Reading) -> Stack:
+    """What a file holds, opened by its reader."""
+    head = _head(file)
+    reader = next(reader for reader in _READERS if reader.reads(head, file))
+    kind = next((kind for place, mark, kind in _FOREIGN if head.startswith(mark, place)), None)
+    if reader is raster and kind is not None:
+        raise UnreadableError(
+            f"{file.name} is {kind}, and CPM does not read those: save the image or volume that you want as TIFF, "
+            "with the program that made it."
+        )
+    return reader.stack(file, reading)
+
+
 def _head(file: Path) -> bytes:
-    """First bytes of a file; ValueError unless it is a regular file that can be read."""
+    """First bytes of a file; UnreadableError unless it is a regular file that can be read."""
     try:
         kind = file.stat().st_mode
         if stat.S_ISDIR(kind):
@@ -338,11 +340,11 @@ def _head(file: Path) -> bytes:
         with file.open("rb") as stream:
             head = stream.read(_HEAD)
     except FileNotFoundError:
-        raise ValueError(f"{file} does not exist: check its name and folder.") from None
+        raise UnreadableError(f"{file} does not exist: check its name and folder.") from None
     except PermissionError:
-        raise ValueError(f"{file} cannot be read, because you have no permission: ask its owner for it.") from None
+        raise UnreadableError(f"{file} cannot be read, because you have no permission: ask its owner for it.") from None
     except OSError as error:
-        raise ValueError(f"{file} cannot be read: {error.strerror or error}.") from error
+        raise UnreadableError(f"{file} cannot be read: {error.strerror or error}.") from error
     if not head:
-        raise ValueError(f"{file.name} is empty: get a sound copy of it.")
+        raise UnreadableError(f"{file.name} is empty: get a sound copy of it.")
     return head

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import math
+import zlib
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cpm_core.formats.common.printable import printable
-from cpm_core.formats.images.choice import FIRST, Choice
-from cpm_core.formats.images.decoded import Decoded, UnreadableError, from_samples
-from cpm_core.formats.images.medical.content import Packing, beside, values_of
-from cpm_core.formats.images.stacks.stack import Stack, as_planes, plane_of
+from cpm_core.formats.images.decoded import Decoded, UnreadableError, from_bands
+from cpm_core.formats.images.reading import Reading
+from cpm_core.formats.images.stack import NO_PLACE, Stack, check_content, check_memory, file_beside
 from cpm_core.image.geometry import Geometry, from_affine
 
-FORMAT = "MetaImage"
 READS = {".mha": "MetaImage volume", ".mhd": "MetaImage volume of two files"}
 
 _BEGINNINGS = (b"ObjectType", b"NDims", b"ObjectSubType", b"Comment")
@@ -35,7 +35,6 @@ _TYPES = {
     "DOUBLE": "f8",
 }
 _UNITS = {"mm": "mm", "um": "µm", "cm": "cm"}
-_YES = ("true", "1", "yes")
 
 
 def reads(head: bytes, _path: Path) -> bool:
@@ -43,12 +42,7 @@ def reads(head: bytes, _path: Path) -> bool:
     return head.startswith(_BEGINNINGS) and b"=" in head[:40]
 
 
-def read(path: Path, choice: Choice = FIRST) -> Decoded:
-    """Read one plane of a volume; see `plane_of`."""
-    return plane_of(stack(path, choice), choice)
-
-
-def stack(path: Path, _choice: Choice = FIRST) -> Stack:
+def stack(path: Path, _reading: Reading) -> Stack:
     """Open a volume; its columns are the first axis of the file, its planes the third, times a fourth."""
     name = printable(path.name)
     entries, end = _header(path)
@@ -59,24 +53,32 @@ def stack(path: Path, _choice: Choice = FIRST) -> Stack:
     if min(*sizes, bands) < 1:
         raise ValueError("there are no values")
     columns, rows, planes, times = (*sizes, 1, 1)[:4]
-    most_first = entries.get("binarydatabyteordermsb", entries.get("elementbyteordermsb", "False")).lower() in _YES
+    msb_first = _is_true(entries.get("binarydatabyteordermsb", entries.get("elementbyteordermsb", "")))
     named = entries["elementtype"].removeprefix("MET_").removesuffix("_ARRAY")
-    kind = np.dtype(_TYPES[named]).newbyteorder(">" if most_first else "<")
-    file, offset = _content(path, entries, end)
-    packing: Packing = "deflate" if entries.get("compresseddata", "False").lower() in _YES else "raw"
+    kind = np.dtype(_TYPES[named]).newbyteorder(">" if msb_first else "<")
+    packed = _is_true(entries.get("compresseddata", ""))
+    file, begin = path, end
+    if entries["elementdatafile"].upper() != "LOCAL":
+        file, begin = file_beside(path, entries["elementdatafile"]), int(entries.get("headersize", "0"))
     shape = (times, planes, rows, columns, bands)
-    if packing == "raw":
-        values_of(file, offset, shape, kind)  # whether they are all there
-    place = _place(entries, len(sizes))
+    needed = math.prod(shape) * kind.itemsize
+    check_content(file, needed + (0 if packed else max(begin, 0)), packed)
+    spacing, unit, geometry, notes = _place(entries, len(sizes))
     color = bands in (3, 4) and kind.kind == "u"
 
+    def values() -> NDArray[Any]:
+        if not packed:
+            return np.memmap(file, kind, "r", begin if begin >= 0 else file.stat().st_size - needed, shape)
+        check_memory(shape, kind.itemsize, name)
+        unpacker = zlib.decompressobj(zlib.MAX_WBITS | 32)  # of zlib or of gzip
+        content = unpacker.decompress(file.read_bytes()[max(begin, 0) :], needed + 1)
+        if len(content) != needed or not unpacker.eof:  # at whose end the checksum shows whether they are sound
+            raise EOFError(f"{name} names another number of bytes than it has.")
+        return np.frombuffer(content, kind).reshape(shape)
+
     def take(time: int, channel: int, first: int, end: int) -> Decoded:
-        part = values_of(file, offset, shape, kind, packing)[time, first:end]
-        if not color:
-            return Decoded(np.array(part[..., channel]))
-        samples = np.array(part).reshape(-1, columns, bands)
-        found = from_samples(samples[..., :3], samples[..., 3] if bands == 4 else None)
-        return as_planes(found, (end - first, rows, columns))
+        part = values()[time, first:end]
+        return from_bands(np.array(part)) if color else Decoded(np.array(part[..., channel]))
 
     return Stack(
         name,
@@ -85,10 +87,10 @@ def stack(path: Path, _choice: Choice = FIRST) -> Stack:
         float(kind.itemsize * bands),
         times,
         1 if color else bands,
-        place.spacing,
-        place.unit,
-        place.geometry,
-        notes=place.notes,
+        spacing,
+        unit,
+        geometry,
+        notes=notes,
         otherwise=planes // 2,
     )
 
@@ -108,26 +110,15 @@ def _header(path: Path) -> tuple[dict[str, str], int]:
     raise ValueError("the header has no end")
 
 
-def _content(path: Path, entries: dict[str, str], end: int) -> tuple[Path, int]:
-    """File of the values and where they begin in it."""
-    named = entries["elementdatafile"]
-    if named.upper() == "LOCAL":
-        return path, end
-    if named.upper().startswith("LIST") or "%" in named:
-        raise UnreadableError(f"{path.name} keeps its planes in files of their own: save it as one file, .mha.")
-    return beside(path, named), int(entries.get("headersize", "0"))
+def _is_true(text: str) -> bool:
+    return text.lower() in ("true", "1", "yes")
 
 
-class _Place(NamedTuple):
-    """Size of a voxel, its unit, and where the volume lies."""
+def _place(
+    entries: dict[str, str], axes: int
+) -> tuple[tuple[float, float, float], str | None, Geometry | None, tuple[str, ...]]:
+    """Size of a voxel, its unit, and where the volume lies, where the file gives them, with notes."""
 
-    spacing: tuple[float, float, float]
-    unit: str | None
-    geometry: Geometry | None
-    notes: tuple[str, ...] = ()
-
-
-def _place(entries: dict[str, str], axes: int) -> _Place:
     def numbers(*names: str) -> Any:
         found = next((entries[name] for name in names if name in entries), None)
         return None if found is None else np.array([float(part) for part in found.split()])
@@ -135,14 +126,15 @@ def _place(entries: dict[str, str], axes: int) -> _Place:
     sides = numbers("elementspacing", "elementsize")
     origin, matrix = numbers("offset", "position", "origin"), numbers("transformmatrix", "rotation", "orientation")
     unit = None if sides is None else _UNITS.get(entries.get("distanceunits", "mm").lower(), "mm")
+    count = min(axes, 3)
     spacing = np.ones(3)
     if sides is not None:
-        spacing[: min(axes, 3)] = np.abs(sides[:3])
+        spacing[:count] = np.abs(sides[:3])
     if not all(math.isfinite(side) and side > 0.0 for side in spacing):
         raise ValueError("a side of a voxel is not valid")
+    col, row, plane = spacing.tolist()
     if origin is None and matrix is None:
-        return _Place(tuple(spacing[::-1].tolist()), unit, None)
-    count = min(axes, 3)
+        return (plane, row, col), unit, None, ()
     affine = np.eye(4)
     if matrix is not None:  # the direction of each axis, one after the other
         affine[:count, :count] = matrix.reshape(axes, axes)[:count, :count].T
@@ -152,6 +144,5 @@ def _place(entries: dict[str, str], axes: int) -> _Place:
     try:
         geometry, sizes = from_affine(affine, "LPS")
     except ValueError:
-        untold = ("Its matrix is not valid, so that it is not known where it lies.",)
-        return _Place(tuple(spacing[::-1].tolist()), unit, None, untold)
-    return _Place(sizes, unit, geometry)
+        return (plane, row, col), unit, None, (NO_PLACE,)
+    return sizes, unit, geometry, ()

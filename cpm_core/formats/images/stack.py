@@ -1,22 +1,30 @@
-"""Stack: what a file of several planes holds, before a part of it is read, and the parts: a plane, a volume."""
+"""Stack: what a file of several planes holds, before a part of it is read, and the parts: a plane, a volume, pages."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Literal, overload
 
 import numpy as np
 
-from cpm_core.formats.images.choice import Choice, index_of
 from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size
+from cpm_core.formats.images.reading import Reading, index_of
 from cpm_core.image.colors import Colors
 from cpm_core.image.geometry import Geometry
-from cpm_core.image.image import MINIMUM_SIDE
+from cpm_core.image.image import MINIMUM_SIDE, Image
 from cpm_core.numerics.memory import check_room
+from cpm_core.parameters.quotation import counted, described, shown
 
 _BYTES_OF_GRAY = 16
 """Memory of a voxel beside its own while it is read: its gray level, and that once more as it is copied [bytes]."""
+
+_SLANTED = 0.5
+"""Angle by which axes may be off right ones without a note [degrees]."""
+
+NO_PLACE = "Its matrix is not valid, so that it is not known where it lies."
+"""Note on a volume of which only the size of a voxel is known."""
 
 ONLY_THESE = "Only these were taken."
 """What is said behind the sentence on the longest even part of a file."""
@@ -85,13 +93,8 @@ class Stack:
     number: int = 0
     deep: bool = False
 
-    @property
-    def words(self) -> str:
-        """What its planes are called."""
-        return f"{self.word}s"
 
-
-def plane_of(stack: Stack, choice: Choice) -> Decoded:
+def plane_of(stack: Stack, reading: Reading) -> Decoded:
     """One plane of a stack; of frames, which are points in time, the page is one of them.
 
     Raises
@@ -102,25 +105,23 @@ def plane_of(stack: Stack, choice: Choice) -> Decoded:
     planes, rows, columns = stack.shape
     check_size(stack.name, rows, columns)
     notes = list(stack.notes)
-    frames = planes == 1 and stack.times > 1 and choice.time is None
+    frames = planes == 1 and stack.times > 1 and reading.time is None
     count = stack.times if frames else planes
-    page = index_of("page", choice.page, count, 0 if frames else stack.otherwise, stack.name)
-    if count > 1 and choice.page is None:
+    page = index_of("page", reading.page, count, 0 if frames else stack.otherwise, stack.name)
+    if count > 1 and reading.page is None:
         notes.append(
             f"It is a volume, of which {stack.word} {page + 1} of {count} was taken."
             if stack.otherwise and not frames
-            else f"Only the first of its {count} {stack.words} was taken."
+            else f"Only the first of its {count} {stack.word}s was taken."
         )
-    time, plane = (page, 0) if frames else (_time(stack, choice, notes), page)
-    channel = _channel(stack, choice, notes)
-    found = stack.take(time, channel, plane, plane + 1)
+    time, plane = (page, 0) if frames else (_chosen(stack, "time", reading.time, stack.times, notes), page)
+    channel = _chosen(stack, "channel", reading.channel, stack.channels, notes)
+    found = _first_plane(stack.take(time, channel, plane, plane + 1))
     place = stack.places[plane] if stack.places else None
     if place is None and stack.geometry is not None:
         place = replace(stack.geometry.moved((plane, 0, 0), stack.spacing), depth=stack.spacing[0])
     return replace(
         found,
-        values=found.values[0],
-        colors=found.colors and replace(found.colors, samples=found.colors.samples[0]),
         spacing=stack.spacing[1:],
         unit=stack.unit,
         geometry=place,
@@ -128,8 +129,8 @@ def plane_of(stack: Stack, choice: Choice) -> Decoded:
     )
 
 
-def volume_of(stack: Stack, choice: Choice) -> Decoded:
-    """All planes of a stack, at one time and in one channel; frames of a film become planes.
+def volume_of(stack: Stack, reading: Reading) -> Decoded:
+    """All planes of a stack, at one time and in one channel; frames become planes.
 
     Raises
     ------
@@ -154,12 +155,12 @@ def volume_of(stack: Stack, choice: Choice) -> Decoded:
     if stack.stretch is not None:
         notes.append(ONLY_THESE)
     check_memory((count, rows, columns), stack.each + _BYTES_OF_GRAY, stack.name)
-    channel = _channel(stack, choice, notes)
+    channel = _chosen(stack, "channel", reading.channel, stack.channels, notes)
     if frames:
-        notes.append(f"Its {count} {stack.words}, which are points in time, were taken as planes.")
-        found = joined([stack.take(time, channel, 0, 1) for time in range(count)])
+        notes.append(f"Its {count} {stack.word}s, which are points in time, were taken as planes.")
+        found = joined([_first_plane(stack.take(time, channel, 0, 1)) for time in range(count)])
     else:
-        found = stack.take(_time(stack, choice, notes), channel, first, end)
+        found = stack.take(_chosen(stack, "time", reading.time, stack.times, notes), channel, first, end)
     geometry = stack.geometry
     if geometry is not None and first:
         geometry = geometry.moved((first, 0, 0), stack.spacing)
@@ -172,13 +173,9 @@ def volume_of(stack: Stack, choice: Choice) -> Decoded:
     )
 
 
-_SLANTED = 0.5
-"""Angle by which axes may be off right ones without a word [degrees]."""
-
-
-def joined(planes: list[Decoded]) -> Decoded:
-    """Planes, each of shape (1, H, W), as one volume; gray ones among colored ones get the colors of gray."""
-    values = np.concatenate([plane.values for plane in planes])
+def joined(planes: Sequence[Decoded]) -> Decoded:
+    """Images as the planes of one volume; gray ones among colored ones get the colors of gray."""
+    values = np.stack([plane.values for plane in planes])
     notes = tuple(dict.fromkeys(note for plane in planes for note in plane.notes))
     white = next((plane.colors.white for plane in planes if plane.colors is not None), None)
     if white is None:
@@ -189,13 +186,13 @@ def joined(planes: list[Decoded]) -> Decoded:
         else plane.colors.samples
         for plane in planes
     ]
-    return Decoded(values, notes=notes, colors=Colors(np.concatenate(colors), white))
+    return Decoded(values, notes=notes, colors=Colors(np.stack(colors), white))
 
 
-def as_planes(decoded: Decoded, shape: tuple[int, int, int]) -> Decoded:
-    """What has been read as one tall picture, of all planes one below the other, as planes."""
-    colors = decoded.colors and replace(decoded.colors, samples=decoded.colors.samples.reshape(*shape, 3))
-    return replace(decoded, values=decoded.values.reshape(shape), colors=colors)
+def _first_plane(found: Decoded) -> Decoded:
+    """The first plane of a volume."""
+    colors = found.colors and replace(found.colors, samples=found.colors.samples[0])
+    return replace(found, values=found.values[0], colors=colors)
 
 
 def check_memory(shape: tuple[int, ...], each: float, name: str) -> None:
@@ -212,13 +209,75 @@ def check_content(path: Path, needed: float, packed: bool = True) -> None:
         raise EOFError(f"{path.name} names more bytes than it has.")
 
 
-def _time(stack: Stack, choice: Choice, notes: list[str]) -> int:
-    if choice.time is None and stack.times > 1:
-        notes.append(f"Only the first of its {stack.times} points in time was taken.")
-    return index_of("time", choice.time, stack.times, 0, stack.name)
+def file_beside(header: Path, named: str) -> Path:
+    """The file beside a header that it names; UnreadableError for files elsewhere, several of them, and for no file."""
+    place = Path(named)
+    data = header.parent / place
+    if "\0" in named or place.is_absolute() or ".." in place.parts or not data.is_file():
+        raise UnreadableError(
+            f"{header.name} keeps its values in {shown(place.name)}, which is not one file beside it: put both in one "
+            "folder, or save it as one file."
+        )
+    return data
 
 
-def _channel(stack: Stack, choice: Choice, notes: list[str]) -> int:
-    if choice.channel is None and stack.channels > 1:
-        notes.append(f"Only the first of its {stack.channels} channels was taken.")
-    return index_of("channel", choice.channel, stack.channels, 0, stack.name)
+def _chosen(stack: Stack, what: str, wanted: int | None, count: int, notes: list[str]) -> int:
+    """Index of a channel or a point in time, by default the first, which is noted."""
+    if wanted is None and count > 1:
+        words = "points in time" if what == "time" else "channels"
+        notes.append(f"Only the first of its {count} {words} was taken.")
+    return index_of(what, wanted, count, 0, stack.name)
+
+
+Axis = Literal["z", "t", "c"]
+"""Planes, points in time, channels."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Pages(Sequence[Image]):
+    """The pages of a file; none is kept, so that a long stack takes no more memory than one of its pages.
+
+    Attributes
+    ----------
+    name : str
+        The file.
+    length : int
+        How many pages there are.
+    read : callable
+        Reads the page with a number from 1; ValueError when it cannot be used.
+    word : str
+        What a page is called: page or frame.
+    axis : {"z", "t", "c"}
+        What the pages are: planes, points in time, channels.
+    alone : bool
+        Whether the file has no further axis, of which one part is read.
+    sha256 : str
+        Hash of the file.
+    """
+
+    name: str
+    length: int
+    read: Callable[[int], Image]
+    word: str = "page"
+    axis: Axis = "z"
+    alone: bool = True
+    sha256: str = ""
+
+    def __len__(self) -> int:
+        return self.length
+
+    @overload
+    def __getitem__(self, index: int) -> Image: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> Pages: ...
+
+    def __getitem__(self, index: int | slice) -> Image | Pages:
+        """Read a page, counted from 0 here; of a slice the pages are read when they are asked for."""
+        places = range(self.length)[index]
+        if isinstance(places, range):
+            return replace(self, length=len(places), read=lambda number: self.read(places[number - 1] + 1))
+        return self.read(places + 1)
+
+    def __repr__(self) -> str:
+        return described("Pages", self.name, counted(len(self), self.word))

@@ -101,7 +101,7 @@ def test_a_tile_that_is_far_larger_than_its_page_takes_no_memory(tmp_path):
     with tifffile.TiffFile(tmp_path / "a.tif", mode="r+") as file:
         file.pages.first.tags["TileWidth"].overwrite(536_870_928, dtype="I")
     for load in (load_image, load_volume):
-        with pytest.raises(ValueError, match=r"a\.tif (is a damaged TIFF file|has the shape)"):
+        with pytest.raises(ValueError, match=r"a\.tif (is damaged|has the shape)"):
             load(tmp_path / "a.tif")
 
 
