@@ -23,9 +23,8 @@ from app.session.timeline.stored.plain_runs import FIGURES, RunsWriter
 from app.session.timeline.stored_runs import StoredBranch, StoredRun, StoredRuns
 from app.session.undo_history import History
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result
-from cpm_core.contours.review import apply, middle
+from cpm_core.contours.review import apply, middle, with_kept
 from cpm_core.formats import load_pages
 from cpm_core.formats.contours.contour_json import page_from_plain, page_to_plain
 from cpm_core.formats.images.reading import Reading

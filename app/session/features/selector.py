@@ -21,10 +21,10 @@ from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.starts import uniform_grid
 from cpm_core.numerics.types import Array, Mask
-from cpm_core.objects.faces.space import VolumePartition, VolumeSelection
 from cpm_core.objects.partition import EVERYWHERE, Partition, partition
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, places_of, selection_of
 from cpm_core.objects.selection import Selection
+from cpm_core.objects.volume_partition import VolumePartition, VolumeSelection
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.segmentation.evolve import segment
 
