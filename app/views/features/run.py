@@ -242,8 +242,6 @@ class ParametersFeature(Feature):
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
         store = PresetStore(parent=context.window)
-        for trouble in store.troubles:
-            context.preferences.complain(trouble)
         self.presets = Presets(context, store)
         self.panel = ParametersPanel(context.session, self.presets.button)
         context.preferences.follow(WORDING, lambda: self.panel.use_wording(self._wording))

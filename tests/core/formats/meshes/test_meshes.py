@@ -10,7 +10,7 @@ import pytest
 import tifffile
 
 from cpm_core import Geometry, Image, Result, Surface
-from cpm_core.contours.surface.inside import inside_of, numbered
+from cpm_core.contours.surface import inside_of, numbered
 from cpm_core.formats import FOR_VOLUMES, encoded, export
 from cpm_core.numerics.grids import zero_surface
 
