@@ -167,7 +167,7 @@ class MainWindow(QMainWindow):
 
     def _keep_tool(self) -> None:
         """Use the first tool in a volume where the tool in use has nothing to draw on."""
-        tool = self.canvas_area.canvas.tool
+        tool = self.canvas_area.canvas.hold.tool
         if self.session.scene.slices is not None and tool is not None and tool.name in NOT_IN_VOLUMES:
             self.refresh()
             self.actions_by_name[FIRST_TOOL].trigger()

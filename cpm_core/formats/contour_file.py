@@ -18,7 +18,7 @@ from cpm_core.formats.common.content import content_of
 from cpm_core.formats.contours import coco, contour_csv, contour_json, dxf, geojson, imagej, labelme, mask, svg
 from cpm_core.formats.contours.contents import Contents, Plane
 from cpm_core.formats.images.decoded import UnreadableError
-from cpm_core.formats.readers import READABLE, load_image
+from cpm_core.formats.images.readers import READABLE, load_image
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import shown

@@ -9,7 +9,7 @@ from PySide6.QtCore import Qt
 from app.views.features.offers import StackFeature
 from cpm_core import load_volume
 from tests.app.volumes.conftest import open_file
-from tests.core.formats.images.volumes.made import VALUES, write_series, write_slice
+from tests.core.formats.images.made import VALUES, write_series, write_slice
 
 pytestmark = pytest.mark.shared_window
 

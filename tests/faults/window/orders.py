@@ -20,7 +20,7 @@ from app.session.features.workspace import Workspace
 from app.session.storage.preferences import Preferences
 from app.session.storage.recovery import Journal
 from app.session.storage.session_file import DocumentFile
-from cpm_core.formats.readers import load_image
+from cpm_core.formats.images.readers import load_image
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Circle
