@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Concatenate, ParamSpec
 
 from app.model.document.document import Document, ImageReference
-from app.model.export.order import ExportOrder, account, chosen, closed, source_of
+from app.model.export import ExportOrder, chosen, closed, summarize
 from app.model.text.language import tr
 from app.session.core_functions import Core
 from app.session.exchange.messages import (
@@ -249,7 +249,7 @@ class Export(Deliver):
     @property
     def needs_run(self) -> bool:
         """Whether contours of the run are written."""
-        return source_of(self.order).needs_run
+        return self.order.source != "objects"
 
     def chosen(self, context: CommandContext, result: Result | Skeleton | None) -> Result | Skeleton:
         """What was ordered."""
@@ -271,7 +271,7 @@ class Export(Deliver):
         if self.document is not None and self.document.image is not None:
             settings["image"] = self.document.image.path
         context.core.export(whole, self.path, **settings)
-        context.report(Exported(self.path, account(result, whole, suffix_of(self.path), self.order)))
+        context.report(Exported(self.path, summarize(result, whole, suffix_of(self.path), self.order)))
 
     def failure_report(self, error: Exception) -> Report:
         """Nothing has been written."""

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QRectF
 
-from app.model.export.provenance import comment_on
+from app.model.export import provenance_comment
 from app.model.state.situation import has_particles
 from app.model.text.language import tr
 from app.model.text.reasons import reason
@@ -122,7 +122,7 @@ class AnimationFeature(Feature):
     @property
     def _comment(self) -> str:
         """How the pictures came about, for their file."""
-        return comment_on(self.context.session.document, steered=self.context.session.status.steered)
+        return provenance_comment(self.context.session.document, steered=self.context.session.status.steered)
 
     def _part(self, zoomed: bool) -> QRectF:
         canvas = self.context.canvas_area.canvas

@@ -9,7 +9,7 @@ from pathlib import Path
 from PySide6.QtCore import QPoint
 
 from app.model.display.space.view_in_space import ViewInSpace
-from app.model.export.provenance import comment_on
+from app.model.export import provenance_comment
 from app.model.preferences.table import UNIT
 from app.model.state.situation import Condition, Situation, has_volume
 from app.model.text.language import tr
@@ -383,7 +383,7 @@ class SpaceFeature(Feature):
     @property
     def _comment(self) -> str:
         """How the pictures came about, for their file."""
-        return comment_on(self.context.session.document, steered=self.context.session.status.steered)
+        return provenance_comment(self.context.session.document, steered=self.context.session.status.steered)
 
     def _ask(self, title: str, ending: str, kinds: Sequence[Files]) -> Path | None:
         image = self.context.session.document.image

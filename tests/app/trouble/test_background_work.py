@@ -14,8 +14,6 @@ from app.session.features import truth_comparison
 from app.session.features.latest import Latest
 from app.session.worker import prepared_methods, reconstruction
 from app.session.worker.requests import Probe
-from app.views.export import dialog as export_dialog
-from app.views.features.exchange import ExportFeature
 from app.views.window.python_hooks import UnexpectedErrors
 from cpm_core.segmentation.engine import Engine
 from tests.app.conftest import disc
@@ -149,19 +147,6 @@ def test_a_comparison_with_the_truth_that_fails_shows_no_figures_of_other_contou
     truth.set_tolerance(5.0)
     hand.wait(lambda: said(found) == "No matches.")
     assert truth.verified is None
-
-
-def test_a_preview_of_an_export_that_fails_is_said_in_the_dialog(found, hand, monkeypatch) -> None:
-    found.feature(ExportFeature)._export()
-    made = found.feature(ExportFeature).dialog
-    monkeypatch.setattr(export_dialog, "closed", raising(ValueError("No bridges.")))
-    made.closing.clear()
-    made.closing.addItem("Close", "edges")
-    monkeypatch.setattr(made, "_offer_closing", lambda *_: None)
-    made._follow()
-    hand.wait(lambda: "No bridges." in made.note.text())
-    assert not made.export_button.isEnabled()
-    made.reject()
 
 
 def test_edges_that_could_not_be_found_are_looked_for_again(found, hand, monkeypatch) -> None:
