@@ -36,7 +36,7 @@ from app.model.document.modes import acting_in
 from app.model.parameters.controls import Control, controls
 from app.model.text.language import from_core, tr
 from app.session.session import Session
-from app.views.widgets.fields.decimal_field import DecimalField
+from app.views.widgets.fields import DecimalField
 from cpm_core.objects.methods import CONTOUR_METHODS, Compared, Settings
 
 _VALUES = 3
@@ -55,7 +55,7 @@ class ParameterChoice(QWidget):
         layout.setAlignment(Qt.AlignmentFlag.AlignTop)
         for row, first in zip((self.down, self.across), FIRST_AXES, strict=True):
             layout.addWidget(row)
-            row.choice.currentIndexChanged.connect(partial(self._suggest, row))
+            row.choice.currentIndexChanged.connect(lambda _, row=row: self._suggest(row))
             row.choice.setCurrentIndex([control.name for control in offered].index(first))
             self._suggest(row)
 

@@ -19,7 +19,7 @@ from app.session.tasks.tasks import Task
 from app.views.export.film.animation_dialog import AnimationDialog, AnimationPlan
 from app.views.export.film.filming import Filming
 from app.views.export.film.frame_renderer import FrameRenderer, seen_part
-from app.views.widgets.action_spec import ActionSpec
+from app.views.widgets.actions import ActionSpec
 from app.views.window.dialogs import Files
 from app.views.window.feature import Feature, FeatureContext
 from cpm_core.formats.animations.animation import ANIMATED, check_animation, write_animation

@@ -30,7 +30,7 @@ from app.session.signals import EXPORTING, OPENING
 from app.session.tasks.tasks import Task
 from app.session.worker.commands import Copied
 from app.views.export.dialog import ExportDialog
-from app.views.widgets.action_spec import ActionSpec
+from app.views.widgets.actions import ActionSpec
 from app.views.window.dialogs import Button, Files, Question, all_files, ask_for_folder
 from app.views.window.feature import Feature, FeatureContext
 from cpm_core.formats import (

@@ -15,8 +15,7 @@ from app.session.signals import PREFERENCES
 from app.views.help.guide import KEYS, Guide
 from app.views.help.tour import Tour, stops
 from app.views.theme.icons import program_icon
-from app.views.widgets.action_spec import ActionSpec
-from app.views.widgets.preference_row import PreferenceRow
+from app.views.widgets.actions import ActionSpec, PreferenceRow
 from app.views.window.feature import Feature, FeatureContext
 from app.views.window.preferences import PreferencesDialog, ShortcutsPage
 from cpm_core.formats.common.provenance import VERSION

@@ -26,13 +26,12 @@ from app.session.worker.recorded_run import MEGABYTE
 from app.session.worker.run import Run
 from app.views.canvas.coordinates import image_rectangle
 from app.views.comparison.dialog import CompareDialog
-from app.views.panels.parameters.parameters import ParametersPanel
+from app.views.panels.parameters import ParametersPanel
 from app.views.panels.presets import Presets
-from app.views.panels.run.run_panel import RunPanel
-from app.views.panels.timeline.timeline_panel import TimelinePanel
-from app.views.widgets.action_spec import ActionSpec, Submenu
-from app.views.widgets.preference_row import PreferenceRow
-from app.views.widgets.speed import SpeedControl
+from app.views.panels.run import RunPanel
+from app.views.panels.timeline import TimelinePanel
+from app.views.widgets.actions import ActionSpec, PreferenceRow, Submenu
+from app.views.widgets.fields import SpeedControl
 from app.views.window.bars import TaskBar
 from app.views.window.dialogs import Files
 from app.views.window.feature import Feature, FeatureContext, OneDialog, Panel

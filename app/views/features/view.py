@@ -27,7 +27,7 @@ from app.views.panels.layer_list import LayersPanel
 from app.views.theme import theme
 from app.views.theme.look import Look, use_look
 from app.views.theme.theme import Theme
-from app.views.widgets.action_spec import LAYER, ActionSpec, Submenu
+from app.views.widgets.actions import LAYER, ActionSpec, Submenu
 from app.views.window.feature import Feature, FeatureContext, Panel
 from app.views.window.keyboard import Keys
 from cpm_core.contours.result import Result

@@ -23,14 +23,13 @@ from app.session.tasks.tasks import Task
 from app.views.canvas.image_view import ImageView
 from app.views.canvas.volume.side_view import Cross, SideView
 from app.views.canvas.volume.slice_bar import SliceBar
-from app.views.panels.pages.page_bar import PageBar
-from app.views.panels.pages.panel import PagePanel
+from app.views.panels.pages import PageBar, PagePanel
 from app.views.volume.seen_in_space import SeenInSpace
 from app.views.volume.space_actions import specs
 from app.views.volume.space_hand import SpaceHand
 from app.views.volume.space_panel import SpacePanel
 from app.views.volume.turntable import FRAMES, FRAMES_PER_SECOND, animation_size, picture_of, turn
-from app.views.widgets.action_spec import ActionSpec
+from app.views.widgets.actions import ActionSpec
 from app.views.window.dialogs import Files
 from app.views.window.feature import Feature, FeatureContext, Panel
 from cpm_core.formats.animations.animation import ANIMATED, write_animation

@@ -25,7 +25,7 @@ from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.session.session import Session
 from app.views.export.dialog import ExportDialog
-from app.views.widgets.own_escape import keep_escape
+from app.views.widgets.containers import keep_escape
 
 _WIDTH, _MARGIN = 344, 12
 """Width of the bubble, and distance from the sides of its area [px]."""

@@ -12,9 +12,8 @@ from app.model.text.language import tr
 from app.views.canvas.layers import Layers, form_of
 from app.views.canvas.layers.layer import Layer
 from app.views.theme.icons import swatch
-from app.views.widgets.action_spec import LAYER
-from app.views.widgets.fields.marked_slider import MarkedSlider
-from app.views.widgets.key_text import native
+from app.views.widgets.actions import LAYER, native
+from app.views.widgets.fields import MarkedSlider
 
 _FOLD, _OPACITY = 18, 84
 """Widths [px]."""

@@ -14,7 +14,7 @@ from app.session.session import Session
 from app.session.signals import EXPORTING
 from app.views.volume.space_bar import PARTS
 from app.views.volume.space_panel import SpacePanel
-from app.views.widgets.action_spec import ActionSpec
+from app.views.widgets.actions import ActionSpec
 
 _MENU = "View>" + tr("In s&pace")
 

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QCheckBox, QComboBox, QHBoxLayout, QLabel, QVBoxLa
 
 from app.model.display.space.shown_parts import ShownParts
 from app.model.text.language import tr
-from app.views.widgets.fields.marked_slider import MarkedSlider
+from app.views.widgets.fields import MarkedSlider
 
 PARTS = {
     "particles": (tr("Particles"), tr("Show the particles.")),

@@ -14,7 +14,7 @@ from app.model.document.document import Document
 from app.model.parameters.controls import controls
 from app.views.comparison.choices import AxisRow
 from app.views.help.guide import _LABELS
-from app.views.panels.parameters.explanation import tip
+from app.views.panels.parameters import tip
 from cpm_core.parameters import PARAMETERS
 
 ROOT = Path(__file__).parents[3]

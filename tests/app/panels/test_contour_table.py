@@ -17,8 +17,7 @@ from app.session.exchange.contour_tracking import ContourTracker
 from app.session.scene import ReviewedContours
 from app.views.features.contours import ContoursFeature
 from app.views.main_window import MainWindow
-from app.views.panels.contour_table.columns import COLUMNS, NAME
-from app.views.panels.contour_table.view import ContourTable
+from app.views.panels.contours import COLUMNS, ContourTable
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Circle
 from tests.app.conftest import Hand
@@ -117,7 +116,7 @@ def test_a_column_that_was_asked_for_is_shown_however_narrow_the_table_is(table)
     last = len(COLUMNS) - 1
     assert table.isColumnHidden(last)
     header = table.horizontalHeader()
-    header.customContextMenuRequested.emit(QPoint(header.sectionViewportPosition(NAME) + 4, 4))
+    header.customContextMenuRequested.emit(QPoint(header.sectionViewportPosition(1) + 4, 4))
     menu = next(menu for menu in table.findChildren(QMenu) if menu.isVisible())
     menu.actions()[-1].trigger()
     menu.close()
@@ -418,5 +417,5 @@ def test_lengths_are_given_in_the_unit_of_the_image(found, table) -> None:
     tracked = ContourTracker().track(result, thorough=False)
     found.session.show(replace(found.session.scene, contours=ReviewedContours.of(tracked, ())))
     header: Callable[[int], str] = lambda index: table.model().headerData(index, Qt.Orientation.Horizontal)  # noqa: E731
-    assert [header(index) for index in range(NAME + 3, NAME + 5)] == ["Length [mm]", "Area [mm²]"]
+    assert [header(index) for index in range(4, 6)] == ["Length [mm]", "Area [mm²]"]
     assert float(table.column("length")[0]) == pytest.approx(np.pi * 28.0, rel=0.05)

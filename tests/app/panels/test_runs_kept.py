@@ -97,12 +97,12 @@ def test_a_run_from_another_start_is_a_run_beside_the_first(rested, hand) -> Non
 
 def test_a_run_is_compared_with_another_run(rested, hand) -> None:
     run_from_elsewhere(rested, hand)
-    form, ghost = rested.panels["timeline"].branch, rested.canvas_area.canvas.layers["ghost"]
-    assert [form.compare.itemText(index) for index in range(form.compare.count())] == ["none", "Run 1"]
-    form.compare.setFocus()
-    hand.qtbot.keyClick(form.compare, KEY.Key_Down)
+    panel, ghost = rested.panels["timeline"], rested.canvas_area.canvas.layers["ghost"]
+    panel.compare.aboutToShow.emit()
+    assert [action.text() for action in panel.compare.actions()] == ["none", "Run 1"]
+    panel.compare.actions()[1].trigger()
     hand.wait(lambda: ghost.contours > 0)
-    assert "px apart on average" in form.difference
+    assert "px apart on average" in panel.difference.text()
 
 
 def test_the_same_run_again_is_not_kept_twice(rested, hand) -> None:
@@ -140,7 +140,7 @@ def test_the_run_that_is_gone_back_to_can_be_deleted(rested, hand) -> None:
     run_from_elsewhere(rested, hand)
     press_name(rested, hand, 1)
     wait_for_branch(rested, hand, 1)
-    hand.qtbot.mouseClick(rested.panels["timeline"].branch.delete, LEFT)
+    rested.panels["timeline"].delete.trigger()
     hand.wait(lambda: names(rested) == ["Run 2"] and rested.session.idle)
     assert navigation(rested).outline.branch == navigation(rested).outline.branches[0].identity
 

@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QScrollArea, QToolButton
 
 from app.session.storage.preferences import Preferences
 from app.views.main_window import MainWindow
-from app.views.widgets.scrolled import Scrolled
+from app.views.widgets.containers import Scrolled
 from app.views.window.bars import ToolPalette
 
 LEFT = Qt.MouseButton.LeftButton
@@ -52,7 +52,7 @@ def test_in_a_window_of_800_by_500_everything_can_be_reached(window, hand) -> No
             hand.wait(lambda row=row: seen_whole(row.slider) and seen_whole(row.number))
             assert row.slider.width() >= 60
     assert window.panels["timeline"].view.width() >= 120
-    assert seen_whole(window.panels["timeline"].more)
+    assert seen_whole(window.panels["timeline"].branch)
     palette = window.findChild(ToolPalette)
     (tools,) = palette.findChildren(QScrollArea)
     for button in palette.buttons.values():
@@ -60,30 +60,16 @@ def test_in_a_window_of_800_by_500_everything_can_be_reached(window, hand) -> No
         assert seen_whole(button)
 
 
-def test_the_branch_is_named_behind_a_button_in_a_narrow_window(window, hand) -> None:
-    panel = window.panels["timeline"]
-    resized(window, hand, 1400, 800)
-    assert panel.branch.isVisible()
-    assert not panel.more.isVisible()
-    resized(window, hand, 800, 500)
-    assert not panel.branch.isVisible()
-    menu = panel.more.menu()
-    menu.popup(panel.more.mapToGlobal(QPoint()))
-    hand.wait(menu.isVisible)
-    assert panel._behind.isVisible()
-    menu.close()
-
-
 def test_the_explanation_keeps_its_form_while_plots_are_folded(window, hand) -> None:
     resized(window, hand, 1400, 880)
     explanation, run = window.panels["parameters"].explanation, window.panels["run"]
     height = explanation.height()
-    assert explanation.body.isVisible()
+    assert explanation.isVisible()
     for fold in (run.plots.fold, run.status.section.fold, run.plots.fold):
         before = run.height()
         hand.qtbot.mouseClick(fold, LEFT, pos=QPoint(8, 8))
         hand.wait(lambda before=before: run.height() != before)
-        assert explanation.body.isVisible()
+        assert explanation.isVisible()
         assert explanation.height() == height
 
 

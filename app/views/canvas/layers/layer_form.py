@@ -11,7 +11,7 @@ from app.model.text.numbers import written
 from app.views.canvas.layers.layer import Layer
 from app.views.canvas.layers.options import Amount, Choice, Option
 from app.views.theme import color_maps
-from app.views.widgets.fields.marked_slider import MarkedSlider
+from app.views.widgets.fields import MarkedSlider
 
 
 class LayerForm(QWidget):

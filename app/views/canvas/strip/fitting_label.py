@@ -6,7 +6,7 @@ from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QSizePolicy
 
-from app.views.widgets.elided_label import ElidedLabel
+from app.views.widgets.containers import ElidedLabel
 
 _NARROWEST = 40
 

@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QComboBox, QLineEdit
 
 from app.model.text.language import tr
 from app.views.canvas.image_view import ImageView
-from app.views.widgets.own_escape import keep_escape
+from app.views.widgets.containers import keep_escape
 
 _STEPS = (25, 50, 100, 200, 400, 800, 1600)
 """Zooms to choose from [%]."""

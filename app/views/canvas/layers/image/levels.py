@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QDoubleSpinBox, QHBoxLayout, QLabel, QVBoxLayout, 
 from app.model.text.language import tr
 from app.views.canvas.layers.image.image import ImageLayer
 from app.views.canvas.layers.layer_form import LayerForm
-from app.views.widgets.fields.decimal_field import DecimalField
+from app.views.widgets.fields import DecimalField
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array
 

@@ -22,7 +22,7 @@ from app.model.text.numbers import written
 from app.session.features.truth_comparison import GroundTruth
 from app.views.theme import theme
 from app.views.theme.icons import swatch
-from app.views.widgets.fields.marked_slider import MarkedSlider
+from app.views.widgets.fields import MarkedSlider
 from cpm_core.contours.agreement import TOLERANCE, Comparison, ObjectCounts
 from cpm_core.contours.surface.agreement import SurfaceComparison
 
