@@ -131,8 +131,11 @@ class ExportDialog(QDialog):
 
     def accept(self) -> None:
         """Ask for the file and order the export."""
-        path = self._ask(self, self.suffix)
-        if path is not None:
+        path, image = self._ask(self, self.suffix), self._session.document.image
+        if path is not None and image is not None and path.resolve() == Path(image.path).resolve():
+            text = tr("{name} is the image itself: choose another name.")
+            self.summary.setText(text.format(name=path.name))
+        elif path is not None:
             self.ordered.emit(path, self.order)
             super().accept()
 

@@ -85,7 +85,7 @@ class ExportFeature(Feature):
         self.dialog.open()
 
     def _ask(self, dialog: QWidget, suffix: str) -> Path | None:
-        """Ask for a file other than that of the image."""
+        """Ask for a file."""
         session = self.context.session
         image, in_volume = session.document.image, session.scene.slices is not None
         assert image is not None
@@ -94,13 +94,7 @@ class ExportFeature(Feature):
             kind = "lines" if in_volume else "skeleton"
         name = f"{image.name.partition('.')[0] if in_volume else Path(image.name).stem}_{kind}{suffix}"
         files = [Files(formats(of_volumes=in_volume)[suffix], (suffix,))]
-        chosen = self.context.files.ask_where_to_save("export", tr("Export"), name, files, parent=dialog)
-        if chosen is not None and chosen.resolve() == Path(image.path).resolve():
-            session.say(
-                tr("{name} is the image itself: choose another name.").format(name=chosen.name), True, EXPORTING
-            )
-            return None
-        return chosen
+        return self.context.files.ask_where_to_save("export", tr("Export"), name, files, parent=dialog)
 
     def _write(self, path: Path, order: ExportOrder) -> None:
         self._order = order

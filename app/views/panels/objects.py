@@ -63,7 +63,7 @@ OBJECT_COLUMNS: tuple[Column[ObjectRow], ...] = (
     Column("confidence", tr("Confidence"), tr("How sure the boundary is, from 0 to 1."),
            lambda row: row.item.confidence, "0.00", form=".2f"),
     Column("state", tr("State"), tr("Frozen objects hold particles back and are not found again."),
-           lambda row: row.state, "frozen"),
+           lambda row: row.state or None, "frozen"),
 )  # fmt: skip
 """All columns in the order shown."""
 

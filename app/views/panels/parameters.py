@@ -370,7 +370,7 @@ class ParametersPanel(QWidget):
             scrolled, _LOWEST
         )  # while it is empty: it lays out its content at once, and again in the window
         column = QVBoxLayout(scrolled)
-        column.setContentsMargins(0, 0, 5, 0)
+        column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(0)
         column.addWidget(self.choices[CHANNEL])  # not hidden under "Advanced": a color image needs it first
         for row in self.rows.values():

@@ -102,9 +102,9 @@ class Column(Generic[Row]):
     def text(self, row: Row, factor: float) -> str:
         """Its text for a row; lengths are multiplied by a factor."""
         value = self.value(row)
-        if value is None or isinstance(value, str):
-            return value or NONE
-        if not math.isfinite(value):
+        if isinstance(value, str):
+            return value
+        if value is None or not math.isfinite(value):
             return NONE
         value *= factor**self.power
         if self.form:
@@ -462,17 +462,16 @@ class TablePanel(QWidget):
         self.summary = QLabel()
         self.summary.setWordWrap(True)
         self.summary.setObjectName("dim")
-        content = QWidget()
-        self._column = QVBoxLayout(content)
+        self._content = QWidget()
+        self._column = QVBoxLayout(self._content)
         self._column.setContentsMargins(0, 0, 0, 0)
         self._column.setSpacing(6)
         self._column.addWidget(self.summary)
         self._column.addStretch(1)
-        self._beside = Scrolled(content, _LEAST)
         self._layout = QBoxLayout(QBoxLayout.Direction.LeftToRight, self)
         self._layout.setContentsMargins(12, 6, 12, 6)
         self._layout.setSpacing(12)
-        self._layout.addWidget(self._beside)
+        self._layout.addWidget(Scrolled(self._content, _LEAST))
         self._layout.addWidget(table, 1)
 
     def add(self, *widgets: QWidget) -> None:
@@ -492,7 +491,7 @@ class TablePanel(QWidget):
         """Arrange the parts from top to bottom in a narrow panel."""
         narrow = event.size().width() < _NARROW
         self._layout.setDirection(QBoxLayout.Direction.TopToBottom if narrow else QBoxLayout.Direction.LeftToRight)
-        self._beside.setMaximumWidth(16_777_215 if narrow else _BESIDE)
+        self._content.setMaximumWidth(16_777_215 if narrow else _BESIDE)
         super().resizeEvent(event)
 
 

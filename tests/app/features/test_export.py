@@ -202,7 +202,7 @@ def test_the_image_itself_is_not_replaced(found, hand, dialog, monkeypatch) -> N
     image = Path(found.session.document.image.path)
     monkeypatch.setattr(found.feature(ExportFeature).context.files, "ask_where_to_save", lambda *_, **__: image)
     hand.qtbot.mouseClick(dialog.export_button, LEFT)
-    assert "is the image itself" in found.canvas_area.messages.text
+    assert "is the image itself" in dialog.summary.text()
     assert dialog.isVisible()
     dialog.reject()
 

@@ -60,6 +60,7 @@ def test_pointer_and_keys_read_the_values_of_a_step(panel, qtbot):
     chart, metrics = panel.chart, trace_of(61)
     panel.show_plots([plot.name for plot in PLOTS])
     panel.show_metrics(metrics)
+    qtbot.waitUntil(lambda: 0 < chart.point(30).x() < chart.width())
     qtbot.mouseMove(chart.viewport(), chart.point(30).toPoint())
     qtbot.waitUntil(lambda: chart.reading != "")
     assert chart.reading == (
