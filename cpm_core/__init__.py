@@ -50,9 +50,9 @@ same as an iterator over its steps, and `follow` one on each page of a stack, fr
 contours, `compare` measures the agreement with it (`contours.agreement`, `contours.ground_truth`), and in a volume
 `compare_surface` that of the surface.
 `formats` reads and writes files: `export` chooses the format of contours by the suffix, `encoded` returns the same
-without a file; `load_contours`, `load_surface`, `load_centerlines` and `load_points` read them. `write_animation` and
-`strip` show a run frame by frame; `write_figure` draws image and contours for a publication, and so does ``plot`` of
-images and results, on axes of matplotlib.
+without a file; `load_contours`, `load_surface`, `load_centerlines` and `load_points` read them. `write_animation`
+shows a run frame by frame; `write_figure` draws image and contours for a publication, and so does ``plot`` of images
+and results, on axes of matplotlib.
 
 The **skeleton** is the middle line of an object with the distance to its boundary, from which the object can be
 reconstructed (`medial_axis`). It needs no seeds. In a volume it is the center lines
@@ -93,8 +93,7 @@ from cpm_core.formats import (
     load_surface,
     load_volume,
 )
-from cpm_core.formats.animations.animation import write_animation
-from cpm_core.formats.animations.snapshot_strip import strip
+from cpm_core.formats.animation import write_animation
 from cpm_core.formats.common.provenance import VERSION
 from cpm_core.formats.contours.figure import write_figure
 from cpm_core.formats.ground_truth_file import load_truth, load_volume_truth
@@ -129,9 +128,8 @@ from cpm_core.pages.tracks import TrackEvent
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 from cpm_core.reconstruction import reconstruct_curve, reconstruct_surface
 from cpm_core.segmentation.engine import Engine
-from cpm_core.segmentation.evolve import Evolution, Evolved, evolve
+from cpm_core.segmentation.evolve import Evolution, Evolved, evolve, segment
 from cpm_core.segmentation.method import METHODS, Method
-from cpm_core.segmentation.segment import segment
 
 __version__ = VERSION
 
@@ -217,7 +215,6 @@ __all__ = [
     "similar",
     "skeleton",
     "sphere",
-    "strip",
     "stroke",
     "uniform_grid",
     "write_animation",

@@ -21,13 +21,14 @@ FORBIDDEN = {"cpm_core": QT, "app.model": QT, "app.session": WIDGETS}
 CORE_LIBRARIES = {"numpy", "scipy", "skimage", "numba", "llvmlite", "PIL", "tifffile", "roifile", "argcomplete"}
 
 LATE_LIBRARIES = {
-    "cpm_core.image.drawing.axes": {"matplotlib"},
-    "cpm_core.formats.animations.mp4": {"imageio_ffmpeg"},
+    "cpm_core.image.drawing": {"matplotlib"},
+    "cpm_core.formats.animation": {"imageio_ffmpeg"},
     "cpm_core.formats.images.medical.nifti": {"nibabel"},
     "cpm_core.formats.images.medical.nrrd": {"nrrd"},
     "cpm_core.formats.images.medical.dicom.reader": {"pydicom"},
     "cpm_core.formats.images.medical.dicom.pixels": {"pydicom", "imagecodecs"},
-    "cpm_core.cli.batch.workers": {"distributed"},
+    "cpm_core.formats.comparison": {"matplotlib"},
+    "cpm_core.cli.workers": {"distributed"},
 }
 """What these modules import as well, and only where it is needed: inside functions, and for types."""
 

@@ -10,8 +10,7 @@ from typing import Literal
 from app.model.document.document import Document
 from app.model.document.modes import MODES
 from app.model.document.objects import objects_result
-from app.model.text.language import from_core, tr
-from app.model.text.numbers import written
+from app.model.text.language import from_core, tr, written
 from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply, reviewed
@@ -19,7 +18,7 @@ from cpm_core.field.edge_map import edge_map
 from cpm_core.formats import FOR_VOLUMES, WRITABLE, left_out
 from cpm_core.formats.common.provenance import facts_on, plain_shapes, text_of
 from cpm_core.formats.writers import DRAWN
-from cpm_core.image.drawing.axes import has_matplotlib
+from cpm_core.image.drawing import has_matplotlib
 from cpm_core.image.geometry import Convention
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.skeleton import Skeleton

@@ -9,9 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from app.model.display.differences import Apart, Difference
 from app.model.display.display_image import DisplayImage
-from app.model.display.truth.differences import Difference
-from app.model.display.truth.surfaces import Apart
 from app.model.document.document import Document
 from app.model.document.objects import AnySelection
 from app.model.text.language import tr

@@ -18,10 +18,9 @@ from app.model.export import ExportOrder
 from app.model.state.resolve import FIRST_PACE, PACES, Resolved, resolve
 from app.model.state.situation import RunStatus, Situation, can_step
 from app.model.text.keys import with_keys
-from app.model.text.language import from_core, tr
-from app.model.text.reasons import reason
+from app.model.text.language import from_core, reason, tr
 from app.model.volume.slices import Slices
-from app.session.core_functions import Core
+from app.session.exchange.core_functions import Core
 from app.session.exchange.mailbox import Pacer
 from app.session.exchange.messages import ImageReady, NotOpened, Opened
 from app.session.live_edits import Live

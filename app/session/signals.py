@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 from PySide6.QtCore import QObject, Signal
 
-from app.model.text.shortening import shortened
+from app.model.text.language import shortened
 from app.session.exchange.messages import Report
 from app.session.scene import Scene
 

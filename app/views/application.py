@@ -11,9 +11,8 @@ from PySide6.QtGui import QPixmapCache
 from PySide6.QtWidgets import QApplication
 
 from app.model.document.samples import samples
-from app.model.text.language import language
-from app.model.text.numbers import use_marks
-from app.session.workspace import Workspace
+from app.model.text.language import language, use_marks
+from app.session.features.workspace import Workspace
 from app.views.features.files import RecoveryFeature, StartFeature
 from app.views.features.help import HelpFeature
 from app.views.features.offers import BeginningFeature

@@ -16,11 +16,10 @@ from app.model.preferences.table import UNIT
 from app.model.state.situation import NOT_IN_VOLUMES
 from app.model.text.keys import use_names
 from app.model.text.language import tr
+from app.session.features.workspace import Workspace
 from app.session.storage.preferences import Preferences
-from app.session.workspace import Workspace
 from app.views.canvas.canvas_area import FIRST_TOOL, CanvasArea
-from app.views.canvas.strip.pointer_readout import PointerReadout
-from app.views.canvas.strip.zoom_field import ZoomField
+from app.views.canvas.status_fields import PointerReadout, ZoomField
 from app.views.features import FEATURES
 from app.views.features.exchange import ImportFeature
 from app.views.features.files import FolderFeature, OpenSaveFeature, RecoveryFeature, StartFeature

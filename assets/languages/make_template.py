@@ -12,12 +12,9 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
-from core_templates import OF_THE_SYSTEM, WORDS, parts, templates
-
 from cpm_core.formats import WRITABLE
 from cpm_core.formats.writers import FOR_VOLUMES
-from cpm_core.objects.methods.registry import CONTOUR_METHODS
-from cpm_core.objects.methods.settings import Settings
+from cpm_core.objects.methods import CONTOUR_METHODS, Settings
 from cpm_core.parameters import PARAMETERS
 from cpm_core.parameters.choices import CHOICES
 from cpm_core.shapes import SHAPES
@@ -36,30 +33,11 @@ def in_source() -> Iterator[tuple[str, str]]:
     """Sentences that the window's source gives to ``tr``, each with where it stands."""
     for path in sorted((ROOT / "app").rglob("*.py")):
         source = path.read_text(encoding="utf-8")
-        for node in parts(ast.parse(source)) if "tr(" in source else ():
+        for node in ast.walk(ast.parse(source)) if "tr(" in source else ():
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "tr" and node.args:
                 said = node.args[0]
                 if isinstance(said, ast.Constant) and isinstance(said.value, str):
                     yield said.value, f"{path.relative_to(ROOT)}:{node.lineno}"
-
-
-CORE = "core\x04"
-"""Before a sentence that the core has finished: the context of gettext, as catalogs keep it."""
-
-_COMMAND_LINE = ROOT / "cpm_core" / "cli"
-"""Speaks English, as what it prints is read by programs too."""
-
-_BATCH = tuple(_COMMAND_LINE / "batch" / f"{name}.py" for name in ("batch", "jobs", "summary", "workers"))
-"""What the window shares with it."""
-
-_NOT_READ = (
-    "cpm_core/contours/features.py",  # names of numbers
-    "cpm_core/formats/sessions/particle_state.py",  # names of fields of files
-    "cpm_core/formats/sessions/space_state.py",
-    "cpm_core/objects/candidates",  # names of numbers
-    "cpm_core/objects/warm_up.py",  # a command
-)
-"""Where strings are names rather than sentences; errors are read there as well."""
 
 
 def in_tables() -> Iterator[tuple[str, str]]:
@@ -88,33 +66,19 @@ def in_tables() -> Iterator[tuple[str, str]]:
         yield entry["about"], f"sample {entry['file']}"
 
 
-def finished() -> Iterator[tuple[str, str]]:
-    """What finished sentences are made of: errors, notes and reasons of the core, and errors within the window."""
-    for package in ("cpm_core", "app"):
-        for path in sorted((ROOT / package).rglob("*.py")):
-            place = path.relative_to(ROOT).as_posix()
-            if not path.is_relative_to(_COMMAND_LINE) or path in _BATCH:
-                errors_only = package == "app" or place.startswith(_NOT_READ)
-                for said, line in templates(path.read_text(encoding="utf-8"), errors_only):
-                    yield said, f"{place}:{line}"
-    for said in OF_THE_SYSTEM:
-        yield said, "what the system says of files"
-    for said in ("The image is small: scales is set to {most}.", "The image is gray: it has no channel {wanted}."):
-        yield said, "cpm_core/cli/arguments.py"
-    for said in WORDS:
-        yield said, "a word within sentences"
+def of_the_core() -> Iterator[tuple[str, str]]:
+    """Whole sentences of the core, and of the system, that are met often; others are shown in English."""
+    for said in (HERE / "core_sentences.txt").read_text(encoding="utf-8").splitlines():
+        yield said, "core_sentences.txt"
 
 
 @cache
 def sentences() -> dict[str, list[str]]:
-    """All sentences, each with the places where it stands; those that reach the window finished begin with `CORE`."""
+    """All sentences, each with the places where it occurs."""
     places: dict[str, list[str]] = {NAME: ["name of the language in itself"]}
-    for said, place in (*in_source(), *in_tables()):
+    for said, place in (*in_source(), *in_tables(), *of_the_core()):
         if said:
             places.setdefault(said, []).append(place)
-    for said, place in finished():
-        if said not in places:
-            places.setdefault(f"{CORE}{said}", []).append(place)
     return places
 
 
@@ -124,12 +88,10 @@ def template() -> str:
 
 
 def _entry(said: str, places: list[str]) -> str:
-    context, _, text = said.rpartition("\x04")
     return (
         "".join(f"#: {place}\n" for place in places)
-        + ("#, python-brace-format\n" if "{" in text else "")
-        + (f'msgctxt "{context}"\n' if context else "")
-        + f'msgid {json.dumps(text, ensure_ascii=False)}\nmsgstr ""\n'
+        + ("#, python-brace-format\n" if "{" in said else "")
+        + f'msgid {json.dumps(said, ensure_ascii=False)}\nmsgstr ""\n'
     )
 
 

@@ -18,7 +18,7 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from make_template import CORE, NAME, sentences, template
+from make_template import NAME, sentences, template
 
 HERE = Path(__file__).parent
 
@@ -112,7 +112,7 @@ def main() -> int:
         name = catalog.parents[1].name
         for said in lacking(catalog):
             count += 1
-            print(f"{name}: not translated: {said.removeprefix(CORE)}")
+            print(f"{name}: not translated: {said}")
         for problem in wrong(catalog):
             count += 1
             print(f"{name}: {problem}")

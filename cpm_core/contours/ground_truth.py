@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from cpm_core.contours.contour import Contour, sampled
 from cpm_core.contours.graph.graph import chains
 from cpm_core.contours.rasterize import inside, paint
-from cpm_core.image.drawing import raster
-from cpm_core.image.drawing.notebook import Pictured
+from cpm_core.image import drawing
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import counted, described, sized
 
@@ -31,7 +30,7 @@ _FEW_LEVELS = 2**16
 
 
 @dataclass(frozen=True, eq=False)
-class Truth(Pictured):
+class Truth(drawing.Pictured):
     """The true objects and boundaries of an image.
 
     Attributes
@@ -78,8 +77,12 @@ class Truth(Pictured):
     def __repr__(self) -> str:
         return described("Truth", self.source, sized(self.shape), counted(len(self.contours), "contour"))
 
-    def _repr_png_(self) -> bytes:
-        return raster.picture((self.labels > 0).astype(float), self.shape, (1.0, 1.0), self.contours)
+    def plot(self, ax: drawing.Axes | None = None) -> drawing.Axes:
+        """Draw the pixels of the objects and their boundaries by matplotlib."""
+        ax = drawing.axes_for(ax)
+        drawing.show_image(ax, (self.labels > 0).astype(float))
+        drawing.show_curves(ax, self.contours)
+        return ax
 
 
 def truth_of_contours(

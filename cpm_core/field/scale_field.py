@@ -13,10 +13,9 @@ from cpm_core.field.convolution import convolved_field, convolved_potential
 from cpm_core.field.edge_map import background_strength, gradient, magnitude
 from cpm_core.field.interpolation import interpolate
 from cpm_core.field.region_contrast import region_contrast
-from cpm_core.image.barriers import NO_BARRIERS, BarrierMap, build_barrier_map
 from cpm_core.image.border import inside_border, within
-from cpm_core.image.regions import Regions
-from cpm_core.numerics.maximum_filter import running_maximum
+from cpm_core.image.regions import NO_BARRIERS, BarrierMap, Regions, build_barrier_map
+from cpm_core.numerics.grids import running_maximum
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Mask, Single
 

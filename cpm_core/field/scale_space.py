@@ -17,12 +17,11 @@ import numpy as np
 
 from cpm_core.field.edge_map import automatic_smoothing, gradient, prepared
 from cpm_core.field.scale_field import LARGE, ScaleField, build_scale_field
-from cpm_core.image.barriers import NO_BARRIERS, BarrierMap, build_barrier_map
 from cpm_core.image.colors import Colors, channel_of
 from cpm_core.image.denoising import Cleaned
-from cpm_core.image.gray_levels.tone import toned
+from cpm_core.image.gray_levels import toned
 from cpm_core.image.pyramid import pyramid
-from cpm_core.image.regions import Line, Regions
+from cpm_core.image.regions import NO_BARRIERS, BarrierMap, Line, Regions, build_barrier_map
 from cpm_core.image.vesselness import vesselness
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array

@@ -23,7 +23,7 @@ from cpm_core.formats.contours import coco, contour_csv, contour_json, figure, g
 from cpm_core.formats.contours.dxf import drawing as dxf
 from cpm_core.formats.masks import label_tiff, labels, nifti
 from cpm_core.formats.meshes import obj, ply, points_csv, stl, swc, vtk
-from cpm_core.image.drawing.axes import require_matplotlib
+from cpm_core.image.drawing import require_matplotlib
 from cpm_core.image.geometry import Convention
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.space.centerlines import Centerlines

@@ -12,7 +12,7 @@ from math import isqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.numerics.maximum_filter import running_maximum
+from cpm_core.numerics.grids import running_maximum
 from cpm_core.numerics.types import Array
 
 _FAINT = 0.1

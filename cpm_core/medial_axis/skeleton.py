@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.graph.graph import Graph
-from cpm_core.image.drawing import axes, raster
-from cpm_core.image.drawing.notebook import Pictured
+from cpm_core.image import drawing
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.blur_correction import half_width
@@ -34,7 +33,7 @@ _THICK = 95.0
 
 
 @dataclass(frozen=True, eq=False)
-class Skeleton(Pictured):
+class Skeleton(drawing.Pictured):
     """Center lines of the objects in an image.
 
     Attributes
@@ -115,7 +114,7 @@ class Skeleton(Pictured):
             disks.append(along(contour.path, np.append(radii, radii[0]) if contour.closed else radii))
         return covered(np.concatenate(disks), self.shape)
 
-    def plot(self, ax: axes.Axes | None = None, *, image: bool = False, scale_bar: bool = True) -> axes.Axes:
+    def plot(self, ax: drawing.Axes | None = None, *, image: bool = False, scale_bar: bool = True) -> drawing.Axes:
         """Draw the branches by matplotlib, on the image or on whatever `ax` shows.
 
         Parameters
@@ -125,22 +124,19 @@ class Skeleton(Pictured):
         image, scale_bar : bool
             What is drawn beside them, as in `Result.plot`, which also says what is returned and raised.
         """
-        ax = axes.axes_for(ax)
+        ax = drawing.axes_for(ax)
         if image and self.image is not None:
             self.image.plot(ax, scale_bar=False)
         else:
-            axes.frame(ax, self.shape, self.spacing)
-        axes.show_curves(ax, self.contours)
+            drawing.frame(ax, self.shape, self.spacing)
+        drawing.show_curves(ax, self.contours)
         if scale_bar:
-            axes.show_scale_bar(ax, self.shape, self.spacing, self.unit)
+            drawing.show_scale_bar(ax, self.shape, self.spacing, self.unit)
         return ax
 
     def __repr__(self) -> str:
         branches = counted(len(self.contours), "branch", "branches")
         return described("Skeleton", self.source, branches, f"{self.length:,.1f} px")
-
-    def _repr_png_(self) -> bytes:
-        return raster.picture(self.rebuilt().astype(float), self.shape, self.spacing, self.contours)
 
 
 def branches(axis: Axis, boundary: Boundary, smoothing: float) -> list[tuple[Contour, Array]]:

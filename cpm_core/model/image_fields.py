@@ -8,11 +8,10 @@ from typing import Any, Self
 
 from numpy.typing import ArrayLike
 
-from cpm_core.field.placed_charges import PlacedCharge, PlacedChargeCache, placed_in
+from cpm_core.field.placed_charges import PlacedCharge, PlacedChargeCache, VolumeCharges, placed_in
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.field.scale_space import ScaleSpace
-from cpm_core.field.volume.placed_charges import VolumeCharges
-from cpm_core.field.volume.volume_field import VolumeSpace
+from cpm_core.field.volume_field import VolumeSpace
 from cpm_core.image.image import Image, as_image
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions

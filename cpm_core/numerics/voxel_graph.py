@@ -9,8 +9,8 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from cpm_core.numerics.grids import parts_of
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.parts import parts_of
 from cpm_core.numerics.types import Array, Index, Mask
 
 

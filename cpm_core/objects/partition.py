@@ -18,14 +18,12 @@ from numpy.typing import ArrayLike
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
 from cpm_core.field.edge_map import edge_map
-from cpm_core.image.drawing import raster
-from cpm_core.image.drawing.notebook import Pictured
+from cpm_core.image import drawing
 from cpm_core.image.image import Image, as_image, as_plane
 from cpm_core.image.regions import Regions
 from cpm_core.model.starts import uniform_grid
 from cpm_core.model.volume.starts import everywhere
 from cpm_core.numerics.types import Array, Mask
-from cpm_core.objects.answers import Answers, among
 from cpm_core.objects.candidates.appearance import Appearance, appearance
 from cpm_core.objects.candidates.choice import chosen
 from cpm_core.objects.clicks import as_places, clicked
@@ -37,8 +35,8 @@ from cpm_core.objects.outline.outline import SMOOTHING, outlines
 from cpm_core.objects.selection import Selection, confidence_of
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.quotation import counted, described, sized
+from cpm_core.segmentation.evolve import segment
 from cpm_core.segmentation.reach.bounding import thing_within
-from cpm_core.segmentation.segment import segment
 
 NOWHERE = np.empty((0, 2))
 """No places."""
@@ -90,7 +88,7 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
 
 
 @dataclass(frozen=True, eq=False)
-class Partition(Pictured):
+class Partition(drawing.Pictured):
     """An image that contours cut into faces.
 
     Attributes
@@ -145,7 +143,7 @@ class Partition(Pictured):
             may be a closed line around the object, such as the seeds of a circle.
         previous : Selection, optional
             What was chosen before the last places were added. A new place inside only adds to it, and one outside only
-            takes away. By default the last answer to some of the same places, if there was one.
+            takes away.
 
         Returns
         -------
@@ -158,26 +156,22 @@ class Partition(Pictured):
             When the places are not rows and columns.
         """
         within, beyond = as_places(inside), as_places(outside)
-        before = previous if previous is not None else self._answers.nearest(within, beyond)
-        former = before.mask if before is not None and before.mask.any() else None
+        former = previous.mask if previous is not None and previous.mask.any() else None
         if former is None:
             former = thing = self._closed.around(within)
             if thing is None and not len(beyond):
                 thing = thing_within(self.values, within, ~self._ground.interest)
             if thing is not None and thing.any() and not len(beyond):
-                selection = self.selection_of(thing, within)
-                self._answers.remember(selection)
-                return selection
-        meant = within if before is None else _not_around(within, before)
-        newer = None if before is None else ~among(meant, before.inside)
+                return self.selection_of(thing, within)
+        meant = within if previous is None else _not_around(within, previous)
+        newer = None if previous is None else ~_among(meant, previous.inside)
         found = clicked(self._faces, self._ground, meant, beyond, newer)
         mask = np.zeros(self.shape, np.bool_)
         if len(found.within):
             mask = chosen(self._look, found, self._ground.strong, former, self._closed)
         selection = self.selection_of(mask, within, beyond, found.remark)
         if selection.only_places and not selection.remark:
-            selection = replace(selection, remark=_NOTHING)
-        self._answers.remember(selection)
+            return replace(selection, remark=_NOTHING)
         return selection
 
     def selection_of(
@@ -213,15 +207,20 @@ class Partition(Pictured):
     def _look(self) -> Appearance:
         return appearance(self._ground.values, self._ground.strength)
 
-    @cached_property
-    def _answers(self) -> Answers:
-        return Answers()
-
     def __repr__(self) -> str:
         return described("Partition", self.image.source, sized(self.shape), counted(len(self.contours), "contour"))
 
-    def _repr_png_(self) -> bytes:
-        return raster.picture(self.image.values, self.shape, self.image.spacing, self.contours)
+    def plot(self, ax: drawing.Axes | None = None) -> drawing.Axes:
+        """Draw the image with the contours by matplotlib."""
+        ax = drawing.axes_for(ax)
+        drawing.show_image(ax, self.image.values, self.image.spacing)
+        drawing.show_curves(ax, self.contours)
+        return ax
+
+
+def _among(places: Array, others: Array) -> Mask:
+    """Which places, shape (N, 2), are among others."""
+    return np.asarray((places[:, None] == others[None]).all(axis=2).any(axis=1))
 
 
 def _not_around(inside: Array, before: Selection) -> Array:
@@ -229,7 +228,7 @@ def _not_around(inside: Array, before: Selection) -> Array:
     around = before.inside[~before.holds(before.inside)]
     if not len(around) or not before.mask.any():
         return inside
-    rest = inside[~among(inside, around)]
+    rest = inside[~_among(inside, around)]
     parts, count = scipy.ndimage.label(np.pad(before.mask, 1), np.ones((3, 3), bool))
     place = np.clip(np.rint(rest[before.holds(rest)]), 0, np.array(before.mask.shape) - 1).astype(int) + 1
     empty = np.setdiff1d(np.arange(1, count + 1), parts[tuple(place.T)])

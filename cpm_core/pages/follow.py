@@ -18,7 +18,7 @@ from cpm_core.pages.page import Page, StartingLine, seeds_along, starts_after, w
 from cpm_core.pages.tracks import Tracker
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
-from cpm_core.segmentation.segment import segment
+from cpm_core.segmentation.evolve import segment
 
 Seeds = ArrayLike | Callable[[Image], ArrayLike]
 """Positions of particles, or what gives them for an image."""

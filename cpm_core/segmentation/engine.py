@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from cpm_core.contours.result import Result
 from cpm_core.field.placed_charges import PlacedCharge, placed_in
 from cpm_core.field.scale_field import ScaleField
-from cpm_core.field.volume.volume_field import pitch_of
+from cpm_core.field.volume_field import pitch_of
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model import interventions

@@ -2,30 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
+from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.result import Result
 from cpm_core.contours.surface import Surface
 from cpm_core.field.placed_charges import PlacedCharge
-from cpm_core.image.drawing import axes, raster
-from cpm_core.image.drawing.notebook import Pictured
+from cpm_core.image import drawing
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
+from cpm_core.model.image_fields import ImageFields
 from cpm_core.model.state import State
 from cpm_core.numerics.real_numbers import checked_number
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import counted, described, shown
+from cpm_core.reconstruction.by_hand.operations import carried_out
 from cpm_core.segmentation.engine import Engine
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Evolved(Pictured):
+class Evolved(drawing.Pictured):
     """A moment of a run: its particles, and on demand its contours.
 
     Attributes
@@ -108,12 +110,12 @@ class Evolved(Pictured):
         """The surface that is reconstructed from particles in a volume, at the first access; None in an image."""
         return self.result.surface
 
-    def plot(self, ax: axes.Axes | None = None, *, contours: bool = False, scale_bar: bool = True) -> axes.Axes:
+    def plot(self, ax: drawing.Axes | None = None, *, contours: bool = False, scale_bar: bool = True) -> drawing.Axes:
         """Draw the image with the particles by matplotlib; of a volume the surface. See `Result.plot`."""
         if contours or self.engine.image.ndim == 3:
             return self.result.plot(ax, particles=True, contours=contours, scale_bar=scale_bar)
         ax = self.engine.image.plot(ax, scale_bar=scale_bar)
-        axes.show_particles(ax, self.position)
+        drawing.show_particles(ax, self.position)
         return ax
 
     def __repr__(self) -> str:
@@ -121,11 +123,6 @@ class Evolved(Pictured):
             "Evolved", f"step {self.step}", f"scale {self.scale}", counted(self.count, "particle"),
             self.stop_reason.partition(":")[0],
         )  # fmt: skip
-
-    def _repr_png_(self) -> bytes:
-        image = self.engine.image
-        colors = None if image.colors is None else image.colors.samples
-        return raster.picture(image.values, image.shape, image.spacing, (), self.position, colors)
 
 
 class Evolution(Iterator[Evolved]):
@@ -275,3 +272,72 @@ def evolve(
     chosen = parameters or Parameters()
     engine = Engine(values, chosen, regions)
     return Evolution(engine, engine.start(seeds), chosen, max_steps, charges)
+
+
+def segment(
+    values: ArrayLike | Image,
+    seeds: ArrayLike,
+    parameters: Parameters | None = None,
+    max_steps: int | None = None,
+    progress: Callable[[State], object] | None = None,
+    regions: AnyRegions | None = None,
+    charges: Sequence[PlacedCharge] = (),
+) -> Result:
+    """Find the contours of objects by particles that flow from seeds to edges and along them, until equilibrium.
+
+    Parameters
+    ----------
+    values : array_like, shape (H, W), or Image
+        Image.
+    seeds : array_like, shape (N, 2)
+        Where particles start (row, col) [px]: `circle`, `uniform_grid`, `gradient_threshold`, or any points.
+    parameters : Parameters, optional
+        The paper's defaults unless given.
+    max_steps : int, optional
+        Greatest number of steps.
+    progress : callable, optional
+        Called with every `State`.
+    regions : Regions or VolumeRegions, optional
+        Regions of interest, which particles stay in, and barriers, which they do not cross.
+    charges : sequence of PlacedCharge
+        Charges that attract or repel particles, in addition to the fixed charges of the edges.
+
+    Returns
+    -------
+    Result
+        Particles, contours through them, and the reason why the run ended.
+
+    Raises
+    ------
+    ValueError
+        For an unusable image, seeds or parameters; the message says what to do.
+
+    Examples
+    --------
+    >>> result = cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8))
+    >>> result
+    <Result disk, 1 contour (1 closed), 82 particles, at rest after 101 steps>
+    >>> round(result.contours[0].area), result.converged
+    (1251, True)
+    >>> cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8), cpm.Parameters(beta=0.6), max_steps=3).stop_reason
+    'stopped after 3 steps, as asked'
+    """
+    run = evolve(values, seeds, parameters, max_steps, regions, charges)
+    next(run)
+    for moment in run:
+        if progress is not None:
+            progress(moment.state)
+    return run.result
+
+
+def with_hand_edits(
+    result: Result, values: ArrayLike | Image, parameters: Parameters, edits: Sequence[HandEdit]
+) -> Result:
+    """The result of a run with edits of its contours by hand, such as those of a session.
+
+    `values` is the image, shape (H, W), `parameters` those of the run. The pieces of edits whose contours are not there
+    are contours of their own.
+    """
+    if not edits:
+        return result
+    return carried_out(result, edits, ImageFields(values, parameters).scale_field(parameters))[0]

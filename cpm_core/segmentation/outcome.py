@@ -8,7 +8,7 @@ from typing import Any
 from cpm_core.contours.contour import Bridge
 from cpm_core.contours.result import Result
 from cpm_core.field.scale_field import ScaleField
-from cpm_core.field.volume.volume_field import VolumeField
+from cpm_core.field.volume_field import VolumeField
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import to_image
 from cpm_core.model.state import State

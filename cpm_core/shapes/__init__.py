@@ -15,16 +15,11 @@ from typing import get_args
 
 from cpm_core.shapes.areas import Grid, Threshold
 from cpm_core.shapes.charge import Charge
-from cpm_core.shapes.circle import SMALLEST_RADIUS, Circle
-from cpm_core.shapes.ellipse import Ellipse
+from cpm_core.shapes.ellipse import SMALLEST_RADIUS, Circle, Ellipse
 from cpm_core.shapes.everywhere import KINDS, Everywhere, Kind
-from cpm_core.shapes.lines import Barrier, Polygon, Region, Stroke
-from cpm_core.shapes.points import Points
-from cpm_core.shapes.space.areas import BoxGrid, BoxThreshold
-from cpm_core.shapes.space.box import Box, BoxRegion
-from cpm_core.shapes.space.enclosed import EnclosedRegion, EnclosingWall
-from cpm_core.shapes.space.extruded import PrismRegion, Wall
-from cpm_core.shapes.space.sphere import Sphere
+from cpm_core.shapes.lines import Barrier, Points, Polygon, Region, Stroke
+from cpm_core.shapes.solids import Box, BoxGrid, BoxRegion, BoxThreshold, Sphere
+from cpm_core.shapes.volume_limits import EnclosedRegion, EnclosingWall, PrismRegion, Wall
 
 Start = (
     Circle | Ellipse | Polygon | Stroke | Points | Grid | Threshold | Everywhere | Sphere | Box | BoxGrid | BoxThreshold

@@ -31,9 +31,8 @@ from cpm_core.shapes import (
     Wall,
 )
 from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds, ImageStart, SeedCache
-from cpm_core.shapes.space.box import Cuboid
-from cpm_core.shapes.space.enclosed import Enclosed
-from cpm_core.shapes.space.extruded import Extruded
+from cpm_core.shapes.solids import Cuboid
+from cpm_core.shapes.volume_limits import Enclosed, Extruded
 
 _KINDS = {2: "images", 3: "volumes"}
 _ONE = {2: "an image", 3: "a volume"}

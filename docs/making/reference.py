@@ -36,7 +36,7 @@ GROUPS: dict[str, tuple[str, tuple[str, ...]]] = {
     "files": (
         "Files and pictures",
         ("export", "encoded", "load_contours", "load_surface", "load_centerlines", "load_points", "write_figure",
-          "write_animation", "strip"),
+          "write_animation"),
     ),
     "stacks": ("Stacks and time series", ("follow", "Page", "TrackEvent")),
     "methods": (

@@ -16,8 +16,8 @@ from PySide6.QtWidgets import QApplication, QDialog
 from pytestqt.qtbot import QtBot
 
 from app.model.document import edits
+from app.session.features.workspace import Workspace
 from app.session.session import Session
-from app.session.workspace import Workspace
 from app.views.features import files
 from app.views.main_window import MainWindow
 from app.views.window import dialogs

@@ -21,7 +21,7 @@ from PySide6.QtCore import QCoreApplication, QEvent, QObject, QTimer
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from app.model.document import edits
-from app.session.workspace import Workspace
+from app.session.features.workspace import Workspace
 from app.views.application import make_application
 from app.views.features.files import OpenSaveFeature
 from app.views.features.volumes import SlicesFeature

@@ -1,11 +1,10 @@
 """Tries broken input, faults and random use at length: ``python -m tests.faults``.
 
 ``--only PART ...`` names parts, ``--minutes M`` the time for each, ``--seed S`` fixes all random choices, and
-``--files FOLDER`` holds files that are read and damaged beside the samples of this project. The ordinary suite holds a
-short run of each part; this command goes on for as long as it is told and prints the table of the README.
+``--files FOLDER`` contains more files that are read and damaged. It prints a table.
 
-Ctrl+C, or the signal that ends a process, ends the part that is running, and what it has found is told; a second one
-ends all at once.
+Ctrl+C, or the signal that ends a process, ends the part that is running and reports what it has found; a second one
+ends everything immediately.
 """
 
 import argparse
@@ -83,7 +82,7 @@ def main() -> int:
 
 
 def _reports(arguments: argparse.Namespace) -> dict[str, Report]:
-    """Run part after part, and say at once what each tells on its way and at its end."""
+    """Run part after part, and print what each reports."""
     told = logging.StreamHandler(sys.stdout)
     mine = logging.getLogger(__package__)
     mine.addHandler(told)

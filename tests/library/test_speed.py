@@ -9,7 +9,7 @@ import pytest
 from cpm_core import coulomb_force, electric_field
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
-from cpm_core.segmentation.segment import segment
+from cpm_core.segmentation.evolve import segment
 from tests.benchmarks.speed import measurement, table
 from tests.benchmarks.speed.__main__ import _time as time_in_words
 from tests.benchmarks.speed.__main__ import line

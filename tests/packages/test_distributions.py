@@ -90,7 +90,7 @@ def test_the_command_line_of_the_wheel_reads_its_samples(installed, tmp_path) ->
 WINDOW = """
 from app.model.document.samples import samples
 from app.model.text.language import languages
-from app.session.workspace import Workspace
+from app.session.features.workspace import Workspace
 from app.views.application import make_application
 from app.views.main_window import MainWindow
 application = make_application()

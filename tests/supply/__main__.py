@@ -15,7 +15,6 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
-from .advisories import known_faults, read
 from .environments import Environment, environment_of
 from .requirements import licenses, under_gpl
 
@@ -39,11 +38,6 @@ def audited(_: str, arguments: argparse.Namespace) -> bool:
     """Ask which faults of the newest allowed releases are known; one of which nothing can be learned is a failure."""
     newest = environment_of("newest", arguments.folder, arguments.python)
     frozen = newest.printed("-m", "pip", "freeze", "--exclude", "cpm-particles")
-    if arguments.advisories is not None:
-        installed = dict(line.split("==", 1) for line in frozen.splitlines() if "==" in line)
-        faults = known_faults(installed, read(arguments.advisories))
-        print("\n".join(faults or [f"No fault of {len(installed)} distributions is known to {arguments.advisories}."]))
-        return not faults
     listed = arguments.folder / "installed.txt"
     listed.write_text(frozen + "\n")
     tool = Environment(arguments.folder / "audit", arguments.python)
@@ -55,9 +49,7 @@ def audited(_: str, arguments: argparse.Namespace) -> bool:
         asked = json.loads(answer.stdout)["dependencies"]
     except (ValueError, KeyError, TypeError):
         reason = (answer.stderr.strip().splitlines() or ["no answer"])[-1]
-        print(
-            f"The advisories cannot be reached: give a file of them with --advisories, in the format of OSV ({reason})."
-        )
+        print(f"The advisories cannot be reached ({reason}).")
         return False
     found = [(one["name"], fault["id"]) for one in asked for fault in one.get("vulns", ())]
     print(
@@ -96,9 +88,6 @@ def main() -> int:
         "--folder", type=Path, help="folder in which the environments are made and kept, and found again"
     )
     parser.add_argument("--tests", nargs="+", default=list(TESTS), help="what pytest runs (default: %(default)s)")
-    parser.add_argument(
-        "--advisories", type=Path, help="records of known faults, in the format of OSV, that `audit` uses (JSON or ZIP)"
-    )
     arguments = parser.parse_args()
     unknown = [part for part in arguments.parts if part not in PARTS]
     if unknown:

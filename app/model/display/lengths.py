@@ -9,9 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from app.model.text.language import tr
-from app.model.text.numbers import written
-from cpm_core.image.drawing.scale_bar import KNOWN, Bar, longest_bar
+from app.model.text.language import tr, written
+from cpm_core.image.drawing import KNOWN, Bar, longest_bar
 
 _PIXEL = "px"
 _OF_THE_IMAGE = "image"

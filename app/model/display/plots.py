@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from app.model.display.round_numbers import scientific_text
-from app.model.text.language import tr
-from app.model.text.numbers import written
+from app.model.text.language import tr, written
 from cpm_core.model.equations import EPSILON
 from cpm_core.numerics.types import Array
 

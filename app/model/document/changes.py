@@ -9,8 +9,7 @@ from types import MappingProxyType
 
 from app.model.document.document import Document
 from app.model.parameters.controls import Control, choice_controls, controls, value_of
-from app.model.text.language import from_core, tr
-from app.model.text.numbers import written
+from app.model.text.language import from_core, tr, written
 from cpm_core.numerics.types import Place
 from cpm_core.shapes import (
     Barrier,
@@ -35,8 +34,8 @@ from cpm_core.shapes import (
     Threshold,
     Wall,
 )
-from cpm_core.shapes.space.box import Cuboid
-from cpm_core.shapes.space.enclosed import Enclosed
+from cpm_core.shapes.solids import Cuboid
+from cpm_core.shapes.volume_limits import Enclosed
 
 _ICONS: Mapping[type, str] = MappingProxyType(
     {

@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
 
-from app.model.text.language import from_core, tr
-from app.model.text.numbers import written
+from app.model.text.language import from_core, tr, written
 from app.model.text.wording import FORMULAS, Wording, rich
 from cpm_core.parameters import AUTOMATIC, DEFAULTS, OF_STARTS, PARAMETERS, Parameters
 from cpm_core.parameters.choices import CHOICES, Invalidates

@@ -8,8 +8,7 @@ from dataclasses import asdict, dataclass
 from functools import cache
 from typing import Any
 
-from app.model.text.language import tr
-from app.model.text.reasons import reason
+from app.model.text.language import reason, tr
 from cpm_core.formats.sessions.plain_values import parameters_from_plain
 from cpm_core.parameters import PLANE_PRESETS, Parameters
 

@@ -12,8 +12,7 @@ from app.model.document.modes import MODES, needs_start
 from app.model.state.situation import RunStatus, Situation, has_volume
 from app.model.state.surface_figures import SURFACE, VOLUME, in_words
 from app.model.text.keys import with_keys
-from app.model.text.language import from_core, tr
-from app.model.text.numbers import written
+from app.model.text.language import from_core, tr, written
 from cpm_core.shapes import (
     Barrier,
     BoxGrid,

@@ -6,8 +6,7 @@ import math
 from dataclasses import dataclass
 
 from app.model.display.lengths import shown_in
-from app.model.text.language import tr
-from app.model.text.numbers import written
+from app.model.text.language import tr, written
 from cpm_core.contours.surface import Surface
 
 SURFACE, CLOSED, EULER = tr("Surface"), tr("Closed"), tr("Euler char.")

@@ -1,13 +1,18 @@
-"""Keys of actions in sentences, as they are at the moment: the user may have changed them.
+"""Keys in texts: those of actions in sentences, as the user has set them, and the letters that choose entries of menus.
 
 A sentence names a key by its action, as in ``"Press {key:run} to run."`` or ``"Open an image ({key:open})."``, also in
 its translations. `with_keys` puts the keys in; the window fills the table by `use_names`, and again after each change.
+
+Letters of menus are underlined and written after ``&``: each once in a menu. Translators cannot see which entries end
+up in one menu, and many of them are hidden for one kind of file or another. So each sentence comes with the letter that
+suits it, and where two of a menu come with the same, the later one gets another letter of its own.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from string import ascii_uppercase
 from typing import NamedTuple
 
 
@@ -52,3 +57,54 @@ def with_keys(said: str, **values: object) -> str:
         return found[0] if found[1] in _names and _names[found[1]].key else ""
 
     return _IN_PARENTHESES.sub(behind, said).format(key=_Keys(), **values)
+
+
+_MARK = re.compile(r"&&|&(\w)")
+
+_APART = re.compile(r"\(&\w\)")
+"""A letter behind the text, as in languages that are not written in letters: ``終了(&Q)``."""
+
+
+def distinct(texts: Sequence[str]) -> list[str]:
+    """The texts, with no letter marked in two of them; a text keeps its letter unless one before it has the same.
+
+    Parameters
+    ----------
+    texts : sequence of str
+        Texts of the entries, in their order. An entry without a mark gets none.
+    """
+    taken: set[str] = set()
+    made: list[str | None] = []
+    for text in texts:
+        letter = letter_of(text)
+        kept = letter not in taken
+        taken |= {letter} if kept and letter else set()
+        made.append(text if kept else None)
+    for index, text in enumerate(texts):
+        if made[index] is None:
+            other = next((other for other in _others(text) if letter_of(other) not in taken), _without(text))
+            taken.add(letter_of(other))
+            made[index] = other
+    return [text for text in made if text is not None]
+
+
+def letter_of(text: str) -> str:
+    """The letter that a text marks, as a capital; empty when there is none."""
+    return next((found[1].upper() for found in _MARK.finditer(text) if found[1]), "")
+
+
+def _others(text: str) -> Iterator[str]:
+    """The text with other letters marked: first those that begin a word, then the rest."""
+    if _APART.search(text):
+        yield from (_APART.sub(f"(&{letter})", text) for letter in ascii_uppercase)
+        return
+    bare = _without(text)
+    begins = [found.start() for found in re.finditer(r"\b[^\W\d_]", bare)]
+    within = [place for place, sign in enumerate(bare) if sign.isalpha() and place not in begins]
+    yield from (f"{bare[:place]}&{bare[place:]}" for place in [*begins, *within])
+
+
+def _without(text: str) -> str:
+    """The text without a mark; ``&&`` stands for the sign itself and stays."""
+    bare = _APART.sub("", text)
+    return _MARK.sub(lambda found: found[1] or "&&", bare)

@@ -26,7 +26,7 @@ from cpm_core.shapes import (
     Stroke,
     Wall,
 )
-from cpm_core.shapes.space.extruded import Extruded
+from cpm_core.shapes.volume_limits import Extruded
 
 _TURN = np.linspace(0.0, 2.0 * np.pi, 49)
 _ARM = 2.0

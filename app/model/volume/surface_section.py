@@ -1,20 +1,26 @@
-"""The lines in which a slice cuts a surface, and what is kept with a surface."""
+"""The lines in which a slice cuts surfaces, objects and center lines."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
-from dataclasses import dataclass
+from collections.abc import Callable, Hashable, Iterable
+from dataclasses import dataclass, replace
 from functools import wraps
 from typing import TypeVar
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from app.model.document.objects import AnySelection
 from app.model.volume.slices import Slice
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import Measures
 from cpm_core.contours.surface import Surface
-from cpm_core.numerics.types import Array, Index
+from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.numerics import polyline
+from cpm_core.numerics.types import Array, Index, Place
+from cpm_core.objects.faces.space import VolumeSelection
+from cpm_core.objects.segmented.segmented_object import Click, Line, SegmentedObject, SegmentedObjects
+from cpm_core.objects.selection import Selection
 
 _Choice = TypeVar("_Choice", bound=Hashable)
 _Made = TypeVar("_Made")
@@ -148,3 +154,88 @@ def unmeasured(contour: Contour, number: int) -> Measures:
         net_area=0.0,
         net_area_in_units=0.0,
     )
+
+
+_NEAR = 1.0
+"""Distance from a slice up to which it shows a click [voxels]."""
+
+
+@kept_with_surface
+def _closed(surface: Surface, here: Slice) -> tuple[Contour, ...]:
+    """The closed lines in which a slice cuts a surface."""
+    return tuple(each for each in section(surface, here) if each.closed and len(each.points) > 2)
+
+
+def objects_in(objects: SegmentedObjects, here: Slice) -> SegmentedObjects:
+    """The objects that a slice cuts, as objects of an image, and the clicks near it."""
+    items = tuple(cut for item in objects.items if (cut := _cut(item, here)) is not None)
+    edited = objects.edited if any(item.number == objects.edited for item in items) else 0
+    return replace(objects, items=items, clicks=tuple(_near(objects.clicks, here)), edited=edited)
+
+
+def _cut(item: SegmentedObject, here: Slice) -> SegmentedObject | None:
+    lines = _closed(item.body, here) if item.body is not None else ()
+    boundary: tuple[Line, ...] = tuple(tuple((row, col) for row, col in line.points.tolist()) for line in lines)
+    boundary = tuple(line for line in boundary if len(set(line)) > 2)
+    return replace(item, clicks=(), boundary=boundary, surface=()) if boundary else None
+
+
+def _near(clicks: Iterable[Click], here: Slice) -> Iterable[Click]:
+    for click in clicks:
+        places = tuple(here.within(at) for at in click.places if abs(at[here.axis] - here.index) <= _NEAR)
+        if places:
+            yield replace(click, places=places)
+
+
+def selection_in(selection: AnySelection, here: Slice) -> Selection:
+    """What a slice shows of a selection: its boundary alone."""
+    nowhere = np.empty((0, 2))
+    lines = _closed(selection.surface, here) if isinstance(selection, VolumeSelection) else ()
+    return Selection(np.zeros((0, 0), np.bool_), lines, (), 1.0, nowhere, nowhere)
+
+
+def holds(item: SegmentedObject, place: Place) -> bool:
+    """Whether a place (plane, row, col) lies in an object."""
+    if item.body is None:
+        return False
+    here = Slice(0, round(place[0]))
+    within = np.array([here.within(place)], dtype=float)
+    return bool(sum(bool(polyline.inside(line.points, within)[0]) for line in _closed(item.body, here)) % 2)
+
+
+def size_of(item: SegmentedObject) -> float:
+    """Volume of an object, in the unit of its volume; its area [px²] in an image."""
+    return item.area if item.body is None else item.body.volume
+
+
+_LINES_NEAR = 1.5
+"""Distance from a slice up to which it shows center lines [voxels]."""
+
+
+def skeleton_in(found: Skeleton, here: Slice) -> Skeleton:
+    """The pieces of center lines near a slice, as those of an image."""
+    pieces = [
+        piece
+        for contour, radii in zip(found.contours, found.radii, strict=True)
+        for piece in _pieces(contour.path, np.append(radii, radii[0]) if contour.closed else radii, here)
+    ]
+    return replace(
+        Skeleton((), (), here.sides(found.shape), here.sides(found.spacing), found.unit, found.source),
+        contours=tuple(Contour(points, False) for points, _ in pieces),
+        radii=tuple(radii for _, radii in pieces),
+    )
+
+
+def _pieces(path: Array, radii: Array, here: Slice) -> list[tuple[Array, Array]]:
+    """Stretches of a line near a slice, flattened, with the vertices before and after."""
+    near = np.abs(path[:, here.axis] - here.index) <= _LINES_NEAR
+    cuts = np.flatnonzero(np.diff(near)) + 1
+    found = []
+    for run in np.split(np.arange(len(path)), cuts):
+        if near[run[0]]:
+            wider = np.arange(max(run[0] - 1, 0), min(run[-1] + 2, len(path)))
+            flat = here.flattened(path[wider])
+            moved = np.append(True, (np.diff(flat, axis=0) != 0.0).any(axis=1))
+            if moved.sum() > 1:
+                found.append((flat[moved], radii[wider][moved]))
+    return found

@@ -16,8 +16,7 @@ from app.model.display.plots import RunMetrics
 from app.model.document.document import Document
 from app.model.export import ExportSummary
 from app.model.state.surface_figures import SurfaceFigures
-from app.model.text.language import tr
-from app.model.text.reasons import reason
+from app.model.text.language import reason, tr
 from app.model.volume.parts import Parts
 from app.model.volume.sampled_volumes import SampledForce, SampledValues
 from app.model.volume.surface_section import prepare

@@ -23,7 +23,7 @@ from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply
-from cpm_core.formats.animations import comparison
+from cpm_core.formats import comparison
 from cpm_core.image.image import Image
 from cpm_core.numerics.parallel import cores
 from cpm_core.objects.methods import CONTOUR_METHODS, Facts, Start, facts_of, moments, result_of
@@ -121,7 +121,7 @@ class Comparison(QObject):
         start = self._start_of(document)
 
         def work(task: Task) -> Report:
-            task.go_on()
+            task.check_cancelled()
             notes: list[str] = []
             known = truth if isinstance(truth, Truth) else None
             files = comparison.write_comparison(image, start, tiles, (path,), notes.append, known)
@@ -197,7 +197,7 @@ class Comparison(QObject):
 
         with ThreadPoolExecutor(max(1, cores() - 1), thread_name_prefix="cpm-compare") as pool:
             list(pool.map(work, tiles))
-        task.go_on()
+        task.check_cancelled()
         return ComparisonRun()
 
     def _measured(self, result: Result, facts: Facts) -> Facts:

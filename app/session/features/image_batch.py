@@ -7,8 +7,7 @@ from functools import partial
 from pathlib import Path
 
 from app.model.document.saving import to_file
-from app.model.text.language import tr
-from app.model.text.reasons import cause
+from app.model.text.language import cause, tr
 from app.session.exchange.messages import CommandFailed, Report
 from app.session.session import Session
 from app.session.tasks.opening import images_in
@@ -51,8 +50,8 @@ def apply_to_folder(session: Session, folder: Path) -> Task | None:
 
 
 def _apply(session: SessionFile, folder: Path, task: Task) -> Report:
-    from cpm_core.cli.batch.batch import Batch, Order
-    from cpm_core.cli.batch.workers import here
+    from cpm_core.cli.batch import Batch, Order
+    from cpm_core.cli.workers import here
 
     images, output = tuple(map(str, images_in(folder))), folder / _RESULTS
     if not images:
@@ -66,7 +65,7 @@ def _apply(session: SessionFile, folder: Path, task: Task) -> Report:
     order = Order(images, session, fingerprint(output / _APPLIED), output, WRITTEN, session.parameters)
     batch = Batch(order)
     rows = dict(batch.known)
-    for number, row in batch.rows(here(batch.jobs, None, task.go_on)):
+    for number, row in batch.rows(here(batch.jobs, None, task.check_cancelled)):
         rows[number] = row
         task.fraction = len(rows) / len(images)
     return BatchDone(len(images), sum(bool(row.trouble) for row in rows.values()), output / _TABLE)

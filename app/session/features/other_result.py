@@ -116,10 +116,9 @@ class OtherResult(QObject):
 
     def near(self, scene: Scene) -> Scene:
         """The scene on the left: without what is shown on the right."""
-        kind = self._chosen.kind if self._chosen is not None else ""
-        if kind == "branch":
-            return replace(scene, compared=None)
-        return replace(scene, truth=None, differences=(), apart=()) if kind == "truth" else scene
+        if self._chosen is not None and self._chosen.kind == "truth":
+            return replace(scene, truth=None, differences=(), apart=())
+        return scene
 
     def far(self, scene: Scene) -> Scene:
         """The scene on the right."""
@@ -172,11 +171,9 @@ class OtherResult(QObject):
         return self._made[2]
 
     def _follow_branch(self) -> None:
-        """The comparison of branches has ended, or shows another branch."""
-        if self._chosen is None or self._chosen.kind != "branch":
-            return
+        """The timeline compares another branch, or none."""
         shown = self._navigation.comparison.branch
-        if shown != self._chosen.branch:
+        if shown != (self._chosen.branch if self._chosen is not None else None):
             branch = self._navigation.branch(shown) if shown is not None else None
             self._chosen = Other("branch", branch.name, branch.identity) if branch is not None else None
             self.changed.emit()

@@ -9,23 +9,21 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from app.model.display.differences import differences_in, truth_in
 from app.model.display.display_image import DisplayImage, DisplayVolume, IntensityWindow, apply_window
 from app.model.display.iso_lines import iso_lines
-from app.model.display.truth.surfaces import differences_in, truth_in
 from app.model.document.document import Document
 from app.model.document.hit_testing import Hit, hit
-from app.model.volume.object_sections import objects_in, selection_in, skeleton_in
 from app.model.volume.sampled_volumes import SampledForce, SampledValues
 from app.model.volume.shape_sections import sections
 from app.model.volume.slices import Slice, Slices
+from app.model.volume.surface_section import objects_in, selection_in, skeleton_in, unmeasured
 from app.model.volume.surface_section import section as lines_of
-from app.model.volume.surface_section import unmeasured
 from app.session.exchange.messages import Reconstruction, Snapshot
-from app.session.features.latest import MadeLater, MadeOnce, Same
+from app.session.features.background import AsyncCache, IdentityCache
 from app.session.scene import NO_CONTOURS, Item, NearParticles, ReviewedContours, Scene, ShownObjects
 from app.session.session import Session
-from app.session.worker.requests import Compared, Probed
-from cpm_core.contours.result import Result
+from app.session.worker.requests import Probed
 from cpm_core.contours.review import ReviewedContour
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -48,14 +46,14 @@ class Sections:
     ----------
     axis : int, optional
         The axis across which the view shows its slices; by default that which is worked on.
-    later : MadeLater, optional
+    later : AsyncCache, optional
         Makes what takes long on other threads; without it that is made at once, as a film needs it.
     """
 
-    def __init__(self, axis: int | None = None, later: MadeLater | None = None) -> None:
+    def __init__(self, axis: int | None = None, later: AsyncCache | None = None) -> None:
         self.axis = axis
         self.later = later
-        self._parts = MadeOnce()
+        self._parts = IdentityCache()
 
     def of(self, scene: Scene) -> Scene:
         """The scene of a slice; any other scene is returned as it is."""
@@ -63,7 +61,7 @@ class Sections:
         if volume is None or slices is None or scene.volume is not None:
             return scene
         slices = slices if self.axis is None else slices.turned(self.axis)
-        here, part, reach = slices.current, self._parts.of, scene.document.parameters.d_min
+        here, part, reach = slices.current, self._parts.get, scene.document.parameters.d_min
         image = part(_image, volume, here)
         cut = part(objects_in, scene.document.objects, here)
         document, places = part(_document, scene.document, here, volume, cut)
@@ -76,13 +74,12 @@ class Sections:
             scene.shaded,
             document,
             places.get(scene.selected),
-            self._parts.named("seeds", lambda: _seeds(seeds, here, volume, reach), Same(seeds), here, reach),
+            self._parts.named("seeds", lambda: _seeds(seeds, here, volume, reach), seeds, here, reach),
             snapshot=part(_snapshot, scene.snapshot, near, here),
             reconstruction=part(_skeleton, scene.reconstruction, here),
             contours=part(_contours, scene.reconstruction, here),
             overlays=self._overlays(scene, here, image),
             probed=part(_probed, scene.probed, here, volume, reach),
-            compared=part(_compared, scene.compared, here, volume, reach),
             truth=part(truth_in, scene.truth, here),
             differences=part(differences_in, scene.apart, here),
             objects=part(_shown, scene.objects, here),
@@ -114,7 +111,7 @@ class Sections:
                 found[name] = self.later.named(name, lines, lambda: np.empty((0, 2)), drawn, here)
             elif isinstance(drawn, SampledValues):
                 found[name] = self._parts.named(name, partial(_lines, drawn, here), drawn, here)
-        return self._parts.named("overlays", lambda: found, *found, *map(Same, found.values()))
+        return self._parts.named("overlays", lambda: found, *found, *found.values())
 
 
 def _image(volume: Image, here: Slice) -> Image:
@@ -145,20 +142,6 @@ def _probed(probed: Probed | None, here: Slice, volume: Image, reach: float) -> 
     sides = np.array(here.sides(volume.spacing)) / min(volume.spacing)
     along = {name: here.flattened(force[None])[0] / sides for name, force in probed.forces.items()}
     return replace(probed, position=here.within(probed.position), forces=along)
-
-
-def _compared(compared: Compared | None, here: Slice, volume: Image, reach: float) -> Compared | None:
-    if compared is None:
-        return None
-    surface = getattr(compared.result, "surface", None)
-    lines = () if surface is None else lines_of(surface, here)
-    position = (
-        None
-        if compared.position is None
-        else here.flattened(compared.position[_index(compared.position, here, volume, reach)[0]])
-    )
-    result = replace(compared.result, contours=lines, surface=None) if isinstance(compared.result, Result) else None
-    return replace(compared, position=position, result=result)
 
 
 def sections_of(shapes: Iterable[Shape], here: Slice, volume: Image) -> Iterator[tuple[int, Shape]]:

@@ -9,13 +9,12 @@ from pathlib import Path
 
 from PySide6.QtCore import QObject, Signal
 
-from app.model.display.truth.differences import Difference, differences
-from app.model.display.truth.surfaces import Apart, apart_from, surface_differences
+from app.model.display.differences import Apart, Difference, apart_from, differences, surface_differences
 from app.model.text.language import tr
 from app.model.volume.surface_section import prepare
 from app.session.exchange.messages import CommandFailed, Report
+from app.session.features.background import LatestOnlyWorker
 from app.session.features.contour_review import ContourReview
-from app.session.features.latest import Latest
 from app.session.session import Session
 from cpm_core.contours.agreement import TOLERANCE, Comparison, compare
 from cpm_core.contours.contour import Contour
@@ -67,7 +66,7 @@ class GroundTruth(QObject):
         self._path: Path | None = None
         self._session = session
         self._review = review
-        self._latest = Latest(session, "cpm-comparison", tr("comparing with the ground truth"))
+        self._latest = LatestOnlyWorker(session, "cpm-comparison", tr("comparing with the ground truth"))
         self._latest.done.connect(self._take)
         self._latest.failed.connect(self._give_up)
         session.listen(TruthRead, self._take_truth)

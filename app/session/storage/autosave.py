@@ -11,8 +11,7 @@ from pathlib import Path
 from PySide6.QtCore import QLockFile, QObject, QSettings, QTimer, Signal
 
 from app.model.preferences.table import AUTOSAVE, AUTOSAVE_EVERY
-from app.model.text.language import tr
-from app.model.text.reasons import cause
+from app.model.text.language import cause, tr
 from app.session.exchange.messages import sentence
 from app.session.storage.preferences import Preferences
 from app.session.storage.session_file import DocumentFile

@@ -11,8 +11,7 @@ from typing import TypeVar
 from PySide6.QtCore import QByteArray, QObject, QSettings, Signal
 
 from app.model.preferences.table import Preference
-from app.model.text.language import tr
-from app.model.text.reasons import cause
+from app.model.text.language import cause, tr
 from cpm_core.parameters.quotation import shown
 
 Value = TypeVar("Value", bool, int, float, str, list[str], QByteArray)

@@ -13,8 +13,7 @@ from PySide6.QtCore import QObject, Signal
 
 from app.model.document.document import Document
 from app.model.document.saving import View, changed_parts, to_file
-from app.model.text.language import tr
-from app.model.text.reasons import reason
+from app.model.text.language import reason, tr
 from app.session.exchange.messages import CommandFailed, Opened, Report
 from app.session.session import Session
 from app.session.signals import SAVING

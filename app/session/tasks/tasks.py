@@ -60,9 +60,9 @@ class Task:
     def advance(self, fraction: float) -> None:
         """Set the fraction that is done, from 0 to 1; raise `Cancelled` when the task has been cancelled."""
         self.fraction = fraction
-        self.go_on()
+        self.check_cancelled()
 
-    def go_on(self) -> None:
+    def check_cancelled(self) -> None:
         """Raise `Cancelled` when the task has been cancelled."""
         if self.cancelled:
             raise Cancelled(self.name)

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
-from typing import Generic, TypeVar
 
+from app.session.timeline.run_actions import RunAction
 from cpm_core.segmentation.method import MethodState
-
-RunAction = TypeVar("RunAction")
-"""Leads from one state to the next; equal actions lead from the same state to the same next one."""
 
 Place = tuple[int, int]
 """Branch and step."""
@@ -19,7 +16,7 @@ _RECENT_SHARE = 3
 
 
 @dataclass(eq=False, slots=True)
-class Moment(Generic[RunAction]):
+class Moment:
     """A state of a run: its step, the moment before it, and the action that leads from there; no action at the first.
 
     An action that changes a state without a step leads to another moment of the same step.
@@ -27,7 +24,7 @@ class Moment(Generic[RunAction]):
 
     run: int
     step: int
-    before: Moment[RunAction] | None = None
+    before: Moment | None = None
     action: RunAction | None = None
 
     @property
@@ -38,7 +35,7 @@ class Moment(Generic[RunAction]):
         return (*(self.before.actions if self.before.step == self.step else ()), self.action)
 
 
-class KeptStates(Generic[RunAction]):
+class KeptStates:
     """States of at most `budget` bytes, except that the first of each run and the one at `here` are always kept.
 
     States whose step is a multiple of the stride stay, so that every other state is a few steps from one of them. The
@@ -49,20 +46,20 @@ class KeptStates(Generic[RunAction]):
 
     def __init__(self, budget: int) -> None:
         self.budget = budget
-        self.here: Moment[RunAction] | None = None
+        self.here: Moment | None = None
         self.clear()
 
     def __len__(self) -> int:
         return len(self._states)
 
-    def get(self, moment: Moment[RunAction]) -> MethodState | None:
+    def get(self, moment: Moment) -> MethodState | None:
         """The state of a moment, which is the one used last then; None if it is not kept."""
         state = self._states.pop(moment, None)
         if state is not None:
             self._states[moment] = state
         return state
 
-    def put(self, moment: Moment[RunAction], state: MethodState) -> None:
+    def put(self, moment: Moment, state: MethodState) -> None:
         """Keep a state in place of the one kept before."""
         self.drop(moment)
         self._states[moment] = state
@@ -71,7 +68,7 @@ class KeptStates(Generic[RunAction]):
             self._owners[id(array)] += 1
         self.make_room()
 
-    def drop(self, *moments: Moment[RunAction]) -> None:
+    def drop(self, *moments: Moment) -> None:
         """Remove states."""
         for moment in moments:
             state = self._states.pop(moment, None)
@@ -81,14 +78,14 @@ class KeptStates(Generic[RunAction]):
                     del self._owners[id(array)]
                     self.used -= array.nbytes
 
-    def keep_only(self, run: int, moments: set[Moment[RunAction]]) -> None:
+    def keep_only(self, run: int, moments: set[Moment]) -> None:
         """Remove the states of a run except for these and its first one; without any, that too."""
         self.drop(*(at for at in self._states if at.run == run and at not in moments and (at.before or not moments)))
 
     def clear(self) -> None:
         """Remove all states and restore the finest stride."""
         self.used, self.stride = 0, 1
-        self._states: dict[Moment[RunAction], MethodState] = {}
+        self._states: dict[Moment, MethodState] = {}
         self._owners: Counter[int] = Counter()
 
     def make_room(self) -> None:

@@ -18,7 +18,7 @@ from typing import Any, ClassVar, Concatenate, ParamSpec
 from app.model.document.document import Document, ImageReference
 from app.model.export import ExportOrder, chosen, closed, summarize
 from app.model.text.language import tr
-from app.session.core_functions import Core
+from app.session.exchange.core_functions import Core
 from app.session.exchange.messages import (
     CommandFailed,
     Compiling,

@@ -13,7 +13,7 @@ import numpy as np
 from app.model.display.plots import RunMetrics
 from app.model.document.document import Document
 from app.model.document.modes import MODES
-from app.model.text.reasons import reason
+from app.model.text.language import reason
 from app.session.timeline.run_actions import RunAction, Stepped
 from app.session.timeline.stored_runs import StoredBranch, StoredRun, StoredRuns
 from app.session.timeline.timeline import Branch, Outline, Timeline
@@ -110,7 +110,7 @@ class RecordedRun:
     """Timeline and metrics of all runs on an image; `make` gives the method of a run that began with a document."""
 
     def __init__(self, make: Callable[[Document], Method[Any]]) -> None:
-        self.timeline: Timeline[RunAction] = Timeline(self._apply, MEGABYTES * MEGABYTE)
+        self.timeline = Timeline(self._apply, MEGABYTES * MEGABYTE)
         self._make = make
         self._methods: dict[tuple[int, AnyRegions | None], Method[Any]] = {}
         self._records: dict[int, RunRecord] = {}
@@ -267,5 +267,4 @@ class RecordedRun:
             self._methods.pop(next(iter(self._methods)))
 
     def _apply(self, run: int, state: MethodState, action: RunAction) -> MethodState:
-        after: MethodState = action.apply(self._method(run, action.regions), state)
-        return after
+        return action.apply(self._method(run, action.regions), state)  # type: ignore[no-any-return]

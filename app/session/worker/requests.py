@@ -170,7 +170,7 @@ class Probe(Command):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class TakeFrame(Command):
-    """Report all that is shown of one step of a branch, and of a `compared` one; the run itself goes on.
+    """Report all that is shown of one step of a branch; the run itself goes on.
 
     Nothing is done once the task is over.
     """
@@ -180,7 +180,6 @@ class TakeFrame(Command):
     branch: int
     step: int
     contours: bool
-    compared: int | None = None
 
     def execute(self, context: CommandContext) -> None:
         """Recover the step and report it."""
@@ -195,18 +194,13 @@ class TakeFrame(Command):
             return not (self.task.over or context.closing())
 
         moment = run.moment(self.branch, self.step, wanted)
-        other = run.recorded.timeline.state(self.compared, self.step, wanted) if self.compared is not None else None
         if moment is None or not wanted():
             return
-        contours, beside = None, Compared(self.generation)
+        contours = None
         if self.contours and moment.state.step > 0:
             result = run.result_of(self.branch, moment.state)
             contours = Reconstruction.of(self.generation, result, ContourTracker(), thorough=False)
-        if other is not None:
-            assert self.compared is not None
-            found = run.result_of(self.compared, other) if self.contours and other.step > 0 else None
-            beside = Compared(self.generation, self.compared, other, other.position, found)
-        context.report(FrameTaken(self.task, moment, contours, beside))
+        context.report(FrameTaken(self.task, moment, contours))
 
     def failure_report(self, error: Exception) -> Report:
         """The animation cannot be made."""
@@ -220,7 +214,6 @@ class FrameTaken(Report):
     task: Task
     moment: Snapshot | None = None
     contours: Reconstruction | None = None
-    compared: Compared | None = None
     sentence: str = ""
 
 

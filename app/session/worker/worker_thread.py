@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 
 from app.model.text.language import tr
-from app.session.core_functions import Core
+from app.session.exchange.core_functions import Core
 from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Overlays, Report, RunFailed, Snapshot, sentence
 from app.session.worker.commands import Command, CommandContext, Quit

@@ -9,8 +9,7 @@ from PySide6.QtWidgets import QApplication
 from app.model.text.language import tr
 from app.views.canvas.image_view import ImageView
 from app.views.canvas.layers.layer import Requests
-from app.views.canvas.tools.tool import Tool
-from app.views.canvas.tools.tool_in_use import ToolInUse
+from app.views.canvas.tools.tool import Tool, ToolInUse
 from cpm_core.numerics.types import Position
 
 ZOOM = 1.2

@@ -10,16 +10,16 @@ from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
 from app.model.document import edits
 from app.model.text.keys import with_keys
 from app.model.text.language import from_core, tr
+from app.session.features.workspace import Workspace
 from app.session.scene import Scene
 from app.session.signals import OF_THE_PROGRAM, OPENING
-from app.session.workspace import Workspace
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.crosshair import Crosshair
 from app.views.canvas.image_view import ImageView
-from app.views.canvas.layers.image.level_drag import LevelDrag
+from app.views.canvas.layers.image_layer import LevelDrag
+from app.views.canvas.legend import Strip
 from app.views.canvas.pointed import Pointed
 from app.views.canvas.selected_places import part_around, selected_places
-from app.views.canvas.strip.strip import Strip
 from app.views.canvas.tools import TOOLS
 from app.views.canvas.tools.select import SelectTool
 from app.views.canvas.tools.tool import Tool, ToolContext

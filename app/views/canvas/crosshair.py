@@ -12,8 +12,7 @@ from PySide6.QtGui import QCursor
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.views.canvas.canvas import Canvas
-from app.views.canvas.coordinates import to_xy
-from app.views.canvas.items.item import line_pen
+from app.views.canvas.items.item import line_pen, to_xy
 from app.views.theme import theme
 from cpm_core.numerics.types import Position
 

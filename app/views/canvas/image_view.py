@@ -13,7 +13,7 @@ from PySide6.QtGui import QResizeEvent
 from app.model.volume.slices import Slice, flips_of
 from app.session.features.slices import Sections
 from app.session.scene import Scene
-from app.views.canvas.coordinates import image_rectangle, to_position
+from app.views.canvas.items.item import image_rectangle, to_position
 from app.views.canvas.layers import Layers
 from app.views.canvas.layers.layer import Requests
 from app.views.theme import theme

@@ -6,7 +6,7 @@ import numpy as np
 
 from app.model.volume.slices import Slice
 from app.session.features.slices import hit_in
-from app.session.workspace import Workspace
+from app.session.features.workspace import Workspace
 from cpm_core.numerics.types import Place
 from cpm_core.shapes import Charge
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from PySide6.QtCore import QRectF
 
-from app.model.volume.shape_wires import wires
+from app.model.volume.shape_sections import wires
 from app.session.features.slices import ShownSlices
-from app.session.workspace import Workspace
+from app.session.features.workspace import Workspace
 from app.views.canvas.image_view import ImageView
 from cpm_core.numerics.types import Array
 

@@ -28,9 +28,7 @@ from app.model.display.display_image import DisplayImage
 from app.model.document.objects import add_region
 from app.model.state.situation import in_words
 from app.model.text.keys import with_keys
-from app.model.text.language import from_core, tr
-from app.model.text.numbers import written
-from app.model.text.reasons import reason
+from app.model.text.language import from_core, reason, tr, written
 from app.session.features.comparison import Comparison, Done
 from app.session.session import Session
 from app.views.comparison.choices import MethodChoice, ParameterChoice

@@ -23,7 +23,7 @@ from app.model.state.surface_figures import in_words
 from app.model.text.language import tr
 from app.session.features.skeleton import description_of
 from app.session.session import Session
-from app.views.canvas.coordinates import image_rectangle
+from app.views.canvas.items.item import image_rectangle
 from app.views.export.picture import Line, Picture
 from app.views.theme import theme
 from app.views.theme.look import look

@@ -11,7 +11,7 @@ from PySide6.QtCore import QRectF, QSize, QSizeF, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPixmap, QTransform
 
 from app.model.display.display_image import DisplayImage
-from app.views.canvas.coordinates import to_xy
+from app.views.canvas.items.item import to_xy
 from app.views.theme import theme
 from app.views.theme.look import look
 from cpm_core.contours.contour import Contour

@@ -11,18 +11,16 @@ from PySide6.QtCore import QRectF
 
 from app.model.export import provenance_comment
 from app.model.state.situation import has_particles
-from app.model.text.language import tr
-from app.model.text.reasons import reason
+from app.model.text.language import reason, tr
 from app.session.exchange.messages import Exported, Report
 from app.session.signals import FILMING
 from app.session.tasks.tasks import Task
-from app.views.export.film.animation_dialog import AnimationDialog, AnimationPlan
-from app.views.export.film.filming import Filming
-from app.views.export.film.frame_renderer import FrameRenderer, seen_part
+from app.views.export.animation_dialog import AnimationDialog, AnimationPlan
+from app.views.export.frames import FrameRecorder, FrameRenderer, seen_part
 from app.views.widgets.actions import ActionSpec
 from app.views.window.dialogs import Files
 from app.views.window.feature import Feature, FeatureContext
-from cpm_core.formats.animations.animation import ANIMATED, check_animation, write_animation
+from cpm_core.formats.animation import ANIMATED, check_animation, write_animation
 from cpm_core.numerics.types import Pixels
 
 _AHEAD = 4
@@ -38,7 +36,7 @@ class AnimationFeature(Feature):
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
         self._navigation = context.workspace.navigation
-        self._filming: list[Filming] = []
+        self._filming: list[FrameRecorder] = []
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """The export."""
@@ -99,13 +97,12 @@ class AnimationFeature(Feature):
         frames: queue.Queue[Pixels | None],
     ) -> None:
         layers = self.context.canvas_area.canvas.layers
-        filming = Filming(
+        filming = FrameRecorder(
             self.context.session,
             renderer,
             task,
             places,
-            contours=layers["contours"].shown or layers["ghost"].shown,
-            compared=self._navigation.comparison.branch if layers["ghost"].shown else None,
+            contours=layers["contours"].shown,
             take=frames.put,
             end=lambda: frames.put(None),
             has_room=lambda: frames.qsize() < _AHEAD,
@@ -137,7 +134,7 @@ class AnimationFeature(Feature):
 def _taken(frames: queue.Queue[Pixels | None], task: Task) -> Iterator[Pixels]:
     """Frames as they arrive, until there are no more; raises when the task is canceled."""
     while True:
-        task.go_on()
+        task.check_cancelled()
         try:
             frame = frames.get(timeout=_TIMEOUT)
         except queue.Empty:

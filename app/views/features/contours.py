@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QMenu
 
-from app.model.display.truth.differences import Difference
+from app.model.display.differences import Difference
 from app.model.document import contours
 from app.model.document.modes import use_skeleton
 from app.model.preferences.table import UNIT

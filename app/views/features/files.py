@@ -16,8 +16,7 @@ from app.model.document.samples import sample_at, samples
 from app.model.parameters.presets import SUFFIX as PRESET
 from app.model.preferences.table import SAVE_IN_FOLDER
 from app.model.state.situation import Situation, has_image
-from app.model.text.language import tr
-from app.model.text.shortening import shortened
+from app.model.text.language import shortened, tr
 from app.session.exchange.messages import ImageReady, NotOpened, Opened
 from app.session.signals import JOURNAL, OF_THE_PROGRAM, OPENING, RECOVERY
 from app.session.storage.autosave import Journal, folder_of_journals

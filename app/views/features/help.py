@@ -18,7 +18,6 @@ from app.views.theme.icons import program_icon
 from app.views.widgets.actions import ActionSpec, PreferenceRow
 from app.views.window.feature import Feature, FeatureContext
 from app.views.window.preferences import PreferencesDialog, ShortcutsPage
-from cpm_core.formats.common.provenance import VERSION
 
 SEEN = "tour/seen"
 """Preference: whether the tour has been shown."""
@@ -116,7 +115,7 @@ class HelpFeature(Feature):
         box.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         box.setWindowTitle(tr("About CPM"))
         box.setIconPixmap(program_icon().pixmap(64, 64))
-        box.setText(f"CPM {VERSION}")
+        box.setText(" ".join(versions()[0]))
         box.setInformativeText(f"{text}<table>{rows}</table>")
         box.setTextInteractionFlags(Qt.TextInteractionFlag.TextBrowserInteraction)
         copy = box.addButton(tr("&Copy this text"), QMessageBox.ButtonRole.ActionRole)

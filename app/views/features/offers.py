@@ -14,11 +14,10 @@ from app.model.document.modes import ADVICE, use_kind
 from app.model.document.samples import sample_at
 from app.model.preferences.table import KEEP_PARAMETERS, OFFER_SETTINGS
 from app.model.state.situation import Situation, has_image, has_volume
-from app.model.text.language import from_core, tr
-from app.model.text.numbers import written
+from app.model.text.language import from_core, tr, written
 from app.model.volume.parts import Parts
 from app.session.exchange.messages import Opened
-from app.session.features.latest import Latest
+from app.session.features.background import LatestOnlyWorker
 from app.session.tasks.opening import parts_of
 from app.views.files.part_dialog import PartDialog
 from app.views.files.pixel_size_dialog import PixelSizeDialog
@@ -139,7 +138,7 @@ class StackFeature(Feature):
         self.bar = offering(context, self.offer)
         self.dialog: PartDialog | None = None
         self._opened: Opened | None = None
-        self._looking = Latest(context.session, "cpm-parts", tr("looking into the file"))
+        self._looking = LatestOnlyWorker(context.session, "cpm-parts", tr("looking into the file"))
         self._looking.done.connect(self._show_parts)
 
     def action_specs(self) -> Sequence[ActionSpec]:

@@ -15,8 +15,7 @@ from app.model.parameters.controls import CHANNEL
 from app.model.preferences.table import TIMELINE_MEMORY, UNIT, WORDING
 from app.model.state.resolve import resolve
 from app.model.state.situation import Situation, can_step, has_image, has_particles, is_running, is_started
-from app.model.text.language import from_core, tr
-from app.model.text.numbers import written
+from app.model.text.language import from_core, tr, written
 from app.model.text.wording import Wording, wording_called
 from app.session.features.comparison import ComparisonWritten
 from app.session.features.timeline import TimelineNavigation
@@ -24,7 +23,7 @@ from app.session.storage.presets import PresetStore
 from app.session.worker.commands import RunCall
 from app.session.worker.recorded_run import MEGABYTE
 from app.session.worker.run import Run
-from app.views.canvas.coordinates import image_rectangle
+from app.views.canvas.items.item import image_rectangle
 from app.views.comparison.dialog import CompareDialog
 from app.views.panels.parameters import ParametersPanel
 from app.views.panels.presets import Presets
@@ -36,7 +35,7 @@ from app.views.window.bars import TaskBar
 from app.views.window.dialogs import Files
 from app.views.window.feature import Feature, FeatureContext, OneDialog, Panel
 from app.views.window.keyboard import Keys
-from cpm_core.formats.animations.comparison import PICTURE, TABLE
+from cpm_core.formats.comparison import PICTURE, TABLE
 
 _UPDATE_EVERY = 250
 """Time between two updates of the panel during the run [ms]."""

@@ -6,30 +6,26 @@ import json
 from collections.abc import Sequence
 from functools import partial
 
-from PySide6.QtCore import QElapsedTimer, QEvent, Qt
-from PySide6.QtGui import QGuiApplication, QKeyEvent
+from PySide6.QtGui import QGuiApplication
 from PySide6.QtWidgets import QMenu
 
 from app.model.display.coloring import QUANTITIES
 from app.model.preferences.table import CONTOUR_WIDTH, INKS, POINT_SIZE, SHAPE_WIDTH, THEME, UNIT
 from app.model.state.situation import Condition, Situation, has_image
-from app.model.text.language import tr
-from app.model.text.numbers import written
+from app.model.text.language import tr, written
 from app.session.storage.preferences import Preferences
 from app.views.canvas.canvas import ZOOM
-from app.views.canvas.layers.image.image import AUTOMATIC, WHOLE
+from app.views.canvas.layers.image_layer import AUTOMATIC, WHOLE
 from app.views.canvas.layers.layer import Layer
-from app.views.canvas.layers.particles.particles import ParticleLayer
-from app.views.canvas.mirrors.magnifier import Magnifier
-from app.views.canvas.mirrors.wipe import Wipe
+from app.views.canvas.layers.particles import ParticleLayer
 from app.views.canvas.selected_places import selected_places
+from app.views.canvas.wipe import Wipe
 from app.views.panels.layer_list import LayersPanel
 from app.views.theme import theme
 from app.views.theme.look import Look, use_look
 from app.views.theme.theme import Theme
 from app.views.widgets.actions import LAYER, ActionSpec, Submenu
 from app.views.window.feature import Feature, FeatureContext, Panel
-from app.views.window.keyboard import Keys
 from cpm_core.contours.result import Result
 
 _KEY = "layers/{layer}"
@@ -184,28 +180,20 @@ class LevelsFeature(Feature):
         self.context.canvas_area.strip.say_next(text)
 
 
-_HELD = 350
-"""Time after which the key of the magnifier counts as held: then it ends when the key is released [ms]."""
-
-
 class ComparingFeature(Feature):
-    """The wipe and the magnifier."""
+    """The wipe: another result on the other side of a divider."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
         canvas = context.canvas_area.canvas
         self._other = context.workspace.other_result
         self.wipe = Wipe(canvas)
-        self.magnifier = Magnifier(canvas)
-        self._held = QElapsedTimer()
-        Keys(canvas, self._release, QEvent.Type.KeyRelease)
         self.wipe.ended.connect(lambda: self._other.choose(None))
         self._other.changed.connect(self._show_wipe)
         context.session.scene_changed.connect(self._draw)
-        context.session.image_changed.connect(lambda: self.magnifier.switch(False))
 
     def action_specs(self) -> Sequence[ActionSpec | Submenu]:
-        """Compare, keep a result, magnify."""
+        """Compare, and keep a result."""
         return (
             ActionSpec("wipe", "View", tr("Compare &two results"),
                        tr("Show another result on the right of a divider that can be dragged."), self._other.toggle,
@@ -214,24 +202,7 @@ class ComparingFeature(Feature):
             ActionSpec("keep_result", "View", tr("&Keep this result to compare"),
                        tr("Keep what is found now, to compare later results with it."), self._other.keep,
                        "Ctrl+Shift+D", when=self._has_result),
-            ActionSpec("magnifier", "View", tr("&Magnifier"),
-                       tr("Show what is under the pointer four times as large; hold the key for a short look."),
-                       self._switch, "M", when=has_image, holds=lambda situation: self.magnifier.shown),
         )  # fmt: skip
-
-    def _release(self, event: QKeyEvent) -> bool:
-        """The key of the magnifier, when it is released after a while, ends it."""
-        if event.key() == Qt.Key.Key_M and not event.isAutoRepeat():
-            if self.magnifier.shown and self._held.isValid() and self._held.elapsed() >= _HELD:
-                self._switch()
-            self._held.invalidate()
-        return False
-
-    def _switch(self) -> None:
-        self.magnifier.switch(not self.magnifier.shown)
-        if self.magnifier.shown:
-            self._held.start()
-        self.context.refresh()
 
     def _has_result(self, situation: Situation) -> bool:
         scene = self.context.session.scene
@@ -255,10 +226,8 @@ class ComparingFeature(Feature):
         self.context.refresh()
 
     def _draw(self) -> None:
-        scene = self.context.session.scene
         if self._other.chosen is not None:
-            self.wipe.draw(self._other.far(scene))
-        self.magnifier.draw(self._other.near(scene))
+            self.wipe.draw(self._other.far(self.context.session.scene))
 
 
 class KeyboardFeature(Feature):

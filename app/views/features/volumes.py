@@ -15,25 +15,23 @@ from app.model.state.situation import Condition, Situation, has_volume
 from app.model.text.language import tr
 from app.model.volume.slices import AXES, Slices
 from app.session.exchange.messages import Exported, Report
-from app.session.features.latest import MadeLater
-from app.session.features.pages.stack_pages import WantedContour
+from app.session.features.background import AsyncCache
+from app.session.features.stack_pages import WantedContour
 from app.session.scene import Scene
 from app.session.storage.session_file import DocumentFile
 from app.session.tasks.tasks import Task
 from app.views.canvas.image_view import ImageView
-from app.views.canvas.volume.side_view import Cross, SideView
-from app.views.canvas.volume.slice_bar import SliceBar
+from app.views.canvas.side_view import Cross, SideView
+from app.views.canvas.slice_bar import SliceBar
 from app.views.panels.pages import PageBar, PagePanel
 from app.views.volume.seen_in_space import SeenInSpace
-from app.views.volume.space_actions import specs
 from app.views.volume.space_hand import SpaceHand
-from app.views.volume.space_panel import SpacePanel
-from app.views.volume.turntable import FRAMES, FRAMES_PER_SECOND, animation_size, picture_of, turn
+from app.views.volume.space_marks import FRAMES, FRAMES_PER_SECOND, animation_size, picture_of, turn
+from app.views.volume.space_panel import SpacePanel, specs
 from app.views.widgets.actions import ActionSpec
 from app.views.window.dialogs import Files
 from app.views.window.feature import Feature, FeatureContext, Panel
-from cpm_core.formats.animations.animation import ANIMATED, write_animation
-from cpm_core.formats.animations.snapshot_strip import write_picture
+from cpm_core.formats.animation import ANIMATED, write_animation, write_picture
 from cpm_core.formats.contours.pages.files import FOR_STACKS, stack_suffix_of
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Place
@@ -62,7 +60,7 @@ class SlicesFeature(Feature):
         """Views of the slices across the other axes, made when they are first shown."""
         self._wanted = bool(context.preferences.get(_SIDES, True))
         self._cross = Cross(context.canvas_area.canvas)
-        self._later: list[MadeLater] = []
+        self._later: list[AsyncCache] = []
         self._draw_later(context.canvas_area.canvas)
         context.canvas_area.canvas.slice_wanted.connect(slices.go)
         context.session.scene_changed.connect(self._show)
@@ -107,7 +105,7 @@ class SlicesFeature(Feature):
 
     def _draw_later(self, view: ImageView) -> None:
         """Draw what takes long of the slices of a view when it has been made on another thread."""
-        view.sections.later = later = MadeLater(self.context.session)
+        view.sections.later = later = AsyncCache(self.context.session)
         later.completed.connect(view.draw_again)
         self._later.append(later)
 

@@ -198,7 +198,7 @@ _CANVAS = Page(
     (),
     (
         tr("{fit} shows the whole image, {actual_size} one pixel of it on one pixel of the screen, {zoom_to_selection} "
-           "what is selected. {magnifier} shows what is under the pointer four times as large."),
+           "what is selected."),
         tr("The line below the image says what to do next, and shows messages. The legend beside it explains the lines "
            "and dots on the image."),
         tr("Arrow keys move the selected shape by 1 px, with Shift by 10 px; &lt; and &gt; make a selected circle "

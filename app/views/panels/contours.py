@@ -17,8 +17,7 @@ from app.model.display.lengths import shown_in
 from app.model.document import edits
 from app.model.document.document import Document
 from app.model.parameters.controls import Control, controls
-from app.model.text.language import tr
-from app.model.text.numbers import written
+from app.model.text.language import tr, written
 from app.session.features.contour_review import ContourReview
 from app.session.scene import Item
 from app.session.session import Session

@@ -15,7 +15,7 @@ from app.model.display.lengths import shown_in
 from app.model.document.objects import class_title
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
-from app.session.features.objects.object_list import Figures, ObjectList
+from app.session.features.object_list import Figures, ObjectList
 from app.session.session import Session
 from app.views.panels.tables import Column, ItemTable, Role, Selection, TableModel, TablePanel, button_grid, wide_button
 from app.views.theme.icons import swatch

@@ -12,7 +12,7 @@ from app.model.display.lengths import shown_in
 from app.model.display.page_rows import PageRow
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
-from app.session.features.pages.stack_pages import StackPages
+from app.session.features.stack_pages import StackPages
 from app.views.panels.tables import ENTER, Column, Index, Table, TableModel, TablePanel
 from cpm_core.contours.measurements import Measures
 

@@ -34,8 +34,7 @@ from app.model.parameters.controls import (
     slider_range,
     value_of,
 )
-from app.model.text.language import tr
-from app.model.text.numbers import written
+from app.model.text.language import tr, written
 from app.model.text.wording import FIRST_WORDING, Wording
 from app.session.scene import NO_CONTOURS, ReviewedContours
 from app.session.session import Session

@@ -12,8 +12,7 @@ from PySide6.QtWidgets import QMenu, QSizePolicy, QToolButton
 from app.model.document import edits
 from app.model.document.document import Document
 from app.model.parameters.presets import SUFFIX, Preset
-from app.model.text.language import tr
-from app.model.text.reasons import reason
+from app.model.text.language import reason, tr
 from app.session.storage.presets import PresetStore
 from app.views.window.dialogs import Button, Files, Question, all_files, ask_for_text
 from app.views.window.feature import FeatureContext

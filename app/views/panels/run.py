@@ -12,8 +12,7 @@ from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QScrollA
 
 from app.model.display.plots import PLOTS, Plot, RunMetrics, figure
 from app.model.state.resolve import Resolved
-from app.model.text.language import tr
-from app.model.text.numbers import written
+from app.model.text.language import tr, written
 from app.views.widgets.containers import ElidedLabel, Section
 from cpm_core.numerics.types import Array
 

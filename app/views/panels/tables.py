@@ -39,8 +39,7 @@ from PySide6.QtWidgets import (
 
 from app.model.display.lengths import PixelSize
 from app.model.text.keys import with_keys
-from app.model.text.language import tr
-from app.model.text.numbers import written
+from app.model.text.language import tr, written
 from app.views.widgets.containers import Scrolled
 
 Row = TypeVar("Row")

@@ -36,8 +36,7 @@ from PySide6.QtWidgets import (
 
 from app.model.display.round_numbers import round_up
 from app.model.text.keys import with_keys
-from app.model.text.language import tr
-from app.model.text.numbers import written
+from app.model.text.language import tr, written
 from app.session.features.timeline import TimelineNavigation
 from app.session.timeline.timeline import Branch
 from app.session.worker.recorded_run import MEGABYTE

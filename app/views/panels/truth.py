@@ -16,9 +16,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.model.display.truth.differences import Difference
-from app.model.text.language import tr
-from app.model.text.numbers import written
+from app.model.display.differences import Difference
+from app.model.text.language import tr, written
 from app.session.features.truth_comparison import GroundTruth
 from app.views.theme import theme
 from app.views.theme.icons import swatch

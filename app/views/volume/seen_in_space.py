@@ -10,19 +10,17 @@ from PySide6.QtGui import QColor
 
 from app.model.display.coloring import QUANTITIES, SHADES, InsertionTimes, colored
 from app.model.display.space.picture import Colors
-from app.model.display.space.projection import Shaded
-from app.model.display.space.shown_parts import Contents
 from app.model.display.space.triangles import Mesh
-from app.model.display.space.view_in_space import ColoredMesh, Particles, Wires
-from app.model.volume.shape_wires import wires
+from app.model.display.space.view_in_space import ColoredMesh, Contents, Particles, Wires
+from app.model.display.space.voxels import Shaded
+from app.model.volume.shape_sections import wires
 from app.model.volume.surface_section import kept_with_surface
 from app.session.exchange.messages import Reconstruction, Snapshot
-from app.session.features.latest import MadeOnce
+from app.session.features.background import IdentityCache
 from app.session.scene import Proposal, Scene
 from app.views.canvas.layers import Layers
-from app.views.canvas.layers.contours.skeleton import banded
-from app.views.canvas.layers.particles.color_legend import BEGIN, UNKNOWN
-from app.views.canvas.layers.particles.particles import ParticleLayer
+from app.views.canvas.layers.particles import BEGIN, UNKNOWN, ParticleLayer
+from app.views.canvas.layers.skeleton import banded
 from app.views.theme import color_maps, theme
 from app.views.theme.look import Ink, look
 from cpm_core.contours.ground_truth import Truth
@@ -39,7 +37,7 @@ class SeenInSpace:
     """Makes the contents of the view in space of the scenes of a session."""
 
     def __init__(self) -> None:
-        self._parts = MadeOnce()
+        self._parts = IdentityCache()
 
     def of(self, scene: Scene, layers: Layers) -> Contents | None:
         """What a scene shows; particles, gray values and what is drawn as their layers show them on the canvas."""
@@ -52,15 +50,15 @@ class SeenInSpace:
         given = snapshot, layer.word("colour"), layer.word("map"), layer.word("done"), inks
         shaded = self._parts.named("shaded", lambda: Shaded(image.values, window), image, window)
         particles = self._parts.named("particles", lambda: _particles(snapshot, layer), *given)
-        mesh = self._parts.of(_mesh, found)
+        mesh = self._parts.get(_mesh, found)
         drawn = (scene.document.shapes if layers.drawing.shown else (), scene.selected, image)
         skeleton = scene.skeleton if layers["skeleton"].shown else None
-        lines = self._parts.of(_wires, *drawn, skeleton)
+        lines = self._parts.get(_wires, *drawn, skeleton)
         of, offered = scene.document.objects, scene.objects.proposals
         selected = (of, offered, image.spacing) if layers["objects"].shown else None
         objects = self._parts.named("objects", lambda: () if selected is None else tuple(_objects(*selected)), selected)
         known = (scene.truth if layers["truth"].shown else None, image.spacing)
-        truth = self._parts.of(_truth, *known)
+        truth = self._parts.get(_truth, *known)
         return self._parts.named(
             "contents",
             lambda: Contents(image, shaded, slices, particles, mesh, lines, layers.image.table, objects, truth),

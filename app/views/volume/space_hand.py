@@ -10,8 +10,8 @@ from PySide6.QtGui import QGuiApplication, QMouseEvent
 
 from app.model.document import edits
 from app.model.text.language import from_core, tr
-from app.model.volume.shape_wires import wires
-from app.session.features.objects.object_selection import ObjectSelection
+from app.model.volume.shape_sections import wires
+from app.session.features.object_selection import ObjectSelection
 from app.session.session import Session
 from app.views.canvas.tools.tool import TAKING_AWAY
 from app.views.volume.space_view import SpaceView

@@ -1,14 +1,17 @@
-"""What is written over the view in space: the names of the axes, and a scale bar."""
+"""What is written over the view in space, and pictures of it for files: one, or those of a full turn."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, QSize, QSizeF, Qt
-from PySide6.QtGui import QColor, QPainter, QPen
+from PySide6.QtGui import QColor, QImage, QPainter, QPen
 
 from app.model.display.lengths import bar
-from app.model.display.space.camera import Camera
-from app.model.display.space.view_in_space import AXIS_COLORS, ViewInSpace
+from app.model.display.space.camera import Camera, turntable
+from app.model.display.space.picture import Colors
+from app.model.display.space.view_in_space import AXIS_COLORS, Look, ViewInSpace
 from app.model.text.language import tr
 from app.model.volume.slices import Ends
 from app.views.theme import theme
@@ -75,3 +78,34 @@ def _write(painter: QPainter, center: QPointF, text: str) -> None:
     room = QSizeF(metrics.horizontalAdvance(text) + 4.0, metrics.height())
     corner = center - QPointF(0.5 * room.width(), 0.5 * room.height())
     painter.drawText(QRectF(corner, room), Qt.AlignmentFlag.AlignCenter, text)
+
+
+FRAMES, FRAMES_PER_SECOND = 120, 25.0
+"""Frames of a turn, and their speed."""
+
+_LONGEST_FRAME = 720
+"""Longer side of the frames of an animation [px]."""
+
+
+def picture_of(view: ViewInSpace, camera: Camera, size: tuple[int, int], look: Look, marks: SpaceMarks) -> Colors:
+    """The view in a picture of so many rows and columns, with names and scale bar; on any thread."""
+    colors = np.ascontiguousarray(view.drawn(camera, size, look).colors)
+    rows, cols = size
+    image = QImage(colors.data, cols, rows, 3 * cols, QImage.Format.Format_RGB888)
+    painter = QPainter(image)
+    marks.draw(painter, view, camera, QSize(cols, rows))
+    painter.end()
+    return colors
+
+
+def animation_size(size: tuple[int, int]) -> tuple[int, int]:
+    """Rows and columns of the frames of an animation of a view of this size: even, as films need."""
+    factor = min(1.0, _LONGEST_FRAME / max(size))
+    rows, cols = (max(2, 2 * round(0.5 * factor * side)) for side in size)
+    return rows, cols
+
+
+def turn(view: ViewInSpace, camera: Camera, size: tuple[int, int], look: Look, marks: SpaceMarks) -> Iterator[Colors]:
+    """The frames of a full turn, drawn one by one."""
+    for one in turntable(camera, FRAMES):
+        yield picture_of(view, one, size, look, marks)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from math import pi, radians
 
 import numpy as np
 from PySide6.QtCore import QPointF, QSize, Qt, QTimer, Signal
@@ -24,11 +26,66 @@ from app.model.display.space.camera import Camera
 from app.model.display.space.picture import FAR, Picture
 from app.model.display.space.view_in_space import Look, ViewInSpace
 from app.model.text.language import tr
-from app.session.features.latest import Latest
+from app.session.features.background import LatestOnlyWorker
 from app.session.session import Session
 from app.views.theme import theme
-from app.views.volume.space_gestures import WHOLE, Gesture, by_key, gesture, turn
 from app.views.volume.space_marks import SpaceMarks
+from cpm_core.numerics.types import Array
+
+Gesture = Callable[[Camera, float, float, int], Camera]
+"""Follows the pointer, which moves to the right and down [px], in a picture whose shorter side is given [px]."""
+
+WHOLE = (Qt.Key.Key_0, Qt.Key.Key_Home)
+"""Keys that show everything."""
+
+_STEP, _KEY_ZOOM = radians(5.0), 1.2
+"""What a press of a key turns and enlarges."""
+
+_TURNS = {
+    Qt.Key.Key_Left: (-_STEP, 0.0),
+    Qt.Key.Key_Right: (_STEP, 0.0),
+    Qt.Key.Key_Up: (0.0, -_STEP),
+    Qt.Key.Key_Down: (0.0, _STEP),
+}
+
+
+def turn(camera: Camera, right: float, down: float, side: int) -> Camera:
+    """Turn: a drag across the picture by half a turn."""
+    return camera.turned(pi * right / side, pi * down / side)
+
+
+def move(camera: Camera, right: float, down: float, side: int) -> Camera:
+    """Move with the pointer."""
+    return camera.moved(right, down)
+
+
+def roll(camera: Camera, right: float, down: float, side: int) -> Camera:
+    """Roll: a drag across the picture by half a turn."""
+    return camera.rolled(pi * right / side)
+
+
+def gesture(button: Qt.MouseButton, keys: Qt.KeyboardModifier) -> Gesture:
+    """What a drag with this button and these keys does."""
+    if button != Qt.MouseButton.LeftButton or keys & Qt.KeyboardModifier.ShiftModifier:
+        return move
+    return roll if keys & Qt.KeyboardModifier.ControlModifier else turn
+
+
+def by_key(camera: Camera, key: int, directions: Sequence[Array]) -> Camera | None:
+    """The camera after a press of a key: turned, enlarged, or along an axis; None for any other key.
+
+    `directions` are the axes of cameras that look along those of the volume.
+    """
+    if key in _TURNS:
+        return camera.turned(*_TURNS[Qt.Key(key)])
+    if key in (Qt.Key.Key_Plus, Qt.Key.Key_Equal):
+        return camera.zoomed(_KEY_ZOOM)
+    if key == Qt.Key.Key_Minus:
+        return camera.zoomed(1.0 / _KEY_ZOOM)
+    if key in (Qt.Key.Key_1, Qt.Key.Key_2, Qt.Key.Key_3):
+        return camera.along(directions[key - Qt.Key.Key_1])
+    return None
+
 
 _STILL = 150
 """Time without a change after which the picture is drawn at full size [ms]."""
@@ -96,7 +153,7 @@ class SpaceView(QWidget):
         self._pressed: QPointF | None = None
         self._last = QPointF()
         self._gesture: Gesture = turn
-        self._painter = Latest(session, "cpm-space", tr("drawing the view in space"))
+        self._painter = LatestOnlyWorker(session, "cpm-space", tr("drawing the view in space"))
         self._painter.done.connect(self._take)
         self._still = QTimer(self, interval=_STILL, singleShot=True)
         self._still.timeout.connect(partial(self._ask, 1))

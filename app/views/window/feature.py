@@ -12,9 +12,9 @@ from typing import Generic, Literal, TypeVar
 
 from PySide6.QtWidgets import QDialog, QMainWindow, QWidget
 
+from app.session.features.workspace import Workspace
 from app.session.session import Session
 from app.session.storage.preferences import Preferences
-from app.session.workspace import Workspace
 from app.views.canvas.canvas_area import CanvasArea
 from app.views.theme.theme import Theme
 from app.views.widgets.actions import ActionSpec, PreferenceRow, Submenu

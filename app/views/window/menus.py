@@ -9,8 +9,8 @@ from PySide6.QtCore import QEvent, QObject, QPoint
 from PySide6.QtGui import QAction, QContextMenuEvent
 from PySide6.QtWidgets import QApplication, QMenu, QMenuBar, QWidget
 
+from app.model.text.keys import distinct
 from app.model.text.language import tr
-from app.model.text.mnemonics import distinct
 from app.views.widgets.actions import Actions, ActionSpec, MenuOwner, Submenu
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
-from cpm_core.image.drawing import axes
+from cpm_core.image import drawing
 from cpm_core.numerics.real_numbers import checked_number, real_numbers, voxel_sides
 from cpm_core.numerics.types import Array, Index
 from cpm_core.parameters.quotation import counted, described
@@ -94,7 +94,7 @@ class Surface:
             counted(self.components, "part"), "closed" if self.closed else "open",
         )  # fmt: skip
 
-    def plot(self, ax: axes.Axes | None = None) -> axes.Axes:
+    def plot(self, ax: drawing.Axes | None = None) -> drawing.Axes:
         """Draw the surface by matplotlib, in units of length.
 
         Parameters
@@ -112,8 +112,8 @@ class Surface:
         ValueError
             When matplotlib is not installed, or `ax` are no axes in space.
         """
-        ax = axes.axes_for(ax, space=True)
-        axes.show_triangles(ax, self._physical, self.faces, self.unit)
+        ax = drawing.axes_for(ax, space=True)
+        drawing.show_triangles(ax, self._physical, self.faces, self.unit)
         return ax
 
     @cached_property

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from cpm_core.contours.surface import Surface
+from cpm_core.numerics.grids import parts_of
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.parts import parts_of
 from cpm_core.numerics.types import Array, Index, Mask
 
 _BESIDE = (1.3e-6, 2.9e-6)

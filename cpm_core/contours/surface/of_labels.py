@@ -9,7 +9,7 @@ import scipy
 from numpy.typing import NDArray
 
 from cpm_core.contours.surface import Surface
-from cpm_core.numerics.zero_surface import zero_surface
+from cpm_core.numerics.grids import zero_surface
 
 _ROOM = 1
 """Voxels around an object in which its surface lies."""

@@ -8,7 +8,7 @@ from pathlib import Path
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.atomic import check_place, write_together
 from cpm_core.formats.common.provenance import facts_of, text_of
-from cpm_core.image.drawing.axes import FIGURES, encoded_figure, new_figure
+from cpm_core.image.drawing import FIGURES, encoded_figure, new_figure
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.parameters.quotation import shown
 

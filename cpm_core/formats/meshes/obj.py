@@ -1,4 +1,4 @@
-"""OBJ: the surface with its normals as text, for drawing and animation programs."""
+"""OBJ: surfaces of drawing and animation programs, as text."""
 
 from __future__ import annotations
 
@@ -7,16 +7,17 @@ import io
 import numpy as np
 
 from cpm_core.contours.result import Result
-from cpm_core.formats.meshes.world import mesh_of
+from cpm_core.formats.meshes.coordinates import mesh_of
+from cpm_core.formats.meshes.triangles import Triangles, split
 from cpm_core.image.geometry import Convention
 from cpm_core.medial_axis.skeleton import Skeleton
 
-GROUP = "object_"
+_GROUP = "object_"
 """What the names of groups begin with that are objects; their number follows."""
 
 
 def encode(result: Result | Skeleton, space: Convention = "LPS") -> bytes:
-    """Make an OBJ file of the surface of a result; ValueError when it has none."""
+    """Make an OBJ file of the surface of a result with its normals; ValueError when it has none."""
     mesh = mesh_of(result, space)
     stream = io.BytesIO()
     stream.write("".join(f"# {note}\n" for note in mesh.notes).encode())
@@ -25,7 +26,30 @@ def encode(result: Result | Skeleton, space: Convention = "LPS") -> bytes:
     for number in (None,) if mesh.numbers is None else np.unique(mesh.numbers):
         faces = mesh.faces
         if mesh.numbers is not None:
-            stream.write(f"g {GROUP}{number}\n".encode())
+            stream.write(f"g {_GROUP}{number}\n".encode())
             faces = mesh.faces[mesh.numbers == number]
         np.savetxt(stream, np.repeat(faces + 1, 2, axis=1), "f %d//%d %d//%d %d//%d")
     return stream.getvalue()
+
+
+def read(content: bytes) -> Triangles:
+    """Triangles of a file; UnreadableError when it has none. Lines and points are passed over."""
+    points: list[list[str]] = []
+    counts: list[int] = []
+    corners: list[int] = []
+    number, numbers = 0, []
+    for line in content.decode("utf-8", "replace").replace("\\\n", " ").splitlines():
+        match line.split():
+            case ["v", x, y, z, *_]:
+                points.append([x, y, z])
+            case ["f", *words]:
+                ends = [int(word.partition("/")[0]) for word in words]
+                counts.append(len(ends))
+                corners += [end - 1 if end > 0 else len(points) + end for end in ends]
+                numbers.append(number)
+            case ["g", *words]:
+                name = " ".join(words)
+                number = int(name[len(_GROUP) :]) if name.startswith(_GROUP) else 0
+    faces, polygon = split(counts, corners)
+    objects = np.array(numbers, np.int64)[polygon] if min(numbers) > 0 else None
+    return Triangles(np.array(points, np.float64).reshape(-1, 3), faces, objects)

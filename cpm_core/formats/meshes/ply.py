@@ -1,29 +1,36 @@
-"""PLY: the surface with its normals, for MeshLab, Blender and CloudCompare."""
+"""PLY: surfaces of MeshLab, Blender and CloudCompare."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from cpm_core.contours.result import Result
-from cpm_core.formats.meshes.world import mesh_of
+from cpm_core.formats.images.decoded import UnreadableError
+from cpm_core.formats.meshes.coordinates import mesh_of
+from cpm_core.formats.meshes.triangles import Triangles, split
 from cpm_core.image.geometry import Convention
 from cpm_core.medial_axis.skeleton import Skeleton
 
-_FACE: list[tuple[Any, ...]] = [("count", "u1"), ("corners", "<i4", 3)]
-
-OBJECT = "object"
+_OBJECT = "object"
 """Property of a triangle: the number of its object."""
+
+_KINDS = {
+    **{"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4"},
+    **{"int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4"},
+    **{"float": "f4", "double": "f8", "float32": "f4", "float64": "f8"},
+}
+_ORDERS = {"ascii": "<", "binary_little_endian": "<", "binary_big_endian": ">"}
 
 
 def encode(result: Result | Skeleton, space: Convention = "LPS") -> bytes:
-    """Make a binary PLY file of the surface of a result; ValueError when it has none."""
+    """Make a binary PLY file of the surface of a result with its normals; ValueError when it has none."""
     mesh = mesh_of(result, space)
     precise = mesh.points.dtype == np.float64
     properties = "".join(f"property {'double' if precise else 'float'} {name}\n" for name in ("x", "y", "z"))
     properties += "".join(f"property float {name}\n" for name in ("nx", "ny", "nz"))
-    numbered = "" if mesh.numbers is None else f"property int {OBJECT}\n"
+    numbered = "" if mesh.numbers is None else f"property int {_OBJECT}\n"
     header = (
         "ply\nformat binary_little_endian 1.0\n"
         + "".join(f"comment {note}\n" for note in mesh.notes)
@@ -32,8 +39,81 @@ def encode(result: Result | Skeleton, space: Convention = "LPS") -> bytes:
     )
     vertices = np.empty(len(mesh.points), [("place", "<f8" if precise else "<f4", 3), ("normal", "<f4", 3)])
     vertices["place"], vertices["normal"] = mesh.points, mesh.normals
-    faces = np.empty(len(mesh.faces), _FACE if mesh.numbers is None else [*_FACE, (OBJECT, "<i4")])
+    fields: list[Any] = [("count", "u1"), ("corners", "<i4", 3)]
+    faces = np.empty(len(mesh.faces), fields if mesh.numbers is None else [*fields, (_OBJECT, "<i4")])
     faces["count"], faces["corners"] = 3, mesh.faces
     if mesh.numbers is not None:
-        faces[OBJECT] = mesh.numbers
+        faces[_OBJECT] = mesh.numbers
     return header.encode() + vertices.tobytes() + faces.tobytes()
+
+
+class _Property(NamedTuple):
+    """A number of each row of an element, or a list of numbers whose count is of the kind `counts`."""
+
+    name: str
+    kind: str
+    counts: str = ""
+
+
+def read(content: bytes) -> Triangles:
+    """Triangles of a file, as text or as binary numbers; UnreadableError when it has none."""
+    head, mark, body = content.partition(b"end_header")
+    if not mark:
+        raise UnreadableError("its header has no end")
+    body = body.partition(b"\n")[2]
+    form = order = ""
+    rows: dict[str, int] = {}
+    properties: dict[str, list[_Property]] = {}
+    for line in head.decode("latin-1").splitlines():
+        match line.split():
+            case ["format", form, *_]:
+                order = _ORDERS[form]
+            case ["element", element, count]:
+                rows[element], properties[element] = int(count), []
+            case ["property", "list", counts, kind, name]:
+                properties[element].append(_Property(name, order + _KINDS[kind], order + _KINDS[counts]))
+            case ["property", kind, name]:
+                properties[element].append(_Property(name, order + _KINDS[kind]))
+    if form == "ascii":  # which is read as a binary file of double precision
+        body = np.array(body.split(), dtype=np.float64).astype("<f8").tobytes()
+        for known in properties.values():
+            known[:] = [_Property(one.name, "<f8", "<f8" if one.counts else "") for one in known]
+    columns: dict[str, dict[str, Any]] = {}
+    for element, count in rows.items():
+        columns[element], body = _element(body, count, properties[element])
+    vertices, polygons = columns["vertex"], columns["face"]
+    corners = polygons["vertex_indices"] if "vertex_indices" in polygons else polygons["vertex_index"]
+    points = np.stack([vertices[axis] for axis in "xyz"], axis=1).astype(np.float64)
+    faces, polygon = split(*corners)
+    numbers = np.asarray(polygons[_OBJECT], np.int64)[polygon] if _OBJECT in polygons else None
+    return Triangles(points, faces, numbers)
+
+
+def _element(body: bytes, count: int, properties: list[_Property]) -> tuple[dict[str, Any], bytes]:
+    """The numbers of an element by the names of its properties, of a list its counts and all entries; and the rest."""
+    fields: list[Any] = []
+    for one in properties:
+        fields += [(f"count {one.name}", one.counts), (one.name, one.kind, 3)] if one.counts else [(one.name, one.kind)]
+    kind = np.dtype(fields)
+    if len(body) >= count * kind.itemsize:
+        table = np.frombuffer(body, kind, count)
+        counts = {one.name: table[f"count {one.name}"] for one in properties if one.counts}
+        if all((lengths == 3).all() for lengths in counts.values()):  # nothing but triangles
+            columns = {one.name: table[one.name] for one in properties}
+            lists = {name: (lengths, columns[name].ravel()) for name, lengths in counts.items()}
+            return columns | lists, body[table.nbytes :]
+    found: dict[str, Any] = {one.name: ([], []) if one.counts else [] for one in properties}
+    at = 0
+    for _ in range(count):
+        for one in properties:
+            length, entries = 1, found[one.name]
+            if one.counts:
+                length = int(np.frombuffer(body, one.counts, 1, at)[0])
+                at += np.dtype(one.counts).itemsize
+                entries[0].append(length)
+                entries = entries[1]
+            if length < 0:
+                raise UnreadableError("a list has a negative number of entries")
+            entries.extend(np.frombuffer(body, one.kind, length, at).tolist())
+            at += length * np.dtype(one.kind).itemsize
+    return found, body[at:]

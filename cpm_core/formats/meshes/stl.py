@@ -1,18 +1,22 @@
-"""STL: the triangles of the surface, for printing in three dimensions."""
+"""STL: surfaces of programs for printing; equal corners of triangles become one vertex."""
 
 from __future__ import annotations
 
+import re
 import struct
 
 import numpy as np
 
 from cpm_core.contours.result import Result
-from cpm_core.formats.meshes.world import mesh_of
+from cpm_core.formats.images.decoded import UnreadableError
+from cpm_core.formats.meshes.coordinates import mesh_of
+from cpm_core.formats.meshes.triangles import Triangles
 from cpm_core.image.geometry import Convention
 from cpm_core.medial_axis.skeleton import Skeleton
 
-HEADER = 80
-TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+_HEADER = 80
+_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+_VERTEX = re.compile(rb"\bvertex\s+(\S+)\s+(\S+)\s+(\S+)", re.IGNORECASE)
 
 
 def encode(result: Result | Skeleton, space: Convention = "LPS") -> bytes:
@@ -21,10 +25,29 @@ def encode(result: Result | Skeleton, space: Convention = "LPS") -> bytes:
     Its header has room for the program, the coordinates, the unit and the beginning of the hash of the image.
     """
     mesh = mesh_of(result, space)
-    triangles = np.zeros(len(mesh.faces), TRIANGLE)
+    triangles = np.zeros(len(mesh.faces), _TRIANGLE)
     corners = mesh.points[mesh.faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     triangles["normal"], triangles["corners"] = normals / np.maximum(lengths, 1e-30), corners
-    header = " ".join((*mesh.notes[:3], mesh.origin)).encode()[:HEADER].ljust(HEADER)
+    header = mesh.title.encode()[:_HEADER].ljust(_HEADER)
     return header + struct.pack("<I", len(triangles)) + triangles.tobytes()
+
+
+def read(content: bytes) -> Triangles:
+    """Triangles of a file, as text or as binary numbers; UnreadableError when it has none."""
+    count = int.from_bytes(content[_HEADER : _HEADER + 4], "little")
+    if count and len(content) >= _HEADER + 4 + count * _TRIANGLE.itemsize:
+        corners = np.frombuffer(content, _TRIANGLE, count, _HEADER + 4)["corners"].reshape(-1, 3).astype(np.float64)
+    elif content.lstrip()[:5].lower() == b"solid":
+        corners = np.array(_VERTEX.findall(content), dtype=np.float64).reshape(-1, 3)
+        corners = corners[: len(corners) // 3 * 3]
+    else:
+        raise UnreadableError("it has no triangles")
+    order = np.lexsort(corners.T)
+    first = np.append(True, (np.diff(corners[order], axis=0) != 0).any(axis=1))[: len(order)]
+    number = np.empty(len(corners), np.int64)
+    number[order] = np.cumsum(first) - 1
+    faces = number.reshape(-1, 3)
+    flat = (faces == np.roll(faces, 1, axis=1)).any(axis=1)
+    return Triangles(corners[order[first]], faces[~flat])

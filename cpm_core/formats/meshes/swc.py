@@ -1,17 +1,36 @@
-"""SWC: center lines as a tree of points with radii, for Vaa3D, neuTube, SNT and other programs of neuroscience."""
+"""SWC: center lines as trees of points with radii, of Vaa3D, neuTube, SNT and other programs of neuroscience."""
 
 from __future__ import annotations
 
+import io
+import logging
 import os
+import warnings
 from collections import deque
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+import scipy
+
 from cpm_core.formats.common.atomic import check_place, write_together
-from cpm_core.formats.common.printable import printable
+from cpm_core.formats.common.content import content_of
 from cpm_core.formats.common.provenance import PROGRAM, facts_on, text_of
-from cpm_core.formats.meshes.world import decimals_for, positions
+from cpm_core.formats.meshes.coordinates import Place, decimals_for, place_of, positions, unit_in_ascii
 from cpm_core.image.geometry import Convention, Geometry
-from cpm_core.medial_axis.space.centerlines import Centerlines
+from cpm_core.image.image import Image
+from cpm_core.medial_axis.space.centerlines import Branch, Centerlines
+from cpm_core.numerics.types import Array
+from cpm_core.parameters.quotation import shown
+
+_LOG = logging.getLogger(__name__)
+
+_COLUMNS = 7
+"""Number, kind, x, y, z, radius, number of the parent."""
+
+_SAME = 1e-3
+"""Distance up to which the end of a branch is the same point as another [smallest sides of a voxel]."""
 
 _UNDEFINED = 0
 """Type of a point of no known structure."""
@@ -33,8 +52,8 @@ def write_swc(lines: Centerlines, path: str | os.PathLike[str], geometry: Geomet
 def encode(lines: Centerlines, geometry: Geometry | None = None, space: Convention = "LPS") -> bytes:
     """Make an SWC file: a line of text for each point, with x, y, z and radius in the unit of the spacing, and parent.
 
-    The coordinates are those of surfaces (`world`), in a volume with this geometry. SWC holds trees alone: a loop is
-    cut at the end of one of its branches, where a point stands twice.
+    The coordinates are those of surfaces, in a volume with this geometry. SWC holds trees alone: a loop is cut at the
+    end of one of its branches, where a point is written twice.
     """
     rows: list[tuple[int, float, float, float, float, int]] = []
     number: dict[int, int] = {}
@@ -71,9 +90,124 @@ def encode(lines: Centerlines, geometry: Geometry | None = None, space: Conventi
                 if beyond not in number:
                     number[beyond] = last
                     waiting.append(beyond)
-    unit = {"µm": "um"}.get(lines.unit or "", lines.unit or "voxel")
-    facts = printable(text_of(facts_on(lines.source, lines.provenance)))
-    head = f"# {PROGRAM}\n# SPACE={space}\n# UNIT={unit}\n# {facts}\n# id type x y z radius parent\n"
+    facts = text_of(facts_on(lines.source, lines.provenance))
+    head = (PROGRAM, f"SPACE={space}", f"UNIT={unit_in_ascii(lines.unit)}", facts, "id type x y z radius parent")
     form = f"{{}} {_UNDEFINED}" + 4 * f" {{:.{decimals_for(lines.spacing)}f}}" + " {}\n"
     text = "".join(form.format(*row) for row in rows)
-    return (head + text).encode("ascii", "replace")
+    return ("".join(f"# {line}\n" for line in head) + text).encode()
+
+
+def load_centerlines(
+    path: str | os.PathLike[str],
+    image: Image | None = None,
+    *,
+    space: Convention | None = None,
+    tell: Callable[[str], object] = _LOG.warning,
+) -> Centerlines:
+    """Read center lines from an SWC file, written by `export`, `write_swc` or by another program.
+
+    Parameters
+    ----------
+    path : path-like
+        A file of SWC.
+    image : Image, optional
+        The volume that they belong to: their vertices come back in voxels of it. Without it a voxel is as large as a
+        unit of the file.
+    space : {"LPS", "RAS"}, optional
+        Where x, y and z of the file point; by default as the file tells, and LPS where it does not.
+    tell : callable, optional
+        Called with a sentence for what was left out or assumed; by default a warning is logged.
+
+    Returns
+    -------
+    Centerlines
+        Branches between ends and junctions, the longest first. A branch that ends where another one passes ends at a
+        junction there, so that loops come back.
+
+    Raises
+    ------
+    ValueError
+        When the file cannot be read or holds no lines; one sentence with its name and what to do.
+
+    Examples
+    --------
+    >>> inside = np.zeros((12, 12, 40), bool)
+    >>> inside[4:9, 4:9, 4:36] = True
+    >>> lines = cpm.centerlines(inside)
+    >>> cpm.export(lines, "rod.swc")
+    >>> cpm.load_centerlines("rod.swc")
+    <Centerlines rod.swc, 1 branch, 27.9 voxels>
+    """
+    file = Path(path)
+    text = content_of(file).decode("utf-8-sig", "replace")
+    rows = _rows(text, file.name)
+    remarks = "\n".join(line for line in text.splitlines() if line.lstrip().startswith("#"))
+    place, notes = place_of(remarks, image, space)
+    points, radii = place.voxels(rows[:, 2:5]), rows[:, 5] * place.scale
+    branches = _branches(points, radii, _joints(points, rows, place, file.name))
+    if not branches:
+        raise ValueError(f"{file.name} holds single points and no lines: choose a file with lines.")
+    for note in notes:
+        tell(f"{file.name}: {note}")
+    geometry = None if image is None else image.geometry
+    found = Centerlines(tuple(branches), place.spacing, place.unit, file.name, geometry)
+    order = np.argsort(-found.lengths, kind="stable")
+    return replace(found, branches=tuple(branches[k] for k in order))
+
+
+def _rows(text: str, name: str) -> Array:
+    """The numbers of all points, shape (N, 7); ValueError when a line does not hold as many."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of a file without lines, which is refused below
+            rows = np.loadtxt(io.StringIO(text.replace(",", " ")), usecols=range(_COLUMNS), ndmin=2)
+    except (ValueError, OverflowError) as error:
+        raise ValueError(
+            f"{name} has a line that is not seven numbers (number, kind, x, y, z, radius, parent), "
+            f"{shown(str(error))}: write it again."
+        ) from error
+    if not len(rows) or not np.isfinite(rows).all():
+        raise ValueError(f"{name} holds no center lines: choose a file of SWC.")
+    return np.asarray(rows)
+
+
+def _joints(points: Array, rows: Array, place: Place, name: str) -> list[tuple[int, int]]:
+    """Links (parent, child) between points; an end that lies at another point is that point."""
+    index = {number: k for k, number in enumerate(rows[:, 0].tolist())}
+    parents = rows[:, 6].tolist()
+    if len(index) < len(rows) or any(parent >= 0 and parent not in index for parent in parents):
+        raise ValueError(f"{name} has two points of the same number, or a point without its parent: write it again.")
+    links = [(index[parent], k) for k, parent in enumerate(parents) if parent >= 0]
+    degree = np.bincount(np.array(links, np.int64).reshape(-1), minlength=len(rows))
+    same = np.arange(len(rows))
+    physical = points * place.spacing
+    near = scipy.spatial.KDTree(physical)
+    reach = _SAME * min(place.spacing)
+    for k in np.flatnonzero(degree == 1).tolist():
+        others = [other for other in near.query_ball_point(physical[k], reach) if other != k and same[other] == other]
+        if others:
+            same[k] = min(others)
+    return [(int(same[a]), int(same[b])) for a, b in links if same[a] != same[b]]
+
+
+def _branches(points: Array, radii: Array, links: list[tuple[int, int]]) -> list[Branch]:
+    """Chains of links between points at which not just two meet; rings without any such point begin anywhere."""
+    neighbors: dict[int, list[int]] = {}
+    for a, b in links:
+        neighbors.setdefault(a, []).append(b)
+        neighbors.setdefault(b, []).append(a)
+    open_links = {frozenset(link) for link in links}
+    nodes = [point for point, others in neighbors.items() if len(others) != 2]
+    branches = []
+    for start in (*nodes, *neighbors):
+        for first in neighbors[start]:
+            if frozenset((start, first)) not in open_links:
+                continue
+            chain = [start, first]
+            open_links.remove(frozenset((start, first)))
+            while len(neighbors[chain[-1]]) == 2 and chain[-1] != start:
+                one, other = neighbors[chain[-1]]
+                chain.append(other if one == chain[-2] else one)
+                open_links.discard(frozenset(chain[-2:]))
+            branches.append(Branch(points[chain], radii[chain], (chain[0], chain[-1])))
+    return branches

@@ -1,35 +1,47 @@
-"""VTK: the surface with its normals as poly data, for ParaView, 3D Slicer and ITK-SNAP."""
+"""VTK: surfaces as poly data of ParaView, 3D Slicer and ITK-SNAP, in files of the older kind."""
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from cpm_core.contours.result import Result
-from cpm_core.formats.meshes.world import mesh_of
+from cpm_core.formats.images.decoded import UnreadableError
+from cpm_core.formats.meshes.coordinates import mesh_of
+from cpm_core.formats.meshes.triangles import Triangles, split
 from cpm_core.image.geometry import Convention
 from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.numerics.types import Index
 
 _TITLE = 255
 """Most characters of the title."""
 
-OBJECT = "object"
+_OBJECT = "object"
 """Name of the numbers of the objects that triangles bound."""
+
+_KINDS = {
+    **{"char": "i1", "short": "i2", "int": "i4", "long": "i8", "vtktypeint64": "i8", "vtkidtype": "i8"},
+    **{"unsigned_char": "u1", "unsigned_short": "u2", "unsigned_int": "u4", "unsigned_long": "u8"},
+    **{"float": "f4", "double": "f8"},
+}
 
 
 def encode(result: Result | Skeleton, space: Convention = "LPS") -> bytes:
-    """Make a binary file of VTK, version 3.0, of the surface of a result; ValueError when it has none."""
+    """Make a binary file, version 3.0, of the surface of a result with its normals; ValueError when it has none."""
     mesh = mesh_of(result, space)
     count, faces = len(mesh.points), len(mesh.faces)
-    title = "; ".join((*mesh.notes[:3], mesh.origin))[:_TITLE]
     polygons = np.hstack([np.full((faces, 1), 3), mesh.faces]).astype(">i4")
     kind, points = ("double", ">f8") if mesh.points.dtype == np.float64 else ("float", ">f4")
     numbers = b""
     if mesh.numbers is not None:
-        head = f"\nCELL_DATA {faces}\nSCALARS {OBJECT} int 1\nLOOKUP_TABLE default\n"
+        head = f"\nCELL_DATA {faces}\nSCALARS {_OBJECT} int 1\nLOOKUP_TABLE default\n"
         numbers = head.encode() + mesh.numbers.astype(">i4").tobytes()
     return b"".join(
         (
-            f"# vtk DataFile Version 3.0\n{title}\nBINARY\nDATASET POLYDATA\nPOINTS {count} {kind}\n".encode(),
+            f"# vtk DataFile Version 3.0\n{mesh.title[:_TITLE]}\nBINARY\nDATASET POLYDATA\n".encode(),
+            f"POINTS {count} {kind}\n".encode(),
             mesh.points.astype(points).tobytes(),
             f"\nPOLYGONS {faces} {polygons.size}\n".encode(),
             polygons.tobytes(),
@@ -39,3 +51,70 @@ def encode(result: Result | Skeleton, space: Convention = "LPS") -> bytes:
             b"\n",
         )
     )
+
+
+class _Stream:
+    """The content of a file, line by line and number by number."""
+
+    def __init__(self, content: bytes, binary: bool) -> None:
+        self._rest, self._binary = content, binary
+
+    def line(self) -> list[str]:
+        """The words of the next line that has any; none at the end."""
+        while self._rest:
+            line, _, self._rest = self._rest.partition(b"\n")
+            if words := line.decode("latin-1").split():
+                return words
+        return []
+
+    def numbers(self, count: int, kind: str) -> NDArray[Any]:
+        """The next numbers of a kind."""
+        if self._binary:
+            numbers = np.frombuffer(self._rest, ">" + _KINDS[kind.lower()], count)
+            self._rest = self._rest[numbers.nbytes :]
+            return numbers
+        words = self._rest.split(None, count)
+        self._rest = b"".join(words[count:])
+        return np.array(words[:count], dtype=np.float64)
+
+
+def read(content: bytes) -> Triangles:
+    """Triangles of a file of version 2 to 5, as text or as binary numbers; UnreadableError when it has none."""
+    head, _, coding, dataset, rest = content.split(b"\n", 4)
+    if not head.startswith(b"# vtk DataFile") or dataset.split() != [b"DATASET", b"POLYDATA"]:
+        raise UnreadableError("it is no poly data of VTK")
+    stream, modern = _Stream(rest, coding.strip() == b"BINARY"), head.split()[-1] >= b"5"
+    points: NDArray[Any] = np.empty((0, 3))
+    counts, corners = np.empty(0, np.int64), np.empty(0, np.int64)
+    numbers: Index | None = None
+    while words := stream.line():
+        match words:
+            case ["POINTS", count, kind]:
+                points = stream.numbers(3 * int(count), kind).reshape(-1, 3).astype(np.float64)
+            case ["VERTICES" | "LINES" | "TRIANGLE_STRIPS", first, second]:
+                _cells(stream, int(first), int(second), modern)
+            case ["POLYGONS", first, second]:
+                counts, corners = _cells(stream, int(first), int(second), modern)
+            case ["SCALARS", name, kind, *_] if name == _OBJECT:
+                stream.line()  # the table of colors
+                numbers = stream.numbers(len(counts), kind).astype(np.int64)
+            case ["POINT_DATA", *_]:
+                break
+    faces, polygon = split(counts, corners)
+    return Triangles(points, faces, None if numbers is None else numbers[polygon])
+
+
+def _cells(stream: _Stream, first: int, second: int, modern: bool) -> tuple[Index, Index]:
+    """Numbers of corners of cells, and all corners."""
+    if modern:
+        ends = stream.numbers(first, stream.line()[1]).astype(np.int64)
+        return np.diff(ends), stream.numbers(second, stream.line()[1]).astype(np.int64)
+    rows = stream.numbers(second, "int").astype(np.int64)
+    counts, at = [], 0
+    while at < len(rows):
+        counts.append(int(rows[at]))
+        if counts[-1] < 0:
+            raise UnreadableError("a polygon has a negative number of corners")
+        at += counts[-1] + 1
+    starts = np.cumsum([0, *(count + 1 for count in counts[:-1])])
+    return np.array(counts, np.int64), np.delete(rows, starts)

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core.field.volume.volume_field import pitch_of
+from cpm_core.field.volume_field import pitch_of
 from cpm_core.formats.sessions.plain_arrays import array_from_plain, array_to_plain
 from cpm_core.formats.sessions.plain_values import mapping, number
 from cpm_core.formats.sessions.space_state import contact_from_plain, covered_from_plain, space_to_plain

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.surface.packing import PackedSurface
 from cpm_core.field.placed_charges import PlacedCharge
-from cpm_core.field.volume.volume_field import check_parameters
+from cpm_core.field.volume_field import check_parameters
 from cpm_core.image.image import Image, as_image
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
 from cpm_core.medial_axis.skeleton import Skeleton

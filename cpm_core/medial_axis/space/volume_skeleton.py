@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.surface.inside import inside_of
-from cpm_core.field.volume.volume_field import VolumeField, check_parameters
+from cpm_core.field.volume_field import VolumeField, check_parameters
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.space.centerlines import Centerlines, centerlines
 from cpm_core.model.image_fields import ImageFields

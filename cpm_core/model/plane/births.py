@@ -21,7 +21,7 @@ import numpy as np
 
 from cpm_core.field.interpolation import between, component
 from cpm_core.field.scale_field import FAINTEST, ScaleField
-from cpm_core.image.barriers import BarrierMap, crosses
+from cpm_core.image.regions import BarrierMap, crosses
 from cpm_core.model.coverage import cell_of
 from cpm_core.model.equations import NEAR, STRIDE, STRIDE_ROOM, by_strength
 from cpm_core.model.plane.repulsion import Cells, build_cells, cells_around, row_of_cells
@@ -140,16 +140,8 @@ class Births:
 class Search(NamedTuple):
     """Which particles search for positions in a step; all of shape (N,).
 
-    Attributes
-    ----------
-    present : ndarray of bool
-        Which have not been deleted.
-    looking : ndarray of bool
-        Which of them search in this step.
-    thorough : ndarray of bool
-        Which of those search even if they have others on both sides along their edge.
-    ahead : ndarray of bool
-        Which of those also search ahead.
+    Those `present` have not been deleted, those `looking` search in this step, of these the `thorough` ones even if
+    they have others on both sides along their edge, and those `ahead` also search ahead.
     """
 
     present: Mask

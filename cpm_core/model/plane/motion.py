@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from cpm_core.field.interpolation import between, component
 from cpm_core.field.scale_field import GATE, ScaleField
-from cpm_core.image.barriers import BarrierMap, crosses
+from cpm_core.image.regions import BarrierMap, crosses
 from cpm_core.model.coverage import cell_of
 from cpm_core.model.equations import (
     FADED,

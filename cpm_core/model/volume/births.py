@@ -19,10 +19,10 @@ import numpy as np
 import scipy
 
 from cpm_core.field.interpolation import normal_at, sampled
+from cpm_core.field.placed_charges import NOTHING_PLACED, Placed, torn_off
 from cpm_core.field.scale_field import FAINTEST
-from cpm_core.field.volume.placed_charges import NOTHING_PLACED, Placed, torn_off
-from cpm_core.field.volume.surface_force import faces_alike, is_ridge, on_ridge
-from cpm_core.field.volume.volume_field import VolumeField
+from cpm_core.field.volume_field import VolumeField
+from cpm_core.field.volume_surface import faces_alike, is_ridge, on_ridge
 from cpm_core.model.equations import NEAR, STRIDE, by_strength
 from cpm_core.model.state import Particles
 from cpm_core.model.volume.motion import Cells, near, on_one_sheet

@@ -12,12 +12,10 @@ from functools import partial
 
 import numpy as np
 
-from cpm_core.field.placed_charges import radius_at
-from cpm_core.field.volume.placed_charges import Placed, torn_off
-from cpm_core.field.volume.ridges import Ridges
-from cpm_core.field.volume.surface_force import faces_alike, on_ridges
-from cpm_core.field.volume.volume_field import VolumeField
-from cpm_core.image.volume_barriers import Walls
+from cpm_core.field.placed_charges import Placed, radius_at, torn_off
+from cpm_core.field.volume_field import VolumeField
+from cpm_core.field.volume_surface import Ridges, faces_alike, on_ridges
+from cpm_core.image.volume_regions import Walls
 from cpm_core.model.state import State, SurfaceContact
 from cpm_core.model.volume.births import apart
 from cpm_core.model.volume.inseparable import inseparable

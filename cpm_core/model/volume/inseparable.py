@@ -15,9 +15,9 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from cpm_core.field.volume.ridges import Ridges
-from cpm_core.field.volume.volume_field import VolumeField
-from cpm_core.numerics.parts import Parts, parts_of
+from cpm_core.field.volume_field import VolumeField
+from cpm_core.field.volume_surface import Ridges
+from cpm_core.numerics.grids import Parts, parts_of
 from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.numerics.voxel_graph import loops_of, neighbors, passes, winds
 

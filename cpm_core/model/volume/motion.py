@@ -19,10 +19,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cpm_core.field.volume.placed_charges import NOTHING_PLACED, Placed, placed_at
-from cpm_core.field.volume.surface_force import GATE, faces_alike, felt_at
-from cpm_core.field.volume.volume_field import VolumeField
-from cpm_core.image.volume_barriers import Walls
+from cpm_core.field.placed_charges import NOTHING_PLACED, Placed, placed_at
+from cpm_core.field.volume_field import VolumeField
+from cpm_core.field.volume_surface import GATE, faces_alike, felt_at
+from cpm_core.image.volume_regions import Walls
 from cpm_core.model.coverage import cell_of, cells_at, sorted_by
 from cpm_core.model.equations import Moved, advance, damped_series, damping, is_stuck, repulsion_left
 from cpm_core.model.state import Particles, SurfaceContact

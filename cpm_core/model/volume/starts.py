@@ -6,7 +6,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from cpm_core.field.volume.volume_field import edge_strength, pitch_of, smoothed_volume
+from cpm_core.field.volume_field import edge_strength, pitch_of, smoothed_volume
 from cpm_core.image.image import Image, as_image
 from cpm_core.model.starts import STRONG, centers_between, uniform_grid
 from cpm_core.numerics.real_numbers import checked_number, real_numbers, three_numbers, voxel_sides

@@ -12,9 +12,8 @@ from dataclasses import replace
 import numpy as np
 
 from cpm_core.field.interpolation import interpolate
-from cpm_core.field.placed_charges import placed_potential, radius_at
-from cpm_core.field.volume.placed_charges import Placed
-from cpm_core.field.volume.volume_field import VolumeField
+from cpm_core.field.placed_charges import Placed, placed_potential, radius_at
+from cpm_core.field.volume_field import VolumeField
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.coverage import SurfaceCoverage, cover_surfaces, no_surface
 from cpm_core.model.equations import STILL, damping, epsilon

@@ -11,8 +11,8 @@ import scipy
 import skimage
 
 from cpm_core.image.regions import Regions
+from cpm_core.numerics.grids import running_maximum
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.maximum_filter import running_maximum
 from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.objects.faces.basins import Labels, basins
 from cpm_core.objects.faces.crossings import Crossings, crossings

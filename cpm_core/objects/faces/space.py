@@ -18,7 +18,7 @@ from cpm_core.contours.surface import Surface
 from cpm_core.contours.surface.inside import inside_of
 from cpm_core.contours.surface.packing import PackedSurface
 from cpm_core.image.image import Image
-from cpm_core.numerics.parts import Parts, parts_of
+from cpm_core.numerics.grids import Parts, parts_of
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.parameters.quotation import counted, described, sized

@@ -15,22 +15,29 @@ gradient vector flow.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from cpm_core.field.edge_map import gradient
 from cpm_core.image.image import Image
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Mask
-from cpm_core.objects.methods.gray import unit_edges
-from cpm_core.objects.methods.method import ContourMethod, Start
-from cpm_core.objects.methods.settings import Settings, number
-from cpm_core.objects.methods.snakes import evened, gradient_vector_flow
-from cpm_core.objects.methods.states import LevelSetState, until_at_rest
+from cpm_core.objects.methods.method import (
+    ContourMethod,
+    ContourState,
+    Settings,
+    Start,
+    distance_of,
+    number,
+    smoothing_before_edges,
+    unit_edges,
+    until_at_rest,
+)
+from cpm_core.objects.methods.snakes import evened, gradient_vector_flow, smoothness_of_the_field
 
 MOST_STEPS = 4000
 
@@ -52,41 +59,24 @@ _EVERY, _REST = 40, 0.002
 """A front is at rest when within so many steps it has changed less than this fraction of its pixels."""
 
 
-@dataclass(frozen=True, eq=False)
-class Speeds:
-    """What moves a level set; see above: weights of curvature and pressure, shape (H, W), velocity, (2, H, W)."""
+def evolution(inside: Mask, curvature: Array, pressure: Array, velocity: Array) -> Iterator[ContourState]:
+    """States of a front that begins around a region, until it is at rest or vanishes.
 
-    curvature: Array
-    pressure: Array
-    velocity: Array
+    Weights of curvature and pressure have the shape (H, W), the velocity (2, H, W); see above.
+    """
+    drift = np.abs(pressure) + np.abs(velocity).sum(axis=0)
+    fastest, most_curved = float(drift.max()), float(np.abs(curvature).max())
+    time = min(_FASTEST / max(fastest, 1e-9), _SMOOTHEST / max(most_curved, 1e-9))
 
-    @property
-    def time_step(self) -> float:
-        """The longest step that is stable."""
-        drift = np.abs(self.pressure) + np.abs(self.velocity).sum(axis=0)
-        fastest, bending = float(drift.max()), float(np.abs(self.curvature).max())
-        return min(_FASTEST / max(fastest, 1e-9), _SMOOTHEST / max(bending, 1e-9))
+    def fronts() -> Iterator[Array]:
+        phi = np.clip(distance_of(inside), -FARTHEST, FARTHEST)
+        for step in itertools.count(1):
+            yield phi
+            phi = moved(phi, curvature, pressure, velocity, time)
+            if step % _AGAIN == 0:
+                phi = signed_distance(phi)
 
-
-def distance_of(inside: Mask) -> Array:
-    """Signed distance from the boundary of a region, shape (H, W), above 0 inside [px]."""
-    edt = scipy.ndimage.distance_transform_edt
-    return np.where(inside, edt(inside) - 0.5, 0.5 - edt(~inside))
-
-
-def evolution(inside: Mask, speeds: Speeds, most_steps: int) -> Iterator[LevelSetState]:
-    """States of a front that begins around a region, until it is at rest or vanishes."""
-    return until_at_rest(_fronts(inside, speeds), _EVERY, _REST, most_steps)
-
-
-def _fronts(inside: Mask, speeds: Speeds) -> Iterator[LevelSetState]:
-    phi, time, step = np.clip(distance_of(inside), -FARTHEST, FARTHEST), speeds.time_step, 0
-    while True:
-        yield LevelSetState(step, values=phi)
-        step += 1
-        phi = moved(phi, speeds.curvature, speeds.pressure, speeds.velocity, time)
-        if step % _AGAIN == 0:
-            phi = signed_distance(phi)
+    return until_at_rest(fronts(), 0.0, _EVERY, _REST, MOST_STEPS)
 
 
 @compiled
@@ -207,11 +197,6 @@ class GeodesicSettings(Settings):
         "More of it holds the contour on edges against the balloon; at 0 they only slow it down.",
         (0.0, 100.0), (0.0, 20.0), 0.5,
     )  # fmt: skip
-    area: float = number(
-        0.0, "w₃", "Area", "Weight of the area in the metric of edges, which attracts the contour from farther away.",
-        "More of it moves the contour to edges at some distance.",
-        (0.0, 20.0), (0.0, 1.0), 0.05, advanced=True,
-    )  # fmt: skip
     exponent: float = number(
         1.0, "m", "Exponent", "Exponent of the factor by which edges slow the contour down.",
         "More of it also stops the contour at weak edges and at noise; less lets it cross them.",
@@ -222,10 +207,7 @@ class GeodesicSettings(Settings):
         "More of it lets the contour cross weak edges.",
         (1e-4, 10.0), (0.01, 1.0), 0.01,
     )  # fmt: skip
-    smoothing: float = number(
-        1.5, "σ", "Smoothing", "Width of the Gaussian that smooths the image before its edges are found.",
-        "More of it removes noise and rounds corners.", (0.0, 50.0), (0.5, 8.0), 0.5, "px",
-    )  # fmt: skip
+    smoothing: float = smoothing_before_edges(1.5)
 
 
 def stopping(image: Image, settings: GeodesicSettings) -> Array:
@@ -234,25 +216,17 @@ def stopping(image: Image, settings: GeodesicSettings) -> Array:
     return np.asarray((1.0 + strength) ** -settings.exponent)
 
 
-def _geodesic(image: Image, start: Start, settings: GeodesicSettings) -> Iterator[LevelSetState]:
+def _geodesic(image: Image, start: Start, settings: GeodesicSettings) -> Iterator[ContourState]:
     factor = stopping(image, settings)
-    slope = gradient(factor, 0.0)
-    inside = start.mask(image.shape)
-    pressure = start.onward * settings.balloon * factor
-    if settings.area > 0.0:  # g + x . grad g / 2 of Siddiqi et al., with the places x from the center of the start
-        center = np.argwhere(inside).mean(axis=0) if inside.any() else np.zeros(2)
-        away = np.indices(image.shape) - center[:, None, None]
-        pressure = pressure - settings.area * (factor + 0.5 * (away * slope).sum(axis=0))
-    speeds = Speeds(settings.curvature * factor, pressure, -settings.pull * slope)
-    yield from evolution(inside, speeds, MOST_STEPS)
+    pressure, velocity = start.onward * settings.balloon * factor, -settings.pull * gradient(factor, 0.0)
+    return evolution(start.mask(image.shape), settings.curvature * factor, pressure, velocity)
 
 
 GEODESIC = ContourMethod(
     "gac",
     "Geodesic active contour",
     "A level set that edges slow down and pull back, with a balloon that drives it on.",
-    "Caselles, Kimmel and Sapiro (1997), doi:10.1023/A:1007979827043; area term of Siddiqi et al. (1998), "
-    "doi:10.1109/83.661193",
+    "Caselles, Kimmel and Sapiro (1997), doi:10.1023/A:1007979827043",
     GeodesicSettings,
     _geodesic,
     MOST_STEPS,
@@ -263,11 +237,7 @@ GEODESIC = ContourMethod(
 class GeometricGvfSettings(Settings):
     """Parameters of the geometric GVF contour."""
 
-    mu: float = number(
-        0.02, "μ", "Smoothness of the field", "How much the field is smoothed, against how closely it follows edges.",
-        "More of it carries the edges farther and evens out noise.",
-        (1e-4, 100.0), (0.01, 1.0), 0.01, equation="gradient vector flow",
-    )  # fmt: skip
+    mu: float = smoothness_of_the_field()
     curvature: float = number(
         0.02, "w", "Smoothness", "Weight of the curvature, which shortens the contour.",
         "More of it keeps the contour out of gaps, bays and noise.",
@@ -284,18 +254,15 @@ class GeometricGvfSettings(Settings):
         "More of it moves the contour also far from edges, and holds it better against the pressure in gaps.",
         (0.0, 1.0), (0.0, 1.0), 0.1,
     )  # fmt: skip
-    smoothing: float = number(
-        2.0, "σ", "Smoothing", "Width of the Gaussian that smooths the image before its edges are found.",
-        "More of it removes noise and rounds corners.", (0.0, 50.0), (0.5, 8.0), 0.5, "px",
-    )  # fmt: skip
+    smoothing: float = smoothing_before_edges(2.0)
 
 
-def _geometric_gvf(image: Image, start: Start, settings: GeometricGvfSettings) -> Iterator[LevelSetState]:
+def _geometric_gvf(image: Image, start: Start, settings: GeometricGvfSettings) -> Iterator[ContourState]:
     field = evened(gradient_vector_flow(unit_edges(image, settings.smoothing), settings.mu), settings.evenness)
     curvature, pressure = (
-        np.full(image.shape, float(weight)) for weight in (settings.curvature, start.onward * settings.pressure)
+        np.full(image.shape, weight, float) for weight in (settings.curvature, start.onward * settings.pressure)
     )
-    yield from evolution(start.mask(image.shape), Speeds(curvature, pressure, field), MOST_STEPS)
+    return evolution(start.mask(image.shape), curvature, pressure, field)
 
 
 GEOMETRIC_GVF = ContourMethod(

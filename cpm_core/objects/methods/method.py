@@ -1,4 +1,4 @@
-"""What methods that are compared have in common: the start, the states of a run, and a description.
+"""What methods that are compared have in common: the start, their settings, the states of a run, a description.
 
 A method is a function that takes image, start and settings and gives the states of a run, one after the other. It is
 described by a `ContourMethod`, which is all that the command line, the benchmark and the window know of it.
@@ -6,26 +6,29 @@ described by a `ContourMethod`, which is all that the command line, the benchmar
 
 from __future__ import annotations
 
-import importlib
 import importlib.util
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
-from functools import cached_property
-from typing import Any, Generic, Protocol, TypeVar
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property, partial
+from types import MappingProxyType
+from typing import Any, Generic, TypeVar
 
 import numpy as np
+import scipy
 import skimage
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.rasterize import check_plane
 from cpm_core.contours.surface import Surface
+from cpm_core.field.edge_map import edge_map
 from cpm_core.image.image import Image
 from cpm_core.model.volume.starts import sphere
+from cpm_core.numerics.grids import zero_surface
 from cpm_core.numerics.polyline import resampled
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Mask
-from cpm_core.parameters import Parameters
+from cpm_core.parameters import ParameterInfo, Parameters
 from cpm_core.parameters.quotation import counted, described, shown
 
 SPACING = 2.0
@@ -38,7 +41,7 @@ _FARTHEST = 1e6
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """Closed outlines that a person has drawn: from these very lines every method begins.
+    """Closed outlines from which every method begins.
 
     Attributes
     ----------
@@ -76,35 +79,29 @@ class Start:
     def __post_init__(self) -> None:
         if not isinstance(self.outlines, Iterable):
             raise ValueError(f"outlines is {shown(self.outlines)} but must be a sequence of outlines.")
-        if not isinstance(self.around, bool | np.bool_):
-            raise ValueError(f"around is {shown(self.around)} but must be True or False.")
         made = tuple(real_numbers(outline) for outline in self.outlines)
         several: Any = self.spheres
-        several = tuple(several) if isinstance(several, Iterable) else (several,) if several else ()
+        several = tuple(several) if isinstance(several, Iterable) else (several,)
         object.__setattr__(self, "spheres", several)
-        if self.spheres:
-            self._check_spheres(made)
-        elif not made:
-            raise ValueError("There is no start: draw a circle, an ellipse or a polygon, from which all methods begin.")
-        for outline in made:
-            if not np.isfinite(outline).all() or np.abs(outline).max(initial=0.0) > _FARTHEST:
-                raise ValueError(f"A corner of the start is not within {_FARTHEST:g} px: choose one in the image.")
-            if outline.ndim != 2 or outline.shape[1] != 2 or len(outline) < _LEAST_CORNERS:
-                raise ValueError(
-                    f"An outline of the start has the shape {shown(outline.shape)} but must have three or more corners "
-                    "(row, col)."
-                )
         object.__setattr__(self, "outlines", made)
-
-    def _check_spheres(self, outlines: tuple[Array, ...]) -> None:
-        if outlines:
+        if several and made:
             raise ValueError("A start has outlines in an image or spheres in a volume, not both: leave one out.")
-        for given in self.spheres:
+        if not several and not made:
+            raise ValueError("There is no start: draw a circle, an ellipse or a polygon, from which all methods begin.")
+        for given in several:
             numbers = real_numbers(given)
             if numbers.shape != (4,) or not (np.abs(numbers) <= _FARTHEST).all() or numbers[3] <= 0.0:
                 raise ValueError(
                     f"A sphere is {shown(given)} but must be plane, row, column and a radius above 0, none beyond "
                     f"{_FARTHEST:g} voxels."
+                )
+        for outline in made:
+            if not (np.abs(outline) <= _FARTHEST).all():
+                raise ValueError(f"A corner of the start is not within {_FARTHEST:g} px: choose one in the image.")
+            if outline.ndim != 2 or outline.shape[1] != 2 or len(outline) < _LEAST_CORNERS:
+                raise ValueError(
+                    f"An outline of the start has the shape {shown(outline.shape)} but must have three or more corners "
+                    "(row, col)."
                 )
 
     @property
@@ -152,8 +149,98 @@ class Start:
         return described("Start", what, where)
 
 
-class ContourState(Protocol):
+Span = tuple[float, float]
+"""Lowest and highest value."""
+
+
+def number(
+    default: float,
+    symbol: str,
+    title: str,
+    meaning: str,
+    more: str,
+    limits: Span,
+    slider: Span,
+    step: float,
+    unit: str = "",
+    equation: str = "",
+) -> Any:
+    """A field of `Settings`: its default value, and what `ParameterInfo` says of it; a whole default, whole values."""
+    info = ParameterInfo("", symbol, unit, *limits, *slider, step, title, meaning, more, equation, "run", False)
+    return field(default=default, metadata={"info": info})
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Values of the parameters of a method; a subclass is a frozen dataclass of fields made by `number`.
+
+    Raises
+    ------
+    ValueError
+        When a value lies outside its range; the message names the field, the value and the range.
+    """
+
+    def __post_init__(self) -> None:
+        for name, info in self.table().items():
+            value = getattr(self, name)
+            whole = isinstance(getattr(type(self), name), int)
+            real = isinstance(value, int | float) and not isinstance(value, bool)
+            if not (real and info.low <= value <= info.high and (not whole or value == int(value))):
+                kind = "a whole number" if whole else "a number"
+                raise ValueError(f"{name} is {shown(value)} but must be {kind} from {info.low:g} to {info.high:g}.")
+
+    @classmethod
+    def table(cls) -> Mapping[str, ParameterInfo]:
+        """What is said of each parameter, by name."""
+        return MappingProxyType({one.name: replace(one.metadata["info"], name=one.name) for one in fields(cls)})
+
+
+def smoothing_before_edges(default: float) -> Any:
+    """The setting that most methods share."""
+    return number(
+        default, "σ", "Smoothing", "Width of the Gaussian that smooths the image before its edges are found.",
+        "More of it removes noise and rounds corners.", (0.0, 50.0), (0.5, 10.0), 0.5, "px",
+    )  # fmt: skip
+
+
+def unit_gray(image: Image) -> Array:
+    """Gray levels from 0 to 1, of the shape of the image."""
+    low, high = image.gray_range
+    return (image.values - low) / max(high - low, 1e-300)
+
+
+def unit_edges(image: Image, smoothing: float) -> Array:
+    """The edge map of the charged particles, divided by its largest value, shape (H, W)."""
+    strength = edge_map(unit_gray(image), smoothing)
+    return strength / max(float(strength.max()), 1e-300)
+
+
+def distance_of(inside: Mask) -> Array:
+    """Signed distance from the boundary of a region, shape (H, W), above 0 inside [px]."""
+    edt = scipy.ndimage.distance_transform_edt
+    return np.where(inside, edt(inside) - 0.5, 0.5 - edt(~inside))
+
+
+Found = tuple[tuple[Contour, ...], Surface | None]
+"""Contours, and in a volume a surface."""
+
+
+@dataclass(frozen=True, eq=False)
+class ContourState:
     """A moment of the run of any method.
+
+    Attributes
+    ----------
+    step : int
+        Number of steps so far.
+    find : callable
+        Computes the contours, and the surface of a volume.
+    stop_reason : str
+        Why the run ended, in words; empty while it continues.
+    converged : bool
+        Whether it ended because nothing moved any more.
+    points : ndarray, shape (N, 2) [px] or (N, 3) [voxels]
+        Particles; empty for a method that has none.
 
     Examples
     --------
@@ -164,60 +251,78 @@ class ContourState(Protocol):
     (0, '', False, 1, None, 0)
     """
 
-    @property
-    def step(self) -> int:
-        """Number of steps so far."""
+    step: int
+    find: Callable[[], Found]
+    stop_reason: str = ""
+    converged: bool = False
+    points: Array = field(default_factory=lambda: np.empty((0, 2)))
 
-    @property
-    def stop_reason(self) -> str:
-        """Why the run ended, in words; empty while it continues."""
-
-    @property
-    def converged(self) -> bool:
-        """Whether it ended because nothing moved any more."""
+    @cached_property
+    def _found(self) -> Found:
+        return self.find()
 
     @property
     def contours(self) -> tuple[Contour, ...]:
         """The contours [px], computed when they are asked for."""
+        return self._found[0]
 
     @property
     def surface(self) -> Surface | None:
         """The surface in a volume, computed when it is asked for; None in an image."""
+        return self._found[1]
 
-    @property
-    def points(self) -> Array:
-        """Particles, shape (N, 2) [px] or (N, 3) [voxels]; empty for a method that has none."""
+
+def region_state(
+    values: NDArray[Any], level: float, step: int, stop_reason: str = "", converged: bool = False
+) -> ContourState:
+    """The state of a function on pixels or voxels that is above a level inside."""
+    return ContourState(step, partial(boundary, values, level), stop_reason, converged)
+
+
+def boundary(values: NDArray[Any], level: float) -> Found:
+    """What bounds the pixels of a function, shape (H, W) or (P, H, W), that lie above a level.
+
+    Contours are closed, also at the border of the image, and the longest is the first; a surface has voxels of sides 1.
+    """
+    inside = np.asarray(values, dtype=float) - level
+    rimmed = np.pad(inside, 1, constant_values=-max(float(np.abs(inside).max(initial=0.0)), 1e-9))
+    last = np.array(values.shape) - 0.5
+    if values.ndim == 3:
+        vertices, faces = zero_surface(rimmed.astype(np.float32))
+        return (), Surface(np.clip(vertices - 1.0, -0.5, last), faces)
+    lines = skimage.measure.find_contours(rimmed, 0.0)  # type: ignore[no-untyped-call]
+    rings = (np.clip(line[:-1] - 1.0, -0.5, last) for line in lines if len(line) > _LEAST_CORNERS)
+    return tuple(sorted((Contour(ring, closed=True) for ring in rings), key=lambda contour: -contour.length)), None
+
+
+def until_at_rest(
+    functions: Iterable[NDArray[Any]], level: float, every: int, least: float, most_steps: int
+) -> Iterator[ContourState]:
+    """States of a front, where functions cross a level, until it is at rest, vanishes, or has done `most_steps`.
+
+    It is at rest when within `every` steps the pixels that have changed sides are fewer than `least` of those on the
+    front.
+    """
+    before: NDArray[np.bool_] | None = None
+    for step, values in enumerate(functions):
+        inside = np.asarray(values > level)
+        reason, at_rest = "", False
+        if not inside.any():
+            reason = "nothing is left"
+        elif inside.all():
+            reason = "the contour has left the image"
+        elif step >= most_steps:
+            reason = f"stopped after {step} steps"
+        elif step % every == 0:
+            front = sum(np.diff(inside, axis=axis).sum() for axis in range(inside.ndim))
+            at_rest = before is not None and bool((inside != before).sum() <= least * front)
+            reason, before = "the contour is at rest" if at_rest else "", inside
+        yield region_state(values, level, step, reason, at_rest)
+        if reason:
+            return
 
 
 S = TypeVar("S")
-
-
-@dataclass(frozen=True)
-class Needed:
-    """A package that a method needs and that need not be installed.
-
-    Attributes
-    ----------
-    name : str
-        Name by which it is imported.
-    package : str
-        Name by which it is installed.
-    extra : str
-        What of this program is installed with it.
-    """
-
-    name: str
-    package: str
-    extra: str
-
-    @property
-    def installed(self) -> bool:
-        """Whether it is there."""
-        return importlib.util.find_spec(self.name) is not None
-
-    def module(self) -> Any:
-        """The package itself, imported when it is needed first."""
-        return importlib.import_module(self.name)
 
 
 @dataclass(frozen=True)
@@ -241,21 +346,18 @@ class ContourMethod(Generic[S]):
         `stop_reason`. A later state never changes an earlier one.
     most_steps : int
         Steps after which a run that is not at rest is ended.
-    needs : Needed, optional
-        A package that it needs and that need not be installed.
     in_volumes : bool
         Whether it finds surfaces in volumes as well.
     preset : settings, optional
         Its settings unless others are given; those of the class by default.
+    needs : (str, str), optional
+        Name of a module that need not be installed, and the extra of this program that it is installed with.
 
     Examples
     --------
     >>> method = cpm.CONTOUR_METHODS["chan_vese"]
     >>> method.title, method.defaults.__class__.__name__, method.most_steps, method.of_particles
     ('Chan-Vese', 'ChanVeseSettings', 500, False)
-    >>> method.check()
-    >>> method.missing == ""  # all that it needs is installed
-    True
     """
 
     name: str
@@ -265,9 +367,16 @@ class ContourMethod(Generic[S]):
     settings: type[S]
     evolve: Callable[[Image, Start, S], Iterator[ContourState]]
     most_steps: int
-    needs: Needed | None = None
     in_volumes: bool = False
     preset: S | None = None
+    needs: tuple[str, str] | None = None
+
+    @property
+    def missing(self) -> str:
+        """Says how a package is installed that it needs and that is missing; empty where nothing is."""
+        if self.needs is None or importlib.util.find_spec(self.needs[0]) is not None:
+            return ""
+        return f'{self.title} needs a package: install it (pip install "cpm-particles[{self.needs[1]}]").'
 
     @property
     def defaults(self) -> S:
@@ -278,24 +387,6 @@ class ContourMethod(Generic[S]):
     def of_particles(self) -> bool:
         """Whether its settings are the parameters of a run of the particles."""
         return issubclass(self.settings, Parameters)
-
-    def check(self) -> None:
-        """ValueError, which says how it is installed, when a package is missing that it needs."""
-        needs = self.needs
-        if needs is not None and not needs.installed:
-            raise ValueError(
-                f"{self.title} needs the package {needs.package}: install it "
-                f'(pip install "cpm-particles[{needs.extra}]").'
-            )
-
-    @property
-    def missing(self) -> str:
-        """What `check` says; empty where nothing is missing."""
-        try:
-            self.check()
-        except ValueError as error:
-            return str(error)
-        return ""
 
     def __repr__(self) -> str:
         return described("ContourMethod", self.name, self.title)

@@ -1,16 +1,11 @@
-"""Methods of scikit-image and OpenCV that divide the image into regions, step by step where they have steps.
-
-The smoothing of scikit-image's morphological snakes alternates between two operators, and which one is next is kept for
-the whole process: a function that is called twice may give two results, and two runs that take turns disturb each
-other. `_Turn` puts the same operator first before each call, so that a run gives what the function gives in a process
-of its own.
-"""
+"""Methods of scikit-image and OpenCV that divide the image into regions, step by step where they have steps."""
 
 from __future__ import annotations
 
+import importlib
 import threading
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -20,41 +15,31 @@ from numpy.typing import NDArray
 
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array, Mask
-from cpm_core.objects.methods.gray import unit_gray
-from cpm_core.objects.methods.level_sets import distance_of
-from cpm_core.objects.methods.method import ContourMethod, Needed, Start
-from cpm_core.objects.methods.settings import Settings, number
-from cpm_core.objects.methods.states import LevelSetState, until_at_rest
+from cpm_core.objects.methods.method import (
+    ContourMethod,
+    ContourState,
+    Settings,
+    Start,
+    distance_of,
+    number,
+    region_state,
+    smoothing_before_edges,
+    unit_gray,
+    until_at_rest,
+)
 
-
-def certain_pixels(start: Start, shape: tuple[int, ...], depth: float, margin: float) -> tuple[Mask, Mask]:
-    """Pixels of the object and of the background, of this shape each; they may overlap at the border of the image.
-
-    A start in the object is all object, and the border of the image, or what lies farther than `margin` from the
-    start, background. A start around the object has in the object what is deeper in it than the fraction `depth` of
-    the greatest depth, and what lies outside it is background.
-    """
-    inside = start.mask(shape)
-    edt = scipy.ndimage.distance_transform_edt
-    rim = np.ones(shape, dtype=bool)
-    rim[(slice(1, -1),) * len(shape)] = False
-    if start.around:
-        deep = edt(np.pad(inside, 1))[(slice(1, -1),) * len(shape)]
-        return inside & (deep >= depth * deep.max()), ~inside | rim
-    return inside, edt(~inside) >= margin if margin > 0.0 else rim
-
+_EVERY, _REST = 40, 0.002
+"""A front is at rest when within so many steps it has changed less than this fraction of its pixels."""
 
 _CHAN_VESE_STEPS = 500
 
-INSIDE = (
-    "λ₁", "Likeness inside", "Weight of the differences of gray levels from their mean inside.",
-    "More of it makes the inside more uniform.", (0.0, 100.0), (0.1, 5.0), 0.1,
-)  # fmt: skip
-OUTSIDE = (
-    "λ₂", "Likeness outside", "Weight of the differences of gray levels from their mean outside.",
-    "More of it makes the outside more uniform.", (0.0, 100.0), (0.1, 5.0), 0.1,
-)  # fmt: skip
-"""What is said of the two weights of Chan-Vese, and their ranges, whatever they act on."""
+
+def _likeness(default: float, symbol: str, where: str) -> Any:
+    """A weight of Chan-Vese, whatever it acts on."""
+    return number(
+        default, symbol, f"Likeness {where}", f"Weight of the differences of gray levels from their mean {where}.",
+        f"More of it makes the {where} more uniform.", (0.0, 100.0), (0.1, 5.0), 0.1,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -66,16 +51,8 @@ class ChanVeseSettings(Settings):
         "More of it gives a shorter and rounder boundary and leaves out small regions.",
         (0.0, 100.0), (0.0, 1.0), 0.01,
     )  # fmt: skip
-    lambda1: float = number(1.0, *INSIDE)
-    lambda2: float = number(1.0, *OUTSIDE)
-    tolerance: float = number(
-        1e-4, "ε", "Tolerance", "Mean change of the function in a step at which the run ends.",
-        "More of it ends the run sooner.", (0.0, 1.0), (1e-5, 1e-2), 1e-5, advanced=True,
-    )  # fmt: skip
-    time_step: float = number(
-        0.5, "Δt", "Time step", "Time between two steps.",
-        "More of it takes fewer steps, and may not come to rest.", (0.01, 10.0), (0.1, 2.0), 0.1, advanced=True,
-    )  # fmt: skip
+    lambda1: float = _likeness(1.0, "λ₁", "inside")
+    lambda2: float = _likeness(1.0, "λ₂", "outside")
 
 
 def first_level_set(inside: Mask) -> Array:
@@ -87,20 +64,18 @@ def first_level_set(inside: Mask) -> Array:
     return np.clip(distance / max(float(distance.max()), 1.0), -1.0, 1.0)
 
 
-def _chan_vese(image: Image, start: Start, settings: ChanVeseSettings) -> Iterator[LevelSetState]:
-    gray, phi = unit_gray(image), first_level_set(start.mask(image.shape))
-    state = LevelSetState(values=phi)
-    while True:
-        yield state
-        if state.stop_reason:
-            return
-        _, after, _ = skimage.segmentation.chan_vese(  # type: ignore[no-untyped-call]
-            gray, settings.mu, settings.lambda1, settings.lambda2, 0.0, 1, settings.time_step, phi, True
-        )
-        rest = bool(np.sqrt(((after - phi) ** 2).mean()) <= settings.tolerance)
-        phi, state = after, LevelSetState(state.step + 1, "the function is at rest" if rest else "", rest, after)
-        if not rest and state.step == _CHAN_VESE_STEPS:
-            state = replace(state, stop_reason=f"stopped after {_CHAN_VESE_STEPS} steps")
+def _chan_vese(image: Image, start: Start, settings: ChanVeseSettings) -> Iterator[ContourState]:
+    gray = unit_gray(image)
+
+    def functions() -> Iterator[Array]:
+        phi = first_level_set(start.mask(image.shape))
+        while True:
+            yield phi
+            _, phi, _ = skimage.segmentation.chan_vese(  # type: ignore[no-untyped-call]
+                gray, settings.mu, settings.lambda1, settings.lambda2, 0.0, 1, 0.5, phi, True
+            )
+
+    return until_at_rest(functions(), 0.0, _EVERY, _REST, _CHAN_VESE_STEPS)
 
 
 CHAN_VESE = ContourMethod(
@@ -115,22 +90,23 @@ CHAN_VESE = ContourMethod(
 
 
 Bits = NDArray[np.int8]
-_Steps = Callable[[Bits, int, Callable[[Bits], None]], Any]
-"""Does a number of steps from a mask and hands over the mask before them and after each."""
 
 _MORPHOLOGICAL_STEPS = 1000
 
 _AT_A_TIME = 4
-"""Steps done in one call; an even number, so that each call begins with the same operator."""
 
-_EVERY = 40
-"""A mask is at rest when it is the same after so many steps, or differs in a few pixels that alternate."""
+_ONE_AT_A_TIME = threading.Lock()
+"""scikit-image's smoothing alternates between two operators in the whole process, also between runs that take turns.
 
-_REST = 0.002
-_SMOOTHING = (
-    "How often the contour is smoothed in a step.",
-    "More of it gives a rounder contour.",
-)
+Calls of an even number of steps, one at a time, begin with the same operator each.
+"""
+
+
+def _smoothness(default: int) -> Any:
+    return number(
+        default, "μ", "Smoothness", "How often the contour is smoothed in a step.",
+        "More of it gives a rounder contour.", (0, 20), (0, 4), 1,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -141,7 +117,7 @@ class MorphologicalGacSettings(Settings):
         1.0, "c", "Balloon", "Constant pressure that drives it on: outwards, or inwards from around the object.",
         "More of it lets the contour cross stronger edges.", (-20.0, 20.0), (-2.0, 2.0), 0.1,
     )  # fmt: skip
-    smoothing: int = number(0, "μ", "Smoothness", *_SMOOTHING, (0, 20), (0, 4), 1)
+    smoothing: int = _smoothness(0)
     threshold: float = number(
         0.6, "θ", "Threshold", "Value of the stopping factor under which the balloon stops.",
         "More of it stops the contour at weaker edges.", (0.0, 1.0), (0.1, 1.0), 0.02,
@@ -150,91 +126,59 @@ class MorphologicalGacSettings(Settings):
         100.0, "α", "Steepness", "How steeply the stopping factor falls with the edge strength.",
         "More of it makes weak edges count.", (0.0, 1e5), (10.0, 2000.0), 10.0,
     )  # fmt: skip
-    sigma: float = number(
-        3.0, "σ", "Smoothing", "Width of the Gaussian that smooths the image before its edges are found.",
-        "More of it removes noise and rounds corners.", (0.1, 50.0), (0.5, 8.0), 0.5, "px",
-    )  # fmt: skip
+    sigma: float = smoothing_before_edges(3.0)
 
 
 @dataclass(frozen=True)
 class MorphologicalChanVeseSettings(Settings):
     """Parameters of morphological Chan-Vese, as scikit-image has them."""
 
-    smoothing: int = number(1, "μ", "Smoothness", *_SMOOTHING, (0, 20), (0, 4), 1)
-    lambda1: float = number(0.7, *INSIDE)
-    lambda2: float = number(1.0, *OUTSIDE)
+    smoothing: int = _smoothness(1)
+    lambda1: float = _likeness(0.7, "λ₁", "inside")
+    lambda2: float = _likeness(1.0, "λ₂", "outside")
 
 
-class _Turn:
-    """Whose turn it is among the two operators of scikit-image's smoothing."""
+def _morphological(image: Image, start: Start, advance: Callable[[Bits, Any], object]) -> Iterator[ContourState]:
+    """States of a run whose steps, `_AT_A_TIME`, a function does from a mask and hands over one after the other."""
 
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._probe = np.array([[1, 0, 1], [1, 0, 0], [0, 1, 1]], dtype=np.int8)  # only the first leaves something
+    def after(mask: Bits) -> list[Bits]:
+        found: list[Bits] = []
+        with _ONE_AT_A_TIME:
+            advance(mask, lambda bits: found.append(bits.copy()))
+        return found
 
-    def call(self, work: Callable[[], object]) -> None:
-        """Do something with the operator first that is first in a new process, while nothing else smooths."""
-        with self._lock:
-            if self._smoothed_probe().any():  # by the first: it is the turn of the second now
-                self._smoothed_probe()
-            work()
+    def masks() -> Iterator[Bits]:
+        some = [start.mask(image.shape).astype(np.int8)]
+        yield some[0]
+        while True:
+            some = after(some[-1])
+            yield from some[1:]
 
-    def _smoothed_probe(self) -> Bits:
-        flat = np.zeros(self._probe.shape)
-        chan_vese = skimage.segmentation.morphological_chan_vese
-        smoothed: Bits = chan_vese(flat, 1, self._probe, 1)  # type: ignore[no-untyped-call]
-        return smoothed
+    return until_at_rest(masks(), 0.5, _EVERY, _REST, _MORPHOLOGICAL_STEPS)
 
 
-_TURN = _Turn()
-
-
-def _run(image: Image, start: Start, steps: _Steps) -> Iterator[LevelSetState]:
-    first = start.mask(image.shape).astype(np.int8)
-    return until_at_rest(_states(first, steps), _EVERY, _REST, _MORPHOLOGICAL_STEPS)
-
-
-def _states(first: Bits, steps: _Steps) -> Iterator[LevelSetState]:
-    mask, done = first, 0
-    yield LevelSetState(0, values=mask, level=0.5)
-    while True:
-        begin = mask
-        for mask in _some(steps, begin):
-            done += 1
-            yield LevelSetState(done, values=mask, level=0.5)
-
-
-def _some(steps: _Steps, mask: Bits) -> list[Bits]:
-    """The masks after the next steps."""
-    found: list[Bits] = []
-    _TURN.call(lambda: steps(mask, _AT_A_TIME, lambda bits: found.append(bits.copy())))
-    return found[1:]
-
-
-def _morph_gac(image: Image, start: Start, settings: MorphologicalGacSettings) -> Iterator[LevelSetState]:
+def _morph_gac(image: Image, start: Start, settings: MorphologicalGacSettings) -> Iterator[ContourState]:
     factor = skimage.segmentation.inverse_gaussian_gradient(  # type: ignore[no-untyped-call]
         unit_gray(image), settings.steepness, settings.sigma
     )
-
     balloon = start.onward * settings.balloon
+    snake = skimage.segmentation.morphological_geodesic_active_contour
+    return _morphological(
+        image,
+        start,
+        lambda mask, add: snake(factor, _AT_A_TIME, mask, settings.smoothing, settings.threshold, balloon, add),  # type: ignore[no-untyped-call]
+    )
 
-    def steps(mask: Bits, count: int, tell: Callable[[Bits], None]) -> object:
-        return skimage.segmentation.morphological_geodesic_active_contour(  # type: ignore[no-untyped-call]
-            factor, count, mask, settings.smoothing, settings.threshold, balloon, tell
-        )
 
-    return _run(image, start, steps)
-
-
-def _morph_chan_vese(image: Image, start: Start, settings: MorphologicalChanVeseSettings) -> Iterator[LevelSetState]:
-    gray = unit_gray(image)
-
-    def steps(mask: Bits, count: int, tell: Callable[[Bits], None]) -> object:
-        return skimage.segmentation.morphological_chan_vese(  # type: ignore[no-untyped-call]
-            gray, count, mask, settings.smoothing, settings.lambda1, settings.lambda2, tell
-        )
-
-    return _run(image, start, steps)
+def _morph_chan_vese(image: Image, start: Start, settings: MorphologicalChanVeseSettings) -> Iterator[ContourState]:
+    gray, snake = unit_gray(image), skimage.segmentation.morphological_chan_vese
+    return _morphological(
+        image,
+        start,
+        lambda mask, add: snake(  # type: ignore[no-untyped-call]
+            gray, _AT_A_TIME, mask, settings.smoothing, settings.lambda1, settings.lambda2, add
+        ),
+    )
 
 
 _REFERENCE = "Márquez-Neila, Baumela and Álvarez (2014), doi:10.1109/TPAMI.2013.106; scikit-image's "
@@ -266,6 +210,17 @@ _OBJECT_SEED, _BACKGROUND_SEED = 1, 2
 _DIRECT = 300_000
 """Pixels up to which the equations are solved directly, which is faster; beyond, with less memory, by iteration."""
 
+_NO_WARNING = 1.0
+"""Error of probabilities up to which scikit-image does not warn; only which of two is larger counts."""
+
+
+def _margin() -> Any:
+    return number(
+        0.0, "b", "Background",
+        "Distance from a start inside the object from which pixels are seeds of the background; at 0 at the border.",
+        "More of it leaves more room around the start.", (0.0, 1e5), (0.0, 200.0), 1.0, "px",
+    )  # fmt: skip
+
 
 @dataclass(frozen=True)
 class RandomWalkerSettings(Settings):
@@ -280,38 +235,43 @@ class RandomWalkerSettings(Settings):
         "From a start around the object: the depth from which pixels are its seeds, as a fraction of the greatest.",
         "More of it leaves seeds only in the middle.", (0.0, 0.99), (0.0, 0.95), 0.05,
     )  # fmt: skip
-    margin: float = number(
-        0.0, "b", "Background",
-        "Distance from a start inside the object from which pixels are seeds of the background; at 0 at the border.",
-        "More of it leaves more room around the start.", (0.0, 1e5), (0.0, 200.0), 1.0, "px",
-    )  # fmt: skip
-
-
-_NO_WARNING = 1.0
-"""Error of probabilities up to which scikit-image does not warn; only which of two is larger counts."""
+    margin: float = _margin()
 
 
 def seeds(start: Start, shape: tuple[int, ...], settings: RandomWalkerSettings) -> NDArray[np.int32]:
-    """Labels of the seeds, shape (H, W): `_OBJECT_SEED`, `_BACKGROUND_SEED`, or 0 where there is none.
+    """Labels of the seeds, of this shape: `_OBJECT_SEED`, `_BACKGROUND_SEED`, or 0 where there is none.
 
     A start in the object is all object, and the border of the image, or what lies far from the start, background. A
     start around the object has only its middle in the object, and what lies outside it is background.
     """
-    inner, outer = certain_pixels(start, shape, settings.depth, settings.margin)
-    return np.where(inner, _OBJECT_SEED, np.where(outer, _BACKGROUND_SEED, 0)).astype(np.int32)
+    inside, outer = start.mask(shape), _background(start, shape, settings.margin)
+    if start.around:
+        depth = scipy.ndimage.distance_transform_edt(np.pad(inside, 1))[(slice(1, -1),) * len(shape)]
+        inside &= depth >= settings.depth * depth.max()
+    return np.where(inside, _OBJECT_SEED, np.where(outer, _BACKGROUND_SEED, 0)).astype(np.int32)
 
 
-def _random_walk(image: Image, start: Start, settings: RandomWalkerSettings) -> Iterator[LevelSetState]:
+def _background(start: Start, shape: tuple[int, ...], margin: float) -> Mask:
+    """The border of the image, or what lies far from the start, and all outside a start around the object."""
+    rim = np.ones(shape, dtype=bool)
+    rim[(slice(1, -1),) * len(shape)] = False
+    outside = ~start.mask(shape)
+    if start.around:
+        return rim | outside
+    return np.asarray(scipy.ndimage.distance_transform_edt(outside) >= margin) if margin > 0.0 else rim
+
+
+def _random_walk(image: Image, start: Start, settings: RandomWalkerSettings) -> Iterator[ContourState]:
     inside = start.mask(image.shape)
-    yield LevelSetState(values=inside, level=0.5)
+    yield region_state(inside, 0.5, 0)
     labels = seeds(start, image.shape, settings)
-    if {_OBJECT_SEED, _BACKGROUND_SEED} - set(np.unique(labels).tolist()):
-        missing = "object" if not (labels == _OBJECT_SEED).any() else "background"
-        yield LevelSetState(1, f"there are no seeds of the {missing}", values=inside, level=0.5)
-        return
+    for label, what in ((_OBJECT_SEED, "object"), (_BACKGROUND_SEED, "background")):
+        if not (labels == label).any():
+            yield region_state(inside, 0.5, 1, f"there are no seeds of the {what}")
+            return
     mode = "bf" if labels.ndim == 2 and labels.size <= _DIRECT else "cg_j"
     found = skimage.segmentation.random_walker(unit_gray(image), labels, settings.beta, mode, prob_tol=_NO_WARNING)
-    yield LevelSetState(1, "all pixels have been decided", True, found == _OBJECT_SEED, 0.5)
+    yield region_state(found == _OBJECT_SEED, 0.5, 1, "all pixels have been decided", converged=True)
 
 
 RANDOM_WALKER = ContourMethod(
@@ -328,90 +288,34 @@ RANDOM_WALKER = ContourMethod(
 
 _GRAB_CUT_STEPS = 50
 
-OPENCV = Needed("cv2", "opencv-python-headless", "opencv")
-
-BACKGROUND, OBJECT, MAYBE_BACKGROUND, MAYBE_OBJECT = range(4)
-"""What is said of a pixel, as OpenCV numbers it; the first two are certain."""
-
-_MODEL = (1, 65)
-"""Shape of what OpenCV keeps of the colors of a region."""
-
-_SEED = 0
-"""Of the random numbers by which OpenCV first groups colors: a run gives the same again."""
-
 
 @dataclass(frozen=True)
 class GrabCutSettings(Settings):
     """Parameters of grab cut."""
 
-    smoothing: float = number(
-        0.0, "σ", "Smoothing", "Width of the Gaussian that smooths the image before it is cut.",
-        "More of it removes noise and rounds corners.", (0.0, 50.0), (0.0, 8.0), 0.5, "px",
-    )  # fmt: skip
-    depth: float = number(
-        1.0, "d", "Depth of the seeds",
-        "From a start around the object: the depth from which pixels certainly belong to it, as a fraction of the "
-        "greatest; at 1 none does.",
-        "Less of it makes more pixels of the start certain.", (0.0, 1.0), (0.0, 1.0), 0.05,
-    )  # fmt: skip
-    margin: float = number(
-        0.0, "b", "Background",
-        "Distance from a start inside the object from which pixels are certainly background; at 0 at the border.",
-        "More of it leaves more room around the start.", (0.0, 1e5), (0.0, 200.0), 1.0, "px",
-    )  # fmt: skip
+    margin: float = _margin()
 
 
-def samples_of(image: Image, smoothing: float) -> NDArray[np.uint8]:
-    """The colors of an image, or three times its gray levels, as OpenCV takes them, shape (H, W, 3)."""
-    if image.colors is None:
-        channels = [unit_gray(image)] * 3
-    else:
-        channels = [image.colors.samples[..., channel] / 255.0 for channel in (2, 1, 0)]
-    smooth = (scipy.ndimage.gaussian_filter(one, smoothing, mode="nearest") for one in channels)
-    return np.stack([np.rint(255.0 * np.clip(one, 0.0, 1.0)).astype(np.uint8) for one in smooth], axis=-1)
+def _grab_cut(image: Image, start: Start, settings: GrabCutSettings) -> Iterator[ContourState]:
+    opencv: Any = importlib.import_module("cv2")
+    inside, outer = start.mask(image.shape), _background(start, image.shape, settings.margin)
+    likely = np.where(inside, opencv.GC_PR_FGD, opencv.GC_PR_BGD)
+    certain = inside & (not start.around)
+    labels = np.where(certain, opencv.GC_FGD, np.where(outer, opencv.GC_BGD, likely)).astype(np.uint8)
+    gray = 255.0 * np.repeat(unit_gray(image)[..., None], 3, axis=-1)
+    colors = np.rint(gray if image.colors is None else image.colors.samples[..., ::-1]).astype(np.uint8)
 
+    def masks() -> Iterator[Mask]:
+        yield inside
+        behind, before = np.zeros((1, 65)), np.zeros((1, 65))  # what OpenCV keeps of the colors of both regions
+        opencv.setRNGSeed(0)  # so that a run gives the same again
+        how = opencv.GC_INIT_WITH_MASK
+        while True:
+            opencv.grabCut(colors, labels, None, behind, before, 1, how)
+            yield np.isin(labels, (opencv.GC_FGD, opencv.GC_PR_FGD))
+            how = opencv.GC_EVAL
 
-def first_labels(start: Start, shape: tuple[int, ...], settings: GrabCutSettings) -> NDArray[np.uint8]:
-    """What the start says of each pixel, shape (H, W).
-
-    A start in the object is object, and what lies around it is background unless the colors say otherwise; the border
-    of the image, or what lies far from the start, is certainly background. A start around the object may be object all
-    over, and what lies outside it is background.
-    """
-    inner, outer = certain_pixels(start, shape, settings.depth, settings.margin)
-    if start.around:
-        labels = np.where(outer, BACKGROUND, np.where(inner & (settings.depth < 1.0), OBJECT, MAYBE_OBJECT))
-    else:
-        labels = np.where(inner, OBJECT, np.where(outer, BACKGROUND, MAYBE_BACKGROUND))
-    return labels.astype(np.uint8)
-
-
-def _inside(labels: NDArray[np.uint8]) -> Mask:
-    return np.asarray((labels == OBJECT) | (labels == MAYBE_OBJECT))
-
-
-def _grab_cut(image: Image, start: Start, settings: GrabCutSettings) -> Iterator[LevelSetState]:
-    opencv: Any = OPENCV.module()
-    yield LevelSetState(values=start.mask(image.shape), level=0.5)
-    labels = first_labels(start, image.shape, settings)
-    inside = _inside(labels)
-    if not inside.any() or inside.all():
-        missing = "background" if inside.all() else "object"
-        yield LevelSetState(1, f"there are no seeds of the {missing}", values=inside, level=0.5)
-        return
-    samples, behind, before = samples_of(image, settings.smoothing), np.zeros(_MODEL), np.zeros(_MODEL)
-    opencv.setRNGSeed(_SEED)
-    for step in range(1, _GRAB_CUT_STEPS + 1):
-        how = opencv.GC_INIT_WITH_MASK if step == 1 else opencv.GC_EVAL
-        opencv.grabCut(samples, labels, None, behind, before, 1, how)
-        found = _inside(labels)
-        rest, inside = bool(np.array_equal(found, inside)), found
-        reason = "the cut is at rest" if rest else f"stopped after {step} steps" if step == _GRAB_CUT_STEPS else ""
-        if not inside.any() or inside.all():
-            reason = "the contour has left the image" if inside.all() else "nothing is left"
-        yield LevelSetState(step, reason, rest, found, 0.5)
-        if reason:
-            return
+    return until_at_rest(masks(), 0.5, 1, 0.0, _GRAB_CUT_STEPS)
 
 
 GRAB_CUT = ContourMethod(
@@ -422,5 +326,5 @@ GRAB_CUT = ContourMethod(
     GrabCutSettings,
     _grab_cut,
     _GRAB_CUT_STEPS,
-    OPENCV,
+    needs=("cv2", "opencv"),
 )

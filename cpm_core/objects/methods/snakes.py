@@ -14,24 +14,28 @@ from typing import Any
 
 import numpy as np
 import scipy
+import skimage
 
+from cpm_core.contours.contour import Contour
 from cpm_core.field.edge_map import gradient
 from cpm_core.image.image import Image
 from cpm_core.numerics.polyline import length, resampled
 from cpm_core.numerics.segments import SegmentTree
 from cpm_core.numerics.types import Array
-from cpm_core.objects.methods.gray import sobel_edges, unit_edges
-from cpm_core.objects.methods.method import ContourMethod, Start
-from cpm_core.objects.methods.settings import Settings, number
-from cpm_core.objects.methods.states import CurveState
+from cpm_core.objects.methods.method import (
+    ContourMethod,
+    ContourState,
+    Found,
+    Settings,
+    Start,
+    number,
+    smoothing_before_edges,
+    unit_edges,
+    unit_gray,
+)
 
-_EXACT = 1e-9
-"""Residual of the equation relative to its right side."""
-
-_MOST_ROUNDS = 2000
-
-_DAMPING, _SWEEPS, _COARSEST = 0.8, 2, 4
-"""Of the relaxation on each grid: damping, sweeps before and after the coarser grids; pixels of the last grid."""
+_EXACT, _MOST_ROUNDS = 1e-9, 2000
+"""Residual of the equation of the field relative to its right side; rounds after which its solution is ended."""
 
 _NEGLIGIBLE = 1e-10
 """Length of a vector, relative to the longest, under which it has no direction."""
@@ -57,17 +61,37 @@ def gradient_vector_flow(edges: Array, mu: float) -> Array:
     Notes
     -----
     The equation is linear and its matrix symmetric and positive definite. It is solved by conjugate gradients; the
-    preconditioner is one cycle of a multigrid.
+    preconditioner has the mean weight everywhere, so that cosine transforms invert it.
     """
     slope = gradient(edges, 0.0)
     weight = (slope**2).sum(axis=0)
     if not weight.any():
         return np.zeros_like(slope)
-    preconditioner = _multigrid(weight, mu)
-    operator = scipy.sparse.linalg.LinearOperator(
-        (edges.size, edges.size), lambda v: _applied(v.reshape(edges.shape), weight, mu).ravel()
+    waves = [2.0 - 2.0 * np.cos(np.pi * np.arange(count) / count) for count in edges.shape]
+    spectrum = weight.mean() + mu * (waves[0][:, None] + waves[1])
+
+    def applied(flat: Array) -> Array:
+        v = flat.reshape(edges.shape)
+        out: Array = weight * v
+        for axis in range(2):
+            out -= mu * np.diff(v, axis=axis, n=2, prepend=v.take([0], axis), append=v.take([-1], axis))
+        return out.ravel()
+
+    def about_inverse(flat: Array) -> Array:
+        found = scipy.fft.idctn(scipy.fft.dctn(flat.reshape(edges.shape)) / spectrum)
+        return np.asarray(found).ravel()
+
+    operator, preconditioner = (
+        scipy.sparse.linalg.LinearOperator((edges.size, edges.size), act) for act in (applied, about_inverse)
     )
-    return np.stack([_solved(operator, preconditioner, weight * part) for part in slope])
+    return np.stack(
+        [
+            scipy.sparse.linalg.cg(
+                operator, (weight * part).ravel(), rtol=_EXACT, maxiter=_MOST_ROUNDS, M=preconditioner
+            )[0].reshape(edges.shape)
+            for part in slope
+        ]
+    )
 
 
 def evened(field: Array, evenness: float = 1.0) -> Array:
@@ -82,64 +106,11 @@ def evened(field: Array, evenness: float = 1.0) -> Array:
     return np.asarray(field / most * np.maximum(size / most, _NEGLIGIBLE) ** -evenness)
 
 
-def _solved(operator: Any, preconditioner: Any, right: Array) -> Array:
-    found, _ = scipy.sparse.linalg.cg(operator, right.ravel(), rtol=_EXACT, maxiter=_MOST_ROUNDS, M=preconditioner)
-    return np.asarray(found).reshape(right.shape)
-
-
-def _applied(v: Array, weight: Array, mu: float) -> Array:
-    """``weight v - mu laplace(v)``, with the outermost pixels repeated beyond the border."""
-    out: Array = weight * v
-    for axis in range(2):
-        step = mu * np.diff(v, axis=axis)
-        first, last = (slice(None),) * axis, (slice(None),) * axis
-        out[(*first, slice(None, -1))] -= step
-        out[(*last, slice(1, None))] += step
-    return out
-
-
-def _multigrid(weight: Array, mu: float) -> Any:
-    """About the inverse of ``weight v - mu laplace(v)``: a symmetric cycle over grids, each of half the size."""
-    weights = [weight]
-    while min(weights[-1].shape) > 1 and weights[-1].size > _COARSEST:
-        weights.append(_summed(weights[-1]))
-
-    def cycle(right: Array, level: int) -> Array:
-        weight = weights[level]
-        relaxation = _DAMPING / (weight + mu * _neighbors(weight.shape))
-        v: Array = relaxation * right
-        for _ in range(_SWEEPS - 1):
-            v += relaxation * (right - _applied(v, weight, mu))
-        if level + 1 < len(weights):
-            coarse = cycle(_summed(right - _applied(v, weight, mu)), level + 1)
-            v += np.repeat(np.repeat(coarse, 2, axis=0), 2, axis=1)[: v.shape[0], : v.shape[1]]
-        for _ in range(_SWEEPS):
-            v += relaxation * (right - _applied(v, weight, mu))
-        return v
-
-    return scipy.sparse.linalg.LinearOperator(
-        (weight.size, weight.size), lambda v: cycle(v.reshape(weight.shape), 0).ravel()
-    )
-
-
-def _summed(values: Array) -> Array:
-    """Sums over blocks of two by two pixels; the last blocks of an odd side are smaller."""
-    for axis in range(2):
-        values = np.add.reduceat(values, np.arange(0, values.shape[axis], 2), axis=axis)
-    return values
-
-
-def _neighbors(shape: tuple[int, ...]) -> Array:
-    """Number of neighbors of each pixel."""
-    sides = [np.full(count, 2.0) for count in shape]
-    for side in sides:
-        side[0] -= 1.0
-        side[-1] -= 1.0
-    return np.asarray(sides[0][:, None] + sides[1][None, :])
-
-
 Force = Callable[[Array], Array]
 """Force at positions, shape (N, 2), shape (N, 2)."""
+
+SPACING = 1.0
+"""Distance at which the points of a curve are kept [px]."""
 
 _FARTHEST = 1.0
 """Largest distance that a point moves along an axis in a step [px]."""
@@ -150,32 +121,24 @@ _LEAST_POINTS, _LEAST_LENGTH = 8, 8.0
 _UNEVEN = (0.5, 1.5)
 """Distances of neighbors, in units of the wanted one, beyond which the points of a curve are placed again."""
 
+_STEPS = 2500
+"""Steps after which a curve that is not at rest is left as it is."""
+
 _EVERY, _REST = 20, 0.1
 """A curve is at rest when within so many steps it has not moved farther than this [px]."""
 
 
 @dataclass(frozen=True)
 class Elasticity:
-    """What a curve does by itself.
-
-    Attributes
-    ----------
-    alpha, beta : float
-        Tension and rigidity.
-    gamma : float
-        Resistance to motion.
-    spacing : float
-        Distance at which the points are kept [px]; at 0 they stay the same points, however far apart.
-    """
+    """What a curve does by itself: tension, rigidity, resistance to motion."""
 
     alpha: float
     beta: float
     gamma: float
-    spacing: float
 
 
 def moved(curve: Array, force: Force, elasticity: Elasticity, shape: tuple[int, ...]) -> Array:
-    """A closed curve, shape (N, 2) [px], after one step, within an image of this shape."""
+    """A closed curve, shape (N, 2), after a step; it stays within the image."""
     wave = 2.0 - 2.0 * np.cos(2.0 * np.pi * np.arange(len(curve) // 2 + 1) / len(curve))
     matrix = elasticity.alpha * wave + elasticity.beta * wave**2 + elasticity.gamma
     right = elasticity.gamma * curve + force(curve)
@@ -185,49 +148,46 @@ def moved(curve: Array, force: Force, elasticity: Elasticity, shape: tuple[int, 
 
 
 def evolution(
-    curves: tuple[Array, ...], force: Force, elasticity: Elasticity, shape: tuple[int, ...], most_steps: int
-) -> Iterator[CurveState]:
+    curves: tuple[Array, ...], force: Force, elasticity: Elasticity, shape: tuple[int, ...]
+) -> Iterator[ContourState]:
     """States of closed curves until all are at rest or have collapsed."""
     before = curves
-    yield CurveState(curves=curves)
-    for step in range(1, most_steps + 1):
-        curves = tuple(_evened(moved(curve, force, elasticity, shape), elasticity.spacing) for curve in curves)
-        left = tuple(curve for curve in curves if not _collapsed(curve))
-        reason, rest = "", False
-        if not left:
+    yield _state(0, curves)
+    for step in range(1, _STEPS + 1):
+        paths = (_evened(moved(curve, force, elasticity, shape)) for curve in curves)
+        curves = tuple(path[:-1] for path in paths if len(path) > _LEAST_POINTS and length(path) >= _LEAST_LENGTH)
+        reason, at_rest = "", False
+        if not curves:
             reason = "the curve has collapsed"
         elif step % _EVERY == 0:
-            rest = len(left) == len(before) and all(map(_close, left, before))
-            reason, before = "the curve is at rest" if rest else "", left
-        if step == most_steps and not reason:
+            at_rest = len(curves) == len(before) and all(map(_close, curves, before))
+            reason, before = "the curve is at rest" if at_rest else "", curves
+        if step == _STEPS and not reason:
             reason = f"stopped after {step} steps"
-        curves = left
-        yield CurveState(step, reason, rest, curves)
+        yield _state(step, curves, reason, at_rest)
         if reason:
             return
 
 
-def _evened(curve: Array, spacing: float) -> Array:
-    """The curve with points at equal distances where they have become uneven."""
-    if spacing <= 0.0:
-        return curve
+def _state(step: int, curves: tuple[Array, ...], reason: str = "", at_rest: bool = False) -> ContourState:
+    def find() -> Found:
+        return tuple(Contour(curve, closed=True) for curve in curves), None
+
+    return ContourState(step, find, reason, at_rest)
+
+
+def _evened(curve: Array) -> Array:
+    """The path around a curve, with points at equal distances where they have become uneven."""
     path = np.concatenate([curve, curve[:1]])
     steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
-    if steps.min() >= _UNEVEN[0] * spacing and steps.max() <= _UNEVEN[1] * spacing:
-        return curve
-    return resampled(path, spacing)[:-1]
-
-
-def _collapsed(curve: Array) -> bool:
-    return len(curve) < _LEAST_POINTS or length(np.concatenate([curve, curve[:1]])) < _LEAST_LENGTH
+    if steps.min() >= _UNEVEN[0] * SPACING and steps.max() <= _UNEVEN[1] * SPACING:
+        return path
+    return resampled(path, SPACING)
 
 
 def _close(curve: Array, before: Array) -> bool:
     """Whether all points of a curve lie near the line of another."""
     return bool(SegmentTree(before, np.roll(before, -1, axis=0)).distances(curve).max() < _REST)
-
-
-_SNAKE_STEPS = 2500
 
 
 @dataclass(frozen=True)
@@ -249,27 +209,16 @@ class SnakeSettings(Settings):
         "More of it pulls harder, so that tension and rigidity count for less.",
         (0.0, 100.0), (0.0, 5.0), 0.1, equation="eq. (1)",
     )  # fmt: skip
-    gamma: float = number(
-        0.01, "γ", "Resistance", "How much the curve resists being moved.",
-        "More of it makes the steps smaller.", (1e-4, 100.0), (0.001, 0.5), 0.001, advanced=True,
-    )  # fmt: skip
-    smoothing: float = number(
-        2.0, "σ", "Smoothing", "Width of the Gaussian that smooths the image before its edges are found.",
-        "More of it attracts the curve from farther away, and rounds corners.",
-        (0.0, 50.0), (0.5, 10.0), 0.5, "px",
-    )  # fmt: skip
-    spacing: float = number(
-        1.0, "h", "Spacing", "Distance at which the points of the curve are kept; at 0 they stay the same points.",
-        "More of it gives a coarser curve.", (0.0, 20.0), (0.0, 5.0), 0.5, "px", advanced=True,
-    )  # fmt: skip
+    smoothing: float = smoothing_before_edges(2.0)
+
+
+_RESISTANCE = 0.01
 
 
 def edge_force(edges: Array, attraction: float) -> Force:
     """The gradient of an edge map, shape (H, W), as a force: pieces of quadratic polynomials between the pixels."""
-    rows, cols = edges.shape
-    surface = scipy.interpolate.RectBivariateSpline(
-        np.arange(rows), np.arange(cols), attraction * edges, kx=2, ky=2, s=0
-    )
+    rows, cols = map(np.arange, edges.shape)
+    surface = scipy.interpolate.RectBivariateSpline(rows, cols, attraction * edges, kx=2, ky=2, s=0)
 
     def force(at: Array) -> Array:
         row, col = at.T
@@ -278,11 +227,17 @@ def edge_force(edges: Array, attraction: float) -> Force:
     return force
 
 
-def _snake(image: Image, start: Start, settings: SnakeSettings) -> Iterator[CurveState]:
+def sobel_edges(image: Image, smoothing: float) -> Array:
+    """Edges by the filter of Sobel, as scikit-image's ``active_contour`` takes them of a smoothed image."""
+    smooth = scipy.ndimage.gaussian_filter(unit_gray(image), smoothing, mode="nearest")
+    found: Array = skimage.filters.sobel(smooth)  # type: ignore[no-untyped-call]
+    return found
+
+
+def _snake(image: Image, start: Start, settings: SnakeSettings) -> Iterator[ContourState]:
     force = edge_force(sobel_edges(image, settings.smoothing), settings.attraction)
-    elasticity = Elasticity(settings.alpha, settings.beta, settings.gamma, settings.spacing)
-    curves = start.curves(settings.spacing or 1.0)
-    yield from evolution(curves, force, elasticity, image.shape, _SNAKE_STEPS)
+    elasticity = Elasticity(settings.alpha, settings.beta, _RESISTANCE)
+    return evolution(start.curves(SPACING), force, elasticity, image.shape)
 
 
 SNAKE = ContourMethod(
@@ -292,22 +247,24 @@ SNAKE = ContourMethod(
     "Kass, Witkin and Terzopoulos (1988), doi:10.1007/BF00133570; the forces of scikit-image's active_contour",
     SnakeSettings,
     _snake,
-    _SNAKE_STEPS,
+    _STEPS,
 )
 
 
-_GVF_STEPS = 2000
+def smoothness_of_the_field() -> Any:
+    """The setting of both methods that move in the field of gradient vector flow."""
+    return number(
+        0.02, "μ", "Smoothness of the field", "How much the field is smoothed, against how closely it follows edges.",
+        "More of it carries the edges farther and evens out noise.",
+        (1e-4, 100.0), (0.01, 1.0), 0.01, equation="gradient vector flow",
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
 class GvfSnakeSettings(Settings):
     """Parameters of the GVF snake."""
 
-    mu: float = number(
-        0.02, "μ", "Smoothness of the field", "How much the field is smoothed, against how closely it follows edges.",
-        "More of it carries the edges farther and evens out noise.",
-        (1e-4, 100.0), (0.01, 1.0), 0.01, equation="gradient vector flow",
-    )  # fmt: skip
+    mu: float = smoothness_of_the_field()
     alpha: float = number(
         0.0, "α", "Tension", "Weight of the tension, which shortens the curve.",
         "More of it keeps the curve out of bays.", (0.0, 10.0), (0.0, 1.0), 0.01, equation="eq. (1)",
@@ -321,31 +278,20 @@ class GvfSnakeSettings(Settings):
         "More of it moves the curve faster, and overcomes tension and rigidity.",
         (0.0, 100.0), (0.0, 3.0), 0.05,
     )  # fmt: skip
-    smoothing: float = number(
-        1.0, "σ", "Smoothing", "Width of the Gaussian that smooths the image before its edges are found.",
-        "More of it removes noise and rounds corners.", (0.0, 50.0), (0.5, 8.0), 0.5, "px",
-    )  # fmt: skip
-    spacing: float = number(
-        1.0, "h", "Spacing", "Distance at which the points of the curve are kept.",
-        "More of it gives a coarser curve.", (0.2, 20.0), (0.5, 5.0), 0.5, "px", advanced=True,
-    )  # fmt: skip
+    smoothing: float = smoothing_before_edges(1.0)
 
 
 def field_force(field: Array, attraction: float) -> Force:
     """A field on the pixels, shape (2, H, W), as a force, linear between the pixels."""
-
-    def force(at: Array) -> Array:
-        parts = [scipy.ndimage.map_coordinates(part, at.T, order=1, mode="nearest") for part in field]
-        return attraction * np.stack(parts, axis=1)
-
-    return force
+    sampled = scipy.ndimage.map_coordinates
+    return lambda at: attraction * np.stack([sampled(part, at.T, order=1, mode="nearest") for part in field], axis=1)
 
 
-def _gvf_snake(image: Image, start: Start, settings: GvfSnakeSettings) -> Iterator[CurveState]:
+def _gvf_snake(image: Image, start: Start, settings: GvfSnakeSettings) -> Iterator[ContourState]:
     field = evened(gradient_vector_flow(unit_edges(image, settings.smoothing), settings.mu))
-    elasticity = Elasticity(settings.alpha, settings.beta, 1.0, settings.spacing)
+    elasticity = Elasticity(settings.alpha, settings.beta, 1.0)
     force = field_force(field, settings.attraction)
-    yield from evolution(start.curves(settings.spacing), force, elasticity, image.shape, _GVF_STEPS)
+    return evolution(start.curves(SPACING), force, elasticity, image.shape)
 
 
 GVF_SNAKE = ContourMethod(
@@ -355,5 +301,5 @@ GVF_SNAKE = ContourMethod(
     "Xu and Prince (1998), doi:10.1109/83.661186",
     GvfSnakeSettings,
     _gvf_snake,
-    _GVF_STEPS,
+    _STEPS,
 )

@@ -9,8 +9,8 @@ from cpm_core.contours.surface import Surface
 from cpm_core.contours.surface.distances import Triangles
 from cpm_core.contours.surface.packing import PackedSurface
 from cpm_core.image.volume_regions import Voxels
+from cpm_core.numerics.grids import zero_surface
 from cpm_core.numerics.types import Array, Index
-from cpm_core.numerics.zero_surface import zero_surface
 
 _MARGIN = 3
 """Width around the surfaces in which distances are taken [voxels]."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.graph.graph import Graph
 from cpm_core.field.scale_field import ScaleField
-from cpm_core.image.barriers import BarrierMap
+from cpm_core.image.regions import BarrierMap
 from cpm_core.model.plane.births import deletion
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from cpm_core.field.scale_field import FAINTEST, ScaleField
-from cpm_core.image.barriers import BarrierMap
+from cpm_core.image.regions import BarrierMap
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Index
 from cpm_core.reconstruction.curve.ridge import Ridge, ridge_of

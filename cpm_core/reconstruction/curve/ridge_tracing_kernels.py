@@ -1,4 +1,7 @@
-"""Following the ridge in small steps: the compiled loops of `ridge_tracing`."""
+"""Following the ridge in small steps: the compiled loops of `ridge_tracing`.
+
+They see barriers as a `BarrierMap`.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cpm_core.field.scale_field import FAINTEST
-from cpm_core.image.barriers import BarrierMap, crosses
+from cpm_core.image.regions import BarrierMap, crosses
 from cpm_core.numerics.jit import compiled, inlined
 from cpm_core.numerics.types import Array, Index
 from cpm_core.reconstruction.curve.ridge import Ridge, height, slope

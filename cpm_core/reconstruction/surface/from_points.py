@@ -12,10 +12,10 @@ import scipy
 from numpy.typing import ArrayLike
 
 from cpm_core.contours.surface import Surface
+from cpm_core.numerics.grids import zero_surface
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Index, Mask, Single
-from cpm_core.numerics.zero_surface import zero_surface
 from cpm_core.reconstruction.surface.components import support, typical_distance
 from cpm_core.reconstruction.surface.iso.sides import fill_regions
 

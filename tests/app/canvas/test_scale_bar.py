@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from app.model.display.display_image import DisplayImage
 from app.model.display.lengths import bar
-from app.views.canvas.layers.image.scale_bar import LONGEST
+from app.views.canvas.layers.annotations import LONGEST
 from cpm_core.image.image import Image
 
 pytestmark = pytest.mark.shared_window

@@ -15,8 +15,8 @@ from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QFileDialog
 
 from app.session.tasks.tasks import Task
-from app.views.export.film.animation_dialog import AnimationDialog, AnimationPlan, every
-from app.views.export.film.frame_renderer import FrameRenderer
+from app.views.export.animation_dialog import AnimationDialog, AnimationPlan, every
+from app.views.export.frames import FrameRenderer
 from app.views.features.animation import AnimationFeature
 from app.views.features.run import TasksFeature, TimelineFeature
 from app.views.theme import theme

@@ -38,7 +38,7 @@ from cpm_core.contours.ground_truth import truth_of_mask
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.model.starts import circle
 from cpm_core.objects.methods import CONTOUR_METHODS, Compared
-from cpm_core.objects.methods.compared import FIRST
+from cpm_core.objects.methods.comparison import FIRST
 from cpm_core.shapes import Barrier, Stroke
 from tests.app.conftest import Hand, disc
 

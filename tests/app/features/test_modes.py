@@ -17,7 +17,7 @@ from app.model.document.saving import restored, to_file
 from app.model.state.resolve import resolve
 from app.model.state.situation import RunStatus, Situation, can_step
 from app.session.worker.requests import Seek
-from app.views.canvas.layers.contours.skeleton import by_thickness, disks
+from app.views.canvas.layers.skeleton import by_thickness, disks
 from app.views.features.exchange import ExportFeature
 from cpm_core.formats import FOR_SKELETONS, encoded
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, SegmentedObjects

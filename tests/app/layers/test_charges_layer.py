@@ -5,7 +5,7 @@ from __future__ import annotations
 import pyqtgraph as pg
 import pytest
 
-from app.views.canvas.layers.drawn.charges import Charges
+from app.views.canvas.layers.drawing import Charges
 from cpm_core.shapes import Charge
 
 pytestmark = pytest.mark.usefixtures("qapp")

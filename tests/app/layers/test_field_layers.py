@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from app.model.display.display_image import display_of_potential
 from app.model.display.flow_lines import Seen, flow_lines
 from app.model.display.iso_lines import LINES, iso_lines
-from app.views.canvas.layers.fields.field import line_points
+from app.views.canvas.layers.fields import line_points
 from cpm_core.segmentation.engine import Engine
 
 pytestmark = pytest.mark.shared_window

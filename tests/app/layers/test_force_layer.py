@@ -7,7 +7,7 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.session.worker.requests import NAMES, Probe, Probed
-from app.views.canvas.layers.particles.forces import KINDS
+from app.views.canvas.layers.forces import KINDS
 
 
 @pytest.fixture

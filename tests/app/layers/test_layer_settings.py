@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from PySide6.QtCore import Qt
 
-from app.session.workspace import Workspace
+from app.session.features.workspace import Workspace
+from app.views.canvas.layers.layer import Amount, Choice, Switch
 from app.views.canvas.layers.layer_form import LayerForm
-from app.views.canvas.layers.options import Amount, Choice, Switch
 from app.views.main_window import MainWindow
 
 

@@ -10,7 +10,7 @@ from hypothesis.extra.numpy import arrays
 from PySide6.QtCore import QPoint, Qt
 
 from app.model.display.display_image import IntensityWindow, apply_window, display_of_image, percentile_window
-from app.views.canvas.layers.image import image as image_layer
+from app.views.canvas.layers import image_layer
 
 IMAGES = arrays(np.float64, (5, 9), elements=st.floats(-1e4, 1e5, allow_subnormal=False, width=32))
 

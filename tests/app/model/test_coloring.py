@@ -19,7 +19,7 @@ from app.session.worker.recorded_run import RunRecord
 from app.views.canvas.items.discs import Discs
 from app.views.theme import color_maps, theme
 from cpm_core import Engine, Parameters
-from cpm_core.image.drawing.scale_bar import round_down
+from cpm_core.image.drawing import round_down
 from cpm_core.model.coverage import no_coverage
 from cpm_core.model.equations import epsilon
 from cpm_core.model.state import Particles, State

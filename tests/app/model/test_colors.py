@@ -4,7 +4,7 @@ import pytest
 
 from app.views.theme import theme
 from app.views.theme.icons import RIM
-from cpm_core.image.drawing import palette
+from cpm_core.image import drawing as palette
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from PySide6.QtCore import Qt
 
 from app.model.document import edits
 from app.model.preferences.table import SAVE_IN_FOLDER
-from app.session.core_functions import Core
+from app.session.exchange.core_functions import Core
 from app.session.tasks.opening import _counted, images_beside, session_beside
 from app.views.features.files import FolderFeature, OpenSaveFeature
 from app.views.main_window import MainWindow

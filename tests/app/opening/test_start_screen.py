@@ -12,8 +12,8 @@ from PySide6.QtWidgets import QFileDialog, QMenu
 from pytestqt.qtbot import QtBot
 
 from app.model.document.samples import samples
+from app.session.features.workspace import Workspace
 from app.session.storage.pictures import MOST, SIZE, Pictures
-from app.session.workspace import Workspace
 from app.views.application import make_application
 from app.views.features.files import OpenSaveFeature, StartFeature
 from app.views.features.offers import BeginningFeature

@@ -14,7 +14,7 @@ from app.model.parameters.controls import controls
 from app.model.state.resolve import resolve
 from app.model.state.situation import RunStatus, Situation
 from app.views.canvas.items.curves import pieces
-from app.views.canvas.layers.fields.field import ARROW_SPACING, arrow_lines, arrows
+from app.views.canvas.layers.fields import ARROW_SPACING, arrow_lines, arrows
 from app.views.panels.run import PlotPanel
 from cpm_core import Parameters
 from cpm_core.parameters.choices import CHOICES

@@ -9,6 +9,7 @@ from PySide6.QtCore import Qt
 from app.model.document import edits
 from app.session.timeline.timeline import MOST_RUNS
 from app.views.features.run import TimelineFeature
+from app.views.features.view import ComparingFeature
 from cpm_core.shapes import Circle
 
 pytestmark = pytest.mark.shared_window
@@ -97,12 +98,12 @@ def test_a_run_from_another_start_is_a_run_beside_the_first(rested, hand) -> Non
 
 def test_a_run_is_compared_with_another_run(rested, hand) -> None:
     run_from_elsewhere(rested, hand)
-    panel, ghost = rested.panels["timeline"], rested.canvas_area.canvas.layers["ghost"]
-    panel.compare.aboutToShow.emit()
-    assert [action.text() for action in panel.compare.actions()] == ["none", "Run 1"]
-    panel.compare.actions()[1].trigger()
-    hand.wait(lambda: ghost.contours > 0)
-    assert "px apart on average" in panel.difference.text()
+    form, wipe = rested.panels["timeline"].branch, rested.feature(ComparingFeature).wipe
+    assert [form.compare.itemText(index) for index in range(form.compare.count())] == ["none", "Run 1"]
+    form.compare.setFocus()
+    hand.qtbot.keyClick(form.compare, KEY.Key_Down)
+    hand.wait(lambda: wipe.mirror is not None and sum(wipe.mirror.layers.contours.counts) > 0)
+    assert "px apart on average" in form.difference
 
 
 def test_the_same_run_again_is_not_kept_twice(rested, hand) -> None:

@@ -11,8 +11,8 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
-from app.model.display.truth.differences import differences
-from app.session.features.latest import Latest
+from app.model.display.differences import differences
+from app.session.features.background import LatestOnlyWorker
 from app.views.features.contours import TruthFeature
 from app.views.main_window import MainWindow
 from cpm_core.contours.agreement import compare
@@ -169,7 +169,12 @@ def test_a_wrong_segment_across_the_first_vertex_of_a_closed_contour_is_one() ->
 
 
 def test_of_many_jobs_the_newest_is_done_and_the_thread_ends(qtbot, session) -> None:
-    latest, results, begun, held = Latest(session, "test", "testing"), [], threading.Event(), threading.Event()
+    latest, results, begun, held = (
+        LatestOnlyWorker(session, "test", "testing"),
+        [],
+        threading.Event(),
+        threading.Event(),
+    )
     latest.done.connect(results.append)
     latest.ask(lambda: (begun.set(), held.wait(20), "first")[-1])
     assert begun.wait(20)
@@ -183,7 +188,7 @@ def test_of_many_jobs_the_newest_is_done_and_the_thread_ends(qtbot, session) -> 
 
 
 def test_nothing_is_done_after_closing(session) -> None:
-    latest, results = Latest(session, "test", "testing"), []
+    latest, results = LatestOnlyWorker(session, "test", "testing"), []
     latest.done.connect(results.append)
     latest.close()
     latest.ask(lambda: results.append("done late"))

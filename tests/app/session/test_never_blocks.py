@@ -24,7 +24,7 @@ from PySide6.QtWidgets import QDockWidget
 
 import cpm_core
 from app.model.document import edits
-from app.session.workspace import Workspace
+from app.session.features.workspace import Workspace
 from app.views.application import make_application
 from app.views.canvas.layers.layer import Layer
 from app.views.features.files import OpenSaveFeature

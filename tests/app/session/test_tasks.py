@@ -15,11 +15,11 @@ from PySide6.QtCore import QObject, Qt
 from PySide6.QtWidgets import QProgressBar, QToolButton
 
 from app.model.state.situation import SURE_AFTER, in_words, seconds_left
-from app.session.core_functions import Core
+from app.session.exchange.core_functions import Core
 from app.session.exchange.messages import CommandFailed, Report
+from app.session.features.workspace import Workspace
 from app.session.tasks.tasks import Cancelled, Task, Tasks
 from app.session.worker.commands import Command, CommandContext
-from app.session.workspace import Workspace
 from app.views.application import make_application
 from app.views.features.run import TasksFeature
 from app.views.main_window import MainWindow

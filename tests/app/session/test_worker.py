@@ -18,7 +18,7 @@ import pytest
 
 from app.model.document import edits
 from app.model.document.document import Document
-from app.session.core_functions import Core
+from app.session.exchange.core_functions import Core
 from app.session.exchange.mailbox import Mailbox, Pacer
 from app.session.exchange.messages import CommandFailed, Opened, Reconstruction, RunFailed, SeedsFound, Snapshot, WentOn
 from app.session.tasks.tasks import Task

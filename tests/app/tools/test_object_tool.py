@@ -10,8 +10,8 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.model.document.objects import made
-from app.session.features.objects import object_selection
-from app.session.features.objects.selector import Selector
+from app.session.features import object_selection
+from app.session.features.selector import Selector
 from app.session.storage.session_file import DocumentFile
 from cpm_core import circle, partition
 from cpm_core.objects.segmented.segmented_object import Click

@@ -11,7 +11,7 @@ from PySide6.QtCore import Qt
 
 from app.session.exchange.contour_tracking import ContourTracker
 from app.session.features import truth_comparison
-from app.session.features.latest import Latest
+from app.session.features.background import LatestOnlyWorker
 from app.session.worker import prepared_methods, reconstruction
 from app.session.worker.requests import Probe
 from app.views.window.python_hooks import UnexpectedErrors
@@ -113,7 +113,7 @@ def test_trouble_with_the_forces_on_a_particle_is_said(ready, hand, monkeypatch)
 
 
 def test_what_background_work_fails_with_is_said_once_and_taken_back(window, hand) -> None:
-    latest, results = Latest(window.session, "test", "measuring"), []
+    latest, results = LatestOnlyWorker(window.session, "test", "measuring"), []
     latest.done.connect(results.append)
     latest.ask(raising(ZeroDivisionError("by zero")))
     hand.wait(lambda: said(window) == "Something unexpected happened while measuring: by zero.")

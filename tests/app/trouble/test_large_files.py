@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.session.core_functions import Core
-from app.session.workspace import Workspace
+from app.session.exchange.core_functions import Core
+from app.session.features.workspace import Workspace
 from cpm_core.formats import load_image
 
 pytestmark = pytest.mark.shared_window

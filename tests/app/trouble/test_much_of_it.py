@@ -10,7 +10,7 @@ import pytest
 
 from app.model.document import edits
 from app.model.parameters.presets import Preset, read, written
-from app.model.text.shortening import MOST_SHOWN, shortened
+from app.model.text.language import MOST_SHOWN, shortened
 from app.session.storage.autosave import KEY, folder_of_journals
 from cpm_core.contours.contour import MOST_LETTERS
 from cpm_core.contours.review import Mark

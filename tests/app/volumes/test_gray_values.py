@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
-from app.views.canvas.layers.image.level_drag import dragged
+from app.views.canvas.layers.image_layer import dragged
 from app.views.features.files import OpenSaveFeature
 from app.views.features.volumes import SlicesFeature, SpaceFeature
 from tests.app.volumes.conftest import open_file

@@ -10,7 +10,7 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
-from app.model.display.space.shown_parts import ShownParts
+from app.model.display.space.view_in_space import ShownParts
 from app.views.features.files import OpenSaveFeature
 from app.views.features.volumes import SpaceFeature
 from app.views.main_window import MainWindow

@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QApplication
 
 pytestmark = pytest.mark.shared_window
 
-OPENED = ("keys", "guide", "wipe", "magnifier", "open_menu")
+OPENED = ("keys", "guide", "wipe", "open_menu")
 """Actions that open a dialog, a menu, or another view of the image, and whose names do not say so by dots."""
 
 
@@ -77,9 +77,8 @@ def test_a_closed_dialog_menu_or_view_is_not_kept(rested, hand) -> None:
         assert existing() <= before, name
 
 
-@pytest.mark.parametrize("name", ["wipe", "magnifier"])
-def test_a_view_that_has_been_closed_follows_no_layer(rested, hand, name) -> None:
-    open_and_close(rested, name)
+def test_a_wipe_that_has_ended_follows_no_layer(rested, hand) -> None:
+    open_and_close(rested, "wipe")
     existing()
     for layer in hand.canvas.layers:
         layer.set_opacity(0.5)

@@ -6,7 +6,7 @@ import pytest
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMenu, QWidget
 
-from app.model.text.mnemonics import letter_of
+from app.model.text.keys import letter_of
 
 pytestmark = pytest.mark.shared_window
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from PySide6.QtCore import QObject, QTimer
 
-from app.views.canvas.volume.side_view import SideView
+from app.views.canvas.side_view import SideView
 from app.views.features.volumes import SlicesFeature
 from app.views.widgets.turns import Turns
 from tests.app.volumes.conftest import open_file, volume_file  # noqa: F401  # a fixture

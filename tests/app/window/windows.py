@@ -12,11 +12,11 @@ from pytestqt.qtbot import QtBot
 
 from app.model.document.modes import use_mode
 from app.model.preferences.table import PREFERENCES
+from app.session.features.workspace import Workspace
 from app.session.session import Session
-from app.session.workspace import Workspace
 from app.views.application import make_application
 from app.views.canvas.canvas_area import FIRST_TOOL
-from app.views.canvas.tools.ringed import RingTool
+from app.views.canvas.tools.brush_tools import RingTool
 from app.views.features.files import StartFeature
 from app.views.main_window import MainWindow
 from app.views.panels.tables import ItemTable

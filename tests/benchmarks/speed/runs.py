@@ -16,7 +16,7 @@ from cpm_core.model.starts import circle, uniform_grid
 from cpm_core.model.volume.starts import sphere
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import PRESETS
-from cpm_core.segmentation.segment import segment
+from cpm_core.segmentation.evolve import segment
 from tests.benchmarks.speed.measurement import TOO_LONG, Measurement, Patience, seconds_of
 from tests.benchmarks.speed.scenes import HAND, objects, one_object, ring
 

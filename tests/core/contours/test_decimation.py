@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from cpm_core.contours.surface import Surface
-from cpm_core.numerics.zero_surface import zero_surface
+from cpm_core.numerics.grids import zero_surface
 from tests.core.reconstruction.surface.solids import MIDDLE, ball, brick, grid, ring, union
 
 LINKED = union(ring(9, 3.5, 0, MIDDLE - np.array([0, 5, 0])), ring(9, 3.5, 2, MIDDLE + np.array([0, 5, 0])))

@@ -53,15 +53,6 @@ def test_the_first_half_moves_all_particles_and_measures_it(scale_field):
     assert (after.born, after.deleted) == (0, 0)
 
 
-def test_the_first_half_removes_what_leaves_the_image(scale_field):
-    before = state_of(cloud(SHAPE, 40, 1))
-    before.particles.position[:3, 0], before.particles.velocity[:3, 0] = 0.0, -50.0
-    after, moved = displaced(before, idle(before), scale_field, PARAMETERS)
-    assert set(range(40)) - set(after.particles.identity.tolist()) >= {0, 1, 2}
-    assert after.deleted == 40 - after.count == 40 - len(moved.motion)
-    assert np.all(after.particles.position >= -0.5)
-
-
 def test_the_first_half_lets_no_particle_through_a_barrier():
     barred = build_scale_field(SCENE.values, 1.0, 0.0, Regions(barriers=(((20.2, -5.0), (20.2, 65.0)),)))
     before = state_of(cloud(SHAPE, 60, 2))
@@ -106,11 +97,3 @@ def test_late_in_a_run_the_second_half_waits_every_other_step(scale_field):
         assert after.annealed == half.annealed * PARAMETERS.annealing
         assert after.idle in (0, IDLE_STEPS + 1)
     assert changed == [True, False]
-
-
-def test_the_second_half_works_without_particles(scale_field):
-    before = state_of(cloud(SHAPE, 5, 5))
-    empty = replace(before, particles=before.particles.where(np.zeros(5, bool)))
-    _, after = second_half(scale_field, empty)
-    assert (after.count, after.born, after.deleted) == (0, 0, 0)
-    assert np.isnan(after.displacement)

@@ -9,8 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import cpm_core as cpm
-from cpm_core.field.placed_charges import MOST, RADIUS, at_scale, placed_force, placed_potential
-from cpm_core.field.volume.placed_charges import placed_at
+from cpm_core.field.placed_charges import MOST, RADIUS, at_scale, placed_at, placed_force, placed_potential
 
 VOLUME = cpm.PRESETS["volume"]
 SPACING = (2.0, 1.0, 1.0)
@@ -81,17 +80,6 @@ def test_a_strong_charge_draws_particles_off_the_surface_near_it_and_leaves_thos
     side = state.position[:, 2] > CENTER[2]
     off = np.linalg.norm((state.position - CENTER) * SPACING, axis=1) - 9.0
     assert (off[side] > 1.0).sum() > 20
-
-
-def test_friction_holds_particles_against_a_weak_charge():
-    before, charge = at_rest().resumed(), cpm.PlacedCharge((14.0, 45.0, 20.0), 0.1)
-    state = before
-    for _ in range(6):
-        state = engine().step(state, VOLUME, [charge])
-    kept = np.isin(before.particles.identity, state.particles.identity)
-    assert kept.mean() > 0.97
-    _, old, new = np.intersect1d(before.particles.identity, state.particles.identity, return_indices=True)
-    assert np.median(np.linalg.norm(state.position[new] - before.position[old], axis=1)) < 0.1
 
 
 def test_a_repelling_charge_keeps_a_run_away_and_its_removal_lets_it_go_on():

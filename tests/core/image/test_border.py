@@ -7,7 +7,7 @@ from cpm_core.field.edge_map import gradient, magnitude
 from cpm_core.image.border import inside_border
 from cpm_core.model.starts import uniform_grid
 from cpm_core.parameters import Parameters
-from cpm_core.segmentation.segment import segment
+from cpm_core.segmentation.evolve import segment
 
 
 def bordered(width, gray=20.0, sides=("top", "bottom", "left", "right")):
@@ -38,13 +38,6 @@ def test_a_border_and_its_edge_are_left_out_and_nothing_else(gray, sides):
     nearest = np.min([depth[side] for side in sides], axis=0)
     assert not inside[nearest < 9].any()
     assert inside[nearest > 16].all()
-
-
-def test_a_border_wider_than_allowed_is_kept():
-    grad = gradient(bordered(20), 1.0)
-    assert inside_of(grad, 0.08).all()
-    assert not inside_of(grad, 0.2).all()
-    assert inside_of(grad, 0.0).all()
 
 
 def test_an_object_at_the_side_of_the_image_is_no_border():

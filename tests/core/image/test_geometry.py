@@ -15,7 +15,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.formats import encoded
 from cpm_core.image.geometry import Geometry, from_affine
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.numerics.zero_surface import zero_surface
+from cpm_core.numerics.grids import zero_surface
 
 SHAPE = (12, 14, 16)
 VALUES = (4.0 - np.linalg.norm(np.indices(SHAPE).T - (5, 6, 7), axis=-1).T).astype(np.float32)
@@ -109,23 +109,6 @@ def test_letters_tell_where_the_axes_lead():
     assert Geometry(convention="RAS").letters == ("S", "A", "R")
     turned, _ = from_affine(affine_of((8.0, 0.0, 0.0), (1.0, 1.0, 1.0)), "RAS")
     assert (turned.letters, round(turned.oblique)) == (("S", "A", "R"), 8)
-
-
-@pytest.mark.parametrize(
-    ("given", "words"),
-    [
-        ({"origin": (0, 1)}, "origin is"),
-        ({"origin": (0, 1, np.nan)}, "three finite numbers"),
-        ({"directions": ((1, 0, 0), (0, 1, 0))}, "three vectors"),
-        ({"directions": ((1, 0, 0), (0, 1, 0), (1, 1, 0))}, "lie in one plane"),
-        ({"directions": ((1, 0, 0), (0, 1, 0), (0, 0, 0))}, "lie in one plane"),
-        ({"convention": "LPI"}, '"LPI" but must be "LPS" or "RAS"'),
-        ({"depth": 0.0}, "above 0"),
-    ],
-)
-def test_what_is_no_geometry_is_refused(given, words):
-    with pytest.raises(ValueError, match=words):
-        Geometry(**given)
 
 
 @given(st.integers(0, 2**32 - 1))

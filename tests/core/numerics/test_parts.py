@@ -4,7 +4,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.ndimage import label
 
-from cpm_core.numerics.parts import parts_of
+from cpm_core.numerics.grids import parts_of
 
 
 @settings(max_examples=60, deadline=None)

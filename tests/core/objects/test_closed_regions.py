@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from cpm_core.model.starts import circle
 from cpm_core.objects.partition import partition
 from cpm_core.parameters import PRESETS
+from cpm_core.segmentation.evolve import segment
 from cpm_core.segmentation.reach.certain import is_certain
-from cpm_core.segmentation.segment import segment
 
 ROW, COL = np.indices((112, 120)).astype(float)
 

@@ -8,7 +8,7 @@ from cpm_core.image.regions import Regions
 from cpm_core.model.plane.enclosed_regions import reseeding_places
 from cpm_core.model.starts import circle
 from cpm_core.parameters import Parameters
-from cpm_core.segmentation.segment import segment
+from cpm_core.segmentation.evolve import segment
 
 ROW, COL = np.indices((120, 140))
 
@@ -45,20 +45,6 @@ def test_a_hole_close_to_the_outline_is_reseeded_although_particles_are_near(gap
     result = segment(image, circle((60.0, 30.0), 6.0), Parameters())
     np.testing.assert_allclose(sorted(c.area for c in result.contours), [np.pi * radius**2, np.pi * 50.0**2], rtol=0.1)
     assert all(c.closed for c in result.contours)
-
-
-def test_regions_at_the_image_border_are_not_reseeded():
-    image = ring() + 200.0 * (np.hypot(ROW - 14, COL - 126) < 9)
-    scale_field = build_scale_field(image, 1.0, 0.0)
-    found = np.concatenate([rim((60.0, 60.0), 13.5), rim((60.0, 66.0), 50.0)])
-    assert len(reseeding_places(scale_field, found)) == 0
-    assert len(reseeding_places(scale_field, rim((14.0, 126.0), 9.0))) == 0
-    assert len(reseeding_places(scale_field, np.zeros((0, 2)))) == 0
-
-
-def test_there_is_no_reseeding_while_no_boundary_of_a_region_is_reached():
-    scale_field = build_scale_field(ring(), 1.0, 0.0)
-    assert len(reseeding_places(scale_field, rim((14.0, 126.0), 3.0))) == 0
 
 
 @pytest.mark.parametrize("start", [(60.0, 60.0, 18.0), (60.0, 95.0, 6.0), (20.0, 66.0, 5.0), (60.0, 60.0, 5.0)])

@@ -30,14 +30,6 @@ def test_a_grid_fills_its_box_evenly(one, size, spacing, sides):
     assert shape_from_plain(shape_to_plain(grid), "shape 1") == grid
 
 
-def test_a_grid_over_a_large_volume_is_no_finer_than_there_may_be_particles():
-    grid = BoxGrid.between((0, 0, 0), (5000, 5000, 5000), (1.0, 1.0, 1.0))
-    assert grid.spacing > 8
-    assert grid.resized(-1e6).spacing == grid.resized(-1.0).spacing <= grid.spacing
-    with pytest.raises(ValueError, match="make the spacing wider or the box smaller"):
-        BoxGrid((0, 0, 0), (5000, 5000, 5000), 2.0)
-
-
 @pytest.mark.parametrize("smoothing", [0.0, 1.5])
 def test_a_threshold_takes_the_voxels_above_a_fraction_of_the_strongest_in_its_box(smoothing):
     volume = example("ball")
@@ -71,11 +63,3 @@ def test_centers_lie_in_the_middle_of_objects_and_lead_to_the_same_surface(sides
     assert len(seeds) < 0.5 * len(everywhere(volume))
     found = segment(volume, seeds, PRESETS["volume"])
     assert found.surface.components == 2
-
-
-def test_a_large_volume_is_looked_at_more_coarsely():
-    places = np.moveaxis(np.indices((150, 150, 150)), 0, -1)
-    volume = np.where(np.linalg.norm(places - 75.0, axis=-1) < 40.0, 200, 10).astype(np.uint8)
-    seeds = at_centers(volume)
-    assert np.linalg.norm(seeds - 75.0, axis=1).min() < 4.0
-    assert len(seeds) < 500

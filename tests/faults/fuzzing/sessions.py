@@ -9,7 +9,7 @@ from pathlib import Path
 from random import Random
 
 from app.model.document.document import Document, ImageReference
-from app.session.features.pages.kept_pages import StackSource, StoredPages
+from app.session.features.kept_pages import StackSource, StoredPages
 from app.session.timeline.stored import plain_runs
 from cpm_core.cli import main
 from cpm_core.formats.sessions.session_file import SessionFile, decode, encode, load_session

@@ -14,7 +14,7 @@ from app.model.display.comparison import Axis, parameter_tiles
 from app.model.document import edits
 from app.model.parameters.controls import controls
 from app.views.canvas.tools import TOOLS
-from app.views.export.film.animation_dialog import AnimationPlan
+from app.views.export.animation_dialog import AnimationPlan
 from app.views.features.animation import AnimationFeature
 from app.views.features.files import OpenSaveFeature, RecoveryFeature
 from app.views.main_window import MainWindow

@@ -15,11 +15,11 @@ from PySide6.QtCore import QCoreApplication, QEvent
 
 from app.model.document import edits
 from app.model.document.document import Document
-from app.session.core_functions import Core
+from app.session.exchange.core_functions import Core
+from app.session.features.workspace import Workspace
 from app.session.storage.autosave import Journal
 from app.session.storage.preferences import Preferences
 from app.session.storage.session_file import DocumentFile
-from app.session.workspace import Workspace
 from cpm_core.formats.readers import load_image
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.parameters import Parameters

@@ -1,4 +1,4 @@
-"""A picture of the view in space: a color for each pixel, and how far away is what it shows."""
+"""A picture of the view in space: a color for each pixel, how far away is what it shows, and lines and balls in it."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from app.model.display.space.camera import Seen
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 
@@ -66,3 +67,73 @@ def _cover(
                 for channel in range(3):
                     mixed = rest * colors[row, col, channel] + opacity * over[row, col, channel]
                     colors[row, col, channel] = np.uint8(mixed + np.float32(0.5))
+
+
+def draw_lines(picture: Picture, seen: Seen, colors: Colors) -> None:
+    """Draw lines one pixel wide between places 0 and 1, 2 and 3, ..., each in its color, shape (N / 2, 3)."""
+    _draw_lines(seen, colors, picture.colors, picture.depths)
+
+
+@compiled
+def _draw_lines(seen: Seen, colors: Colors, shown: Colors, depths: NDArray[np.float32]) -> None:
+    height, width = depths.shape
+    for i in range(seen.shape[0] // 2):
+        x, y, z = np.float64(seen[2 * i, 0]), np.float64(seen[2 * i, 1]), np.float64(seen[2 * i, 2])
+        d_x, d_y, d_z = seen[2 * i + 1, 0] - x, seen[2 * i + 1, 1] - y, seen[2 * i + 1, 2] - z
+        steps = max(abs(d_x), abs(d_y), 1e-6)
+        begin, end = _inside(x, d_x, width, 0.0, 1.0)
+        begin, end = _inside(y, d_y, height, begin, end)
+        for step in range(int(np.ceil(begin * steps)), int(np.floor(end * steps)) + 1):
+            part = step / steps
+            col, row = int(np.rint(x + part * d_x)), int(np.rint(y + part * d_y))
+            depth = np.float32(z + part * d_z)
+            if 0 <= col < width and 0 <= row < height and depth < depths[row, col]:
+                depths[row, col] = depth
+                for channel in range(3):
+                    shown[row, col, channel] = colors[i, channel]
+
+
+@compiled
+def _inside(start: float, way: float, size: int, begin: float, end: float) -> tuple[float, float]:
+    """The part of a line that lies in the picture, along one of its sides."""
+    if abs(way) < 1e-9:
+        return (begin, end) if -0.5 <= start <= size - 0.5 else (1.0, 0.0)
+    one, other = (-0.5 - start) / way, (size - 0.5 - start) / way
+    return max(begin, min(one, other)), min(end, max(one, other))
+
+
+def draw_balls(picture: Picture, seen: Seen, colors: Colors, radius: float) -> None:
+    """Draw balls of a radius [px] at places in a picture, in their colors (N, 3)."""
+
+    def some(begin: int, end: int) -> None:
+        _draw_balls(seen, colors, np.float32(radius), picture.colors, picture.depths, begin, end)
+
+    share(some, picture.size[0], ROWS)
+
+
+@compiled
+def _draw_balls(
+    seen: Seen,
+    colors: Colors,
+    radius: np.float32,
+    shown: Colors,
+    depths: NDArray[np.float32],
+    begin: int,
+    end: int,
+) -> None:
+    width, square = depths.shape[1], radius * radius
+    one = np.float32(1.0)
+    for i in range(seen.shape[0]):
+        x, y, z = seen[i, 0], seen[i, 1], seen[i, 2]
+        if not (-radius < x < width + radius and begin - radius < y < end + radius):
+            continue
+        for row in range(max(int(np.ceil(y - radius)), begin), min(int(np.floor(y + radius)) + 1, end)):
+            for col in range(max(int(np.ceil(x - radius)), 0), min(int(np.floor(x + radius)) + 1, width)):
+                off = (row - y) ** 2 + (col - x) ** 2
+                if off <= square:
+                    height = np.sqrt(square - off)
+                    if z - height < depths[row, col]:
+                        depths[row, col] = z - height
+                        shade = np.float32(0.5) + np.float32(0.5) * height / max(radius, one)
+                        for channel in range(3):
+                            shown[row, col, channel] = np.uint8(shade * colors[i, channel])

@@ -14,8 +14,7 @@ import numpy as np
 from app.model.display.plots import RunMetrics
 from app.model.document.document import Document, ImageReference
 from app.model.document.saving import restored, to_file
-from app.model.text.language import tr
-from app.model.text.reasons import reason
+from app.model.text.language import reason, tr
 from app.session.timeline.kept_states import Place
 from app.session.timeline.run_actions import Stepped
 from app.session.timeline.stored.plain_actions import ActionTable, actions_from_plain, steps_from_plain

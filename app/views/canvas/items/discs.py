@@ -13,8 +13,7 @@ from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen, QPixmap
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
-from app.views.canvas.coordinates import to_xy
-from app.views.canvas.items.item import OverImage
+from app.views.canvas.items.item import OverImage, to_xy
 from app.views.theme.look import look
 from cpm_core.numerics.types import Array
 

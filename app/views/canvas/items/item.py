@@ -1,17 +1,37 @@
-"""Common parts of items on the canvas: the area over an image, pens, caching and markers."""
+"""Common parts of items on the canvas: places, pens, caching, markers, names, and what does not move with the image."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 import pyqtgraph as pg
+from numpy.typing import NDArray
 from pyqtgraph.Qt import QtWidgets
-from PySide6.QtCore import QRectF
-from PySide6.QtGui import QColor, QPen
-from PySide6.QtWidgets import QGraphicsItem
+from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
+from PySide6.QtGui import QColor, QFont, QFontMetricsF, QPainter, QPen
+from PySide6.QtWidgets import QApplication, QGraphicsItem, QGraphicsObject, QStyleOptionGraphicsItem, QWidget
 
-from app.views.canvas.coordinates import image_rectangle
+from app.views.theme import theme
 from app.views.theme.look import Kind, look
+from cpm_core.numerics.types import Position
+
+
+def to_xy(positions: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """X and y on the canvas of positions (row, col), shape (N, 2)."""
+    return positions[:, 1], positions[:, 0]
+
+
+def to_position(point: QPointF) -> Position:
+    """Position (row, col) of a point on the canvas."""
+    return (point.y(), point.x())
+
+
+def image_rectangle(shape: tuple[int, ...]) -> QRectF:
+    """Rectangle of an image on the canvas; it begins half a pixel before the center of the first pixel."""
+    rows, cols = shape
+    return QRectF(-0.5, -0.5, cols, rows)
 
 
 def line_pen(color: str, width: float, kind: Kind = "fixed") -> QPen:
@@ -74,3 +94,117 @@ class Markers(pg.ScatterPlotItem):  # type: ignore[misc]  # pyqtgraph has no typ
         """Draw the markers, if there are any."""
         if len(self.data):
             super().paint(painter, *rest)
+
+
+_NAME_PAD = 4.0
+_NAME_RIM = 300.0
+"""Margin around the image for text beyond its border [px of the image]."""
+
+
+class Names(OverImage):
+    """Texts at positions of the image, of the same size at any zoom."""
+
+    def __init__(self, z: float) -> None:
+        super().__init__(z, _NAME_RIM)
+        self.texts: tuple[tuple[Position, str, str], ...] = ()
+        self.setVisible(False)
+
+    def show(self, texts: Sequence[tuple[Position, str, str]]) -> None:
+        """Show texts, each given by position (row, col), text and color."""
+        if texts or self.texts:
+            self.texts = tuple(texts)
+            self.update()
+            self.set_shown(self._shown)
+
+    @property
+    def empty(self) -> bool:
+        """Whether there are no texts."""
+        return not self.texts
+
+    def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
+        """Draw each text on a dark background, centered on its position."""
+        transform = painter.worldTransform()
+        font = QFont(painter.font())
+        font.setWeight(QFont.Weight.DemiBold)
+        metrics = QFontMetricsF(font)
+        painter.save()
+        painter.resetTransform()
+        painter.setFont(font)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        for (row, col), text, color in self.texts:
+            at = transform.map(QPointF(col, row))
+            width, height = metrics.horizontalAdvance(text) + 2 * _NAME_PAD, metrics.height() + _NAME_PAD
+            room = QRectF(at.x() - width / 2, at.y() - height / 2, width, height)
+            background = QColor(theme.HALO)
+            background.setAlpha(205)
+            painter.setPen(Qt.PenStyle.NoPen)
+            painter.setBrush(background)
+            painter.drawRoundedRect(room, 4.0, 4.0)
+            painter.setPen(QColor(color))
+            painter.drawText(room, Qt.AlignmentFlag.AlignCenter, text)
+        painter.restore()
+
+
+MARGIN = 12.0
+"""Distance from the border of the canvas [px of the screen]."""
+
+BACKGROUND, INK, FAINT = "#cc101216", "#f2f4f7", "#b6bec9"
+"""Colors behind text, of text, and of less important text."""
+
+_Z = 20.0
+
+
+class Pinned(QGraphicsObject):
+    """An item with a size in px of the screen; subclasses draw in `draw`, unless the size is empty."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._size = QSizeF()
+        self.setZValue(_Z)
+        self.setVisible(False)
+        cached(self)
+
+    @property
+    def size(self) -> QSizeF:
+        """Size [px of the screen]."""
+        return self._size
+
+    def resize(self, size: QSizeF) -> None:
+        """Set the size and redraw."""
+        if size != self._size:
+            self.prepareGeometryChange()
+            self._size = size
+        self.update()
+
+    def put(self, corner: QPointF) -> None:
+        """Move the upper left corner to a point of the canvas, rounded to whole px to keep the text sharp."""
+        self.setPos(QPointF(round(corner.x()), round(corner.y())))
+
+    def font(self) -> QFont:
+        """Font of its text."""
+        font = QApplication.font()
+        font.setPointSizeF(max(7.0, font.pointSizeF() - 1.0))
+        return font
+
+    def metrics(self) -> QFontMetricsF:
+        """Measures of its text."""
+        return QFontMetricsF(self.font())
+
+    def boundingRect(self) -> QRectF:
+        """The area that is drawn on."""
+        return QRectF(QPointF(0.0, 0.0), self._size)
+
+    def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
+        """Draw the background and the content."""
+        if self._size.isEmpty():
+            return
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setPen(QColor(0, 0, 0, 0))
+        painter.setBrush(QColor(BACKGROUND))
+        painter.drawRoundedRect(self.boundingRect(), 5.0, 5.0)
+        painter.setFont(self.font())
+        self.draw(painter)
+
+    def draw(self, painter: QPainter) -> None:
+        """Draw the content."""
+        raise NotImplementedError

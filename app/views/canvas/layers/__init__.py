@@ -9,24 +9,17 @@ import pyqtgraph as pg
 from PySide6.QtWidgets import QWidget
 
 from app.session.scene import Scene
-from app.views.canvas.layers.contours.contours import ContourLayer
-from app.views.canvas.layers.contours.objects import ObjectLayer
-from app.views.canvas.layers.contours.skeleton import SkeletonLayer
-from app.views.canvas.layers.contours.truth import TruthLayer
-from app.views.canvas.layers.drawn.drawing import DrawingLayer
-from app.views.canvas.layers.fields.field import FieldLayer
-from app.views.canvas.layers.fields.scalar import EdgeMapLayer, PotentialLayer
-from app.views.canvas.layers.image.image import ImageLayer
-from app.views.canvas.layers.image.levels import ImageForm
-from app.views.canvas.layers.image.orientation import OrientationLayer
-from app.views.canvas.layers.image.scale_bar import ScaleBarLayer
-from app.views.canvas.layers.layer import Layer, Requests
-from app.views.canvas.layers.layer_form import LayerForm
-from app.views.canvas.layers.legend_entry import LegendEntry
-from app.views.canvas.layers.particles.forces import ForceLayer
-from app.views.canvas.layers.particles.ghost import GhostLayer
-from app.views.canvas.layers.particles.particles import ParticleLayer
-from app.views.canvas.layers.particles.trails import TrailLayer
+from app.views.canvas.layers.annotations import OrientationLayer, ScaleBarLayer
+from app.views.canvas.layers.contours import ContourLayer, TruthLayer
+from app.views.canvas.layers.drawing import DrawingLayer
+from app.views.canvas.layers.fields import EdgeMapLayer, FieldLayer, PotentialLayer
+from app.views.canvas.layers.forces import ForceLayer
+from app.views.canvas.layers.image_layer import ImageLayer
+from app.views.canvas.layers.layer import Layer, LegendEntry, Requests
+from app.views.canvas.layers.layer_form import ImageForm, LayerForm
+from app.views.canvas.layers.objects import ObjectLayer
+from app.views.canvas.layers.particles import ParticleLayer, TrailLayer
+from app.views.canvas.layers.skeleton import SkeletonLayer
 
 L = TypeVar("L", bound=Layer)
 
@@ -36,7 +29,6 @@ LAYERS: tuple[type[Layer], ...] = (
     ForceLayer,
     ContourLayer,
     ObjectLayer,
-    GhostLayer,
     TruthLayer,
     SkeletonLayer,
     DrawingLayer,
@@ -75,7 +67,7 @@ class Layers:
 
     def legend(self) -> list[LegendEntry]:
         """What is shown: what has been found first, then the particles."""
-        first = (self.contours, self["truth"], self["ghost"])
+        first = (self.contours, self["truth"])
         rest = [layer for layer in self if layer not in first]
         return [entry for layer in (*first, *rest) if layer.shown for entry in layer.legend_entries()]
 

@@ -1,9 +1,11 @@
-"""A layer of the canvas: it can be shown or hidden, and draws what has changed in a scene."""
+"""A layer of the canvas: it can be shown or hidden, has options, and draws what has changed in a scene."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import ClassVar, Protocol
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Literal, Protocol
 
 import pyqtgraph as pg
 from PySide6.QtCore import QObject, Signal
@@ -12,8 +14,100 @@ from PySide6.QtWidgets import QGraphicsItem
 from app.session.scene import Scene
 from app.session.worker.commands import Command
 from app.views.canvas.items.item import OverImage
-from app.views.canvas.layers.legend_entry import LegendEntry
-from app.views.canvas.layers.options import Option, Value
+
+Value = str | float | bool
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """One of several alternatives.
+
+    Attributes
+    ----------
+    name, title, tip : str
+        Name in a session file, name in the panel, and what it does in one sentence.
+    ways : mapping
+        Names and titles of the alternatives.
+    first : str
+        The default.
+    """
+
+    name: str
+    title: str
+    ways: Mapping[str, str]
+    first: str
+    tip: str
+
+    def taken(self, value: object) -> Value | None:
+        """The value to store, None when it is not one of the alternatives."""
+        return value if isinstance(value, str) and value in self.ways else None
+
+
+@dataclass(frozen=True, slots=True)
+class Amount:
+    """A number between `low` and `high` in increments of `step`, by default `first`; the rest is as in `Choice`."""
+
+    name: str
+    title: str
+    low: float
+    high: float
+    step: float
+    first: float
+    tip: str
+
+    def taken(self, value: object) -> Value | None:
+        """The value to store, None when it is not a number within the bounds."""
+        number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+        return float(value) if number and self.low <= value <= self.high else None  # type: ignore[operator,arg-type]
+
+
+@dataclass(frozen=True, slots=True)
+class Switch:
+    """Something that is on or off, by default `first`; the rest is as in `Choice`."""
+
+    name: str
+    title: str
+    first: bool
+    tip: str
+
+    def taken(self, value: object) -> Value | None:
+        """The value to store, None when it is not a truth value."""
+        return value if isinstance(value, bool) else None
+
+
+Option = Choice | Amount | Switch
+
+
+Sign = Literal["line", "dashed", "dot", "check"]
+"""How it is drawn: as a line, a dashed line, a disc, or not in a way of its own."""
+
+
+@dataclass(frozen=True, slots=True)
+class LegendEntry:
+    """One kind of thing on the canvas.
+
+    Attributes
+    ----------
+    count : int
+        How many there are.
+    text : str
+        What they are, after their number.
+    tip : str
+        What that means, in one sentence.
+    color : str
+        Their color.
+    sign : {"line", "dashed", "dot", "check"}
+        How they are drawn.
+    width : float
+        Width of the line, or diameter of the disc [px of the screen].
+    """
+
+    count: int
+    text: str
+    tip: str
+    color: str
+    sign: Sign = "line"
+    width: float = 2.0
 
 
 class Requests(Protocol):

@@ -7,15 +7,13 @@ from dataclasses import dataclass
 from functools import partial
 
 from app.model.text.language import tr
-from app.views.canvas.tools.brush import BrushTool
-from app.views.canvas.tools.charge import AttractTool, RepelTool
+from app.views.canvas.tools.brush_tools import BrushTool, EraserTool, SprayTool
 from app.views.canvas.tools.contours import ContourTool
-from app.views.canvas.tools.drawn import CircleTool, EllipseTool, PointTool
+from app.views.canvas.tools.drawn import AttractTool, CircleTool, EllipseTool, PointTool, RepelTool
 from app.views.canvas.tools.edit_contours import EditContoursTool
 from app.views.canvas.tools.objects import ObjectTool
 from app.views.canvas.tools.outline import OutlineTool
 from app.views.canvas.tools.path import BARRIER, GRID, POLYGON, REGION, STROKE, THRESHOLD, PathKind, PathTool
-from app.views.canvas.tools.ringed import EraserTool, SprayTool
 from app.views.canvas.tools.select import SelectTool
 from app.views.canvas.tools.tool import Tool, ToolContext
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from app.model.document.document import ImageReference
 from app.model.volume.slices import Slice
 from cpm_core.numerics.types import Place, Position
-from cpm_core.shapes.space.box import SMALLEST
+from cpm_core.shapes.solids import SMALLEST
 
 
 def box_between(one: Position, other: Position, here: Slice, volume: ImageReference) -> tuple[Place, Place]:

@@ -1,4 +1,4 @@
-"""The tools that draw a shape with one gesture: circle, ellipse and point."""
+"""The tools that draw a shape with one gesture: circle, ellipse, point, and charges."""
 
 from __future__ import annotations
 
@@ -7,13 +7,29 @@ import operator
 
 from PySide6.QtCore import Qt
 
-from app.model.text.language import tr
+from app.model.document.document import ImageReference
+from app.model.text.language import from_core, tr
+from app.model.volume.slices import Slice
 from app.session.signals import EDITING
-from app.views.canvas.tools.box_depth import box_between
 from app.views.canvas.tools.tool import ShapeTool, ToolContext
-from cpm_core.numerics.types import Position
-from cpm_core.shapes import SMALLEST_RADIUS, Box, Circle, Ellipse, Points, Shape, Sphere
-from cpm_core.shapes.space.sphere import SMALLEST
+from cpm_core.numerics.types import Place, Position
+from cpm_core.shapes import SMALLEST_RADIUS, Box, Charge, Circle, Ellipse, Points, Shape, Sphere
+from cpm_core.shapes.solids import SMALLEST
+
+
+def box_between(one: Position, other: Position, here: Slice, volume: ImageReference) -> tuple[Place, Place]:
+    """Two corners of a box: as deep as the shorter side of its rectangle, half on each side, within the volume."""
+    sides = here.sides(volume.spacing)
+    low, high = zip(*map(sorted, zip(one, other, strict=True)), strict=True)
+    high = tuple(max(end, begin + SMALLEST) for begin, end in zip(low, high, strict=True))
+    depth = min(side * (end - begin) for begin, end, side in zip(low, high, sides, strict=True))
+    half = max(0.5 * depth / volume.spacing[here.axis], SMALLEST)
+    first, last = list(here.lifted(low)), list(here.lifted(high))
+    first[here.axis] = max(here.index - half, 0.0)
+    last[here.axis] = min(here.index + half, volume.shape[here.axis] - 1.0)
+    if last[here.axis] - first[here.axis] < SMALLEST:  # a volume of a single slice
+        last[here.axis] = first[here.axis] + SMALLEST
+    return tuple(first), tuple(last)
 
 
 class DraggedTool(ShapeTool):
@@ -127,3 +143,56 @@ class PointTool(ShapeTool):
     def drag(self, at: Position) -> None:
         """Move the point to the pointer."""
         self._put(tr("place point"), Points((at,)))
+
+
+class ChargeTool(ShapeTool):
+    """Places a charge, or takes hold of an existing one; the charge follows the pointer while the button is down."""
+
+    by_keys = tr("Enter places it or picks one up, arrow keys move it, Enter puts it down.")
+    strength: float
+    """Strength of the charges, above zero for attracting ones."""
+
+    def press(self, at: Place, reach: float) -> None:
+        """Take hold of the charge under the pointer, or place one."""
+        self.used = True
+        self._begin(self._found(at, reach))
+        if self._before is None:
+            self._place(Charge(at, self.strength))
+        self._session.select(self._index)
+
+    def drag(self, at: Place) -> None:
+        """Move the charge to the pointer."""
+        charge = self._drawn
+        if isinstance(charge, Charge):
+            self._place(Charge(at, charge.strength))
+
+    def _place(self, charge: Charge) -> None:
+        verb = tr("drop {charge}") if self._before is None else tr("move {charge}")
+        self._put(verb.format(charge=from_core(charge.title)), charge)
+
+    def _found(self, at: Place, reach: float) -> int | None:
+        """Index of the charge nearest to the pointer, the topmost of equally near ones."""
+        near = [
+            (math.dist(shape.position, at), -index)
+            for index, shape in enumerate(self._session.document.shapes)
+            if isinstance(shape, Charge) and math.dist(shape.position, at) <= reach
+        ]
+        return -min(near)[1] if near else None
+
+
+class AttractTool(ChargeTool):
+    """Places charges that attract particles."""
+
+    name = "attract"
+    tip = tr("Place a charge that attracts particles, and drag it while they run; < and > change its strength.")
+    guidance = tr("Click to place a charge that attracts particles; drag it while they run.")
+    strength = 2.0
+
+
+class RepelTool(ChargeTool):
+    """Places charges that repel particles."""
+
+    name = "repel"
+    tip = tr("Place a charge that repels particles, and drag it while they run; < and > change its strength.")
+    guidance = tr("Click to place a charge that repels particles; drag it while they run.")
+    strength = -2.0

@@ -13,7 +13,7 @@ from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.model.volume.slices import Slice
 from app.session.signals import EDITING
-from app.views.canvas.tools.box_depth import box_between
+from app.views.canvas.tools.drawn import box_between
 from app.views.canvas.tools.tool import Tool, ToolContext
 from app.views.theme import theme
 from cpm_core.numerics import polyline

@@ -11,8 +11,8 @@ import numpy as np
 import skimage
 from numpy.typing import NDArray
 
+from cpm_core.numerics.grids import Parts, parts_of
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.parts import Parts, parts_of
 from cpm_core.numerics.types import Index, Mask, Single
 from cpm_core.reconstruction.surface.iso.necks import DEEPEST, Surroundings
 

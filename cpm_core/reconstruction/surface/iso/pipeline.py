@@ -10,9 +10,9 @@ from __future__ import annotations
 import numpy as np
 
 from cpm_core.contours.surface import Surface
-from cpm_core.field.volume.volume_field import pitch_of
+from cpm_core.field.volume_field import pitch_of
+from cpm_core.numerics.grids import join_corners, zero_surface
 from cpm_core.numerics.types import Array, Mask, Single
-from cpm_core.numerics.zero_surface import join_corners, zero_surface
 from cpm_core.reconstruction.surface.components import Leaving, support, typical_distance, well_supported
 from cpm_core.reconstruction.surface.iso.joints import RAISED, join
 from cpm_core.reconstruction.surface.iso.local_threshold import Box, Levels, height

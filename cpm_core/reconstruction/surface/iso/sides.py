@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cpm_core.numerics.parts import parts_of
+from cpm_core.numerics.grids import parts_of
 from cpm_core.numerics.types import Single
 
 FAR = 4.0

@@ -11,7 +11,7 @@ import numpy as np
 import scipy
 
 from cpm_core.field.interpolation import interpolate
-from cpm_core.numerics.parts import Parts, parts_of
+from cpm_core.numerics.grids import Parts, parts_of
 from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.reconstruction.surface.iso.joints import RAISED, meetings_of, root, way_between
 from cpm_core.reconstruction.surface.iso.necks import Surroundings

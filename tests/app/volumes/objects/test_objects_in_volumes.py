@@ -9,7 +9,7 @@ from PySide6.QtCore import QPoint, Qt
 
 from app.model.state.situation import NOT_IN_VOLUMES
 from app.model.volume.shape_sections import RegionSection
-from app.session.features.objects.object_list import ObjectList
+from app.session.features.object_list import ObjectList
 from app.session.storage.session_file import DocumentFile
 from app.views.features.exchange import ExportFeature
 from app.views.features.files import OpenSaveFeature

@@ -7,7 +7,7 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.model.document import edits
-from app.views.canvas.layers.contours.skeleton import disks
+from app.views.canvas.layers.skeleton import disks
 from app.views.features.exchange import ExportFeature
 from app.views.features.files import OpenSaveFeature
 from app.views.volume.seen_in_space import SeenInSpace

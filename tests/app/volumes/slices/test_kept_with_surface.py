@@ -8,7 +8,7 @@ import weakref
 import pytest
 
 import cpm_core as cpm
-from app.model.display.truth import surfaces
+from app.model.display import differences as surfaces
 from app.model.volume import object_sections, shape_sections
 from app.model.volume.slices import Slice
 from app.model.volume.surface_section import kept_with_surface

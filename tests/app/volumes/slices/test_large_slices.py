@@ -10,7 +10,7 @@ from PySide6.QtCore import Qt
 
 from app.model.display import display_image
 from app.model.display.display_image import DisplayImage, IntensityWindow
-from app.model.display.space.shown_parts import ShownParts
+from app.model.display.space.view_in_space import ShownParts
 from app.session.features import slices
 from app.views.features.volumes import SlicesFeature, SpaceFeature
 from cpm_core.image.image import Image

@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt
 
 from app.model.document import edits
 from app.session.features.other_result import Other
-from app.views.export.film.frame_renderer import FrameRenderer, seen_part
+from app.views.export.frames import FrameRenderer, seen_part
 from app.views.features.volumes import SlicesFeature
 from cpm_core.shapes import Box, Sphere
 

@@ -8,8 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from skimage.measure import marching_cubes
 
-from app.model.volume.shape_sections import RegionElsewhere, sections
-from app.model.volume.shape_wires import wires
+from app.model.volume.shape_sections import RegionElsewhere, sections, wires
 from app.model.volume.slices import Slice, Slices
 from app.model.volume.surface_section import section as lines_of
 from cpm_core.contours.surface import Surface

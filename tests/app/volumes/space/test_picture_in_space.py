@@ -9,13 +9,10 @@ from hypothesis import strategies as st
 
 from app.model.display.display_image import IntensityWindow
 from app.model.display.space.camera import Camera, turntable
-from app.model.display.space.discs import draw_balls
-from app.model.display.space.lines import draw_lines
-from app.model.display.space.picture import FAR, Picture
-from app.model.display.space.projection import Shaded, draw_projection
-from app.model.display.space.slices import draw_slice
+from app.model.display.space.picture import FAR, Picture, draw_balls, draw_lines
 from app.model.display.space.triangles import Cut, Mesh, draw_mesh
 from app.model.display.space.view_in_space import AXIS_COLORS, Look, Particles, ViewInSpace
+from app.model.display.space.voxels import Shaded, draw_projection, draw_slice
 from app.model.volume.slices import Slice
 from cpm_core.contours.surface import Surface
 

@@ -11,12 +11,11 @@ from PySide6.QtGui import QColor, QWheelEvent
 from pytestqt.qtbot import QtBot
 
 from app.model.display.display_image import IntensityWindow
-from app.model.display.space.projection import Shaded
-from app.model.display.space.shown_parts import Contents
 from app.model.display.space.triangles import Mesh
-from app.model.display.space.view_in_space import Particles
+from app.model.display.space.view_in_space import Contents, Particles
+from app.model.display.space.voxels import Shaded
 from app.model.volume.slices import Slices
-from app.session.workspace import Workspace
+from app.session.features.workspace import Workspace
 from app.views.theme import theme
 from app.views.volume import space_view
 from app.views.volume.space_panel import SpacePanel

@@ -13,7 +13,7 @@ import tifffile
 from cpm_core import Geometry, Image, Result, Surface
 from cpm_core.contours.surface.inside import inside_of, numbered
 from cpm_core.formats import FOR_VOLUMES, encoded, export
-from cpm_core.numerics.zero_surface import zero_surface
+from cpm_core.numerics.grids import zero_surface
 
 SHAPE, SPACING = (16, 20, 24), (2.0, 0.5, 1.0)
 PLACES = np.stack(np.meshgrid(*[np.arange(float(n)) for n in SHAPE], indexing="ij"), -1)

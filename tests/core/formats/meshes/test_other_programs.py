@@ -5,7 +5,7 @@ import struct
 import numpy as np
 import pytest
 
-from cpm_core.formats.meshes.reading.mesh_file import decode_surface
+from cpm_core.formats.meshes.surface_file import decode_surface
 
 CUBE = np.array([(x, y, z) for z in (0, 3) for y in (0, 3) for x in (0, 3)], float) + 1.0
 SQUARES = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
@@ -82,14 +82,6 @@ def test_vtk_of_version_five_is_read():
         b"\nCELL_DATA 6\nPOINT_DATA 8\n",
     ]
     check(b"".join(parts), "cube.vtk")
-
-
-def test_strips_of_vtk_are_read():
-    strip = [3, 2, 1, 0, 4, 2, 6, 3, 7, 1, 5, 4, 7, 6]
-    corners = " ".join(map(str, strip))
-    places = " ".join(f"{x} {y} {z}" for x, y, z in CUBE)
-    text = f"# vtk DataFile Version 3.0\ncube\nASCII\nDATASET POLYDATA\nPOINTS 8 float\n{places}\n"
-    check(f"{text}TRIANGLE_STRIPS 1 15\n14 {corners}\n".encode(), "cube.vtk")
 
 
 def test_a_surface_that_is_turned_inside_out_is_turned_outward():

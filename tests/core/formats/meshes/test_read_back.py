@@ -21,7 +21,7 @@ from cpm_core import (
     load_volume_truth,
 )
 from cpm_core.contours.surface.agreement import compare_surface
-from cpm_core.formats.meshes.reading.mesh_file import SURFACES_READABLE, decode_surface
+from cpm_core.formats.meshes.surface_file import SURFACES_READABLE, decode_surface
 
 from .test_meshes import RESULT, SHAPE, SPACING, SURFACE, VALUES
 
@@ -195,16 +195,16 @@ def test_what_was_assumed_of_a_tree_is_told(tmp_path, caplog):
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        ("1 0 0 0 0 1 -1\n2 0 x 0 0 1 1\n", r"Line 2 of a\.swc is \"2 0 x 0 0 1 1\" but must be seven numbers"),
-        ("1 0 0 0 0 1 -1\n2 0 1 0 0 1 9\n", r"a\.swc names the point 9 as a parent"),
-        ("1 0 0 0 0 1 -1\n1 0 1 0 0 1 1\n", r"a\.swc has two points of the same number"),
-        ("1 0 0 0 0 1 -1\n", r"a\.swc holds single points and no lines"),
-        ("# nothing\n", r"a\.swc holds no center lines"),
+        ("1 0 0 0 0 1 -1\n2 0 x 0 0 1 1\n", r"line that is not seven numbers .*could not convert string 'x'"),
+        ("1 0 0 0 0 1 -1\n2 0 1 0 0 1 9\n", r"point without its parent"),
+        ("1 0 0 0 0 1 -1\n1 0 1 0 0 1 1\n", r"two points of the same number"),
+        ("1 0 0 0 0 1 -1\n", r"holds single points and no lines"),
+        ("# nothing\n", r"holds no center lines"),
     ],
 )
 def test_a_damaged_tree_is_refused_in_a_sentence(text, sentence, tmp_path):
     (tmp_path / "a.swc").write_text(text)
-    with pytest.raises(ValueError, match=sentence):
+    with pytest.raises(ValueError, match=rf"^a\.swc .*{sentence}"):
         load_centerlines(tmp_path / "a.swc")
 
 

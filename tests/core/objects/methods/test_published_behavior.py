@@ -7,9 +7,10 @@ import pytest
 from scipy.ndimage import map_coordinates
 
 from cpm_core.contours.contour import sampled
+from cpm_core.contours.rasterize import inside
 from cpm_core.objects.methods import CONTOUR_METHODS, facts_of, run_method
-from cpm_core.objects.methods.gray import unit_edges
 from cpm_core.objects.methods.level_sets import GeodesicSettings, GeometricGvfSettings
+from cpm_core.objects.methods.method import unit_edges
 from cpm_core.objects.methods.snakes import GvfSnakeSettings, gradient_vector_flow
 
 from .published import (
@@ -87,7 +88,7 @@ def test_with_pressure_the_geometric_gvf_contour_leaks_through_a_gap(pressure, l
     settings = replace(UNIT_FIELD, pressure=pressure, evenness=0.0)
     end = end_of("geometric_gvf", image, AROUND, settings)
     core = np.hypot(ROW - 48, COL - 48) < 15
-    covered = (np.asarray(end.state.values)[core] > 0.0).mean()
+    covered = inside(end.state.contours, (96, 96))[core].mean()
     assert covered == (0.0 if leaks else 1.0)
 
 
@@ -104,13 +105,13 @@ def test_the_particles_find_both_objects_and_do_not_pass_the_gap():
 def test_the_geodesic_contour_leaks_with_a_small_exponent_and_sticks_with_a_large_one():
     image, start, truth = fading_disk()
     area = (truth.labels > 0).sum()
-    inside = {}
+    ends = {}
     for exponent in (2.0, 8.0):
         settings = replace(PUBLISHED, exponent=exponent)
         state = end_of("gac", image, start, settings).state
-        inside[exponent] = (np.asarray(state.values) > 0.0).sum()
-    assert inside[2.0] == image.values.size  # it has left the image
-    assert inside[8.0] < 0.6 * area
+        ends[exponent] = state
+    assert ends[2.0].stop_reason == "the contour has left the image"
+    assert sum(contour.area for contour in ends[8.0].contours) < 0.65 * area
 
 
 def test_the_particles_find_the_fading_disk():

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter
 from scipy.spatial import KDTree
 
-from cpm_core.numerics.zero_surface import zero_surface
+from cpm_core.numerics.grids import zero_surface
 from cpm_core.reconstruction.surface.iso.pipeline import find_surface
 
 SIDE = 40.0

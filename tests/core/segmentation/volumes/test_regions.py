@@ -220,13 +220,6 @@ def test_a_wall_through_an_object_keeps_a_run_on_its_side(wall):
     assert faces_of(both) == (4, 0)
 
 
-def test_a_wall_with_a_gap_is_gone_around():
-    gap = WALL.copy()
-    gap[5:9, 8:17, 17] = False
-    result = cpm.segment(ball(), START[START[:, 2] < 17.0], VOLUME, regions=cpm.VolumeRegions(barriers=[gap]))
-    assert (result.particles[:, 2] > 17.5).sum() > 10
-
-
 def test_voxels_outside_the_regions_carry_no_charge_and_do_not_count():
     regions = cpm.VolumeRegions([((2, 3, 4), (11, 22, 15))])
     bright = ball().values.copy()
@@ -240,17 +233,6 @@ def test_voxels_outside_the_regions_carry_no_charge_and_do_not_count():
     np.testing.assert_allclose(other.edge_map(VOLUME)[:, :, :16], edges[:, :, :16], atol=1e-3)
 
 
-def test_other_barriers_leave_the_fields_as_they_are():
-    engine = cpm.Engine(ball(), VOLUME)
-    field = engine.scale_field(VOLUME)
-    far, ridges = field.far, field.ridges
-    other = engine.with_regions(CASES["plane"]).scale_field(VOLUME)
-    assert other.far is far
-    assert other.ridges is ridges
-    assert other.walls is not None
-    assert field.walls is None
-
-
 def test_other_regions_act_at_the_next_step():
     engine = cpm.Engine(ball(), VOLUME)
     state = engine.start(START)
@@ -261,12 +243,6 @@ def test_other_regions_act_at_the_next_step():
     assert regions.allows(after.position).all()
     assert after.regions == regions
     assert 0 < after.count < state.count
-
-
-def test_regions_are_equal_when_they_hold_the_same():
-    assert cpm.VolumeRegions(barriers=[WALL]) == cpm.VolumeRegions(barriers=[WALL.copy()])
-    assert hash(cpm.VolumeRegions(barriers=[WALL])) == hash(cpm.VolumeRegions(barriers=[WALL.copy()]))
-    assert cpm.VolumeRegions(barriers=[WALL]) != cpm.VolumeRegions(barriers=[STAIRS])
 
 
 @pytest.mark.parametrize(

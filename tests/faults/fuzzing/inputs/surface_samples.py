@@ -56,7 +56,6 @@ def _of_others() -> list[Sample]:
         (".stl", f"solid cube\n{facets}endsolid cube\n"),
         (".obj", "v " + _PLACES.replace("\n", "\nv ") + "\nvt 0 0\nf 1/1 2/1 4/1 3/1\nf -1 -2 -3\nl 1 2\n"),
         (".vtk", f"{vtk}POLYGONS 6 30\n{_FACES}\nPOINT_DATA 8\nSCALARS a float 1\n"),
-        (".vtk", f"{vtk}TRIANGLE_STRIPS 1 7\n6 0 1 2 3 4 5\n"),
         (
             ".swc",
             "# a\n1 2 1 1 1 1 -1\n2 2 2 2 2 .5 1\n3 2 3 3 3 .5 2\n4 2 1 3 3 .5 2\n5 2 9 9 9 1 -1\n6 2 8 8 9 1 5\n",

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cpm_core import Result, Surface, export, load_image, load_volume
-from cpm_core.numerics.zero_surface import zero_surface
+from cpm_core.numerics.grids import zero_surface
 
 from .made import VALUES, affine, write_nifti
 

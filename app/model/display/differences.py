@@ -1,0 +1,158 @@
+"""Where contours and surfaces differ from a ground truth, the worst first, and what a slice shows of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.model.volume.slices import Slice
+from app.model.volume.surface_section import kept_with_surface, prepare, section
+from cpm_core.contours.agreement import Comparison, distance_to
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.ground_truth import Truth
+from cpm_core.contours.surface import Surface
+from cpm_core.contours.surface.agreement import SurfaceComparison
+from cpm_core.contours.surface.ground_truth import VolumeTruth
+from cpm_core.numerics.types import Array, Place
+
+_APART = 0.6
+"""Distance of neighboring points above which a new part begins; along a boundary it is a quarter of a pixel [px]."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Difference:
+    """A part of a boundary without a counterpart.
+
+    Attributes
+    ----------
+    kind : {"missing", "wrong"}
+        A part of the true boundary without a contour, or a part of a contour without a true boundary.
+    points : ndarray, shape (K, 2)
+        The part [px]; in a volume the corners of its triangles, shape (K, 3) [voxels].
+    farthest : float
+        Its largest distance [px]; in a volume in the unit of the spacing.
+    place : tuple of float
+        Position of that distance (row, col) [px], or (plane, row, col) [voxels].
+    """
+
+    kind: Literal["missing", "wrong"]
+    points: Array
+    farthest: float
+    place: Place
+
+
+def differences(contours: Sequence[Contour], truth: Truth, comparison: Comparison) -> tuple[Difference, ...]:
+    """The parts of contours and ground truth farther apart than the tolerance, the farthest first."""
+    found = [
+        _difference("wrong", contour.points[piece], away[piece])
+        for contour, away in zip(contours, comparison.distances, strict=True)
+        for piece in _stretches(away > comparison.tolerance, contour.closed)
+    ]
+    missing = comparison.missing
+    if len(missing):
+        away = distance_to(missing, contours)
+        cuts = np.flatnonzero(np.linalg.norm(np.diff(missing, axis=0), axis=1) > _APART) + 1
+        pieces = zip(np.split(missing, cuts), np.split(away, cuts), strict=True)
+        found += [_difference("missing", points, far) for points, far in pieces]
+    return tuple(sorted(found, key=lambda difference: -difference.farthest))
+
+
+def _difference(kind: Literal["missing", "wrong"], points: Array, away: Array) -> Difference:
+    worst = int(away.argmax())
+    row, col = points[worst].tolist()
+    return Difference(kind, points, float(away[worst]), (row, col))
+
+
+def _stretches(far: NDArray[np.bool_], closed: bool) -> list[NDArray[np.intp]]:
+    """Indices of consecutive far vertices, also around the end of a closed contour, with their near neighbors."""
+    if not far.any():
+        return []
+    count = len(far)
+    if far.all():
+        return [np.r_[np.arange(count), 0] if closed else np.arange(count)]
+    first = int(np.argmin(far)) if closed else 0  # a near vertex, so that no part goes around the end
+    order = (first + np.arange(count)) % count
+    runs = np.split(order, np.flatnonzero(np.diff(far[order])) + 1)
+    wide = []
+    for run in (run for run in runs if far[run[0]]):
+        low, high = run[0] - 1, run[-1] + 1
+        before = [low % count] if closed or low >= 0 else []
+        behind = [high % count] if closed or high < count else []
+        wide.append(np.array([*before, *run, *behind], dtype=np.intp))
+    return wide
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Apart:
+    """The triangles of a surface that are farther from another one than the tolerance.
+
+    Attributes
+    ----------
+    kind : {"missing", "wrong"}
+        Those of the true surface without a found one, or of the found surface without a true one.
+    surface : Surface
+        The triangles.
+    away : ndarray, shape (N,)
+        Distance of each of its vertices, in the unit of the spacing.
+    """
+
+    kind: Literal["missing", "wrong"]
+    surface: Surface
+    away: Array
+
+    @classmethod
+    def of(cls, kind: Literal["missing", "wrong"], whole: Surface, away: Array, tolerance: float) -> Apart:
+        """Those with a corner farther away than the tolerance, ready for slices."""
+        far = whole.faces[(away[whole.faces] > tolerance).any(axis=1)]
+        used, faces = np.unique(far, return_inverse=True)
+        surface = Surface(whole.vertices[used], faces.reshape(-1, 3), whole.spacing, whole.unit)
+        prepare(surface)
+        return cls(kind, surface, away[used])
+
+    @property
+    def parts(self) -> Iterator[Difference]:
+        """Those that hang together, each with its farthest place."""
+        order = np.argsort(self.surface.component_of_vertex, kind="stable")
+        ends = np.flatnonzero(np.diff(self.surface.component_of_vertex[order])) + 1
+        for members in np.split(order, ends) if len(order) else []:
+            worst = members[int(self.away[members].argmax())]
+            plane, row, col = self.surface.vertices[worst].tolist()
+            places = self.surface.vertices[members]
+            yield Difference(self.kind, places, float(self.away[worst]), (plane, row, col))
+
+
+def apart_from(surface: Surface | None, truth: VolumeTruth, found: SurfaceComparison) -> tuple[Apart, ...]:
+    """Where a surface and the true one are apart."""
+    prepare(truth.surface)
+    missing = Apart.of("missing", truth.surface, found.missing, found.tolerance)
+    return (missing,) if surface is None else (missing, Apart.of("wrong", surface, found.wrong, found.tolerance))
+
+
+def surface_differences(apart: Iterable[Apart]) -> tuple[Difference, ...]:
+    """The parts of the surfaces one by one, the farthest first."""
+    return tuple(sorted((part for each in apart for part in each.parts), key=lambda part: -part.farthest))
+
+
+def truth_in(truth: Truth | VolumeTruth | None, here: Slice) -> Truth | None:
+    """What a slice shows of the ground truth: its boundaries."""
+    if not isinstance(truth, VolumeTruth):
+        return truth
+    return Truth(here.of(truth.labels), _lines(truth.surface, here), truth.source)
+
+
+def differences_in(apart: Iterable[Apart], here: Slice) -> tuple[Difference, ...]:
+    """What a slice shows of the parts that differ; how far they are apart is not told there."""
+    return tuple(
+        Difference(each.kind, line.path, 0.0, (float(line.points[0, 0]), float(line.points[0, 1])))
+        for each in apart
+        for line in _lines(each.surface, here)
+    )
+
+
+@kept_with_surface
+def _lines(surface: Surface, here: Slice) -> tuple[Contour, ...]:
+    return section(surface, here) if len(surface.faces) else ()

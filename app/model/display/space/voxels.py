@@ -1,0 +1,189 @@
+"""The voxels of a volume in space: three slices, and the brightest voxel on each line of sight."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.model.display.display_image import IntensityWindow, apply_window
+from app.model.display.space.camera import Camera
+from app.model.display.space.picture import ROWS, Colors, Picture
+from app.model.volume.slices import Slice
+from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.parallel import share
+from cpm_core.numerics.types import Array
+
+Bytes = NDArray[np.uint8]
+
+_BLOCK = 8
+"""Side of the blocks whose maxima are kept [voxels]: one that cannot raise the maximum is passed at once."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shaded:
+    """A volume with one byte a voxel, made of its gray values when it is drawn first, since that takes a while."""
+
+    values: Array
+    window: IntensityWindow
+
+    @cached_property
+    def voxels(self) -> Bytes:
+        """Shades of the window, in the shape of the volume."""
+        shades = np.empty(self.values.shape, np.uint8)
+
+        def some(begin: int, end: int) -> None:
+            for plane in range(begin, end):
+                shades[plane] = apply_window(self.values[plane], self.window)
+
+        share(some, len(shades), 1)
+        return shades
+
+    @cached_property
+    def maxima(self) -> Bytes:
+        """The brightest voxel of each block."""
+        found = self.voxels
+        for axis in range(3):
+            found = np.maximum.reduceat(found, np.arange(0, found.shape[axis], _BLOCK), axis=axis)
+        return np.ascontiguousarray(found)
+
+
+def draw_projection(
+    picture: Picture, volume: Shaded, camera: Camera, spacing: tuple[float, ...], table: Colors
+) -> None:
+    """Draw the brightest voxels behind everything else, by a table of 256 colors; black ones are left out."""
+    sizes = np.asarray(spacing, float)
+    corner = camera.corner(picture.size) / sizes
+    right, down = (camera.axes[k] / camera.scale / sizes for k in range(2))
+    away = camera.axes[2] / sizes
+    away = away / np.abs(away).max()
+
+    def some(begin: int, end: int) -> None:
+        _draw_projection(volume.voxels, volume.maxima, corner, right, down, away, table, picture.colors, begin, end)
+
+    share(some, picture.size[0], ROWS)
+
+
+@compiled
+def _draw_projection(
+    voxels: Bytes,
+    maxima: Bytes,
+    corner: Array,
+    right: Array,
+    down: Array,
+    away: Array,
+    table: Colors,
+    shown: Colors,
+    begin: int,
+    end: int,
+) -> None:
+    for row in range(begin, end):
+        for col in range(shown.shape[1]):
+            plane = corner[0] + col * right[0] + row * down[0]
+            brightest = _brightest(
+                voxels,
+                maxima,
+                (plane, corner[1] + col * right[1] + row * down[1], corner[2] + col * right[2] + row * down[2]),
+                away,
+            )
+            if brightest > 0:
+                for channel in range(3):
+                    shown[row, col, channel] = table[brightest, channel]
+
+
+@compiled
+def _brightest(voxels: Bytes, maxima: Bytes, start: tuple[float, float, float], away: Array) -> int:
+    """The brightest voxel on a line, by steps of one voxel along its longest component."""
+    near, far = -1e30, 1e30
+    for axis in range(3):
+        size = voxels.shape[axis]
+        if abs(away[axis]) < 1e-9:
+            if not -0.5 <= start[axis] < size - 0.5:
+                return 0
+        else:
+            one, other = (-0.5 - start[axis]) / away[axis], (size - 0.5 - start[axis]) / away[axis]
+            near, far = max(near, min(one, other)), min(far, max(one, other))
+    z, y, x = start[0] + 0.5, start[1] + 0.5, start[2] + 0.5
+    at, found = near + 1e-6, 0
+    while at < far:
+        i, j, k = int(z + at * away[0]), int(y + at * away[1]), int(x + at * away[2])
+        if i >= voxels.shape[0] or j >= voxels.shape[1] or k >= voxels.shape[2]:
+            break
+        if maxima[i // _BLOCK, j // _BLOCK, k // _BLOCK] <= found:
+            leave = _leaving(z, away[0], i)
+            leave = min(leave, _leaving(y, away[1], j), _leaving(x, away[2], k))
+            at = max(leave, at) + 1e-3
+        else:
+            found = max(found, voxels[i, j, k])
+            at += 1.0
+    return found
+
+
+@compiled
+def _leaving(start: float, away: float, index: int) -> float:
+    """Where a line leaves the block of a voxel along one axis."""
+    if abs(away) < 1e-9:
+        return 1e30
+    block = index // _BLOCK + (1 if away > 0.0 else 0)
+    return (block * _BLOCK - start) / away
+
+
+@dataclass(frozen=True, eq=False)
+class ShownSlice:
+    """A slice of a volume, with the colors of its shades; they are made when it is drawn."""
+
+    place: Slice
+    volume: Shaded
+    table: Colors
+
+    @cached_property
+    def colors(self) -> Colors:
+        """Its colors (H, W, 3)."""
+        return self.table[apply_window(self.place.of(self.volume.values), self.volume.window)]
+
+
+def draw_slice(picture: Picture, place: Slice, colors: Colors, camera: Camera, spacing: tuple[float, ...]) -> None:
+    """Draw a slice of a volume whose voxels have this size; nothing where it is seen from the side."""
+    across = place.axis
+    if abs(camera.axes[2, across]) < 1e-6:
+        return
+    down, right = (axis for axis in range(3) if axis != across)
+    corner = camera.corner(picture.size)
+    steps = camera.axes / camera.scale
+    origin = np.array([place.index * spacing[across] - corner[across], corner[down], corner[right]])
+    sides = np.array([[steps[k, axis] for axis in (across, down, right)] for k in range(3)])
+    sizes = np.array([spacing[down], spacing[right]])
+
+    def some(begin: int, end: int) -> None:
+        _draw_slice(colors, origin, sides, sizes, picture.colors, picture.depths, begin, end)
+
+    share(some, picture.size[0], ROWS)
+
+
+@compiled
+def _draw_slice(
+    colors: Colors,
+    origin: Array,
+    sides: Array,
+    sizes: Array,
+    shown: Colors,
+    depths: NDArray[np.float32],
+    begin: int,
+    end: int,
+) -> None:
+    """Each pixel's line of sight meets the plane once."""
+    rows, cols = colors.shape[:2]
+    for row in range(begin, end):
+        for col in range(depths.shape[1]):
+            depth = (origin[0] - col * sides[0, 0] - row * sides[1, 0]) / sides[2, 0]
+            if depth >= depths[row, col]:
+                continue
+            at_row = (origin[1] + col * sides[0, 1] + row * sides[1, 1] + depth * sides[2, 1]) / sizes[0]
+            at_col = (origin[2] + col * sides[0, 2] + row * sides[1, 2] + depth * sides[2, 2]) / sizes[1]
+            if -0.5 <= at_row < rows - 0.5 and -0.5 <= at_col < cols - 0.5:
+                depths[row, col] = np.float32(depth)
+                i, j = int(at_row + 0.5), int(at_col + 0.5)
+                for channel in range(3):
+                    shown[row, col, channel] = colors[i, j, channel]

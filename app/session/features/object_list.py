@@ -1,0 +1,362 @@
+"""The objects of the document: figures, which are chosen, what is done to them, and the brush that paints them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from PySide6.QtCore import QObject, Signal
+
+from app.model.document import objects
+from app.model.document.document import Document
+from app.model.document.objects import brushed
+from app.model.text.language import tr
+from app.model.volume.surface_section import holds, prepare, size_of
+from app.session.features.background import LatestOnlyWorker
+from app.session.session import Session
+from cpm_core.contours.surface import Surface
+from cpm_core.image.image import Image
+from cpm_core.numerics import polyline
+from cpm_core.numerics.types import Array, Place, Position
+from cpm_core.objects.segmented.painted_area import PaintedArea
+from cpm_core.objects.segmented.segmented_object import SegmentedObject, SegmentedObjects
+
+
+@dataclass(frozen=True, slots=True)
+class Figures:
+    """Figures of an object.
+
+    Attributes
+    ----------
+    gray : float
+        Mean gray value; NaN where it has no pixel.
+    volume, area : float
+        Of an object in a volume, in the unit of the image; 0 in an image, as the rest.
+    parts, euler : int
+        Parts of its surface that do not hang together, and its Euler characteristic.
+    """
+
+    gray: float
+    volume: float = 0.0
+    area: float = 0.0
+    parts: int = 0
+    euler: int = 0
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class AllFigures:
+    """Figures of objects in an image by their numbers, each with the boundary that it had."""
+
+    image: Image
+    known: Mapping[int, tuple[object, Figures]]
+
+    def of(self, item: SegmentedObject) -> Figures | None:
+        """Those of an object; None if they are not known, or it has another boundary by now."""
+        boundary, figures = self.known.get(item.number, (None, None))
+        return figures if boundary is _boundary(item) else None
+
+    def with_all(self, items: Iterable[SegmentedObject]) -> AllFigures:
+        """Those of all these objects."""
+        found = ((item, self.of(item)) for item in items)
+        return AllFigures(
+            self.image,
+            {item.number: (_boundary(item), known or _measured(item, self.image)) for item, known in found},
+        )
+
+
+def _boundary(item: SegmentedObject) -> object:
+    return item.surface or item.boundary
+
+
+def _measured(item: SegmentedObject, image: Image) -> Figures:
+    inside = item.mask(image.shape)
+    gray = float(image.values[inside].mean()) if inside.any() else float("nan")
+    if item.body is None:
+        return Figures(gray)
+    prepare(item.body)  # slices are cut on the window's thread, and limits made of it
+    assert all(len(packed.shell.mask) for packed in item.surface)
+    surface: Surface = replace(item.body, spacing=image.spacing, unit=image.unit)
+    return Figures(gray, surface.volume, surface.area, surface.components, surface.euler)
+
+
+class ObjectList(QObject):
+    """Chooses objects of the document and edits them; what is not said otherwise is done to the chosen ones."""
+
+    changed = Signal()
+    """The objects, their classes or their gray values have changed."""
+    selection_changed = Signal()
+    """Other objects are chosen."""
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session)
+        self._session = session
+        self._known = session.document.objects
+        self._figures: AllFigures | None = None
+        self._latest = LatestOnlyWorker(session, "cpm-object-measures", tr("measuring objects"))
+        self._latest.done.connect(self._use_figures)
+        self._merging = LatestOnlyWorker(session, "cpm-merging", tr("merging objects"))
+        self._merging.done.connect(self._use_merged)
+        session.document_changed.connect(self._follow)
+        session.image_changed.connect(self._merging.forget)
+
+    # State
+
+    @property
+    def objects(self) -> SegmentedObjects:
+        """The objects of the document and their classes."""
+        return self._session.document.objects
+
+    @property
+    def chosen(self) -> frozenset[int]:
+        """Numbers of the chosen objects."""
+        return self._session.scene.objects.chosen
+
+    @property
+    def items(self) -> tuple[SegmentedObject, ...]:
+        """The chosen objects, in the order in which they were taken."""
+        return tuple(item for item in self.objects.items if item.number in self.chosen)
+
+    def gray(self, item: SegmentedObject) -> float | None:
+        """Mean gray value of an object; None while it is not known."""
+        found = self.figures(item)
+        return None if found is None else found.gray
+
+    def figures(self, item: SegmentedObject) -> Figures | None:
+        """Figures of an object; None while they are not known."""
+        return self._figures.of(item) if self._figures is not None else None
+
+    def title(self, item: SegmentedObject) -> str:
+        """Name of an object, or its class and number."""
+        return objects.title(self.objects, item)
+
+    def under(self, at: Place) -> int:
+        """Number of the smallest shown object at a place (row, col) [px], or (plane, row, col); 0 for none."""
+        around = [item for item in self.objects.items if not item.hidden and _encloses(item, at)]
+        return min(around, key=size_of).number if around else 0
+
+    # Choosing
+
+    def choose(self, numbers: Iterable[int]) -> None:
+        """Choose only these objects."""
+        chosen = frozenset(numbers)
+        if chosen != self.chosen:
+            scene = self._session.scene
+            self._session.show(replace(scene, objects=replace(scene.objects, chosen=chosen)))
+            self.selection_changed.emit()
+
+    def hover(self, number: int) -> None:
+        """Highlight an object; 0 for none."""
+        scene = self._session.scene
+        if number != scene.objects.hovered:
+            self._session.show(replace(scene, objects=replace(scene.objects, hovered=number)))
+
+    # Editing
+
+    def begin_change(self, number: int) -> None:
+        """Select an object anew, beginning with what it is."""
+        self._edit(tr("change {what}"), [self.objects[number]], lambda d: objects.begin_change(d, number))
+        self.choose((number,))
+
+    def rename(self, number: int, name: str) -> None:
+        """Name an object, unless it has been taken back while its name was typed."""
+        named = [item for item in self.objects.items if item.number == number]
+        if named:
+            self._edit(tr("name {what}"), named, lambda document: objects.rename(document, number, name))
+
+    def classify(self, category: int) -> None:
+        """Give the chosen objects, and the next ones, a class."""
+        chosen = self.chosen
+        self._session.edit(
+            tr("class {title}").format(title=objects.class_title(self.objects, category)),
+            lambda document: objects.classify(document, chosen, category),
+        )
+
+    def name_class(self, category: int, name: str, color: str = "") -> None:
+        """Name a class, and change its color unless that is empty."""
+        self._session.edit(tr("name class"), lambda document: objects.name_class(document, category, name, color))
+
+    def paint(self, color: str) -> None:
+        """Color objects; an empty color is that of their class."""
+        self._edit_chosen(tr("color {what}"), lambda d, chosen: objects.paint(d, chosen, color))
+
+    def toggle_frozen(self) -> None:
+        """Freeze objects, or release them when all are frozen."""
+        frozen = not all(item.frozen for item in self.items)
+        words = tr("freeze {what}") if frozen else tr("release {what}")
+        self._edit_chosen(words, lambda d, chosen: objects.freeze(d, chosen, frozen))
+
+    def toggle_hidden(self) -> None:
+        """Hide objects, or show them again when all are hidden."""
+        hidden = not all(item.hidden for item in self.items)
+        words = tr("hide {what}") if hidden else tr("show {what}")
+        self._edit_chosen(words, lambda d, chosen: objects.hide(d, chosen, hidden))
+
+    def delete(self) -> None:
+        """Remove objects."""
+        self._edit_chosen(tr("delete {what}"), objects.delete)
+
+    def merge(self) -> None:
+        """Make one object of several; in a volume that is done on another thread."""
+        image, items = self._session.document.image, self.items
+        if len(items) < 2 or image is None:
+            return
+        if image.is_volume:
+            shape = image.shape
+            self._merging.ask(lambda: (items, objects.union_of(items, shape)))
+            return
+        self._edit_chosen(tr("merge {what}"), objects.merge)
+        self.choose((items[0].number,))
+
+    def as_starts(self) -> None:
+        """Start the next run on their outlines too."""
+        self._edit_chosen(tr("start from {what}"), objects.as_starts)
+
+    def as_regions(self) -> None:
+        """Hold the particles inside of them."""
+        self._edit_chosen(tr("region of interest of {what}"), objects.as_regions)
+
+    def as_barriers(self) -> None:
+        """Hold the particles back at their boundaries."""
+        self._edit_chosen(tr("barrier around {what}"), objects.as_barriers)
+
+    def close(self) -> None:
+        """End the threads."""
+        self._latest.close()
+        self._merging.close()
+
+    # Internal
+
+    def _edit_chosen(self, words: str, edit: Callable[[Document, frozenset[int]], Document]) -> None:
+        chosen = self.chosen
+        if chosen:
+            self._edit(words, self.items, lambda document: edit(document, chosen))
+
+    def _edit(self, words: str, items: Iterable[SegmentedObject], edit: Callable[[Document], Document]) -> None:
+        items = list(items)
+        what = self.title(items[0]) if len(items) == 1 else tr("{count} objects").format(count=len(items))
+        self._session.edit(words.format(what=what), edit)
+
+    def _follow(self, document: Document) -> None:
+        image = self._session.image
+        if document.objects is self._known and (self._figures is None or self._figures.image is image):
+            return
+        self._known = document.objects
+        self.choose(self.chosen & {item.number for item in document.objects.items})
+        self._measure(image, document.objects.items)
+        self.changed.emit()
+
+    def _measure(self, image: Image | None, items: tuple[SegmentedObject, ...]) -> None:
+        """Measure on another thread: large objects have many pixels."""
+        if image is None:
+            return
+        known = self._figures if self._figures is not None and self._figures.image is image else AllFigures(image, {})
+        if any(known.of(item) is None for item in items):
+            self._latest.ask(lambda: known.with_all(items))
+
+    def _use_merged(self, merged: tuple[tuple[SegmentedObject, ...], SegmentedObject]) -> None:
+        """Put one object in the place of several, unless they have changed meanwhile."""
+        items, whole = merged
+        if not all(any(known is item for known in self.objects.items) for item in items):
+            self._session.say(tr("The objects have changed while they were merged: merge them again."), True)
+            return
+        self._edit(tr("merge {what}"), items, lambda document: objects.merge_into(document, items, whole))
+        self.choose((whole.number,))
+
+    def _use_figures(self, figures: AllFigures) -> None:
+        if figures.image is self._session.image:
+            self._figures = figures
+            self.changed.emit()
+
+
+def _encloses(item: SegmentedObject, at: Place) -> bool:
+    return holds(item, at) if len(at) == 3 else bool(item.encloses(np.array([at], dtype=float))[0])
+
+
+_LEAST_MOVE = 0.3
+"""Distance that the brush moves before it paints on [px]."""
+
+
+class ObjectBrush:
+    """Paints one object from the press of the button to its release.
+
+    Of the objects that the brush touches, one that is chosen comes first, then the one that it is in. A brush that adds
+    and touches none when it is pressed makes a new object; one that takes away waits until it comes to one.
+    """
+
+    def __init__(self, session: Session, object_list: ObjectList) -> None:
+        self._session = session
+        self._list = object_list
+        self._area = PaintedArea((), ())
+        self._path: list[Position] = []
+        self._before: SegmentedObject | None = None
+        self._number, self._radius, self._adds, self._gesture = 0, 0.0, True, ""
+
+    @property
+    def painting(self) -> bool:
+        """Whether a stroke has begun."""
+        return bool(self._path)
+
+    def begin(self, at: Position, radius: float, adds: bool, gesture: str) -> None:
+        """Begin a stroke at a place; `gesture` makes one step of undo of it."""
+        self._path, self._radius, self._adds, self._gesture = [at], radius, adds, gesture
+        self._number, self._before = 0, None
+        self._find()
+        self._apply()
+
+    def paint(self, to: Position) -> None:
+        """Paint on to a place."""
+        if self._path and math.dist(self._path[-1], to) >= _LEAST_MOVE:
+            self._path.append(to)
+            self._find()
+            self._apply()
+
+    def end(self) -> None:
+        """End the stroke; say so if it has come to no object."""
+        if self._path and not self._number:
+            self._session.say(tr("There is no object under the brush from which it could take away."))
+        self._path = []
+
+    def _find(self) -> None:
+        """Find the object to be painted, unless it is known; a frozen one is left alone, with a word to the user."""
+        image = self._session.document.image
+        if self._number or image is None:
+            return
+        item = self._touched()
+        if item is not None and item.frozen:
+            name = self._list.title(item)
+            self._session.say(tr("{name} is frozen: release it to paint it, or paint another one.").format(name=name))
+            self._path = []
+        elif item is not None or self._adds:
+            self._before = item
+            self._number = self._session.document.objects.next_number if item is None else item.number
+            self._area = PaintedArea(() if item is None else item.boundary, image.shape)
+
+    def _touched(self) -> SegmentedObject | None:
+        """The object that the newest stretch of the path touches."""
+        items, newest = self._session.document.objects.items, np.array(self._path[-2:])
+        way = polyline.sampled(newest, 0.5 * self._radius) if len(newest) > 1 else newest
+        near = [item for item in items if not item.hidden and _touches(item, way, self._radius)]
+        under = self._list.under(self._path[-1])
+        near.sort(key=lambda item: (item.number not in self._list.chosen, item.number != under, item.area))
+        return near[0] if near else None
+
+    def _apply(self) -> None:
+        """Paint the newest stretch of the path."""
+        if not self._path or not self._number:
+            return
+        self._area = self._area.painted(self._path[-2:], self._radius, self._adds)
+        before, number, radius = self._before, self._number, self._radius
+        boundary, path = self._area.boundary, tuple(self._path)
+        self._session.edit(
+            tr("paint object"),
+            lambda document: brushed(document, before, number, boundary, path, radius),
+            self._gesture,
+        )
+        self._list.choose((number,) if boundary else ())
+
+
+def _touches(item: SegmentedObject, way: Array, radius: float) -> bool:
+    """Whether a disk touches an object at one of some places, shape (N, 2)."""
+    return bool(item.encloses(way).any() or (polyline.distances_from_closed(item.boundary, way) < radius).any())

@@ -1,0 +1,402 @@
+"""Selecting objects: by clicks, the pointer and the run, anew by their own clicks, and all that are like one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from PySide6.QtCore import QObject, Signal
+
+from app.model.document import objects
+from app.model.document.document import Document
+from app.model.document.objects import AnySelection
+from app.model.text.language import tr
+from app.session.exchange.messages import Report
+from app.session.features.background import LatestOnlyWorker
+from app.session.features.selector import AnySelector, Partitions, selector_on
+from app.session.scene import Proposal
+from app.session.session import Session
+from app.session.tasks.tasks import Task
+from cpm_core.contours.result import Result
+from cpm_core.image.image import Image
+from cpm_core.numerics.types import Array, Place
+from cpm_core.objects.faces.space import VolumeSelection
+from cpm_core.objects.partition import Partition
+from cpm_core.objects.segmented.segmented_object import Click, selection_of
+from cpm_core.objects.selection import Selection
+from cpm_core.objects.similar import similar
+from cpm_core.shapes import Everywhere
+from cpm_core.shapes.image_starts import ImageStart
+
+MOST_OFFERED = 1 << 23
+"""Pixels up to which the objects of the starts are offered; a partition takes some 200 bytes for each, and time."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Question:
+    """What is asked for: the object of some clicks, what one more click would make of it, or the objects of starts."""
+
+    selector: AnySelector
+    clicks: tuple[Click, ...]
+    pointed: Click | None
+    starts: tuple[Array, ...]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Answer:
+    """The objects that are offered, and what a click under the pointer would take."""
+
+    question: Question
+    proposals: tuple[Proposal, ...]
+    preview: AnySelection | None
+
+
+def answer(question: Question) -> Answer:
+    """Select; takes some milliseconds for each click that is new."""
+    selector, clicks = question.selector, question.clicks
+    selection = selector.selection(clicks) if clicks else None
+    if selection is not None:
+        if isinstance(selection, VolumeSelection) and selection.found:
+            _ = selection.packed  # so that it can be taken at once
+        proposals: tuple[Proposal, ...] = (Proposal(selection, clicks, selector.edited),)
+    else:
+        proposals = selector.proposals(question.starts)
+    preview = None
+    if question.pointed is not None:
+        preview = selector.selection((*clicks, question.pointed))
+    return Answer(question, proposals, preview)
+
+
+class ObjectSelection(QObject):
+    """Keeps the proposal and the preview of the scene up to date, and takes proposals as objects of the document."""
+
+    changed = Signal()
+    """The proposals have changed, or whether one can be made."""
+    taken = Signal(object)
+    """Proposals have become objects of these numbers: tuple of int."""
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session)
+        self._session = session
+        self._in_use = False
+        self._pointed: Click | None = None
+        self._dismissed: Result | None = None
+        self._selector: AnySelector | None = None
+        self._asked: Question | None = None
+        self._remark, self._was_ready = "", False
+        self._latest = LatestOnlyWorker(session, "cpm-objects", tr("selecting objects"))
+        self._latest.done.connect(self._use)
+        self.partitions = Partitions(session, lambda: self._wanted)
+        self.partitions.changed.connect(self._use_partition)
+        session.document_changed.connect(lambda _: self.partitions.look())
+        session.document_changed.connect(lambda _: self._follow())
+        session.scene_changed.connect(self._withdraw)
+        session.image_changed.connect(self._forget)
+        self.offers_for: Callable[[Document], bool] = lambda document: True  # while the tool is not in use
+
+    # State
+
+    @property
+    def selecting(self) -> bool:
+        """Whether an object is being selected: there are clicks."""
+        return bool(self._session.document.objects.clicks)
+
+    @property
+    def proposals(self) -> tuple[Proposal, ...]:
+        """The objects that are offered."""
+        return self._session.scene.objects.proposals
+
+    @property
+    def ready(self) -> bool:
+        """Whether objects can be selected at once."""
+        return self.partitions.partition is not None
+
+    @property
+    def idle(self) -> bool:
+        """Whether the proposals are up to date."""
+        return self._latest.idle and not self.partitions.preparing
+
+    def set_in_use(self, in_use: bool) -> None:
+        """Whether the tool is in use, so that the partition is kept up to date."""
+        self._in_use = in_use
+        self.partitions.look(again=in_use)
+        self._follow()
+
+    # Clicks
+
+    def point(self, at: Place | None, inside: bool = True) -> None:
+        """Show what a click at a place would take; None for no place."""
+        self._pointed = Click((at,), inside) if at is not None else None
+        if at is None:
+            self._show(preview=None)
+        self._follow()
+
+    def click(self, places: tuple[Place, ...], inside: bool = True) -> None:
+        """Say that places are inside of the object, or outside of it."""
+        said = Click(places, inside)
+        first = None if self.selecting else corrected(self.proposals, said)
+        words = tr("select") if inside else tr("select without")
+
+        def edit(document: Document) -> Document:
+            for one in (*(first.clicks if first else ()), said):
+                document = objects.click(document, one)
+            return document
+
+        self._session.edit(words, edit)
+
+    def take_back(self) -> None:
+        """Take back the last click."""
+        if self.selecting:
+            self._session.edit(tr("take back a click"), objects.take_back)
+
+    def drop(self) -> None:
+        """Give up the proposals."""
+        if self.selecting:
+            self._session.edit(tr("drop the selection"), objects.drop)
+        else:
+            self.dismiss()
+
+    def dismiss(self) -> None:
+        """Offer the objects of the starts no longer, until a run ends again."""
+        if self.proposals and not self.selecting:
+            self._dismissed = self._result
+            self._follow()
+
+    def take(self) -> None:
+        """Make objects of the proposals."""
+        offered = [each for each in self.proposals if each.selection.found]
+        if not offered:
+            self._session.say(tr("There is nothing to accept: click in an object first."))
+            return
+        before = {item.number for item in self._session.document.objects.items}
+        taken = [(each.selection, each.clicks, each.number) for each in offered]
+        self._session.edit(tr("take object"), lambda document: objects.take(document, taken))
+        self._session.seal()
+        changed = {each.number for each in offered} - {0}
+        now = self._session.document.objects.items
+        self.taken.emit(tuple(item.number for item in now if item.number in changed or item.number not in before))
+
+    def close(self) -> None:
+        """End the threads."""
+        self.partitions.close()
+        self._latest.close()
+
+    # Internal
+
+    @property
+    def _result(self) -> Result | None:
+        return self._session.scene.contours.result
+
+    @property
+    def _starts(self) -> tuple[Array, ...]:
+        """Seeds of the starts drawn on the image whose objects are offered; none when they were dismissed."""
+        return seeds_of_starts(self._session.document, self._result, self._in_use, self._dismissed, self.offers_for)
+
+    @property
+    def _wanted(self) -> bool:
+        """Whether a partition is needed."""
+        return self._in_use or self.selecting or bool(self._starts)
+
+    def _use_partition(self) -> None:
+        self._follow()
+        self.changed.emit()
+
+    def _withdraw(self) -> None:
+        """Offer nothing of a run that has been reset or goes on."""
+        if self.proposals and not (self.selecting or self._starts):
+            self._follow()
+
+    def _follow(self) -> None:
+        """Ask for what has changed."""
+        partition, document = self.partitions.partition, self._session.document
+        if partition is None:
+            self._offer(())
+            return
+        items, edited = document.objects.items, document.objects.edited
+        known = self._selector
+        if known is None or (known.partition, known.items, known.edited) != (partition, items, edited):
+            self._selector = selector_on(partition, items, edited)
+        assert self._selector is not None
+        starts = self._starts if not document.objects.clicks else ()
+        question = Question(self._selector, document.objects.clicks, self._pointed, starts)
+        last = self._asked
+        if last is not None and not question.clicks and (last.clicks or last.selector.items is not items):
+            self._offer(())  # what was offered has been taken or dropped
+        if not self._same(question):
+            self._asked = question
+            self._latest.ask(lambda: answer(question))
+
+    def _same(self, question: Question) -> bool:
+        """Whether this has been asked for last."""
+        last = self._asked
+        if last is None or last.selector is not question.selector or len(last.starts) != len(question.starts):
+            return False
+        return (last.clicks, last.pointed) == (question.clicks, question.pointed)
+
+    def _use(self, found: Answer) -> None:
+        question = found.question
+        if question.selector is not self._selector or question.clicks != self._session.document.objects.clicks:
+            return  # the next answer is on its way
+        proposals = found.proposals if question.clicks or self._starts else ()
+        self._show(preview=found.preview if self._pointed is not None else None)
+        before = self.proposals
+        self._offer(proposals)
+        remark = proposals[0].selection.remark if question.clicks and proposals else ""
+        self._say_remark(remark or without_effect(before, proposals))
+
+    def _offer(self, proposals: tuple[Proposal, ...]) -> None:
+        """Show other proposals, or nothing while there is no partition."""
+        before, ready = self.proposals, self.ready
+        if [each.selection for each in before] == [each.selection for each in proposals] and ready == self._was_ready:
+            return
+        self._was_ready = ready
+        self._show(proposals=proposals)
+        self.changed.emit()
+
+    def _say_remark(self, remark: str) -> None:
+        """Pass on once what was unusual about the clicks."""
+        if remark and remark != self._remark:
+            self._session.say(remark)
+        self._remark = remark
+
+    def _show(self, **parts: Any) -> None:
+        scene = self._session.scene
+        if any(getattr(scene.objects, name) != part for name, part in parts.items()):
+            self._session.show(replace(scene, objects=replace(scene.objects, **parts)))
+
+    def _forget(self) -> None:
+        self._latest.forget()
+        self._selector = self._asked = self._pointed = self._dismissed = None
+
+
+def seeds_of_starts(
+    document: Document,
+    result: Result | None,
+    in_use: bool,
+    dismissed: Result | None,
+    offers_for: Callable[[Document], bool],
+) -> tuple[Array, ...]:
+    """Seeds of the starts drawn on the image, once the run from them has ended with a result, unless it was dismissed.
+
+    On a large image there are none, nor where `offers_for` is False for the document, unless the tool for objects is in
+    use.
+    """
+    if not (in_use or offers_for(document)):
+        return ()
+    ended = result is not None and result is not dismissed and bool(result.stop_reason) and document.mode == "shape"
+    if result is None or not ended or (math.prod(result.shape) > MOST_OFFERED and not in_use):
+        return ()
+    return tuple(start.seeds() for start in document.starts if not isinstance(start, Everywhere | ImageStart))
+
+
+def without_effect(before: tuple[Proposal, ...], after: tuple[Proposal, ...]) -> str:
+    """A sentence on the newest click if it has changed nothing of the object; else empty."""
+    if len(before) != 1 or len(after) != 1 or len(after[0].clicks) != len(before[0].clicks) + 1:
+        return ""
+    if not before[0].clicks or not _same(before[0].selection, after[0].selection):
+        return ""
+    if after[0].clicks[-1].inside:
+        return tr("This click changes nothing: the place belongs to the object already.")
+    return tr("This click changes nothing: the place does not belong to the object.")
+
+
+def corrected(offered: tuple[Proposal, ...], said: Click) -> Proposal | None:
+    """The offered object of a start that a first click corrects: the one it lies in, or the only one."""
+    for each in offered:
+        if each.selection.holds(np.array(said.places[:1]))[0]:
+            return each
+    return offered[0] if len(offered) == 1 else None
+
+
+def _same(one: AnySelection, other: AnySelection) -> bool:
+    """Whether two answers are the same object."""
+    if isinstance(one, VolumeSelection) or isinstance(other, VolumeSelection):
+        return isinstance(one, VolumeSelection) and isinstance(other, VolumeSelection) and one.same(other)
+    return one.same(other)
+
+
+_COVERED = 0.5
+"""Share of an object that others cover from which it counts as one of them."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Fitted(Report):
+    """Selections of objects of an image, with their clicks and their numbers."""
+
+    image: Image
+    found: tuple[tuple[AnySelection, tuple[Click, ...], int], ...]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Alike(Report):
+    """Selections of objects of an image that are like one, and the class of that one."""
+
+    image: Image
+    found: tuple[Selection, ...]
+    category: int
+
+
+class ObjectFitting(QObject):
+    """Selects objects on the present partition in tasks of their own; what is found is one step of undo."""
+
+    def __init__(self, session: Session, partitions: Partitions) -> None:
+        super().__init__(session)
+        self._session = session
+        self._partitions = partitions
+        session.listen(Fitted, self._use)
+        session.listen(Alike, self._add)
+
+    def fit(self, numbers: frozenset[int]) -> None:
+        """Select the objects of these numbers anew by their own clicks; frozen ones stay as they are."""
+        partition, items = self._partitions.partition, self._session.document.objects.items
+        fitted = [item for item in items if item.number in numbers and item.clicks and not item.frozen]
+        if partition is None or not fitted:
+            self._session.say(tr("There is nothing to fit: choose objects that are not frozen."))
+            return
+
+        def work(task: Task) -> Report:
+            found = []
+            selector = selector_on(partition, items, 0)
+            for done, item in enumerate(fitted):
+                task.advance(done / len(fitted))
+                selection = selector.selection(item.clicks)
+                if isinstance(selection, VolumeSelection) and selection.found:
+                    _ = selection.packed  # here, not on the window's thread
+                if selection is not None:
+                    found.append((selection, item.clicks, item.number))
+            return Fitted(partition.image, tuple(found))
+
+        self._session.tasks.start(tr("Fitting objects to the contours…"), work, tr("fitting objects"))
+
+    def find_like(self, number: int) -> None:
+        """Add all objects that are like one and not among the objects yet."""
+        partition, known = self._partitions.partition, self._session.document.objects
+        if not isinstance(partition, Partition):  # a volume has no objects that are alike
+            self._partitions.look(again=True)
+            self._session.say(tr("The image is not prepared yet: try again in a moment."))
+            return
+
+        def work(task: Task) -> Report:
+            chosen = known[number]
+            taken = np.any([item.mask(partition.shape) for item in known.items], axis=0)
+            alike = similar(partition, selection_of(chosen, partition.shape))[1:]
+            new = (each for each in alike if (each.mask & taken).sum() < _COVERED * each.mask.sum())
+            return Alike(partition.image, tuple(new), chosen.category)
+
+        self._session.tasks.start(tr("Finding objects like this one…"), work, tr("finding objects"))
+
+    def _add(self, alike: Alike) -> None:
+        if alike.image is not self._session.image:
+            return
+        if not alike.found:
+            self._session.say(tr("No other object like this one was found."))
+            return
+        self._session.edit(tr("all like this"), lambda document: objects.add(document, alike.found, alike.category))
+        self._session.say(tr("{count} objects like this one were found.").format(count=len(alike.found)))
+
+    def _use(self, fitted: Fitted) -> None:
+        if fitted.image is self._session.image:
+            self._session.edit(tr("fit objects"), lambda document: objects.replace_boundaries(document, fitted.found))

@@ -1,0 +1,382 @@
+"""The pages of the stack that is open: which is shown, all of them run in the background, and what was found on all."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PySide6.QtCore import QObject, QTimer, Signal
+
+from app.model.display.page_rows import PageRow, page_rows
+from app.model.document.document import Document
+from app.model.document.saving import to_file
+from app.model.text.language import tr
+from app.session.exchange.core_functions import Core
+from app.session.exchange.messages import Exported, Opened, Report, Saved
+from app.session.features.background import LatestOnlyWorker
+from app.session.features.contour_review import ContourReview
+from app.session.features.kept_pages import (
+    Found,
+    KeptPage,
+    PlainPages,
+    StackSource,
+    StoredPages,
+    bare,
+    linked,
+    started_by,
+    starts_along,
+    with_change,
+)
+from app.session.features.page_runs import PageDone, PageOrder, run_pages
+from app.session.scene import Item
+from app.session.session import Session
+from app.session.signals import EXPORTING, OPENING, RUNNING
+from app.session.storage.session_file import DocumentFile, Written
+from app.session.tasks.opening import Wanted
+from app.session.tasks.tasks import Task
+from app.session.undo_history import Change, History
+from cpm_core.contours.measurements import centroid
+from cpm_core.contours.result import Result
+from cpm_core.contours.review import apply
+from cpm_core.formats.common.provenance import plain_shapes
+from cpm_core.formats.contours.pages.files import export_stack
+from cpm_core.formats.sessions.session_file import ImageFile
+from cpm_core.pages.page import StackResult, starts_after
+from cpm_core.shapes import Start
+
+_QUIET, _WHILE_RUNNING = 200, 1500
+"""Time from a change until the tracks are found again, at rest and while pages are run [ms]."""
+
+
+class StackPages(QObject):
+    """Goes through the pages of a stack, runs all of them, and knows what was found on each."""
+
+    changed = Signal()
+    """Another page is open, or pages are being run, or no longer."""
+    found = Signal()
+    """What has been found on all pages has changed: `result`."""
+    _done = Signal(object)
+    """A page has been run: its order and PageDone, sent by the thread that runs them."""
+
+    def __init__(self, session: Session, core: Core) -> None:
+        super().__init__(session)
+        self.following = True
+        """Whether each page starts from the contours of the one before."""
+        self._session = session
+        self._file: DocumentFile | None = None
+        self._source = StackSource()
+        self._ahead = 0
+        self._turning = False
+        self._kept: dict[int, KeptPage] = {}
+        self._coming: dict[int, KeptPage] = {}
+        self._found: dict[int, Found] = {}
+        self._given: tuple[Start, ...] = ()
+        self.result: StackResult | None = None
+        """What has been found on all pages that are done, with tracks; None while there is nothing."""
+        self.rows: tuple[PageRow, ...] = ()
+        """Rows of the table of all pages."""
+        self.task: Task | None = None
+        self._core = core
+        self._seen: Result | None = None
+        self._drawn: tuple[Mapping[str, Any], ...] = ()
+        self._linking = LatestOnlyWorker(session, "cpm-pages", tr("following objects through the pages"))
+        self._linking.done.connect(self._take_linked)
+        self._later = QTimer(self, singleShot=True)
+        self._later.timeout.connect(self._link)
+        self._done.connect(self._take_page)
+        session.listen(Opened, self._take_opened)
+        session.listen(Written, self._take_written)
+        session.scene_changed.connect(self._look)
+        session.tasks.changed.connect(self._look_at_task)
+
+    def keep(self, document_file: DocumentFile) -> None:
+        """Be saved with the session file."""
+        self._file = document_file
+        document_file.pages = self._plain
+        document_file.pages_unsaved = self._unsaved
+
+    def close(self) -> None:
+        """End the threads."""
+        self._linking.close()
+
+    @property
+    def running(self) -> bool:
+        """Whether pages are being run in the background."""
+        return self.task is not None
+
+    # Paging
+
+    @property
+    def count(self) -> int:
+        """Number of pages of the stack; 0 where none is open as pages."""
+        return self._source.count
+
+    @property
+    def number(self) -> int:
+        """The page that is open, from 1."""
+        return self._source.number
+
+    @property
+    def ahead(self) -> int:
+        """The page that is wanted, which is open or being opened."""
+        return self._ahead
+
+    def is_drawn(self, document: Document) -> bool:
+        """Whether a person has drawn where the run of the open page starts, not the page before."""
+        return not self._given or document.starts != self._given
+
+    def go(self, by: int) -> None:
+        """Go to a page after this one, or before it; beyond a page that could not be opened."""
+        self.open(min(max(self._ahead + by, 1), self.count))
+
+    def open(self, number: int) -> None:
+        """Go to a page, once the runs of this one have been collected."""
+        if self._file is None or not 1 <= number <= self.count or number == self._ahead:
+            return
+        self._ahead = number
+        if not self._turning:
+            self._turning = True
+            self._session.pause()
+            self._file.runs.collect(lambda _: self._turn())
+
+    def _turn(self) -> None:
+        """Keep the page that is open, and open the one that is wanted."""
+        self._turning = False
+        if self._file is None or not self.count or self._ahead == self.number:
+            return
+        here = self._kept[self.number] = self._here(self._file)
+        self._begin(self._ahead, self._kept.get(self._ahead) or self._fresh(here))
+
+    def _begin(self, number: int, page: KeptPage) -> None:
+        """Open a page with what is kept of it; the image stays where it is on the canvas."""
+        image = self._session.document.image
+        if image is None or self._file is None:
+            return
+        place = ImageFile(image.path, "", image.shape, reading=self._source.reading_of(number))
+        content = replace(page.seen(self._file.file.view), image=place)
+        self._coming[number] = page
+        saved = Saved(self._file.path, content, turned=True, known=page.known)
+        self._session.begin(Wanted(Path(image.path), page.document.parameters, saved=saved))
+
+    def _here(self, file: DocumentFile) -> KeptPage:
+        """The page that is open, as it is kept."""
+        session, content = self._session, replace(file.file, pages={}, truth=None)
+        return KeptPage(content, session.document, session.history, file.known, self._given, file.runs.unsaved)
+
+    def _fresh(self, here: KeptPage) -> KeptPage:
+        """A page on which nothing has been done yet: it takes over the drawing, or follows the page before."""
+        document, given = bare(here.document), here.given or here.document.starts
+        before = self._found.get(self._ahead - 1)
+        if self.following and isinstance(before, Result) and before.contours:
+            given = starts_along(starts_after(before.contours))
+            document = started_by(document, given)
+        return KeptPage(to_file(document, {}), document, known=document, given=given)
+
+    def _take_opened(self, opened: Opened) -> None:
+        """Another page has been opened, or another file."""
+        parts = opened.parts if opened.image.ndim == 2 else None
+        source = StackSource.of(str(opened.path), opened.path.name, parts, opened.reading)
+        if opened.saved is not None and opened.saved.turned:
+            # another page may be wanted by now: what is kept of this one stays until it is left by way of `_turn`
+            page = self._coming.pop(source.number, None)
+            self._source = source.of_the_same(self._source)
+            if page is not None:
+                self._given = page.given
+                self._session.use_history(page.history.on(self._session.document.image))
+        else:
+            self._begin_stack(source, opened)
+        self.changed.emit()
+
+    def _take_written(self, written: Written) -> None:
+        if self._file is not None and self._file.is_current(written):
+            self._kept = {number: page.saved() for number, page in self._kept.items()}
+
+    # Running all
+
+    def run(self, first: int = 1) -> None:
+        """Run all pages from one on, in the background."""
+        document = self._session.document
+        self._session.attempt(RUNNING)
+        if not self.count or self._file is None or self.running:
+            return
+        if not document.starts:
+            self._session.say(document.nothing_to_start_from, True, RUNNING)
+            return
+        kept = {**self._kept, self.number: self._here(self._file)}
+        self._drawn = plain_shapes(document.shapes)
+        before = () if self.result is None else tuple(page for page in self.result.pages if page.number < first)
+        order = PageOrder(self._source, range(first, self.count + 1), document, self.following, kept, before)
+        title = tr("Running {count} pages…").format(count=len(order.numbers))
+        self.task = self._session.tasks.start(title, partial(self._work, order), tr("running the pages"))
+        self.changed.emit()
+
+    def cancel(self) -> None:
+        """Stop after the pages that are done, which stay."""
+        if self.task is not None:
+            self.task.cancel()
+            self._look_at_task()
+
+    def _work(self, order: PageOrder, task: Task) -> Report | None:
+        for done in run_pages(order, self._core, task):
+            self._done.emit((order, done))
+        return None
+
+    def _take_page(self, made: tuple[PageOrder, PageDone]) -> None:
+        """Keep a page that has been run, unless a person has changed it since; that which is open is shown anew."""
+        order, done = made
+        number, here = done.page.number, done.page.number == self.number
+        if self._file is None or order.source.path != self._source.path:
+            return
+        known = order.kept.get(number)
+        before = self._here(self._file) if here else self._kept.get(number)
+        if before is not None and (known is None or before.document != known.document) and before.own_start:
+            return
+        self._found[number] = done.page.result or done.page.trouble
+        self._link_soon()
+        if done.runs is None:
+            return
+        self._kept[number] = page = _kept(done, before)
+        if here and not self._turning and self._session.status.phase != "running":
+            self._begin(number, page)
+
+    def _look_at_task(self) -> None:
+        if self.task is not None and self.task.over:
+            self.task = None
+            self.changed.emit()
+
+    # What has been found
+
+    def _look(self) -> None:
+        """Take up the contours of the page that is open, once its run is at rest."""
+        scene = self._session.scene
+        tracked, shown = scene.contours.tracked, scene.contours.result
+        if not self.count or tracked is None or shown is None or self._session.status.phase == "running":
+            return
+        if shown is not self._seen:
+            self._seen = shown
+            document = scene.document
+            self._found[self.number] = apply(shown, document.marks)
+            self._link_soon()
+
+    def _link_soon(self) -> None:
+        if not self._later.isActive():
+            self._later.start(_WHILE_RUNNING if self.running else _QUIET)
+
+    def _link(self) -> None:
+        """Find the tracks again, from what was found on each page."""
+        before = {} if self.result is None else {page.number: page.result or page.trouble for page in self.result.pages}
+        source, found, drawn = self._source, dict(self._found), self._drawn
+
+        def work() -> tuple[StackSource, StackResult, tuple[PageRow, ...]]:
+            result = linked(source, found, before, drawn)
+            return source, result, page_rows(result)
+
+        self._linking.ask(work)
+
+    def _take_linked(self, made: tuple[StackSource, StackResult, tuple[PageRow, ...]]) -> None:
+        source, result, rows = made
+        if source.path != self._source.path or not self.count:
+            return
+        self.result, self.rows = result, rows
+        self._found |= {page.number: page.result for page in result.pages if page.result and page.number != self.number}
+        self.found.emit()
+
+    # Files
+
+    def export(self, path: Path) -> None:
+        """Write what has been found on all pages."""
+        result = self.result
+        if result is None:
+            return
+        self._session.attempt(EXPORTING)
+
+        def work(_: Task) -> Report:
+            export_stack(result, path)
+            return Exported(path)
+
+        self._session.tasks.start(
+            tr("Writing {name}…").format(name=path.name), work, tr("writing {name}").format(name=path.name)
+        )
+
+    def _unsaved(self) -> bool:
+        return any(page.unsaved for number, page in self._kept.items() if number != self.number)
+
+    def _plain(self) -> Mapping[str, Any]:
+        """The other pages as a session keeps them."""
+        if not self.count:
+            return {}
+        given = not self._session.document.starts or self._session.document.starts != self._given
+        stored = StoredPages(dict(self._kept), {}, self.following, self._drawn, () if given else self._given)
+        return PlainPages(stored, self.number, self.result)
+
+    def _begin_stack(self, source: StackSource, opened: Opened) -> None:
+        """Another file has been opened, perhaps with a session that knows its pages."""
+        self.cancel()
+        self._source, self._ahead = source, source.number
+        self._kept, self._coming, self._found, self._given = {}, {}, {}, ()
+        self.result, self.rows, self._seen, self._drawn = None, (), None, ()
+        if opened.saved is not None and opened.saved.file.pages and self.count:
+            stored = StoredPages.of(opened.saved.file.pages, self._session.document, source)
+            self._kept, self.following, self._drawn = dict(stored.kept), stored.following, stored.drawn
+            self._found, self._given = dict(stored.found), stored.given
+            if stored.trouble:
+                self._session.say(stored.trouble, True, OPENING)
+            self._link_soon()
+        self.found.emit()
+
+
+def _kept(done: PageDone, before: KeptPage | None) -> KeptPage:
+    """A page that has been run; undo leads back to what it was before."""
+    document = done.document
+    file = replace(to_file(document, {}), runs=done.runs or {})
+    if before is None:
+        return KeptPage(file, document, History(), None, done.given, runs_unsaved=True)
+    history = with_change(before.history, Change(tr("run all pages"), before.document, document))
+    return KeptPage(file, document, history, before.known, done.given, runs_unsaved=True)
+
+
+_NEAR, _ALIKE = 1.0, 0.02
+"""How far the center of a contour may lie from where it was [px], and by how much its length may differ, of 1."""
+
+
+class WantedContour(QObject):
+    """Opens the page of a contour, and selects the contour as soon as it is shown there."""
+
+    def __init__(self, pages: StackPages, review: ContourReview) -> None:
+        super().__init__(pages)
+        self._pages, self._review = pages, review
+        self._wanted: PageRow | None = None
+        review.changed.connect(self._look)
+        pages.changed.connect(self._look)
+
+    def show(self, row: PageRow) -> None:
+        """Go to the contour of a row, or to the page of a row that has none."""
+        self._wanted = row if row.measures is not None else None
+        self._pages.open(row.page)
+        self._look()
+
+    def _look(self) -> None:
+        """Select the contour if it is there; forget it when another page is wanted meanwhile."""
+        row = self._wanted
+        if row is None:
+            return
+        if self._pages.ahead != row.page:
+            self._wanted = None
+        elif self._pages.number == row.page:
+            near = min(self._review.items, key=lambda item: _away(item, row), default=None)
+            if near is not None and _is_meant(near, row):
+                self._wanted = None
+                self._review.select((near.key,))
+
+
+def _away(item: Item, row: PageRow) -> float:
+    return float(np.hypot(*np.subtract(centroid(item.contour), (row.row, row.col))))
+
+
+def _is_meant(item: Item, row: PageRow) -> bool:
+    length = 0.0 if row.measures is None else row.measures.length
+    return _away(item, row) <= _NEAR and abs(item.measures.length - length) <= _ALIKE * length

@@ -1,1 +1,0 @@
-"""What has been found: contours, skeleton, and a truth to compare with."""

@@ -1,0 +1,420 @@
+"""The drawing layer: starts with their particles and handles, limits, placed charges, and the current draft."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+
+import numpy as np
+import pyqtgraph as pg
+from PySide6.QtCore import QRectF, Qt, Signal
+from PySide6.QtGui import QBrush, QColor, QPainter, QPainterPath, QPen
+from PySide6.QtWidgets import QGraphicsItem, QStyleOptionGraphicsItem, QWidget
+
+from app.model.document.document import Document
+from app.model.text.language import tr
+from app.model.volume.shape_sections import ChargeSection, sections
+from app.session.scene import Scene
+from app.views.canvas.items.curves import Curves
+from app.views.canvas.items.discs import NO_POSITIONS, Discs
+from app.views.canvas.items.item import Markers, OverImage, cached, line_pen, to_xy
+from app.views.canvas.layers.layer import Layer, Requests
+from app.views.theme import theme
+from cpm_core.field.placed_charges import RADIUS, REACH
+from cpm_core.numerics.types import Array, Place, Position
+from cpm_core.shapes import (
+    Barrier,
+    Charge,
+    Circle,
+    Ellipse,
+    Everywhere,
+    Grid,
+    Kind,
+    Limit,
+    Points,
+    Polygon,
+    Region,
+    Sphere,
+    Start,
+    Stroke,
+    Threshold,
+)
+from cpm_core.shapes.image_starts import ImageStart
+
+_DIM_Z, _LINE_Z = 2.5, 6.5
+"""Places in the stack: the veil lies below particles and contours, the lines above them."""
+
+
+class Limits:
+    """Regions of interest and barriers of a document; also visible during a run, because they always act."""
+
+    def __init__(self, view: pg.ViewBox) -> None:
+        self._dim = Dim()
+        self._regions = Curves(theme.REGION, _LINE_Z, width=1.8, kind="shapes")
+        self._barriers = Curves(theme.BARRIER, _LINE_Z + 0.1, width=3.6, halo=5.6, kind="shapes")
+        self._chosen = Curves(theme.CHOSEN, _LINE_Z + 0.2, width=1.8, halo=0.0, kind="shapes")
+        self._lines = (self._regions, self._barriers, self._chosen)
+        for item in (self._dim, *self._lines):
+            view.addItem(item, ignoreBounds=True)
+
+    def use_shape(self, shape: tuple[int, ...]) -> None:
+        """Cover an image of this shape."""
+        self._dim.use_shape(shape)
+        for item in self._lines:
+            item.use_shape(shape, rim=float(max(shape)))
+
+    def show(self, limits: list[Limit], chosen: Limit | None) -> None:
+        """Show limits, one of them as selected."""
+        regions = [limit for limit in limits if isinstance(limit, Region)]
+        barriers = [limit for limit in limits if isinstance(limit, Barrier)]
+        self._dim.show(regions)
+        self._regions.show(_outlines(regions))
+        self._barriers.show(_outlines(barriers))
+        self._chosen.show(_outlines([] if chosen is None else [chosen]))
+
+    def set_visible(self, visible: bool) -> None:
+        """Show or hide all items."""
+        for item in (self._dim, *self._lines):
+            item.set_shown(visible)
+
+
+class Dim(OverImage):
+    """A veil over the image outside the regions of interest."""
+
+    def __init__(self) -> None:
+        super().__init__(_DIM_Z, 0.0)
+        self._veil = QPainterPath()
+        self.setVisible(False)
+        cached(self)
+
+    def show(self, regions: list[Region]) -> None:
+        """Dim everything outside the regions; without regions, nothing."""
+        if not regions and self._veil.isEmpty():
+            return
+        self._veil = QPainterPath()
+        if regions:
+            self._veil.addRect(self._room)
+            for outline in _outlines(regions):
+                inside = pg.arrayToQPath(*map(np.ascontiguousarray, to_xy(outline)))
+                # A path that crosses itself has no holes: with this rule, all that it winds around is inside.
+                inside.setFillRule(Qt.FillRule.WindingFill)
+                self._veil = self._veil.subtracted(inside)
+        self.update()
+        self.set_shown(self._shown)
+
+    @property
+    def empty(self) -> bool:
+        """Whether nothing is dimmed."""
+        return self._veil.isEmpty()
+
+    def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
+        """Draw the veil."""
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.fillPath(self._veil, QColor(theme.DIMMED))
+
+
+def _outlines(limits: Sequence[Limit]) -> list[Array]:
+    """The lines of limits; a region that lies in other slices of a volume has none."""
+    return [np.array(limit.outline) for limit in limits if len(limit.outline)]
+
+
+_CHARGE_Z = 7.6
+_DISC, _STRONGER, _SIGN = 18.0, 2.0, 11.0
+"""Diameter of a disc of strength 0, increase per unit of strength, and diameter of a sign [px of the screen]."""
+
+
+class Charges:
+    """The placed charges of a document; also visible during a run, because they always act.
+
+    The disc grows with the strength. A thin ring shows where the force is largest; a dashed one, around the selected
+    charge, where it vanishes.
+    """
+
+    def __init__(self, view: pg.ViewBox) -> None:
+        self._rings = (
+            Curves(theme.ATTRACTING, _CHARGE_Z - 0.2, width=1.8, kind="shapes"),
+            Curves(theme.REPELLING, _CHARGE_Z - 0.2, width=1.8, kind="shapes"),
+        )
+        self._reach = Curves(theme.CHOSEN, _CHARGE_Z - 0.1, width=1.2, halo=2.6, dashed=True, kind="shapes")
+        self._discs = Markers(size=_DISC, pxMode=True)
+        self._signs = Markers(size=_SIGN, pxMode=True, pen=None, brush=pg.mkBrush("w"))
+        self._marks = (self._discs, self._signs)
+        for index, item in enumerate(self._marks):
+            item.setZValue(_CHARGE_Z + 0.1 * index)
+        for item in (*self._rings, self._reach, *self._marks):
+            view.addItem(item, ignoreBounds=True)
+
+    def use_shape(self, shape: tuple[int, ...]) -> None:
+        """Cover an image of this shape."""
+        for curves in (*self._rings, self._reach):
+            curves.use_shape(shape, rim=float(max(shape)) + REACH)
+
+    def show(self, charges: Sequence[Charge], chosen: Charge | None) -> None:
+        """Show charges, one of them as selected."""
+        for curves, sign in zip(self._rings, (1.0, -1.0), strict=True):
+            curves.show([_ring(charge, RADIUS) for charge in charges if sign * charge.strength > 0.0])
+        self._reach.show([_ring(chosen, REACH)] if chosen is not None else [])
+        charges = [charge for charge in charges if not isinstance(charge, ChargeSection) or charge.in_slice]
+        x, y = to_xy(np.array([charge.position for charge in charges], dtype=float).reshape(-1, 2))
+        colors = [theme.ATTRACTING if charge.strength > 0.0 else theme.REPELLING for charge in charges]
+        rims = [(theme.CHOSEN, 2.6) if charge is chosen else (theme.HALO, 1.4) for charge in charges]
+        self._discs.setData(
+            x=x,
+            y=y,
+            size=[_DISC + _STRONGER * abs(charge.strength) for charge in charges],
+            brush=[_brush(color) for color in colors],
+            pen=[_pen(color, width) for color, width in rims],
+        )
+        self._signs.setData(x=x, y=y, symbol=[_PLUS if charge.strength > 0.0 else _MINUS for charge in charges])
+
+    def set_visible(self, visible: bool) -> None:
+        """Show or hide all items."""
+        for curves in (*self._rings, self._reach):
+            curves.set_shown(visible)
+        for item in self._marks:
+            item.setVisible(visible)
+
+
+@lru_cache
+def _brush(color: str) -> QBrush:
+    """The same object for the same color: pyqtgraph keeps a picture of a symbol for every brush and pen."""
+    return QBrush(QColor(color))
+
+
+@lru_cache
+def _pen(color: str, width: float) -> QPen:
+    pen = QPen(QColor(color), width)
+    pen.setCosmetic(True)
+    return pen
+
+
+def _ring(charge: Charge, radius: float) -> np.ndarray:
+    return charge.ring(radius) if isinstance(charge, ChargeSection) else Circle(charge.position, radius).outline
+
+
+def _bars(*bars: QRectF) -> QPainterPath:
+    path = QPainterPath()
+    for bar in bars:
+        path.addRect(bar)
+    return path.simplified()
+
+
+_ACROSS, _DOWN = QRectF(-0.5, -0.12, 1.0, 0.24), QRectF(-0.12, -0.5, 0.24, 1.0)
+_PLUS, _MINUS = _bars(_ACROSS, _DOWN), _bars(_ACROSS)
+
+
+_DRAFT_Z = 8.0
+
+
+class Draft:
+    """A path with its corners, the closing segment of a closed path, and the ring of a tool."""
+
+    def __init__(self, view: pg.ViewBox) -> None:
+        self._halo = pg.PlotCurveItem(antialias=True)
+        self._path = pg.PlotCurveItem(antialias=True)
+        self._closing = pg.PlotCurveItem(antialias=True)
+        self._corners = Markers(size=6.0, symbol="s", pen=pg.mkPen(theme.HALO), brush=pg.mkBrush("w"))
+        self._ring = pg.PlotCurveItem(antialias=True)
+        self._rim = pg.PlotCurveItem(antialias=True)
+        for index, item in enumerate((self._halo, self._path, self._closing, self._corners, self._rim, self._ring)):
+            item.setZValue(_DRAFT_Z + 0.1 * index)
+            view.addItem(item, ignoreBounds=True)
+
+    def show(self, corners: tuple[Position, ...], path: tuple[Position, ...], color: str, closed: bool) -> None:
+        """Show a path with corners, all (row, col)."""
+        line = np.array(path, dtype=float).reshape(-1, 2)
+        self._halo.setPen(line_pen(theme.HALO, 4.0, "shapes"))
+        self._path.setPen(line_pen(color, 2.0, "shapes"))
+        dashed = line_pen(color, 1.4, "shapes")
+        dashed.setStyle(Qt.PenStyle.DashLine)
+        self._closing.setPen(dashed)
+        self._halo.setData(*to_xy(line))
+        self._path.setData(*to_xy(line))
+        self._closing.setData(*to_xy(line[[-1, 0]] if closed and len(line) > 2 else line[:0]))
+        x, y = to_xy(np.array(corners, dtype=float).reshape(-1, 2))
+        self._corners.setData(x=x, y=y)
+
+    def show_ring(self, rim: Array, color: str) -> None:
+        """Show the ring of a tool, shape (K, 2); an empty one hides it."""
+        self._rim.setPen(line_pen(theme.HALO, 3.4, "shapes"))
+        self._ring.setPen(line_pen(color, 1.6, "shapes"))
+        for item in (self._rim, self._ring):
+            item.setData(*to_xy(rim))
+
+
+_Z = 7.0
+_FAINT, _LIGHT = 0.45, 0.55
+"""Opacity of the drawing behind a run, and of particles that are computed from the image."""
+
+_DIAMETERS: dict[Kind | None, float] = {"grid": 4.0, "gradient": 3.0, "centers": 6.0, None: 3.0}
+"""Diameters of computed particles [px of the screen], smaller for kinds with many; None stands for areas."""
+
+_Line = Circle | Ellipse | Polygon | Stroke
+"""Starts that are shown as lines with their particles."""
+
+_Area = Grid | Threshold
+"""Starts that are shown as areas with their particles."""
+
+_Drafted = tuple[tuple[Place, ...], tuple[Place, ...], str, bool]
+"""Corners and path of a draft, its color, and whether it is closed."""
+
+
+class DrawingLayer(Layer):
+    """Shapes of the document; starts are opaque before a run and faint behind one."""
+
+    name = "drawing"
+    title = tr("Drawing")
+    tip = tr("What a run starts from, regions of interest, barriers and placed charges.")
+    shortcut = "Alt+6"
+    in_slices = True
+    drafting = Signal()
+    """The draft or the ring has changed."""
+    colors = (theme.DRAWING, theme.REGION, theme.BARRIER, theme.ATTRACTING, theme.REPELLING)
+
+    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
+        super().__init__(view, requests)
+        self._lines = Curves(theme.DRAWING, _Z, width=1.4, kind="shapes")
+        self._chosen = Curves(theme.CHOSEN, _Z + 0.1, width=2.2, kind="shapes")
+        self._areas = Curves(theme.DRAWING, _Z, width=1.2, dashed=True, kind="shapes")
+        self._everywhere = {kind: Discs(theme.MOVING, diameter, 0.0) for kind, diameter in _DIAMETERS.items()}
+        self._seeds = Discs(theme.MOVING, 6.0, 0.0)
+        self._points = Discs(theme.MOVING, 7.0, 0.0)
+        self._chosen_points = Discs(theme.CHOSEN, 9.0, 0.0)
+        self._handles = Markers(
+            size=10.0, symbol="s", pen=pg.mkPen(theme.HALO, width=1.2), brush=pg.mkBrush(theme.CHOSEN)
+        )
+        self._limits = Limits(view)
+        self._charges = Charges(view)
+        self._draft = Draft(view)
+        self.drafted: _Drafted = ((), (), theme.DRAWING, False)
+        self.ringed: tuple[Place | None, float, str] = (None, 0.0, theme.DRAWING)
+        self._image_starts: tuple[ImageStart, ...] = ()
+        self._curves = (self._lines, self._areas, self._chosen)
+        self._marks: tuple[QGraphicsItem, ...] = (
+            *self._everywhere.values(),
+            self._seeds,
+            self._points,
+            self._chosen_points,
+            self._handles,
+        )
+        for z, item in enumerate(self._marks, start=2):
+            item.setZValue(_Z + 0.1 * z)
+        self.add(*self._curves, *self._marks)
+        self._faint = 1.0
+        self._chosen_start: ImageStart | None = None
+
+    @property
+    def everywhere(self) -> int:
+        """Number of computed particles shown."""
+        return sum(discs.count for discs in self._everywhere.values())
+
+    def use_shape(self, shape: tuple[int, ...]) -> None:
+        """Cover an image of this shape; shapes may lie beside it."""
+        rim = float(max(shape))
+        for item in (*self._curves, *self._everywhere.values(), self._seeds, self._points, self._chosen_points):
+            item.use_shape(shape, rim)
+        self._limits.use_shape(shape)
+        self._charges.use_shape(shape)
+
+    def follow(self, before: Scene) -> None:
+        """Show other shapes, another selection, or the shapes behind a run."""
+        scene = self.scene
+        shapes, selected = scene.document.shapes, scene.selected
+        if shapes is not before.document.shapes or (selected, scene.moved) != (before.selected, before.moved):
+            self._show(scene.document, selected, scene.moved)
+        elif scene.image_seeds is not before.image_seeds:
+            self._draw_everywhere()
+
+    def show_draft(self, corners: tuple[Place, ...], path: tuple[Place, ...], color: str, closed: bool) -> None:
+        """Show the draft of a path."""
+        self.drafted = (corners, path, color, closed)
+        self._draft.show(self._flat(corners), self._flat(path), color, closed)
+        self.drafting.emit()
+
+    def show_ring(self, center: Place | None, radius: float, color: str) -> None:
+        """Show the ring of a tool, in a volume that of a ball in sides of the smallest voxel; None hides it."""
+        self.ringed = (center, radius, color)
+        self._draft.show_ring(self._ring(center, radius), color)
+        self.drafting.emit()
+
+    def _flat(self, places: tuple[Place, ...]) -> tuple[Position, ...]:
+        """Places as (row, col) in the slice that is shown."""
+        slices = self.scene.slices
+        return tuple(slices.current.within(place) if slices and len(place) == 3 else place for place in places)
+
+    def _ring(self, center: Place | None, radius: float) -> Array:
+        """The line of a ring, shape (K, 2)."""
+        if center is None:
+            return np.empty((0, 2))
+        slices, volume = self.scene.slices, self.scene.volume
+        if slices is None or volume is None or len(center) == 2:
+            return Circle(center, radius).outline
+        cuts = sections(Sphere.round(center, radius, volume.spacing), slices.axis, slices.current.index)
+        return np.concatenate([np.empty((0, 2)), *(cut.outline for cut in cuts)])
+
+    def copy_draft(self, other: DrawingLayer) -> None:
+        """Show the same draft and ring on another canvas."""
+        if self.drafted != other.drafted:
+            other.show_draft(*self.drafted)
+        if self.ringed != other.ringed:
+            other.show_ring(*self.ringed)
+
+    def _show(self, document: Document, selected: int | None, started: bool) -> None:
+        chosen = document.shapes[selected] if selected is not None and selected < len(document.shapes) else None
+        rest = [shape for shape in document.shapes if shape is not chosen]
+        self._lines.show([shape.outline for shape in rest if isinstance(shape, _Line)])
+        self._areas.show([shape.outline for shape in rest if isinstance(shape, _Area)])
+        self._chosen.show([chosen.outline] if isinstance(chosen, _Line | _Area) else [])
+        # During a run, the points that the particles started from would only hide them.
+        placed: list[Points | Grid] = [shape for shape in document.shapes if isinstance(shape, Grid)]
+        placed += [shape for shape in rest if isinstance(shape, Points)]
+        self._points.show(_particles([] if started else placed))
+        self._chosen_points.show(_particles([chosen] if isinstance(chosen, Points | Stroke) else []))
+        # A selected circle shows its handles; a selected stroke is recognized only by its particles.
+        lines = [*rest, *([chosen] if isinstance(chosen, Circle | Ellipse | Polygon) else [])]
+        self._seeds.show(_particles([] if started else [line for line in lines if isinstance(line, _Line)]))
+        self._image_starts = () if started else document.image_starts
+        self._draw_everywhere()
+        x, y = to_xy(np.array(chosen.handles() if chosen else (), dtype=float).reshape(-1, 2))
+        self._handles.setData(x=x, y=y)
+        self._faint = _FAINT if started and not isinstance(chosen, Start) else 1.0
+        self._chosen_start = chosen if isinstance(chosen, ImageStart) else None
+        self.fade()
+        limits = [shape for shape in document.shapes if isinstance(shape, Limit)]
+        self._limits.show(limits, chosen if isinstance(chosen, Limit) else None)
+        charges = [shape for shape in document.shapes if isinstance(shape, Charge)]
+        self._charges.show(charges, chosen if isinstance(chosen, Charge) else None)
+
+    def show_or_hide(self) -> None:
+        """Show or hide all items."""
+        super().show_or_hide()
+        self._limits.set_visible(self.shown)
+        self._charges.set_visible(self.shown)
+
+    def fade(self) -> None:
+        """Set the opacity; the drawing is faint behind a run."""
+        faint: tuple[QGraphicsItem, ...] = (*self._curves, *self._marks)
+        for item in faint:
+            item.setOpacity(self.opacity * self._faint)
+        self._handles.setOpacity(self.opacity)
+        chosen = self._chosen_start
+        for kind, discs in self._everywhere.items():
+            strong = isinstance(chosen, Threshold) if kind is None else chosen == Everywhere(kind)
+            discs.setOpacity(self.opacity * (1.0 if strong else _LIGHT))
+
+    def _draw_everywhere(self) -> None:
+        for kind, discs in self._everywhere.items():
+            seen = [
+                self.scene.image_seeds[start]
+                for start in self._image_starts
+                if start in self.scene.image_seeds and _kind(start) == kind
+            ]
+            discs.show(np.concatenate([NO_POSITIONS, *seen]))
+
+
+def _kind(start: ImageStart) -> Kind | None:
+    return start.kind if isinstance(start, Everywhere) else None
+
+
+def _particles(shapes: Sequence[_Line | Points | Grid]) -> np.ndarray:
+    return np.concatenate([np.empty((0, 2)), *(shape.seeds() for shape in shapes)])

@@ -1,1 +1,0 @@
-"""What a person has drawn: starts, limits and placed charges."""

@@ -1,1 +1,0 @@
-"""Fields over the image: edge map, electric field, potential."""

@@ -1,1 +1,0 @@
-"""The image and its scale."""

@@ -1,0 +1,271 @@
+"""The layer of the image itself, and the drag that changes its window of gray values."""
+
+from __future__ import annotations
+
+import math
+
+import pyqtgraph as pg
+from PySide6.QtCore import QEvent, QObject, QPointF, Qt, Signal
+from PySide6.QtGui import QCursor, QMouseEvent
+from PySide6.QtWidgets import QWidget
+
+from app.model.display.display_image import DisplayImage, IntensityWindow, Shades, apply_window, color_curve
+from app.model.text.language import tr, written
+from app.session.scene import Scene
+from app.session.worker.requests import FindWindow, Shade, WindowFound
+from app.views.canvas.items.item import cached
+from app.views.canvas.items.tiled_image import TiledImage
+from app.views.canvas.layers.layer import Amount, Choice, Layer, Requests
+from app.views.theme import color_maps
+from cpm_core.image.image import Image
+
+WHOLE, AUTOMATIC, _HAND = "0", "0.1", "hand"
+"""Ranges of gray values: all, all but the most extreme, and one chosen by hand."""
+
+_IN_COLOR, _CHANNEL = "colors", "channel"
+
+_AT_ONCE = 1 << 22
+"""Largest number of pixels for which shades are made at once, within two frames; otherwise the worker makes them."""
+
+
+class ImageLayer(Layer):
+    """The image in a window of gray values, given by percentiles or chosen by hand."""
+
+    name = "image"
+    title = tr("Image")
+    tip = tr("The image itself.")
+    shortcut = "Alt+0"
+    in_slices = True
+    options = (
+        Choice(
+            "shown",
+            tr("Shown"),
+            {_IN_COLOR: tr("In color"), _CHANNEL: tr("Channel of the run")},
+            _IN_COLOR,
+            tr("A color image in its colors, or the channel in which a run finds edges."),
+        ),
+        Choice("map", tr("Colors"), color_maps.MAPS, color_maps.GRAY, tr("Colors from dark to bright.")),
+        Choice(
+            "range",
+            tr("Range"),
+            {
+                WHOLE: tr("All gray values"),
+                AUTOMATIC: tr("All but 0.1 % at either end"),
+                "1": tr("All but 1 % at either end"),
+                "5": tr("All but 5 % at either end"),
+                _HAND: tr("By hand"),
+            },
+            WHOLE,
+            tr("Gray values that are distinguished; values below are black, values above are white."),
+        ),
+        Amount("gamma", tr("Gamma"), 0.2, 3.0, 0.05, 1.0, tr("Less brings out what is dark, more what is bright.")),
+    )
+
+    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
+        super().__init__(view, requests)
+        self._item = TiledImage(0.0)
+        cached(self._item)
+        self.add(self._item)
+        self.ends = self.window = (0.0, 1.0)
+        """Least and largest gray value of the image; gray values shown black and white."""
+
+    @property
+    def shades(self) -> Shades | None:
+        """Shades shown, before the color map is applied."""
+        return self._item.display.shades if self._item.display is not None else None
+
+    @property
+    def shown_window(self) -> IntensityWindow:
+        """The window with gamma, as it is shown."""
+        return IntensityWindow(*self.window, self.number("gamma"))
+
+    @property
+    def table(self) -> color_maps.Table:
+        """Colors of the shades, shape (256, 3)."""
+        return color_maps.table(self.word("map"))
+
+    def choose_window(self, low: float, high: float) -> None:
+        """Show gray values from `low`, black, to `high`, white."""
+        if math.isfinite(low) and math.isfinite(high) and low <= high and (low, high) != self.window:
+            self.chosen["range"] = _HAND
+            self._use_window(low, high)
+
+    def follow_choice(self, name: str) -> None:
+        """Change colors or window."""
+        if name == "map":
+            self._item.use_table(None if self.word("map") == color_maps.GRAY else self.table)
+        elif name == "range":
+            self._find_window()
+        else:  # what is shown, or gamma
+            self._shade()
+
+    def acts(self, name: str) -> bool:
+        """Whether an option has an effect: gray images have no channels, and colors no color map."""
+        colored = self.scene.image is not None and self.scene.image.colors is not None
+        return {"shown": colored, "map": not colored or self.word("shown") == _CHANNEL}.get(name, True)
+
+    def view_state(self) -> dict[str, object]:
+        """Its state, with the window where it is chosen by hand."""
+        state = super().view_state()
+        return {**state, "low": self.window[0], "high": self.window[1]} if state["range"] == _HAND else state
+
+    def use_view_state(self, state: dict[str, object]) -> None:
+        """Restore the state and the window."""
+        super().use_view_state(state)
+        low, high = state.get("low"), state.get("high")
+        if self.word("range") == _HAND and isinstance(low, int | float) and isinstance(high, int | float):
+            self.choose_window(float(low), float(high))
+
+    def follow(self, before: Scene) -> None:
+        """Show another image, or the window or shades that were requested."""
+        scene = self.scene
+        if scene.image is not before.image and scene.image is not None and scene.display is not None:
+            if _same(scene.whole, before.whole):  # another slice of the same volume, or pixels of another size
+                self._shade()
+            else:
+                self._use_image(scene.image, scene.display)
+        elif scene.display is not before.display:  # a preview of a large slice has been completed
+            self._shade()
+        found, shaded = scene.window_found, scene.shaded
+        if found is not None and found is not before.window_found and found.image is scene.whole:
+            self._take_window(found)
+        # of two pending requests, the older one may not win
+        new = shaded is not None and shaded is not before.shaded and shaded.image is scene.image
+        wanted = self.shown_window, self._channel()
+        if shaded is not None and new and (shaded.window, shaded.channel) == wanted and not self._in_color():
+            self._item.show_image(shaded.display)
+        if scene.document.parameters.channel != before.document.parameters.channel and not self._in_color():
+            self._shade()
+
+    def _take_window(self, found: WindowFound) -> None:
+        if self.word("range") == written(f"{found.percent:g}"):
+            self._use_window(found.low, found.high)
+
+    def _use_image(self, image: Image, shades: DisplayImage) -> None:
+        whole = self.scene.whole
+        self.ends = self.window = (image if whole is None else whole).gray_range
+        if self.word("range") == _HAND:
+            # a window chosen for another image does not apply to this one
+            self.chosen["range"] = WHOLE
+        self._item.use_curve(None)
+        self._item.show_image(shades)
+        if self.word("range") != WHOLE or self.number("gamma") != 1.0:
+            self._find_window()
+        elif image.colors is not None and not self._in_color():
+            self._shade()
+        self.changed.emit()
+
+    def _find_window(self) -> None:
+        """Use the chosen window; the worker finds percentiles, because sorting the pixels takes longer than a frame."""
+        way, image = self.word("range"), self.scene.whole
+        if image is None or way == _HAND:
+            return
+        if way == WHOLE:
+            self._use_window(*self.ends)
+        else:
+            self.requests.post(FindWindow(image, float(way)))
+
+    def _use_window(self, low: float, high: float) -> None:
+        self.window = (low, high)
+        self._shade()
+        self.changed.emit()
+
+    def _shade(self) -> None:
+        image, whole = self.scene.image, self.scene.display
+        if image is None or whole is None:
+            return
+        window, colors = self.shown_window, image.colors
+        if colors is not None and self._in_color():
+            self._item.use_curve(None if window == IntensityWindow(*self.ends) else color_curve(window, colors.white))
+            self._item.show_image(whole)
+        elif colors is not None:
+            self.requests.post(Shade(image, window, self._channel()))
+        elif window == IntensityWindow(*self.ends):
+            self._item.show_image(whole)
+        elif image.values.size <= _AT_ONCE:
+            self._item.show_image(DisplayImage.of(apply_window(image.values, window)))
+        else:
+            self.requests.post(Shade(image, window))
+
+    def _in_color(self) -> bool:
+        """Whether a color image is shown in its colors."""
+        image = self.scene.image
+        return image is not None and image.colors is not None and self.word("shown") == _IN_COLOR
+
+    def _channel(self) -> str:
+        """Channel that is shown where the image is not shown in color."""
+        return (
+            "luminance"
+            if self.scene.image is None
+            else self.scene.image.channel(self.scene.document.parameters.channel)
+        )
+
+
+def _same(one: Image | None, other: Image | None) -> bool:
+    """Whether two images have the same gray values, whatever the size of their pixels."""
+    return one is not None and other is not None and one.values is other.values
+
+
+_DRAG_REACH = 400.0
+"""A drag by so much changes width or middle by the whole range [px of the screen]."""
+
+_NARROWEST = 1e-3
+"""Least width of the window, as a part of the range."""
+
+Window = tuple[float, float]
+
+
+def dragged(window: Window, ends: Window, right: float, down: float) -> Window:
+    """The window of gray values after a drag to the right and down [px of the screen], within the whole range."""
+    span = ends[1] - ends[0]
+    width = window[1] - window[0] + span * right / _DRAG_REACH
+    width = min(max(width, _NARROWEST * span), span)
+    middle = 0.5 * (window[0] + window[1]) - span * down / _DRAG_REACH
+    middle = min(max(middle, ends[0]), ends[1])
+    return max(middle - 0.5 * width, ends[0]), min(middle + 0.5 * width, ends[1])
+
+
+class LevelDrag(QObject):
+    """Takes such drags from a widget, and others that it watches, and moves the window of a layer."""
+
+    moved = Signal()
+    """The window follows the pointer."""
+    ended = Signal()
+    """The button has been released."""
+
+    def __init__(self, layer: ImageLayer, widget: QWidget) -> None:
+        super().__init__(widget)
+        self.watch(widget)
+        self._layer = layer
+        self._from: QPointF | None = None
+        self._window: Window = (0.0, 1.0)
+        self._cursor = QCursor()
+
+    def watch(self, widget: QWidget) -> None:
+        """Take the drags of a widget that shows the image."""
+        widget.installEventFilter(self)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Begin, follow and end a drag."""
+        if not isinstance(event, QMouseEvent) or not isinstance(watched, QWidget):
+            return False
+        kind, right = event.type(), Qt.MouseButton.RightButton
+        begins = event.button() == right and bool(event.modifiers() & Qt.KeyboardModifier.ControlModifier)
+        if kind == QEvent.Type.MouseButtonPress and begins and self._layer.scene.image is not None:
+            self._from, self._window = event.position(), self._layer.window
+            self._cursor = watched.cursor()
+            watched.setCursor(Qt.CursorShape.SizeAllCursor)
+            return True
+        if self._from is None:
+            return False
+        if kind == QEvent.Type.MouseMove:
+            way = event.position() - self._from
+            self._layer.choose_window(*dragged(self._window, self._layer.ends, way.x(), way.y()))
+            self.moved.emit()
+            return True
+        if kind == QEvent.Type.MouseButtonRelease and event.button() == right:
+            self._from = None
+            watched.setCursor(self._cursor)
+            self.ended.emit()
+            return True
+        return False

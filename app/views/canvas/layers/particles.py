@@ -1,0 +1,336 @@
+"""The layers of the particles and of their trails, and the legend of their colors."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import ClassVar
+
+import numpy as np
+import pyqtgraph as pg
+from pyqtgraph.Qt import internals
+from PySide6.QtCore import QLineF, QPointF, QRectF, QSizeF, Qt
+from PySide6.QtGui import QColor, QPainter, QPen
+from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
+
+from app.model.display.coloring import QUANTITIES, SHADES, InsertionTimes, colored
+from app.model.display.trails import Trails
+from app.model.text.language import tr, written
+from app.session.exchange.messages import Snapshot
+from app.session.scene import Scene
+from app.views.canvas.items.discs import NO_POSITIONS, Discs
+from app.views.canvas.items.item import INK, MARGIN, OverImage, Pinned
+from app.views.canvas.layers.layer import Amount, Choice, Layer, LegendEntry, Requests
+from app.views.theme import color_maps, theme
+from cpm_core.numerics.types import Array
+
+BEGIN = 0.18
+"""Part of the maps that is too dark to be distinguished from a dark image."""
+
+UNKNOWN = theme.JUNCTION
+"""Color of particles whose quantity is not known yet; no map contains it."""
+
+_WIDTH, _STRIP, _PAD = 170.0, 8.0, 8.0
+
+
+class ColorLegend(Pinned):
+    """A title, a strip of colors, and the values at its ends, in the corner of a view."""
+
+    def __init__(self, view: pg.ViewBox) -> None:
+        super().__init__()
+        self._view = view
+        self.words = ("", "", "")
+        """Title, least and largest value, as shown."""
+        self._partly = False
+        self._map = color_maps.GRAY
+        view.sigResized.connect(self._place)
+
+    def show_range(self, title: str, low: float, high: float, map_name: str, partly: bool) -> None:
+        """Show the range of a quantity; `partly` means that it is unknown for some particles."""
+        words = (title, written(f"{low:g}"), written(f"{high:g}"))
+        if (words, map_name, partly) != (self.words, self._map, self._partly):
+            self.words, self._map, self._partly = words, map_name, partly
+            self.resize(QSizeF(_WIDTH, 2 * self.metrics().height() + _STRIP + 2 * _PAD))
+            self._place()
+
+    def draw(self, painter: QPainter) -> None:
+        """Draw title, strip and values."""
+        line = self.metrics().height()
+        inner = self.boundingRect().adjusted(_PAD, 0.5 * _PAD, -_PAD, -0.5 * _PAD)
+        title, low, high = self.words
+        painter.setPen(QColor(INK))
+        painter.drawText(QRectF(inner.left(), inner.top(), inner.width(), line), Qt.AlignmentFlag.AlignHCenter, title)
+        strip = QRectF(inner.left(), inner.top() + line + 2.0, inner.width(), _STRIP)
+        pixels = color_maps.strip(self._map, 2 * round(strip.width()), 2 * round(strip.height()), BEGIN)
+        painter.drawPixmap(strip, pixels, QRectF(pixels.rect()))
+        below = QRectF(inner.left(), strip.bottom() + 1.0, inner.width(), line)
+        painter.drawText(below, Qt.AlignmentFlag.AlignLeft, low)
+        painter.drawText(below, Qt.AlignmentFlag.AlignRight, high)
+        if self._partly:
+            painter.setPen(QColor(UNKNOWN))
+            painter.drawText(below, Qt.AlignmentFlag.AlignHCenter, tr("● too new"))
+
+    def _place(self, *_: object) -> None:
+        room = self._view.boundingRect()
+        corner = room.bottomRight() - QPointF(self.size.width() + MARGIN, self.size.height() + MARGIN)
+        self.put(corner)
+
+
+_SMALL, _SAME, _HIDDEN = "small", "same", "hidden"
+_RECEDING, _PALE = 0.55, 0.4
+"""Factors of the diameter and of the opacity of particles after the end of a run."""
+
+_ABOVE, _BELOW = 6.0, 3.1
+"""Places in the stack of the moving particles: above the contours during a run, and below them after its end."""
+
+_FADED = 0.85
+"""How much of its opacity a particle has lost where it is so far from a slice that it is not shown any more."""
+
+_STATE = "state"
+_COLORS = ("viridis", "cividis", "magma")
+
+
+class ParticleLayer(Layer):
+    """The particles, colored by state (moving or at rest) or by a quantity.
+
+    They lead during a run; after its end they recede behind what has been found.
+    """
+
+    name = "particles"
+    title = tr("Particles")
+    tip = tr("Moving, and nearly at rest.")
+    shortcut = "Alt+1"
+    in_slices = True
+    colors = (theme.MOVING, theme.RESTING)
+    ways: ClassVar = {_STATE: tr("Moving or at rest"), **{name: kind.title for name, kind in QUANTITIES.items()}}
+    """Names and titles of what the color can show."""
+    options = (
+        Choice("colour", tr("Color by"), ways, _STATE, " ".join(quantity.tip for quantity in QUANTITIES.values())),
+        Choice(
+            "map",
+            tr("Colors"),
+            {name: color_maps.MAPS[name] for name in _COLORS},
+            "viridis",
+            tr("Colors from low to high."),
+        ),
+        Choice(
+            "done",
+            tr("After a run"),
+            {_SMALL: tr("Small and pale"), _SAME: tr("As during the run"), _HIDDEN: tr("Hidden")},
+            _SMALL,
+            tr("How particles are shown when a run has ended."),
+        ),
+    )
+
+    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
+        super().__init__(view, requests)
+        # Contours lie above the particles at rest and below those that still move.
+        self._resting = Discs(theme.RESTING, 7.0, 3.0)
+        self._moving = Discs(theme.MOVING, 6.0, _ABOVE)
+        self.legend = ColorLegend(view)
+        self.add(self._resting, self._moving)
+        self.pin(self.legend)
+
+    @property
+    def position(self) -> Array:
+        """Where particles are shown (row, col), shape (N, 2)."""
+        return np.concatenate([self._resting.position, self._moving.position])
+
+    @property
+    def count(self) -> int:
+        """Number of particles shown."""
+        return self._resting.count + self._moving.count
+
+    @property
+    def receding(self) -> bool:
+        """Whether the run has ended, and the particles are shown less than during the run."""
+        return _ended(self.scene) and self.word("done") != _SAME
+
+    def size_of(self, snapshot: Snapshot) -> float:
+        """Factor for the diameter of the particles of a snapshot; 0 where they are hidden after its run."""
+        if not snapshot.state.stop_reason:
+            return 1.0
+        return {_SAME: 1.0, _SMALL: _RECEDING, _HIDDEN: 0.0}[self.word("done")]
+
+    def legend_entries(self) -> Sequence[LegendEntry]:
+        """Particles by state during a run; those colored by a quantity have a legend on the canvas."""
+        if _ended(self.scene) or self.word("colour") != _STATE:
+            return ()
+        kinds = (
+            (self._moving, tr("moving"), tr("Particles that move."), theme.MOVING),
+            (self._resting, tr("at rest"), tr("Particles that hardly move."), theme.RESTING),
+        )
+        return [LegendEntry(discs.count, text, tip, color, "dot", 6.0) for discs, text, tip, color in kinds]
+
+    def show_or_hide(self) -> None:
+        """Show or hide the particles and the legend."""
+        super().show_or_hide()
+        hidden = self.receding and self.word("done") == _HIDDEN
+        for discs in (self._resting, self._moving):
+            discs.set_shown(self.shown and not hidden)
+        self._show_legend()
+
+    def fade(self) -> None:
+        """Set opacity, size and place in the stack."""
+        small = self.receding
+        for discs in (self._resting, self._moving):
+            discs.setOpacity(self.opacity * (_PALE if small else 1.0))
+            discs.shrink(_RECEDING if small else 1.0)
+        self._moving.setZValue(_BELOW if small else _ABOVE)
+
+    def acts(self, name: str) -> bool:
+        """Colors from low to high act only where a quantity is shown."""
+        return name != "map" or self.word("colour") != _STATE
+
+    def follow_choice(self, name: str) -> None:
+        """Change the colors, or how the particles are shown after a run."""
+        if name == "done":
+            self._recede()
+            return
+        palette = [] if self.word("colour") == _STATE else _palette(self.word("map"))
+        for discs in (self._resting, self._moving):
+            discs.use_palette(palette)
+        self._show()
+
+    def follow(self, before: Scene) -> None:
+        """Show the newest particles."""
+        if self.scene.snapshot is not before.snapshot:  # another slice shows others of the same particles
+            self._show()
+            if _ended(self.scene) != _ended(before):
+                self._recede()
+
+    def _show(self) -> None:
+        snapshot, near = self.scene.snapshot, self.scene.near
+        opacity = None if near is None else 1.0 - _FADED * near.away
+        if snapshot is None:
+            self._resting.show(NO_POSITIONS)
+            self._moving.show(NO_POSITIONS)
+        elif self.word("colour") == _STATE:
+            for discs, which in ((self._resting, snapshot.resting), (self._moving, ~snapshot.resting)):
+                discs.show(snapshot.position[which], None, None if opacity is None else opacity[which])
+        else:
+            quantity = QUANTITIES[self.word("colour")]
+            shown = colored(quantity, snapshot.state, InsertionTimes(snapshot.metrics.step, snapshot.metrics.numbered))
+            marks = shown.marks if near is None else shown.marks[near.index]
+            for discs, which in ((self._resting, snapshot.resting), (self._moving, ~snapshot.resting)):
+                discs.show(snapshot.position[which], marks[which], None if opacity is None else opacity[which])
+            partly = bool((shown.marks == SHADES).any())
+            self.legend.show_range(quantity.title, shown.low, shown.high, self.word("map"), partly)
+        self._show_legend()
+
+    def _recede(self) -> None:
+        self.fade()
+        self.show_or_hide()
+
+    def _show_legend(self) -> None:
+        self.legend.setVisible(self.shown and self.scene.snapshot is not None and self.word("colour") != _STATE)
+
+
+def _ended(scene: Scene) -> bool:
+    return scene.snapshot is not None and bool(scene.snapshot.state.stop_reason)
+
+
+def _palette(name: str) -> list[str]:
+    """Colors from low to high, and one for unknown values."""
+    return [QColor(*map(int, row)).name() for row in color_maps.table(name, SHADES, BEGIN)] + [UNKNOWN]
+
+
+_TRAIL_Z = 2.9
+_LENGTH = 20.0
+_BANDS = 4
+"""Number of opacities of a trail; each needs one call of the painter."""
+
+_MOST = 24_000
+"""Largest number of lines in a frame; beyond it the trails are shorter."""
+
+_TRAIL_RIM = 16.0
+
+
+class TrailLayer(Layer):
+    """Lines along the latest positions of each particle; older ones are fainter."""
+
+    name = "trails"
+    title = tr("Trails")
+    tip = tr("The latest positions of each particle.")
+    shortcut = "Alt+2"
+    initially = False
+    in_slices = True
+    colors = (theme.TRAIL,)
+    options = (Amount("length", tr("Length"), 2, 100, 1, _LENGTH, tr("Number of moments that a trail shows.")),)
+
+    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
+        super().__init__(view, requests)
+        self.trails = Trails(int(_LENGTH))
+        self._item = Segments(theme.TRAIL, _TRAIL_Z)
+        self.add(self._item)
+        self._item.setVisible(False)
+
+    def show_or_hide(self) -> None:
+        """Store positions only while the layer is shown."""
+        super().show_or_hide()
+        if not self.shown:
+            self.trails.forget()
+            self._item.show(())
+
+    def follow_choice(self, name: str) -> None:
+        """Change the length."""
+        self.trails.keep(int(self.number("length")))
+        self._item.show(self.trails)
+
+    def follow(self, before: Scene) -> None:
+        """Add the newest positions."""
+        snapshot = self.scene.snapshot
+        if snapshot is before.snapshot:
+            return
+        now, then = self.scene.slices, before.slices
+        if snapshot is None or (now is not None and then is not None and now.current != then.current):
+            self.trails.forget()  # those of another slice are not seen in this one
+        if snapshot is not None and self.shown:
+            near, identity = self.scene.near, snapshot.state.particles.identity
+            self.trails.add(snapshot.state.step, identity if near is None else identity[near.index], snapshot.position)
+        if self.shown:
+            self._item.show(self.trails)
+
+
+class Segments(OverImage):
+    """Many short lines of one color in bands of decreasing opacity."""
+
+    def __init__(self, color: str, z: float) -> None:
+        super().__init__(z, _TRAIL_RIM)
+        self._color = color
+        self._bands: list[Array] = []
+        self._lines = internals.PrimitiveArray(QLineF, 4)
+
+    def show(self, newest_first: Iterable[Array]) -> None:
+        """Show pairs of positions, each of shape (M, 2, 2), newest first."""
+        pieces: list[Array] = []
+        room = _MOST
+        for pairs in newest_first:
+            if len(pairs) > room and pieces:
+                break
+            pieces.append(pairs[:: len(pairs) // _MOST + 1])
+            room -= len(pairs)
+        bands = np.array_split(np.arange(len(pieces)), _BANDS)
+        self._bands = [np.concatenate([pieces[i] for i in band]) for band in bands if len(band)]
+        self.update()
+
+    def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
+        """Draw the oldest first."""
+        transform = painter.worldTransform()
+        painter.save()
+        painter.resetTransform()
+        # A thousand lines look better with antialiasing; for ten thousand it would take several frames.
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing, sum(map(len, self._bands)) < _MOST // 10)
+        color = QColor(self._color)
+        for age in range(len(self._bands) - 1, -1, -1):
+            pairs = self._bands[age]
+            if not len(pairs):
+                continue
+            self._lines.resize(len(pairs))
+            table = self._lines.ndarray()
+            for end in (0, 1):
+                table[:, 2 * end] = transform.dx() + pairs[:, end, 1] * transform.m11()
+                table[:, 2 * end + 1] = transform.dy() + pairs[:, end, 0] * transform.m22()
+            color.setAlphaF(0.85 * (1.0 - age / _BANDS) + 0.1)
+            painter.setPen(QPen(color, 1.0))
+            painter.drawLines(*self._lines.drawargs())
+        painter.restore()

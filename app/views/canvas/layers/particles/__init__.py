@@ -1,1 +1,0 @@
-"""Particles, their colors and trails, and the forces on them."""

@@ -1,0 +1,183 @@
+"""Messages to the user in one line, with details on demand."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QPoint, QSize, Qt, QTimer, Signal
+from PySide6.QtGui import QResizeEvent
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QSizePolicy, QToolButton, QVBoxLayout
+
+from app.model.state.messages import Message, Messages
+from app.model.text.keys import with_keys
+from app.model.text.language import tr
+from app.views.theme.icons import icon
+from app.views.theme.theme import Theme
+from app.views.widgets.containers import ElidedLabel
+
+_NARROWEST = 40
+
+
+class FittingLabel(ElidedLabel):
+    """Shows the first line of its text as far as it fits; the tool tip has the whole where it does not."""
+
+    fits_changed = Signal()
+    """The text fits now, or no longer."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setTextFormat(Qt.TextFormat.PlainText)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        self._fitted = True
+
+    @property
+    def fits(self) -> bool:
+        """Whether the whole text is visible."""
+        text = self.text()
+        return "\n" not in text and self.fontMetrics().horizontalAdvance(text) <= self.contentsRect().width()
+
+    def setText(self, text: str) -> None:
+        """Show another text."""
+        super().setText(text)
+        self._follow()
+
+    def minimumSizeHint(self) -> QSize:
+        """It may be narrow."""
+        return QSize(_NARROWEST, self.fontMetrics().height())
+
+    def sizeHint(self) -> QSize:
+        """Space for its first line."""
+        return QSize(self.fontMetrics().horizontalAdvance(self.first_line) + 2, self.fontMetrics().height())
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Look whether the text fits."""
+        super().resizeEvent(event)
+        self._follow()
+
+    def _follow(self) -> None:
+        fits = self.fits
+        self.setToolTip("" if fits else self.text())
+        if fits != self._fitted:
+            self._fitted = fits
+            self.fits_changed.emit()
+
+
+SHOWN = 6000
+"""Time after which good news disappears [ms]."""
+
+_DETAILS_WIDTH = 420
+
+
+class MessageLine(QFrame):
+    """One message, and buttons to read all of it and to dismiss it; hidden while there is none."""
+
+    shown_changed = Signal()
+    """Another message is shown, or none."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._messages = Messages()
+        self._label = FittingLabel()
+        self._label.fits_changed.connect(self._show_details_button)
+        self.details = QToolButton()
+        self.details.setText(tr("Details"))
+        self.details.setAutoRaise(True)
+        self.details.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.details.setToolTip(tr("Read the whole message."))
+        self.details.clicked.connect(self._show_details)
+        self._button = QToolButton()
+        self._button.setAutoRaise(True)
+        self._button.setAccessibleName(tr("Dismiss message"))
+        self._button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self._button.clicked.connect(self.dismiss)
+        row = QHBoxLayout(self)
+        row.setContentsMargins(10, 0, 2, 0)
+        row.setSpacing(4)
+        row.addWidget(self._label, 1)
+        row.addWidget(self.details)
+        row.addWidget(self._button)
+        self._timer = QTimer(self, singleShot=True, interval=SHOWN)
+        self._timer.timeout.connect(lambda: self._use(self._messages.faded()))
+        self._theme: Theme | None = None
+        self.hide()
+
+    @property
+    def text(self) -> str:
+        """The message shown, or empty."""
+        shown = self._messages.shown
+        return shown.text if shown is not None else ""
+
+    @property
+    def error(self) -> bool:
+        """Whether an error is shown."""
+        shown = self._messages.shown
+        return shown is not None and shown.error
+
+    def say(self, sentence: str, error: bool, topic: str = "") -> None:
+        """Show a message."""
+        self._use(self._messages.said(Message(sentence, error, topic)))
+
+    def attempt(self, topic: str) -> None:
+        """Take away what was said about earlier attempts of a kind."""
+        self._use(self._messages.without(topic))
+
+    def keep_only(self, *topics: str) -> None:
+        """Take away all messages of other topics."""
+        self._use(self._messages.only(*topics))
+
+    def dismiss(self) -> None:
+        """Take away the message that is shown."""
+        self._use(self._messages.dismissed())
+
+    def clear(self) -> None:
+        """Take away all messages."""
+        self._use(Messages())
+
+    def show_keys(self) -> None:
+        """Name the keys as they are now."""
+        self._button.setToolTip(with_keys(tr("Dismiss ({key:escape})")))
+
+    def use_theme(self, theme: Theme) -> None:
+        """Tint the button."""
+        self._theme = theme
+        self._tint()
+
+    def _use(self, messages: Messages) -> None:
+        before, self._messages = self._messages, messages
+        shown = messages.shown
+        if messages.news is not None and messages.news is not before.news:
+            self._timer.start()
+        if shown is before.shown:
+            return
+        self.setVisible(shown is not None)
+        if shown is not None:
+            self._show(shown)
+        self.shown_changed.emit()
+
+    def _show(self, shown: Message) -> None:
+        self._label.setText(shown.text)
+        self.setObjectName("error" if shown.error else "message")
+        for widget in (self, self._label, self.details, self._button):
+            self.style().unpolish(widget)
+            self.style().polish(widget)
+        self._tint()
+        self._show_details_button()
+
+    def _show_details_button(self) -> None:
+        self.details.setVisible(not self._label.fits)
+
+    def _show_details(self) -> None:
+        popup = QFrame(self.window(), Qt.WindowType.Popup)
+        popup.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        popup.setObjectName("popup")
+        label = QLabel(self.text)
+        label.setTextFormat(Qt.TextFormat.PlainText)
+        label.setWordWrap(True)
+        label.setFixedWidth(_DETAILS_WIDTH)
+        label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        QVBoxLayout(popup).addWidget(label)
+        popup.adjustSize()
+        popup.move(self.mapToGlobal(QPoint(0, -popup.height() - 2)))
+        popup.show()
+
+    def _tint(self) -> None:
+        if self._theme is not None:
+            self._button.setIcon(icon("close", self._theme.error_text if self.error else self._theme.message_text))

@@ -1,0 +1,149 @@
+"""Slices across the other axes of a volume next to the canvas, with a cross where the slices meet."""
+
+from __future__ import annotations
+
+import pyqtgraph as pg
+from PySide6.QtCore import QEvent, QPointF, Qt, Signal
+from PySide6.QtGui import QContextMenuEvent, QMouseEvent, QWheelEvent
+from PySide6.QtWidgets import QApplication, QWidget
+
+from app.model.text.language import tr
+from app.model.volume.slices import AXES, Slices
+from app.session.features.slices import Sections
+from app.session.scene import Scene
+from app.views.canvas.canvas import ZOOM, Canvas, Panning, Wheel
+from app.views.canvas.image_view import ImageView
+from app.views.canvas.items.item import image_rectangle, line_pen
+from app.views.canvas.wipe import Mirror
+from app.views.theme import theme
+
+_Z = 8.5
+_SMALLEST = 120
+"""Least width and height [px of the screen]."""
+
+
+class Cross:
+    """Two lines in a view of a slice: where the two other slices cut it."""
+
+    def __init__(self, view: ImageView) -> None:
+        self._lines = [pg.InfiniteLine(angle=angle, pen=line_pen(theme.CHOSEN, 1.0)) for angle in (0, 90)]
+        for line in self._lines:
+            line.setZValue(_Z)
+            line.setOpacity(0.6)
+            line.hide()
+            view.view.addItem(line, ignoreBounds=True)
+
+    def show(self, slices: Slices | None) -> None:
+        """Show where the slices meet; without slices nothing."""
+        for line in self._lines:
+            line.setVisible(slices is not None)
+        if slices is not None:
+            for line, at in zip(self._lines, slices.current.within(slices.voxel), strict=True):
+                line.setValue(at)
+
+
+class SideView(Mirror):
+    """Shows the slice across one axis, at first as a whole, and takes the tool in use.
+
+    The right button moves the cross, and a click of it on something opens its menu; the wheel goes through the slices,
+    with Ctrl it zooms, and the middle button pans.
+    """
+
+    went = Signal(object)
+    """The user wants the slices through a place of the volume."""
+    asked = Signal(object)
+    """The right button was clicked at a point of the screen: QPoint."""
+    passed = Signal(int, int)
+    """The user wants the slice so many further along an axis: axis, number."""
+
+    def __init__(self, canvas: Canvas, parent: QWidget) -> None:
+        super().__init__(canvas, parent)
+        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents, False)
+        self.setMinimumSize(_SMALLEST, _SMALLEST)
+        self.cross = Cross(self)
+        self._main = canvas
+        self._fitted = True
+        self._wheel = Wheel()
+        self._panning = Panning()
+        self._pressed = QPointF()
+        canvas.layers.drawing.drafting.connect(self._copy_draft)
+
+    def show_slice(self, scene: Scene, axis: int) -> None:
+        """Draw the slice of a scene across an axis."""
+        if self.sections.axis != axis:
+            self.sections = Sections(axis, self.sections.later)
+            self.setAccessibleName(tr("Slice across the axis: {axis}").format(axis=AXES[axis]))
+        self.draw(scene)
+        self.cross.show(self.drawn.slices)
+
+    def fit(self) -> None:
+        """Show the whole slice: it has a place of its own."""
+        ImageView.fit(self)
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Begin a gesture of the tool in use, or move the cross."""
+        event.accept()
+        self._main.taken.emit()
+        self._main.setFocus()
+        at = self.position(event.position())
+        self._pressed = event.position()
+        if event.button() == Qt.MouseButton.LeftButton:
+            self._main.bend(event.modifiers())
+            self._main.hold.press(self, at)
+        elif event.button() == Qt.MouseButton.MiddleButton:
+            self._panning.begin(event.position(), at_once=True)
+        else:
+            self.went.emit(self.placed(at))
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Continue it, or show what a press would do."""
+        event.accept()
+        at = self.position(event.position())
+        if self._panning.active:
+            moved = self._panning.move(event.position())
+            self.pan(moved.x(), moved.y())
+        elif event.buttons() & Qt.MouseButton.RightButton:
+            self.went.emit(self.placed(at))
+        elif not self._main.led_by_keys:
+            self._main.bend(event.modifiers())
+            self._main.hold.move(self, at)
+        self._main.placed_at.emit(self.placed(at))
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """End it."""
+        event.accept()
+        if event.button() == Qt.MouseButton.LeftButton:
+            self._main.let_go()
+        elif self._panning.active:
+            self._panning.end()
+        elif event.button() == Qt.MouseButton.RightButton and not self._main.dragging:
+            moved = (event.position() - self._pressed).manhattanLength()
+            if moved < QApplication.startDragDistance():
+                self.asked.emit(event.globalPosition().toPoint())
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        """Treat the second click like any other."""
+        self.mousePressEvent(event)
+
+    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
+        """The right button opens the menu when it is released without a drag."""
+        event.setAccepted(event.reason() == QContextMenuEvent.Reason.Mouse)
+
+    def leaveEvent(self, event: QEvent) -> None:
+        """The pointer has left."""
+        if not self._main.led_by_keys and not self._main.dragging:
+            self._main.leave()
+        super().leaveEvent(event)
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Go through the slices of this view; with Ctrl zoom around the pointer, at the least to the whole slice."""
+        event.accept()
+        if event.modifiers() & Qt.KeyboardModifier.ControlModifier:
+            self.zoom(ZOOM ** (event.angleDelta().y() / 120.0), event.position())
+            if self.shape is not None and self.view.viewRect().contains(image_rectangle(self.shape)):
+                self.fit()
+        elif self.sections.axis is not None:
+            self.passed.emit(self.sections.axis, self._wheel.notches(event))
+
+    def _copy_draft(self) -> None:
+        self._main.layers.drawing.copy_draft(self.layers.drawing)

@@ -1,1 +1,0 @@
-"""The line below the image, and what the status bar shows of the canvas."""

@@ -1,0 +1,248 @@
+"""The tools that work within a ring around the pointer: spray, eraser, and the brush that paints objects."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from PySide6.QtCore import Qt
+
+from app.model.document import edits
+from app.model.text.language import tr
+from app.session.features.object_list import ObjectBrush
+from app.session.undo_history import Erasure
+from app.views.canvas.tools.tool import TAKING_AWAY, ShapeTool, ToolContext
+from app.views.theme import theme
+from cpm_core.numerics.types import Place, Position
+from cpm_core.objects.segmented.segmented_object import SegmentedObjects
+from cpm_core.shapes import Points, Shape
+
+_SHARE, _LEAST, _MOST = 0.03, 1.0, 500.0
+"""Initial radius as a fraction of the longest side of the image, and bounds of the radius [px]."""
+
+_FACTOR = 1.2
+"""Factor by which one key press enlarges the ring."""
+
+_APART = 2.0
+"""Least distance between two points of one gesture [px], equal to that of particles on drawn lines."""
+
+_DENSITY = 0.05
+"""Candidate points per px² of the ring and per radius of movement."""
+
+_MOST_POINTS = 20_000
+"""Largest number of points of one gesture."""
+
+
+class RingTool(ShapeTool):
+    """Works within a ring that follows the pointer and can be made smaller and larger."""
+
+    color: str
+    sized = True
+
+    def __init__(self, context: ToolContext) -> None:
+        super().__init__(context)
+        self._drawing = context.drawing
+        self._chosen: float | None = None
+        self._at: Place | None = None
+        self._last: Place | None = None
+        self._shapes: tuple[Shape, ...] = ()
+
+    @property
+    def radius(self) -> float:
+        """Radius of the ring [px of the image]."""
+        if self._chosen is not None:
+            return self._chosen
+        image = self._session.document.image
+        return max(_SHARE * max(image.shape), 4.0) if image is not None else 4.0
+
+    def work(self, path: tuple[Place, ...]) -> None:
+        """Apply the tool along a path of the ring."""
+        raise NotImplementedError
+
+    def press(self, at: Place, reach: float) -> None:
+        """Begin a gesture."""
+        self._begin()
+        self._last, self.used = at, True
+        self._shapes = self._session.document.shapes
+        self._session.select(None)
+        self.hover(at)
+        self.work((at,))
+
+    def drag(self, at: Place) -> None:
+        """Continue along the path of the pointer."""
+        self.hover(at)
+        if self._last is not None and at != self._last:
+            path, self._last = (self._last, at), at
+            self.work(path)
+
+    def release(self) -> None:
+        """End the gesture."""
+        self._last = None
+        super().release()
+
+    def cancel(self) -> None:
+        """Restore the shapes from before the gesture."""
+        if self._last is not None:
+            shapes = self._shapes
+            self._session.edit("", lambda document: edits.set_shapes(document, shapes), self._gesture)
+        self.release()
+
+    def hover(self, at: Place) -> None:
+        """Move the ring to the pointer."""
+        self._at = at
+        self._drawing.show_ring(at, self.radius, self.color)
+
+    def resize(self, by: float) -> None:
+        """Make the ring larger or smaller."""
+        self._chosen = min(max(self.radius * _FACTOR**by, _LEAST), _MOST)
+        if self._at is not None:
+            self.hover(self._at)
+
+    def put_away(self) -> None:
+        """Hide the ring."""
+        self._at = None
+        self._drawing.show_ring(None, 0.0, self.color)
+
+
+class SprayTool(RingTool):
+    """Scatters points in the ring while the button is down and the pointer moves."""
+
+    name = "spray"
+    tip = tr("Drag to scatter points; < and > change the ring.")
+    color = theme.DRAWING
+    guidance = tr("Drag to spray points; < and > make the ring smaller and larger.")
+    by_keys = tr("Enter begins to spray, arrow keys continue, Enter ends; < and > change the ring.")
+
+    def __init__(self, context: ToolContext) -> None:
+        super().__init__(context)
+        self._random = np.random.default_rng(0)
+        self._taken: dict[tuple[int, int], Place] = {}
+
+    def press(self, at: Place, reach: float) -> None:
+        """Begin a new cloud of points."""
+        self._taken = {}
+        super().press(at, reach)
+
+    def work(self, path: tuple[Place, ...]) -> None:
+        """Scatter points along the path of the ring, none too near to another."""
+        begin, end = (np.array(self.flat(place)) * self.sides for place in (path[0], path[-1]))
+        far = math.dist(begin, end) / self.radius if len(path) > 1 else 2.0
+        many = self._random.poisson(_DENSITY * math.pi * self.radius**2 * far) + (len(path) == 1)
+        share = self._random.random(many)[:, None]
+        middle = begin + share * (end - begin)
+        angle, off = 2.0 * math.pi * self._random.random(many), self.radius * np.sqrt(self._random.random(many))
+        for row, col in (middle + off[:, None] * np.stack([np.sin(angle), np.cos(angle)], axis=1)).tolist():
+            self._place((row, col))
+        if self._taken:
+            down, right = self.sides
+            placed = (self.lifted((row / down, col / right)) for row, col in self._taken.values())
+            self._put(tr("spray points"), Points(tuple(placed)))
+
+    def _place(self, at: Place) -> None:
+        """Keep a point unless one is too near; each cell of the raster holds at most one, so 25 cells are compared.
+
+        Lengths are in sides of the smallest voxel.
+        """
+        image = self._session.document.image
+        if image is None or len(self._taken) >= _MOST_POINTS:
+            return
+        rows, cols = image.shape if self.here is None else self.here.sides(image.shape)
+        inside = zip(at, self.sides, (rows, cols), strict=True)
+        if not all(-0.5 <= number / side <= n - 0.5 for number, side, n in inside):
+            return
+        row, col = (math.floor(number * math.sqrt(2.0) / _APART) for number in at)
+        cells = ((row + down, col + right) for down in range(-2, 3) for right in range(-2, 3))
+        if all(math.dist(at, self._taken[cell]) >= _APART for cell in cells if cell in self._taken):
+            self._taken[row, col] = at
+
+
+class EraserTool(RingTool):
+    """Erases the points in its ring, the other shapes that it touches, and the particles of a run in it."""
+
+    name = "eraser"
+    tip = tr("Drag to erase points, shapes and particles; < and > change its ring.")
+    color = theme.CHOSEN
+    guidance = tr("Drag over points, shapes or particles to erase them; < and > make the ring smaller and larger.")
+    by_keys = tr("Enter begins to erase, arrow keys continue, Enter ends; < and > change the ring.")
+
+    def __init__(self, context: ToolContext) -> None:
+        super().__init__(context)
+        self._erasure: Erasure | None = None
+        self._erased = False
+
+    def press(self, at: Place, reach: float) -> None:
+        """Begin to erase."""
+        self._erasure, self._erased = self._session.live.begin_erasure(), False
+        super().press(at, reach)
+
+    def work(self, path: tuple[Place, ...]) -> None:
+        """Erase along the path of the ring."""
+        assert self._erasure is not None
+        before = self._session.document
+        left, run_changed = self._session.live.erase(path, self.radius, self._erasure)
+        self._session.edit(tr("erase"), lambda _: left, self._gesture, self._erasure if run_changed else None)
+        self._erased = self._erased or run_changed or self._session.document is not before
+
+    def cancel(self) -> None:
+        """Bring back what the gesture has erased."""
+        during = self._last is not None
+        self.release()
+        if during and self._erased:
+            self._session.undo()
+
+
+class BrushTool(RingTool):
+    """Adds what the ring goes over to an object; with Shift takes it away."""
+
+    name = "brush"
+    tip = tr("Drag to paint an object, Shift-drag to erase it; < and > change the brush.")
+    color: str = theme.RESTING
+    guidance = tr("Drag from an object to add to it, Shift-drag to erase it, elsewhere for a new one; < and > resize.")
+    by_keys = tr("Enter begins to paint, Shift+Enter to erase, arrow keys continue, Enter ends; < and > resize.")
+
+    def __init__(self, context: ToolContext) -> None:
+        super().__init__(context)
+        self._brush = ObjectBrush(context.session, context.object_list)
+        self._adds = True
+        self._objects: SegmentedObjects | None = None
+
+    def bend(self, modifiers: Qt.KeyboardModifier) -> None:
+        """With Shift, the next stroke takes away."""
+        if self._brush.painting:
+            return
+        self._adds = not modifiers & TAKING_AWAY
+        self.color = theme.RESTING if self._adds else theme.BARRIER
+        if self._at is not None:
+            self.hover(self._at)
+
+    def press(self, at: Place, reach: float) -> None:
+        """Begin a stroke."""
+        self._begin()
+        self.used = True
+        self._objects = self._session.document.objects
+        self.hover(at)
+        self._brush.begin(_flat(at), self.radius, self._adds, self._gesture)
+
+    def drag(self, at: Place) -> None:
+        """Paint on."""
+        self.hover(at)
+        self._brush.paint(_flat(at))
+
+    def release(self) -> None:
+        """End the stroke."""
+        self._brush.end()
+        self._objects = None
+        super().release()
+
+    def cancel(self) -> None:
+        """Restore the objects from before the stroke."""
+        before = self._objects
+        if self._brush.painting and before is not None:
+            self._session.edit("", lambda document: replace(document, objects=before), self._gesture)
+        self.release()
+
+
+def _flat(at: Place) -> Position:
+    row, col = at[-2:]
+    return row, col

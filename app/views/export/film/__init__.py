@@ -1,1 +1,0 @@
-"""Animations and strips of snapshots, drawn off screen."""

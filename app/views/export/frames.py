@@ -1,0 +1,206 @@
+"""Frames of an animation: the worker prepares moments of a run, and the layers of the canvas draw them off-screen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from PySide6.QtCore import QObject, QRectF, Qt, QTimer
+from PySide6.QtGui import QImage, QPainter
+
+from app.model.text.language import tr
+from app.session.exchange.messages import sentence
+from app.session.scene import ReviewedContours, Scene
+from app.session.session import Session
+from app.session.signals import FILMING
+from app.session.tasks.tasks import Task
+from app.session.worker.commands import Command
+from app.session.worker.requests import FrameTaken, TakeFrame
+from app.views.canvas.canvas import Canvas
+from app.views.canvas.image_view import ImageView
+from app.views.canvas.items.item import image_rectangle
+from cpm_core.numerics.types import Pixels
+
+_INTERVAL = 15
+"""Time between two checks whether another frame can be taken [ms]."""
+
+NARROWEST, WIDEST = 64, 3840
+"""Smallest and largest width of a frame [px]."""
+
+
+def seen_part(canvas: Canvas, shape: tuple[int, ...], zoomed: bool) -> QRectF:
+    """Part of the image that a frame shows: all of it, or the visible part of the canvas."""
+    whole = image_rectangle(shape)
+    part = canvas.view.viewRect().intersected(whole) if zoomed else whole
+    return whole if part.isEmpty() else part
+
+
+def frame_size(part: QRectF, width: int) -> tuple[int, int]:
+    """Width and height of a frame, both even as video formats need them [px]."""
+    height = width * part.height() / max(part.width(), 1e-9)
+    return max(2 * round(width / 2), 2), min(max(2 * round(height / 2), 2), 2 * WIDEST)
+
+
+class NoRequests:
+    """Ignores requests: the layers of the window have already made them."""
+
+    def post(self, command: Command) -> None:
+        """Do nothing."""
+
+    def want_overlay(self, name: str, wanted: bool) -> None:
+        """Do nothing."""
+
+
+class FrameRenderer:
+    """An off-screen view with the present settings of the layers of a canvas.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene shown in addition to the moments of the run.
+    canvas : Canvas
+        The canvas whose layers are copied.
+    part : QRectF
+        Visible part of the image.
+    size : tuple of int
+        Width and height [px].
+    """
+
+    def __init__(self, scene: Scene, canvas: Canvas, part: QRectF, size: tuple[int, int]) -> None:
+        self._size = size
+        # selection and differences belong to the present contours, not to those of other moments
+        self._scene = replace(scene, selected_contours=frozenset(), hovered_contour=None, differences=())
+        self._view = ImageView(NoRequests())
+        self._view.setAttribute(Qt.WidgetAttribute.WA_DontShowOnScreen)
+        self._view.setMinimumSize(1, 1)
+        self._view.setFrameStyle(0)
+        self._view.resize(*size)
+        self._view.show()
+        # a new image resets the options of its layer; the moments are drawn later
+        first = Scene(scene.image, scene.display, document=scene.document, selected=scene.selected)
+        self._view.draw(replace(first, slices=scene.slices))
+        for layer in canvas.layers:
+            self._view.layers[layer.name].use_view_state(layer.view_state())
+        self._view.view.setRange(part, padding=0.0)
+
+    def draw(self, taken: FrameTaken) -> Pixels:
+        """Draw a moment as RGB values, shape (H, W, 3)."""
+        tracked = taken.contours.tracked if taken.contours is not None else None
+        contours = ReviewedContours.of(tracked, self._scene.document.marks)
+        self._view.draw(replace(self._scene, snapshot=taken.moment, reconstruction=taken.contours, contours=contours))
+        picture = QImage(*self._size, QImage.Format.Format_RGB32)
+        painter = QPainter(picture)
+        self._view.render(painter)
+        painter.end()
+        return to_array(picture)
+
+    def close(self) -> None:
+        """Delete the view."""
+        self._view.hide()  # close() would delete the graphics scene before its items
+        self._view.deleteLater()
+
+
+def to_array(picture: QImage) -> Pixels:
+    """RGB values of a picture, shape (H, W, 3)."""
+    plain = picture.convertToFormat(QImage.Format.Format_RGB888)
+    rows = np.frombuffer(plain.constBits(), np.uint8).reshape(plain.height(), plain.bytesPerLine())
+    return rows[:, : 3 * plain.width()].reshape(plain.height(), plain.width(), 3).copy()
+
+
+class FrameRecorder(QObject):
+    """Passes the frames of an animation to `take`, one after the other, until its task is over.
+
+    One frame is requested at a time and drawn in its own turn of the event loop, so that the window stays usable.
+
+    Parameters
+    ----------
+    session : Session
+        Session with the run.
+    renderer : FrameRenderer
+        Draws the frames; closed at the end.
+    task : Task
+        The task; canceling it ends the recording.
+    places : sequence of tuple of int
+        Branches and steps.
+    contours : bool
+        Whether contours are shown.
+    take : callable
+        Called with every frame.
+    end : callable
+        Called after the last frame.
+    has_room : callable
+        Returns whether another frame can be taken.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        renderer: FrameRenderer,
+        task: Task,
+        places: Sequence[tuple[int, int]],
+        contours: bool,
+        take: Callable[[Pixels], None],
+        end: Callable[[], None],
+        has_room: Callable[[], bool] = lambda: True,
+    ) -> None:
+        super().__init__(session)
+        self._session = session
+        self._renderer = renderer
+        self._task = task
+        self._places = list(places)
+        self._contours = contours
+        self._take = take
+        self._end = end
+        self._has_room = has_room
+        self._generation = session.generation
+        self._next = 0
+        self._due = False
+        self.over = False
+        """Whether no more frames are taken."""
+        self._timer = QTimer(self)
+        self._timer.setInterval(_INTERVAL)
+        self._timer.timeout.connect(self._advance)
+        self._timer.start()
+        session.listen(FrameTaken, self._take_frame)
+        self._advance()
+
+    def stop(self) -> None:
+        """Take no more frames."""
+        if not self.over:
+            self.over = True
+            self._timer.stop()
+            self._session.stop_listening(FrameTaken, self._take_frame)
+            self._renderer.close()
+            self.deleteLater()
+
+    def _advance(self) -> None:
+        if self._task.over:
+            self.stop()
+        elif not self._due and self._next < len(self._places) and self._has_room():
+            self._due = True
+            branch, step = self._places[self._next]
+            command = TakeFrame(self._task, self._generation, branch, step, self._contours)
+            self._session.post(command)
+
+    def _take_frame(self, report: FrameTaken) -> None:
+        if report.task is not self._task or self.over or self._task.over:
+            return
+        self._due = False
+        if report.moment is None:
+            self._task.cancel()
+            gone = tr("The run of the animation is gone, so nothing has been written.")
+            self._session.say(report.sentence or gone, True, FILMING)
+            self.stop()
+            return
+        try:
+            self._take(self._renderer.draw(report))
+        except Exception as error:  # it would be the same for each further try
+            self._task.cancel()
+            self._session.say(sentence(error, tr("drawing an animation")), True, FILMING)
+            self.stop()
+            return
+        self._next += 1
+        if self._next == len(self._places):
+            self.stop()
+            self._end()

@@ -1,0 +1,365 @@
+"""The fields of a volume at its scales: smoothed volume, edge map, and the far field of the fixed charges."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from copy import copy
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache, partial
+from threading import RLock
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from cpm_core.field.convolution import block_means, convolved_field, convolved_potential
+from cpm_core.field.edge_map import NO_SMOOTHING, smoothed_along
+from cpm_core.field.scale_field import WEAKEST_EDGE
+from cpm_core.field.scale_space import SourceImages
+from cpm_core.field.volume_surface import Ridges, force_on_voxels, ridges_of
+from cpm_core.image.image import Image
+from cpm_core.image.pyramid import shape_of_scale, to_image
+from cpm_core.image.volume_regions import VolumeRegions, Walls
+from cpm_core.numerics.parallel import share
+from cpm_core.numerics.types import Array, Mask, Single
+from cpm_core.numerics.vectors import Vector
+from cpm_core.parameters import DEFAULTS, OF_PLANES, Parameters
+from cpm_core.parameters.choices import Accuracy
+
+BLOCK = 2.0
+"""Side of the blocks of the far field [units]."""
+
+_CHARGED = 0.25
+"""Edge strength under which a voxel carries no charge of the far field, as a fraction of the floor."""
+
+_MOST_BACKGROUND = 0.35
+"""Largest background, as a fraction of the largest edge strength; a volume above it is full of edges."""
+
+_MAXWELL_QUARTILE, _DEVIATIONS = 1.1010, 4.2
+"""Lower quartile of the Maxwell distribution of unit width, and the deviations of a component of the gradient that
+noise rarely exceeds: one in two thousand voxels, which are no ridge that a front could follow."""
+
+_SERIES, _CLEAR = (0.7, 1.0, 1.2, 1.4, 2.0, 3.0), (0.1, 0.22, 0.22, 0.25, 0.25, 1.0)
+"""Sigmas that the automatic smoothing tries [units], and the background, as a fraction of the largest edge strength, up
+to which each is enough. The first one keeps thin vessels that nearly touch apart."""
+
+_USABLE = 0.25
+"""The same up to which a sigma is taken if the next one is not enough: a volume full of edges has them everywhere."""
+
+_TURN = 0.7
+"""Scalar product of the normals of two voxels of the edge map, from which on they belong to one surface."""
+
+_EVERY = 3
+"""The background is measured at every third voxel along each axis."""
+
+_LEAST_LINES = 8
+"""Planes or rows that are worth a thread."""
+
+
+class FarField(NamedTuple):
+    """Field of the fixed charges, float32 of shape (3, P, R, C), and the voxels along the sides of a block."""
+
+    force: Single
+    block: Vector
+
+
+class _Edges(NamedTuple):
+    """Sigma of the smoothing, the smoothed volume, its edge map, and the edge strength of its background."""
+
+    sigma: float
+    smoothed: Single
+    strength: Single
+    background: float
+
+
+@dataclass(frozen=True, eq=False)
+class VolumeField:
+    """The fields of one scale of a volume.
+
+    Attributes
+    ----------
+    smoothed : ndarray of float32, shape (P, R, C)
+        The smoothed volume; on an edge its slope is normal to it.
+    edge_map : ndarray of float32, shape (P, R, C)
+        Edge strength f [gray levels / unit]; zero outside the regions of interest.
+    pitch : tuple of float
+        Sides of a voxel [units].
+    strongest : float
+        Largest edge strength.
+    floor : float
+        Least edge strength for edge contact.
+    smoothing : float
+        Sigma of the Gaussian [units].
+    exponent : float
+        Power of the distance with which the force of a fixed charge decays.
+    accuracy : {"standard", "exact"}
+        How the far field is computed: from blocks of two units, or from every voxel.
+    noisy : bool
+        Whether noise decides on the floor; the normals of single voxels then tell little.
+    walls : Walls or None
+        What no particle crosses.
+    """
+
+    smoothed: Single
+    edge_map: Single
+    pitch: Vector
+    strongest: float
+    floor: float
+    smoothing: float
+    exponent: float = 3.0
+    accuracy: Accuracy = "standard"
+    noisy: bool = False
+    walls: Walls | None = None
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the volume at this scale."""
+        return self.edge_map.shape
+
+    @property
+    def extent(self) -> Vector:
+        """Size of the volume [units]."""
+        planes, rows, cols = (float(n * side) for n, side in zip(self.shape, self.pitch, strict=True))
+        return planes, rows, cols
+
+    @property
+    def fixed_charges(self) -> Single:
+        """Size of the fixed charges."""
+        return self.edge_map
+
+    @cached_property
+    def far(self) -> FarField:
+        """Field of the fixed charges; computed on first use."""
+        wanted = BLOCK if self.accuracy == "standard" else 1.0
+        block = [max(1, round(wanted / side)) for side in self.pitch]
+        charges = block_means(np.where(self.edge_map < _CHARGED * self.floor, np.float32(0), self.edge_map), block)
+        sides = tuple(n * side for n, side in zip(block, self.pitch, strict=True))
+        force = convolved_field(charges, self.exponent, np.float32, sides).astype(np.float32, copy=False)
+        return FarField(force, (float(block[0]), float(block[1]), float(block[2])))
+
+    @property
+    def lorentz(self) -> Single:
+        """Lorentz force on the voxels, shape (3, P, R, C), as particles there feel it."""
+        out = np.empty((3, *self.shape), np.float32)
+        fields = (self.smoothed, self.edge_map, self.far.force, self.pitch, self.far.block, self.floor)
+        share(lambda first, last: force_on_voxels(*fields, first, last, out), len(self.edge_map), _LEAST_LINES)
+        return out
+
+    @cached_property
+    def potential(self) -> Array:
+        """Potential of the fixed charges, shape (P, R, C), exact."""
+        return convolved_potential(self.edge_map, self.pitch, self.exponent)
+
+    @cached_property
+    def slope(self) -> float:
+        """Mean slope of the potential [gray levels / unit]; 1 where it is flat."""
+        slope = float(edge_strength(self.potential.astype(np.float32), self.pitch).mean(dtype=float))
+        return slope if slope > 0.0 else 1.0
+
+    def with_far_field(self, exponent: float, accuracy: Accuracy) -> VolumeField:
+        """The same edges with another field of their charges, with all that is known of the edges."""
+        other = replace(self, exponent=exponent, accuracy=accuracy)
+        if "ridges" in self.__dict__:
+            other.__dict__["ridges"] = self.ridges
+        return other
+
+    def with_walls(self, walls: Walls | None) -> VolumeField:
+        """The same fields with other walls, with all that is known of them."""
+        other = copy(self)
+        object.__setattr__(other, "walls", walls)
+        return other
+
+    def crossed(self, start: Array, end: Array) -> Mask:
+        """Which of the straight moves between positions, shapes (N, 3) [units], cross a wall."""
+        return np.zeros(len(start), np.bool_) if self.walls is None else self.walls.crossed(start, end)
+
+    @cached_property
+    def ridges(self) -> Ridges:
+        """Ridges of the edge map; found on first use."""
+        return ridges_of(self.smoothed, self.edge_map, self.pitch, self.floor, -1.0 if self.noisy else _TURN)
+
+
+def build_volume_field(
+    values: Array,
+    pitch: Vector,
+    smoothing: float | Literal["auto"],
+    edge_floor: float,
+    interest: Mask | None = None,
+    walls: Walls | None = None,
+) -> VolumeField:
+    """Fields of a volume, shape (P, R, C), with voxels of these sides [units].
+
+    `smoothing` is the sigma of the Gaussian [units], or the least of a series that raises the edges above the noise;
+    `edge_floor` is the fraction of the largest edge strength below which there is no edge, 0 for what the background
+    decides alone; outside `interest` there are no edges, and `walls` are what no particle crosses.
+    """
+    if smoothing == "auto":
+        sigma, smoothed, edges, background = _automatic_edges(values, pitch, interest)
+    else:
+        sigma, smoothed, edges, background = _edges(values, pitch, float(smoothing), interest)
+    strongest = float(edges.max())
+    least = max(WEAKEST_EDGE, edge_floor) * strongest
+    noise = min(background, _MOST_BACKGROUND * strongest)
+    floor = max(least, noise) if strongest > 0.0 else math.inf
+    return VolumeField(smoothed, edges, pitch, strongest, floor, sigma, noisy=noise > least, walls=walls)
+
+
+def _automatic_edges(values: Array, pitch: Vector, interest: Mask | None) -> _Edges:
+    """Edges after the least smoothing that raises them above the noise."""
+    usable: float | None = None
+    for sigma, clear in zip(_SERIES, _CLEAR, strict=True):
+        found = _edges(values, pitch, sigma, interest)
+        strongest = float(found.strength.max())
+        if found.background <= clear * strongest:
+            return found
+        if usable is not None:
+            return _edges(values, pitch, usable, interest)
+        usable = sigma if found.background <= _USABLE * strongest else None
+    return found
+
+
+def _edges(values: Array, pitch: Vector, sigma: float, interest: Mask | None) -> _Edges:
+    """Edges of a volume after a Gaussian of this sigma [units]; there are none outside `interest`."""
+    smoothed = smoothed_volume(values, [sigma / side for side in pitch])
+    edges = edge_strength(smoothed, pitch)
+    background = _background(edges, interest)
+    if interest is not None:
+        edges[~interest] = 0.0
+    return _Edges(sigma, smoothed, edges, background)
+
+
+def _background(edges: Single, interest: Mask | None) -> float:
+    """Edge strength that the background of what is of interest rarely exceeds; 0 for a flat background."""
+    some = edges[::_EVERY, ::_EVERY, ::_EVERY] if interest is None else edges[interest]
+    return _DEVIATIONS * float(np.percentile(some, 25.0)) / _MAXWELL_QUARTILE
+
+
+def smoothed_volume(values: Array, sigmas: list[float]) -> Single:
+    """A volume after a Gaussian with a sigma for each axis [voxels], in single precision."""
+    smoothed: Single = values.astype(np.float32) if not any(sigmas) else values  # type: ignore[assignment]
+    for axis, sigma in enumerate(sigmas):
+        if sigma > NO_SMOOTHING:
+            smoothed = smoothed_along(smoothed, sigma, axis, np.float32)
+    return smoothed
+
+
+def edge_strength(smoothed: Single, pitch: Vector) -> Single:
+    """Size of the slope of a volume at every voxel, from central differences [gray levels / unit]."""
+    squared = np.zeros_like(smoothed)
+    for axis, side in enumerate(pitch):
+        beyond = np.pad(smoothed, [(int(k == axis),) * 2 for k in range(3)], "edge")
+        line = np.moveaxis(beyond, axis, 0)
+        slope = (line[2:] - line[:-2]) * np.float32(0.5 / side)
+        np.moveaxis(squared, axis, 0)[...] += np.square(slope, out=slope)
+    return np.sqrt(squared, out=squared)
+
+
+LONGEST = 10.0
+"""Side that a voxel has at most for particles, in units of the smallest one.
+
+Particles are about two units apart. Along a longer side they would stand closer than the voxels can tell them apart,
+and be so many that a run takes minutes. Measures of the surface count the side as long as it is.
+"""
+
+
+class VolumeSpace:
+    """Fields of a volume at its scales, for any parameters; threads may share it."""
+
+    def __init__(self, image: Image, scales: int, regions: VolumeRegions | None = None) -> None:
+        self._pitch, self._sources = pitch_of(image.spacing), SourceImages(image.values, scales)
+        self._limit(regions, None)
+
+    def _limit(self, regions: VolumeRegions | None, known: Callable[..., VolumeField] | None) -> None:
+        """Take other regions; `known` has the fields of the same regions of interest."""
+        kept = lru_cache(len(self))
+        self._regions, self._lock = regions, RLock()
+        self._edges = known or kept(partial(_edges_of, self._sources, self._pitch, regions))
+        self._fields = kept(partial(_field_of, self._edges, self._sources.original[0].shape, self._pitch, regions))
+
+    def __len__(self) -> int:
+        return len(self._sources.original)
+
+    def with_regions(self, regions: VolumeRegions | None) -> VolumeSpace:
+        """The same volume with other regions; with the same regions of interest the fields are taken over."""
+        other = copy(self)
+        other._limit(regions, self._edges if _interest(regions) == _interest(self._regions) else None)
+        return other
+
+    def at(self, scale: int, parameters: Parameters) -> VolumeField:
+        """Fields of a scale; ValueError for parameters that have no meaning in a volume."""
+        check_parameters(parameters)
+        edges = scale, parameters.gamma, parameters.smoothing, parameters.edge_floor
+        with self._lock:
+            return self._fields(parameters.exponent_in(3), parameters.accuracy, *edges)
+
+    def prepare(self, parameters: Parameters) -> None:
+        """Check the parameters; the fields are built when a run needs them."""
+        check_parameters(parameters)
+
+
+def _edges_of(
+    sources: SourceImages,
+    pitch: Vector,
+    regions: VolumeRegions | None,
+    scale: int,
+    gamma: float | Literal["auto"],
+    smoothing: float | Literal["auto"],
+    edge_floor: float,
+) -> VolumeField:
+    """Fields of a scale without walls."""
+    values = sources.at(scale, "luminance", "gradient", gamma, 0.0).values  # not cleaned
+    return build_volume_field(values, pitch, smoothing, edge_floor, _voxels(regions, sources.original[0].shape, scale))
+
+
+def _field_of(
+    edges: Callable[..., VolumeField],
+    shape: tuple[int, ...],
+    pitch: Vector,
+    regions: VolumeRegions | None,
+    exponent: float,
+    accuracy: Accuracy,
+    scale: int,
+    *key: object,
+) -> VolumeField:
+    """Fields of a scale with the walls that no particle crosses."""
+    found = edges(scale, *key)
+    if (found.exponent, found.accuracy) != (exponent, accuracy):
+        found = found.with_far_field(exponent, accuracy)
+    return found if regions is None else found.with_walls(regions.walls(shape).at_scale(scale, pitch))
+
+
+def _voxels(regions: VolumeRegions | None, shape: tuple[int, ...], scale: int) -> Mask | None:
+    """Which voxels of a scale are of interest: those whose centers are."""
+    voxels = None if regions is None else regions.voxels(shape)
+    if voxels is None or scale == 0:
+        return voxels
+    axes = []
+    for axis, (count, full) in enumerate(zip(shape_of_scale(shape, scale), shape, strict=True)):
+        centers = np.zeros((count, 3))
+        centers[:, axis] = np.arange(count)
+        centers = to_image(centers, scale, shape)[:, axis]
+        axes.append(np.clip(np.rint(centers), 0, full - 1).astype(int))
+    return np.asarray(voxels[np.ix_(*axes)])
+
+
+def _interest(regions: VolumeRegions | None) -> tuple[object, ...]:
+    return regions.interest if regions is not None else ()
+
+
+def pitch_of(spacing: tuple[float, ...]) -> Vector:
+    """Sides of the voxels of a volume for particles, in units of the smallest one: no more than `LONGEST`."""
+    least = min(spacing)
+    plane, row, col = (min(side / least, LONGEST) for side in spacing)
+    return plane, row, col
+
+
+def check_parameters(parameters: Parameters) -> None:
+    """Raise a `ValueError` unless the parameters that have a meaning in the plane only have their default values."""
+    for name in OF_PLANES:
+        value = getattr(parameters, name)
+        if value != DEFAULTS[name]:
+            shown = f"{value:g}" if isinstance(value, float) else repr(value)
+            raise ValueError(
+                f"{name} is {shown} but has no meaning in a volume: leave it at {DEFAULTS[name]}, "
+                'as PRESETS["volume"] does.'
+            )

@@ -1,0 +1,210 @@
+"""The Lorentz force on a particle in a volume, and the ridge of the edge map beside it.
+
+Far from edges it is the unit vector of the field. On an edge the field along the normal changes its sign over a
+fraction of a voxel, and its part along the edge leads to stronger parts. There the relative slope of the edge map takes
+its place, ``n (f+ - f-) / (f+ + f-)``, with the edge strength one unit ahead and behind along the normal ``n`` of the
+smoothed volume: it has nearly unit size on the flank and falls linearly through zero on the ridge. No normalization is
+needed, and what the far field lacks in resolution does not matter.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from cpm_core.field.interpolation import normal_at, sampled, value_at
+from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.parallel import share
+from cpm_core.numerics.types import Array, Index, Mask, Single
+from cpm_core.numerics.vectors import Vector, dot, length, moved, scaled, set_row
+
+GATE = 0.45
+"""Relative slope of the edge map under which a particle on an edge is on its ridge."""
+
+_HALF_NEAR = 0.5
+"""Edge strength, as a fraction of the floor, at which the slope of the edge map begins to count."""
+
+_RIDGE_STEP, _LONGEST_STEP, _SHORTEST_STEP = 0.7, 0.6, 0.01
+"""Distance of the two samples beside a ridge, longest step towards it, and the one after which it is reached."""
+
+
+@compiled
+def felt_at(
+    smoothed: Single, edges: Single, far: Single, pitch: Vector, block: Vector, floor: float, place: Vector
+) -> tuple[Vector, Vector, float, float, float]:
+    """Force at a place, normal, edge strength, relative slope of the edge map, and how much of the force it is."""
+    normal = normal_at(smoothed, pitch, place)
+    here = sampled(edges, pitch, place)
+    ahead = sampled(edges, pitch, moved(place, 1.0, normal))
+    behind = sampled(edges, pitch, moved(place, -1.0, normal))
+    slope = (ahead - behind) / (ahead + behind + 1e-30)
+    near = min(max((max(here, ahead, behind) / floor - _HALF_NEAR) / (1.0 - _HALF_NEAR), 0.0), 1.0)
+    force = scaled(normal, near * slope)
+    if near < 1.0:
+        away = far_at(far, pitch, block, place)
+        force = moved(force, (1.0 - near) / (length(away) + 1e-30), away)
+    return force, normal, here, slope, near
+
+
+@compiled
+def force_on_voxels(
+    smoothed: Single,
+    edges: Single,
+    far: Single,
+    pitch: Vector,
+    block: Vector,
+    floor: float,
+    first: int,
+    last: int,
+    out: Single,
+) -> None:
+    """`felt_at` of the voxels of some planes, shape (3, P, R, C)."""
+    for i in range(first, last):
+        for j in range(edges.shape[1]):
+            for k in range(edges.shape[2]):
+                place = (i * pitch[0], j * pitch[1], k * pitch[2])
+                force = felt_at(smoothed, edges, far, pitch, block, floor, place)[0]
+                out[0, i, j, k], out[1, i, j, k], out[2, i, j, k] = force
+
+
+@compiled
+def far_at(far: Single, pitch: Vector, block: Vector, place: Vector) -> Vector:
+    """Field of the fixed charges at a place, from blocks of voxels."""
+    z = (place[0] / pitch[0] + 0.5) / block[0] - 0.5
+    y = (place[1] / pitch[1] + 0.5) / block[1] - 0.5
+    x = (place[2] / pitch[2] + 0.5) / block[2] - 0.5
+    return value_at(far[0], z, y, x), value_at(far[1], z, y, x), value_at(far[2], z, y, x)
+
+
+@compiled
+def on_ridge(smoothed: Single, edges: Single, pitch: Vector, place: Vector, rounds: int) -> Vector:
+    """The place on the ridge of the edge map beside another one, along the normal: the top of a parabola, repeated."""
+    for _ in range(rounds):
+        normal = normal_at(smoothed, pitch, place)
+        here = sampled(edges, pitch, place)
+        ahead = sampled(edges, pitch, moved(place, _RIDGE_STEP, normal))
+        behind = sampled(edges, pitch, moved(place, -_RIDGE_STEP, normal))
+        bend = ahead - 2.0 * here + behind
+        step = _RIDGE_STEP * (-0.5 * (ahead - behind) / bend if bend < 0.0 else np.sign(ahead - behind))
+        step = min(max(step, -_LONGEST_STEP), _LONGEST_STEP)
+        place = moved(place, step, normal)
+        if abs(step) < _SHORTEST_STEP:
+            break
+    return place
+
+
+@compiled
+def is_ridge(smoothed: Single, edges: Single, pitch: Vector, place: Vector, reach: float) -> bool:
+    """Whether the edge is nowhere stronger at a distance along the normal, to either side."""
+    normal = normal_at(smoothed, pitch, place)
+    here = sampled(edges, pitch, place)
+    return bool(
+        sampled(edges, pitch, moved(place, reach, normal)) <= here
+        and sampled(edges, pitch, moved(place, -reach, normal)) <= here
+    )
+
+
+@compiled
+def on_ridges(smoothed: Single, edges: Single, pitch: Vector, places: Array, rounds: int, out: Array) -> None:
+    """`on_ridge` of places of shape (N, 3), into `out`."""
+    for i in range(len(places)):
+        found = on_ridge(smoothed, edges, pitch, (places[i, 0], places[i, 1], places[i, 2]), rounds)
+        out[i, 0], out[i, 1], out[i, 2] = found[0], found[1], found[2]
+
+
+@compiled
+def faces_alike(one: Vector, other: Vector) -> bool:
+    """Whether two normals belong to the same sheet of a surface: the two walls of a thin object point apart."""
+    return dot(one, other) > 0.0
+
+
+_BESIDE = 1.0
+"""Distance along the normal at which the edge must not be stronger, to either side [units]."""
+
+_WORTH_A_THREAD = 5_000
+"""Voxels from which a second thread makes the search faster."""
+
+
+class Ridges(NamedTuple):
+    """Voxels on the ridges of an edge map where it is at or above its floor.
+
+    Attributes
+    ----------
+    place : ndarray, shape (M, 3)
+        Their positions [units].
+    normal : ndarray, shape (M, 3)
+        Normals of the surface there.
+    strength : ndarray, shape (M,)
+        Edge strength.
+    component : ndarray of int64, shape (M,)
+        Number of the connected part of the edge map, from 0.
+    """
+
+    place: Array
+    normal: Array
+    strength: Array
+    component: Index
+
+    def where(self, index: Index) -> Ridges:
+        """Those with the given indices, in this order."""
+        return Ridges(self.place[index], self.normal[index], self.strength[index], self.component[index])
+
+
+def ridges_of(smoothed: Single, edges: Single, pitch: Vector, floor: float, turn: float) -> Ridges:
+    """All ridges of the edge map of a smoothed volume.
+
+    A voxel is connected with those of the 26 around it that have a normal like its own: the scalar product is at least
+    `turn`, so that walls of two objects that nearly touch each other stay apart.
+    """
+    voxels = np.argwhere(edges >= np.float32(floor))
+    count, component = len(voxels), _connected(smoothed, voxels, pitch, turn)
+    place = voxels * np.array(pitch)
+    normal, ridge = np.empty((count, 3)), np.empty(count, np.bool_)
+    share(partial(_test, smoothed, edges, pitch, place, normal, ridge), count, _WORTH_A_THREAD)
+    found = voxels[ridge]
+    strength = edges[tuple(found.T)].astype(float)
+    return Ridges(place[ridge], normal[ridge], strength, component[ridge].astype(np.int64))
+
+
+def _connected(smoothed: Single, voxels: Index, pitch: Vector, turn: float) -> NDArray[np.int32]:
+    """Number of the connected part of each of some voxels, shape (M, 3); see `ridges_of`."""
+    number = np.full(np.array(smoothed.shape) + 2, -1, np.int32)
+    number[tuple((voxels + 1).T)] = np.arange(len(voxels))
+    last = np.array(smoothed.shape) - 1
+    slope = np.empty((len(voxels), 3))
+    for axis, step in enumerate(np.eye(3, dtype=int)):
+        ahead, behind = np.minimum(voxels + step, last), np.maximum(voxels - step, 0)
+        slope[:, axis] = (smoothed[tuple(ahead.T)] - smoothed[tuple(behind.T)]) / pitch[axis]
+    size, pairs = np.linalg.norm(slope, axis=1), []
+    for offset in list(np.ndindex(3, 3, 3))[:13]:  # the other half are the same pairs
+        other = number[tuple((voxels + offset).T)]
+        one = np.flatnonzero(other >= 0)
+        other = other[one]
+        like = np.einsum("ni,ni->n", slope[one], slope[other]) >= turn * size[one] * size[other]
+        pairs.append(np.stack([one, other])[:, like | (turn <= -1.0)])
+    joined, count = np.concatenate(pairs, axis=1), len(voxels)
+    graph = scipy.sparse.coo_array((np.ones(joined.shape[1], np.bool_), tuple(joined)), (count, count))
+    found: NDArray[np.int32] = scipy.sparse.csgraph.connected_components(graph, directed=False)[1]
+    return found
+
+
+@compiled
+def _test(
+    smoothed: Single,
+    edges: Single,
+    pitch: Vector,
+    place: Array,
+    normal: Array,
+    ridge: Mask,
+    first: int,
+    last: int,
+) -> None:
+    """Normal at each voxel, and whether it is on a ridge."""
+    for q in range(first, last):
+        here = (place[q, 0], place[q, 1], place[q, 2])
+        set_row(normal, q, normal_at(smoothed, pitch, here))
+        ridge[q] = is_ridge(smoothed, edges, pitch, here, _BESIDE)

@@ -1,0 +1,218 @@
+"""Animations and pictures: frames as a GIF, APNG or MP4 file, and one frame as a PNG file."""
+
+from __future__ import annotations
+
+import importlib.util
+import io
+import math
+import os
+from collections.abc import Callable, Iterable, Iterator
+from itertools import chain
+from pathlib import Path
+
+import numpy as np
+import PIL.Image
+from PIL.PngImagePlugin import PngInfo
+
+from cpm_core.formats.common.atomic import check_place, draft_of, write_together
+from cpm_core.numerics.memory import free
+from cpm_core.numerics.types import Pixels
+
+ANIMATED: dict[str, str] = {
+    ".gif": "animated GIF, which all viewers show",
+    ".png": "animated PNG in full color, which browsers show",
+    ".apng": "animated PNG in full color, which browsers show",
+    ".mp4": "video for slides and players; needs imageio-ffmpeg",
+}
+"""Suffixes of animations that can be written -> what they are."""
+
+SLOWEST, FASTEST, FASTEST_GIF = 0.1, 120.0, 50.0
+"""Range of frames a second; viewers play a faster GIF slowly."""
+
+_COLORS = "bt709"
+"""Standard by which players convert the stored values to red, green and blue."""
+
+_VIDEO = (
+    *("-crf", "16", "-movflags", "+faststart"),
+    *("-vf", f"scale=out_color_matrix={_COLORS}:out_range=tv"),
+    *("-colorspace", _COLORS, "-color_primaries", _COLORS, "-color_trc", _COLORS, "-f", "mp4"),
+)
+
+
+def write_animation(
+    frames: Iterable[Pixels],
+    path: str | os.PathLike[str],
+    frames_per_second: float = 25.0,
+    progress: Callable[[int], object] | None = None,
+    cancelled: Callable[[], bool] | None = None,
+    comment: str = "",
+) -> bool:
+    """Write frames as an animation that repeats for ever, or as a video, by suffix.
+
+    Parameters
+    ----------
+    frames : iterable of ndarray of uint8, shape (H, W, 3)
+        Red, green and blue, all of one size; each is requested when the one before has been taken.
+    path : path-like
+        File to write; see `ANIMATED` for the suffixes. It is replaced atomically at the end.
+    frames_per_second : float
+        Speed.
+    progress : callable, optional
+        Called with the number of frames taken.
+    cancelled : callable, optional
+        Called before each frame; True stops the writing.
+    comment : str
+        Text in ASCII that the file carries.
+
+    Returns
+    -------
+    bool
+        False when it was cancelled; then nothing is written.
+
+    Raises
+    ------
+    ValueError
+        When `check_animation` does, or there are no frames, or they are not such arrays.
+
+    Examples
+    --------
+    >>> frames = [np.full((32, 32, 3), 16 * k, np.uint8) for k in range(8)]
+    >>> cpm.write_animation(frames, "run.gif", frames_per_second=4)
+    True
+    """
+    check_animation(path)
+    file = Path(path)
+    fastest = FASTEST_GIF if file.suffix.lower() == ".gif" else FASTEST
+    if not (math.isfinite(frames_per_second) and SLOWEST <= frames_per_second <= fastest):
+        raise ValueError(
+            f"frames_per_second is {frames_per_second:g} but must be a number from {SLOWEST:g} to {fastest:g}."
+        )
+
+    def checked() -> Iterator[Pixels]:
+        shape: tuple[int, ...] | None = None
+        rest, count = iter(frames), 0
+        while True:
+            if cancelled is not None and cancelled():
+                raise _CancelledError
+            frame = next(rest, None)
+            if frame is None:
+                return
+            shape = shape or (*frame.shape[:2], 3)
+            if frame.dtype != np.uint8 or frame.shape != shape:
+                raise ValueError(
+                    f"A frame holds {frame.dtype} of shape {frame.shape}, but all must hold uint8 of one shape "
+                    "(rows, columns, 3): keep the size of the view while it is recorded."
+                )
+            yield frame
+            count += 1
+            if progress is not None:
+                progress(count)
+
+    try:
+        taken = checked()
+        if (first := next(taken, None)) is None:
+            raise ValueError(f"{file.name} would be an animation without frames: let it run first.")
+        write = _write_video if file.suffix.lower() == ".mp4" else _write_by_pillow
+        with draft_of(file) as draft:
+            write(first, taken, draft, file.suffix.lower(), frames_per_second, comment)
+    except _CancelledError:
+        return False
+    return True
+
+
+def check_animation(path: str | os.PathLike[str]) -> None:
+    """Check in advance whether `write_animation` could write to a path.
+
+    Raises
+    ------
+    ValueError
+        When the suffix is not known, the encoder that it needs is not installed, or no file can be written there.
+    """
+    file = Path(path)
+    if file.suffix.lower() not in ANIMATED and not file.is_dir():
+        known = ", ".join(f"{suffix} ({text})" for suffix, text in ANIMATED.items())
+        raise ValueError(f"{file.name} has no suffix of an animation: choose one of {known}.")
+    check_place(file)
+    check_encoder(file.suffix.lower())
+
+
+def check_encoder(suffix: str) -> None:
+    """Raise ValueError, saying what to install, when there is no encoder for a format."""
+    if suffix == ".mp4" and importlib.util.find_spec("imageio_ffmpeg") is None:
+        raise ValueError(
+            'An .mp4 file needs the encoder imageio-ffmpeg, which is not installed: run "pip install imageio-ffmpeg", '
+            "or save as .gif or APNG (.png)."
+        )
+
+
+def write_picture(pixels: Pixels, path: Path, comment: str = "") -> None:
+    """Write a picture, shape (H, W, 3), as PNG that carries a comment; ValueError when it cannot be written."""
+    if path.suffix.lower() != ".png":
+        raise ValueError(f"{path.name} must end in .png, for a picture is written as PNG.")
+    stream, texts = io.BytesIO(), PngInfo()
+    texts.add_text("Description", comment)
+    PIL.Image.fromarray(np.ascontiguousarray(pixels)).save(stream, format="PNG", pnginfo=texts)
+    write_together([(path, stream.getvalue())])
+
+
+class _CancelledError(Exception):
+    """The animation was cancelled."""
+
+
+def _write_by_pillow(
+    first: Pixels, rest: Iterable[Pixels], path: Path, suffix: str, frames_per_second: float, comment: str
+) -> None:
+    """Write an animated GIF or PNG, whose frames are in memory until the last one: Pillow compares them."""
+    tick = 10 if suffix == ".gif" else 1
+    """What times are multiples of [ms]."""
+
+    pictures, kept = [], 0
+    for number, frame in enumerate(chain([first], rest)):
+        picture = PIL.Image.fromarray(np.ascontiguousarray(frame))
+        if suffix == ".gif":  # of all ways this one keeps the rare and vivid colors of overlays
+            picture = picture.quantize(256, PIL.Image.Quantize.MAXCOVERAGE, dither=PIL.Image.Dither.NONE)
+        begin, end = (round(1000.0 / tick * n / frames_per_second) for n in (number, number + 1))
+        picture.info["duration"] = tick * (end - begin)  # so that rounding does not add up
+        pictures.append(picture)
+        kept += frame.nbytes
+        if kept > free():
+            raise ValueError(f"{number + 1} frames do not fit into memory twice: write fewer or smaller ones, or .mp4.")
+    texts = PngInfo()
+    texts.add_text("Description", comment)
+    kind = {"format": "GIF", "comment": comment.encode()} if suffix == ".gif" else {"format": "PNG", "pnginfo": texts}
+    pictures[0].save(path, save_all=True, append_images=pictures[1:], loop=0, **kind)
+
+
+def _write_video(
+    first: Pixels, rest: Iterable[Pixels], path: Path, _suffix: str, frames_per_second: float, comment: str
+) -> None:
+    """Write a video (H.264), which has even numbers of rows and columns: of odd ones the last is repeated."""
+    import imageio_ffmpeg  # optional, and needed only here
+
+    rows, columns = first.shape[0], first.shape[1]
+    padding = [(0, rows % 2), (0, columns % 2), (0, 0)]
+    encoder = imageio_ffmpeg.write_frames(
+        str(path),
+        (columns + columns % 2, rows + rows % 2),
+        fps=frames_per_second,
+        codec="libx264",
+        quality=None,
+        macro_block_size=1,
+        ffmpeg_log_level="error",
+        output_params=[*_VIDEO, *(("-metadata", f"comment={comment}") if comment else ())],
+    )
+
+    def send(frame: Pixels | None) -> None:
+        try:
+            encoder.send(frame)
+        except (OSError, RuntimeError, StopIteration) as error:
+            raise ValueError(
+                f"The encoder of .mp4 files does not work here ({error}): save as .gif or APNG (.png)."
+            ) from error
+
+    try:
+        send(None)
+        for frame in chain([first], rest):
+            send(np.ascontiguousarray(np.pad(frame, padding, mode="edge")))
+    finally:
+        encoder.close()

@@ -1,1 +1,0 @@
-"""Files of animations, and strips of snapshots."""

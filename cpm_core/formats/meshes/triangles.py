@@ -1,0 +1,46 @@
+"""What a file of a surface holds, as a reader finds it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cpm_core.formats.images.decoded import UnreadableError
+from cpm_core.numerics.types import Array, Index
+
+
+class Triangles(NamedTuple):
+    """Triangles in the coordinates of a file.
+
+    Attributes
+    ----------
+    points : ndarray of float64, shape (N, 3)
+        Positions (x, y, z).
+    faces : ndarray of int64, shape (F, 3)
+        Corners of each triangle.
+    numbers : ndarray of int64, shape (F,), or None
+        Number of the object that each triangle bounds.
+    """
+
+    points: Array
+    faces: Index
+    numbers: Index | None = None
+
+
+def split(counts: ArrayLike, corners: ArrayLike) -> tuple[Index, Index]:
+    """Polygons as triangles around their first corner, and which polygon each triangle is a part of.
+
+    `counts` are the numbers of corners of the polygons, and `corners` the corners of all of them, one after the other.
+    """
+    sizes, ends = np.asarray(counts, np.int64), np.asarray(corners, np.int64)
+    if not len(sizes):
+        raise UnreadableError("it has no triangles")
+    if sizes.min() < 0 or int(sizes.sum()) != len(ends):
+        raise UnreadableError("polygons do not have as many corners as they say")
+    parts = np.maximum(sizes - 2, 0)
+    polygon = np.repeat(np.arange(len(sizes)), parts)
+    first = (np.cumsum(sizes) - sizes)[polygon]
+    place = np.arange(len(polygon)) - (np.cumsum(parts) - parts)[polygon]
+    return np.stack([ends[first], ends[first + place + 1], ends[first + place + 2]], axis=1), polygon

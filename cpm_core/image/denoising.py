@@ -1,0 +1,335 @@
+"""Removal of heavy noise: the image without it, the smoothing that its edges then need, and the noise that remains.
+
+Total variation finds the regions, but their boundaries follow the noise and small regions lose contrast. Averages of
+the data along the edges that it has found have much less noise and keep the contrast; total variation of these averages
+finds the edges again, more exactly. The length of the averages follows from the ratio of the noise to the edges: the
+error of the position of a step grows with the square of this ratio and falls with the length of the average.
+
+Where noise replaces pixels by random gray levels, the gray levels first go through a regression (`expected`). If that
+reduces the noise much against the edges, the result is used in place of the data.
+"""
+
+from __future__ import annotations
+
+from functools import reduce
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.types import Array
+
+_FIRST, _FURTHER = 1.5, 1.0
+"""Weight of the total variation of the data, and of averages along edges, in standard deviations of the noise."""
+
+_ROUNDS = 3
+"""Number of rounds: edges are found, and the data averaged along them."""
+
+_SHORTEST, _LONGEST, _GROWTH = 4.0, 14.0, 0.8
+"""Averages along edges: least and largest standard deviation [px], and power of noise over contrast between them."""
+
+_COARSE = 8.0
+"""With averages longer than this, all rounds but the last are done at half size, in an eighth of the time [px]."""
+
+_REGRESSION_GAIN = 1.5
+"""Factor by which the regression must reduce the noise against the edges to be used."""
+
+_SHARPEST, _SLENDERNESS = 1.5, 0.21
+"""Gaussian for the edges of the result: at least [px], and as a fraction of the length of the averages."""
+
+_FINEST = 0.75
+"""Least Gaussian before the directions of edges are computed [px]."""
+
+_AGREEING = 0.9
+"""Gaussian over which the directions of edges are averaged, as a fraction of the length of the averages."""
+
+_PIXELS = 0.7
+"""Gaussian that makes the pixels a smooth surface, for averages along any line [px]."""
+
+_REMAINING, _LEAST_REMAINING, _MOST_REMAINING = 0.2, 0.12, 0.35
+"""Steps that may remain of the noise: in its standard deviations, and least and largest fraction of the largest
+step."""
+
+_STEP = float(np.sqrt(2.0 * np.pi))
+"""Height of a step over its slope, in widths of the Gaussian that smoothed it."""
+
+
+class Cleaned(NamedTuple):
+    """An image without heavy noise, and what its edges then need.
+
+    Attributes
+    ----------
+    image : ndarray, shape (H, W)
+        The image.
+    sigma : float
+        Gaussian by which to smooth it for its edges [px].
+    floor : float
+        Fraction of the largest edge strength up to which edges may be remains of noise.
+    """
+
+    image: Array
+    sigma: float
+    floor: float
+
+
+def clean(values: Array) -> Cleaned:
+    """Remove heavy noise from an image, shape (H, W).
+
+    The result is flat between edges, which are in their place to within about a pixel, and rounded where they bend
+    within the length of the averages.
+    """
+    seen = _estimate(values)
+    length = float(np.clip(_SHORTEST * seen.ratio**_GROWTH, _SHORTEST, _LONGEST))
+    if length < _COARSE:
+        image = _regions(values, total_variation(values, _FIRST * seen.noise), seen.noise, length, _ROUNDS)
+    else:
+        regression = _estimate(expected(values, _doubled(seen.rough, values.shape)))
+        if _REGRESSION_GAIN * regression.ratio < seen.ratio:
+            seen = regression
+        image = _regions(seen.halved, seen.rough, 0.5 * seen.noise, 0.5 * length, _ROUNDS - 1)
+        image = _regions(seen.values, _doubled(image, values.shape), seen.noise, length, 1)
+    width = max(_SHARPEST, _SLENDERNESS * length)
+    step = _STEP * width * float(scipy.ndimage.gaussian_gradient_magnitude(image, width, mode="nearest").max())
+    remaining = _REMAINING * seen.noise / step if step > 0.0 else 0.0
+    return Cleaned(image, width, min(max(remaining, _LEAST_REMAINING), _MOST_REMAINING))
+
+
+class _Estimate(NamedTuple):
+    """First estimate: the image, it at half size, its noise, it without most of the noise, noise over contrast."""
+
+    values: Array
+    halved: Array
+    noise: float
+    rough: Array
+    ratio: float
+
+
+def _estimate(values: Array) -> _Estimate:
+    """First estimate of an image, shape (H, W)."""
+    halved = _halved(values)
+    # halving the size halves white noise, but leaves more than half of correlated noise and of texture
+    noise = max(2.0 * noise_level(halved), 4.0 * noise_level(_halved(halved)))
+    rough = total_variation(halved, 0.5 * _FIRST * noise)
+    contrast = _contrast(rough)
+    return _Estimate(values, halved, noise, rough, noise / max(contrast, 1e-6 * noise, 1e-300))
+
+
+def _regions(values: Array, image: Array, noise: float, length: float, rounds: int) -> Array:
+    """Regions of an image, by averages along the edges of `image`, which is computed again in every round."""
+    surface = scipy.ndimage.gaussian_filter(values, _PIXELS, mode="nearest")
+    for _ in range(rounds):
+        way = directions(image, max(_FINEST, _SLENDERNESS * length), _AGREEING * length)
+        image = total_variation(averaged_along(surface, way, length), _FURTHER * noise)
+    return image
+
+
+def _contrast(image: Array) -> float:
+    """Mean height of the steps in an image, with most weight on the high and the long ones [gray levels]."""
+    width = 2.0
+    slope = scipy.ndimage.gaussian_gradient_magnitude(image, width, mode="nearest")
+    square = float((slope**2).sum())
+    # across a smoothed step, cubes over squares of the slopes give sqrt(2/3) of the largest slope
+    return _STEP * width * float(np.sqrt(1.5)) * float((slope**3).sum()) / square if square > 0.0 else 0.0
+
+
+def _halved(values: Array) -> Array:
+    """Image of half the size, from means of 2 x 2 pixels; the last row and column are repeated where one is missing."""
+    rows, cols = values.shape
+    even = np.pad(values, ((0, rows % 2), (0, cols % 2)), mode="edge")
+    return np.asarray(even.reshape((rows + 1) // 2, 2, (cols + 1) // 2, 2).mean(axis=(1, 3)))
+
+
+def _doubled(values: Array, shape: tuple[int, ...]) -> Array:
+    """Image of a shape from the one of half the size."""
+    row, col = (0.5 * (np.arange(size) - 0.5) for size in shape)
+    grid = np.meshgrid(row, col, indexing="ij")
+    return np.asarray(scipy.ndimage.map_coordinates(values, np.stack(grid), order=1, mode="nearest"))
+
+
+_ITERATIONS = 400
+
+_CURVATURE = np.array([1.0, -2.0, 1.0])
+"""Second difference; its product along all axes ignores what is straight along one of them. Norm sqrt(6)."""
+
+
+def noise_level(values: Array) -> float:
+    """Standard deviation of the noise in an image or volume [gray levels].
+
+    It follows, after Immerkaer (1996, doi:10.1006/cviu.1996.0060), from the mean square of the response of a mask that
+    ignores smooth structure, for noise of any distribution. Corners add a little to it.
+    """
+    mask = reduce(np.multiply.outer, [_CURVATURE] * values.ndim)
+    response = scipy.ndimage.convolve(values, mask, mode="nearest")
+    return float(np.sqrt(np.mean(response**2)) / np.linalg.norm(mask))
+
+
+def total_variation(values: Array, weight: float) -> Array:
+    """Image of least total variation near the data: the u with least ``sum |grad u| + |u - values|^2 / (2 weight)``.
+
+    Solved by the accelerated primal-dual iteration of Chambolle and Pock (2011, doi:10.1007/s10851-010-0251-1).
+    `skimage.restoration.denoise_tv_chambolle` with as many iterations takes 3.4 times as long for 512 x 512 pixels with
+    heavy noise (0.42 s instead of 0.12 s), and is then 1.5 % above this energy and three times as far from the image
+    without noise. Images have the shape (H, W). `weight` is the cost of a unit of variation [gray levels]; about 1.5
+    standard deviations of the noise make regions flat, while edges keep their place.
+    """
+    if weight <= 0.0:
+        return values.copy()
+    data = values.astype(np.float32)
+    return _primal_dual(data, np.pad(data, ((0, 1), (0, 1)), mode="edge"), weight, _ITERATIONS).astype(np.float64)
+
+
+@compiled
+def _primal_dual(
+    data: NDArray[np.float32], ahead: NDArray[np.float32], weight: float, iterations: int
+) -> NDArray[np.float32]:
+    rows, cols = data.shape
+    image = data.copy()
+    # `ahead` has a margin that repeats the last row and column, `down` and `right` one without flow before the first:
+    # no branches in the loops
+    down = np.zeros((rows + 1, cols), np.float32)
+    right = np.zeros((rows, cols + 1), np.float32)
+    one, cost = np.float32(1.0), np.float32(weight)
+    primal = np.float32(0.1) * cost
+    dual = one / (np.float32(8.0) * primal)
+    convexity = np.float32(0.7) / cost
+    for _ in range(iterations):
+        for j in range(cols):
+            ahead[rows, j] = ahead[rows - 1, j]
+        for i in range(rows):
+            ahead[i, cols] = ahead[i, cols - 1]
+        for i in range(rows):
+            here, below, flow_down, flow_right = ahead[i], ahead[i + 1], down[i + 1], right[i]
+            for j in range(cols):
+                a = flow_down[j] + dual * (below[j] - here[j])
+                b = flow_right[j + 1] + dual * (here[j + 1] - here[j])
+                scale = one / max(one, np.sqrt(a * a + b * b))
+                flow_down[j] = a * scale
+                flow_right[j + 1] = b * scale
+        pull = primal / cost
+        relax = one / np.sqrt(one + np.float32(2.0) * convexity * primal)
+        share = one / (one + pull)
+        for i in range(rows):
+            for j in range(cols):
+                flow = down[i + 1, j] - down[i, j] + right[i, j + 1] - right[i, j]
+                new = (image[i, j] + primal * flow + pull * data[i, j]) * share
+                ahead[i, j] = new + relax * (new - image[i, j])
+                image[i, j] = new
+        primal *= relax
+        dual /= relax
+    return image
+
+
+_REACH = 3.0
+"""Where the Gaussian along a line ends, in its standard deviations."""
+
+_DOUBT = 5.0
+"""Power of the coherence that remains of a weight after one standard deviation along the line."""
+
+_LEAST_WEIGHT = 0.02
+"""Fraction of a weight below which a line is not followed any further."""
+
+
+class Directions(NamedTuple):
+    """Directions of edges.
+
+    Attributes
+    ----------
+    row, col : ndarray, shape (H, W)
+        Unit vector along the edge; its sign has no meaning.
+    coherence : ndarray, shape (H, W)
+        From 0 at corners and in noise, where gradients have all directions, to 1 on a straight edge.
+    """
+
+    row: Array
+    col: Array
+    coherence: Array
+
+
+def directions(values: Array, inner: float, outer: float) -> Directions:
+    """Directions of the edges of an image, shape (H, W), by its structure tensor.
+
+    `inner` is the Gaussian before the gradient, `outer` the one over which directions are averaged [px].
+    """
+    down, right = (scipy.ndimage.gaussian_filter(values, inner, order, mode="nearest") for order in ((1, 0), (0, 1)))
+    products = (down * down, right * right, down * right)
+    rows, cols, mixed = (scipy.ndimage.gaussian_filter(product, outer, mode="nearest") for product in products)
+    total = rows + cols
+    spread = np.sqrt((rows - cols) ** 2 + 4.0 * mixed**2)
+    coherence = np.divide(spread, total, out=np.zeros_like(total), where=total > 1e-12 * float(total.max(initial=0.0)))
+    # half of the angle of (rows - cols, 2 mixed): roots instead of arc tangent, sine and cosine
+    some = np.maximum(spread, 1e-300)
+    cosine, sine = np.where(spread > 0.0, (rows - cols) / some, 1.0), 2.0 * mixed / some
+    larger = np.sqrt(0.5 + 0.5 * np.abs(cosine))
+    smaller, first = 0.5 * sine / larger, cosine >= 0.0
+    row, col = np.where(first, -smaller, -np.copysign(larger, sine)), np.where(first, larger, np.abs(smaller))
+    return Directions(row, col, np.clip(coherence, 0.0, 1.0))
+
+
+def averaged_along(values: Array, way: Directions, length: float) -> Array:
+    """Averages of an image, shape (H, W), along the lines that follow its edges in the directions `way`.
+
+    `length` is the standard deviation of the Gaussian along a line [px]. The average is shorter where directions are
+    uncertain, so that it does not pass corners.
+    """
+    steps = np.arange(1 + int(_REACH * length))
+    weights = np.exp(-0.5 * (steps / max(length, 1e-9)) ** 2)
+    trust = way.coherence ** (_DOUBT / max(length, 1e-9))
+    return _follow(np.ascontiguousarray(values), way.row, way.col, trust, weights)
+
+
+@compiled
+def _follow(values: Array, down: Array, right: Array, trust: Array, weights: Array) -> Array:
+    rows, cols = values.shape
+    out = np.empty_like(values)
+    for i in range(rows):
+        for j in range(cols):
+            total, weight = weights[0] * values[i, j], weights[0]
+            for way in (-1.0, 1.0):
+                y, x, left = float(i), float(j), 1.0
+                last_y, last_x = way * down[i, j], way * right[i, j]
+                for k in range(1, len(weights)):
+                    near_y, near_x = int(y + 0.5), int(x + 0.5)
+                    to_y, to_x = down[near_y, near_x], right[near_y, near_x]
+                    if to_y * last_y + to_x * last_x < 0.0:
+                        to_y, to_x = -to_y, -to_x
+                    last_y, last_x = to_y, to_x
+                    y, x, left = y + to_y, x + to_x, left * trust[near_y, near_x]
+                    if left < _LEAST_WEIGHT or y < 0.0 or x < 0.0 or y > rows - 1.0 or x > cols - 1.0:
+                        break
+                    r, c = min(int(y), rows - 2), min(int(x), cols - 2)
+                    v, u = y - r, x - c
+                    above = values[r, c] + u * (values[r, c + 1] - values[r, c])
+                    below = values[r + 1, c] + u * (values[r + 1, c + 1] - values[r + 1, c])
+                    share = weights[k] * left
+                    total += share * (above + v * (below - above))
+                    weight += share
+            out[i, j] = total / weight
+    return out
+
+
+_LEVELS = 256
+"""Classes of gray levels."""
+
+_PRIOR = 16.0
+"""Pixels of the mean gray level that are added to each class."""
+
+
+def expected(values: Array, estimate: Array) -> Array:
+    r"""Replace each gray level of a noisy image by the mean of an estimate over the pixels that have it.
+
+    `estimate` is an image without most of the noise. All arrays have the shape (\*shape), and `values` must not be
+    constant. The result is scaled so that the steps between regions keep their height.
+    """
+    low, high = float(values.min()), float(values.max())
+    classes = np.rint((values - low) * ((_LEVELS - 1) / (high - low))).astype(np.intp)
+    mean = float(estimate.mean())
+    count = np.bincount(classes.ravel(), minlength=_LEVELS)
+    total = np.bincount(classes.ravel(), estimate.ravel() - mean, _LEVELS)
+    fitted = (total / (count + _PRIOR))[classes]
+    fitted -= fitted.mean()
+    steps = float((fitted * estimate).sum())
+    if steps <= 0.0:
+        return values
+    return np.asarray(values.mean() + fitted * (float(((values - values.mean()) * estimate).sum()) / steps))

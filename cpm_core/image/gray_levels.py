@@ -1,0 +1,147 @@
+"""Gray levels that can be computed with: without values that stand for no data, and in a range for single precision."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal, NamedTuple
+
+import numpy as np
+import scipy
+import skimage
+
+from cpm_core.numerics.types import Array, Mask
+
+NO_DATA = float(np.finfo(np.float64).min)
+"""What a reader puts where a file says that there is no data."""
+
+_LEAST_NO_DATA = 9e36
+"""Size from which a value that occurs often, far from all others, stands for no data: 9.97e36, 3.4e38, 1.8e308."""
+
+_FAR = 1e-6
+"""Largest gray level beside such values, as a fraction of `_LEAST_NO_DATA`."""
+
+_MOST_SPAN = 1e15
+"""Largest span of gray levels, and the inverse of the smallest, that fields of single precision are made of."""
+
+_BESIDE = 2
+"""Widths of a pixel up to which a known pixel lies beside an unknown one."""
+
+
+class Usable(NamedTuple):
+    r"""Gray levels to compute with, shape (\*shape), and what was changed, one sentence each."""
+
+    values: Array
+    notes: tuple[str, ...] = ()
+
+
+def usable(values: Array) -> Usable:
+    r"""Fill pixels without data from their surroundings, and bring extreme gray levels into a range for fields.
+
+    A single value of 9e36 or more, far beyond all others, stands for no data: this is what geographic and medical
+    programs write. What it is replaced by changes so slowly that it makes no edges. Gray levels whose span is above
+    1e15 or below 1e-15 are divided by a power of ten.
+    """
+    notes: list[str] = []
+    absent = _absent(values)
+    if absent is not None:
+        values = _filled(np.where(absent, 0.0, values), ~absent)
+        notes.append(no_data_note(int(absent.sum())))
+    low, high = float(values.min()), float(values.max())
+    half = high / 2.0 - low / 2.0
+    if half > 0.0 and not 1.0 / _MOST_SPAN <= 2.0 * half <= _MOST_SPAN:
+        power = min(max(math.floor(math.log10(half)), -300), 307)
+        values = values / 10.0**power
+        notes.append(f"Its gray levels were divided by 1e{power:+d}, because they span {2.0 * half:.3g}."
+                     if math.isfinite(2.0 * half) else f"Its gray levels were divided by 1e{power:+d}.")  # fmt: skip
+    return Usable(values, tuple(notes))
+
+
+def no_data_note(count: int) -> str:
+    """What is said of so many pixels without data."""
+    what = "1 pixel has" if count == 1 else f"{count} pixels have"
+    return f"{what} no data, filled from around: contours there mean nothing."
+
+
+def _absent(values: Array) -> Mask | None:
+    """Pixels without data; None when there are none."""
+    low, high = float(values.min(initial=0.0)), float(values.max(initial=0.0))
+    if max(-low, high) < _LEAST_NO_DATA:
+        return None
+    absent = np.abs(values) >= _LEAST_NO_DATA
+    others = values[~absent]
+    kinds = np.unique(values[absent])
+    if len(kinds) != 1 or not others.size or np.abs(others).max() > _FAR * _LEAST_NO_DATA:
+        return None
+    if np.ptp(others) == 0.0 and kinds[0] != NO_DATA:
+        return None
+    return np.asarray(absent)
+
+
+def _filled(values: Array, known: Mask) -> Array:
+    """Values whose unknown pixels are means of known ones beside unknown ones, the farther away, the more of them.
+
+    Known ones beyond would put the brightness of an object at some distance beside the background around it.
+    """
+    beside = known & scipy.ndimage.binary_dilation(~known, iterations=_BESIDE)
+    return np.where(known, values, _spread(np.where(beside, values, 0.0), beside))
+
+
+def _spread(values: Array, known: Mask) -> Array:
+    """The same for all unknown pixels, of which those that lie together are filled together."""
+    if known.all():
+        return values
+    weight = skimage.measure.block_reduce(known.astype(float), 2, np.sum)  # type: ignore[no-untyped-call]
+    total = skimage.measure.block_reduce(values * known, 2, np.sum)  # type: ignore[no-untyped-call]
+    coarse = _spread(total / np.maximum(weight, 1.0), weight > 0.0)
+    between = skimage.transform.resize(coarse, values.shape, order=1, mode="edge", anti_aliasing=False)  # type: ignore[no-untyped-call]
+    return np.where(known, values, between)
+
+
+_DARKEST, _BRIGHTEST = 0.1, 99.9
+"""Percentiles that count as the ends of the gray levels, so that a few specks do not move them."""
+
+_MIDDLE, _END = 0.2, 0.35
+"""Distances of the median from the middle of the gray levels, as fractions of their range: up to the first one nothing
+is changed, from the second one on the image counts as objects on a background."""
+
+_ON_DARK, _ON_BRIGHT = 0.5, 0.7
+"""Exponents on a dark background, where the square root gives counted photons the same noise everywhere, and on a
+bright one."""
+
+
+def automatic_gamma(values: Array) -> float:
+    r"""Exponent that suits the gray levels of an image, shape (\*shape): from 1/2 to 1.
+
+    Where most pixels are almost as dark as the darkest, or as bright as the brightest, the image shows objects on a
+    background. Their brightness differs by factors, and the exponent is 1/2 on a dark background, 0.7 on a bright one.
+    Where the median is in the middle of the gray levels, the exponent is 1.
+    """
+    ends = (_DARKEST, 50.0, _BRIGHTEST)
+    low, median, high = (float(level) for level in np.percentile(values, ends))
+    if high <= low:
+        return 1.0
+    aside = (median - low) / (high - low) - 0.5
+    share = min(max((abs(aside) - _MIDDLE) / (_END - _MIDDLE), 0.0), 1.0)
+    return 1.0 - (1.0 - (_ON_DARK if aside < 0.0 else _ON_BRIGHT)) * share
+
+
+def toned(values: Array, gamma: float | Literal["auto"]) -> Array:
+    r"""Gray levels on a power scale, ``low + range * ((I - low) / range)**gamma``, within the same range.
+
+    Parameters
+    ----------
+    values : ndarray, shape (\*shape)
+        Image.
+    gamma : float or "auto"
+        Exponent; ``"auto"`` takes `automatic_gamma`. With 1 the image itself is returned.
+
+    Returns
+    -------
+    ndarray, shape (\*shape)
+        Image with the same darkest and brightest gray level.
+    """
+    exponent = automatic_gamma(values) if gamma == "auto" else float(gamma)
+    low, high = float(values.min()), float(values.max())
+    if exponent == 1.0 or high <= low:
+        return values
+    return np.asarray(low + (high - low) * ((values - low) / (high - low)) ** exponent)

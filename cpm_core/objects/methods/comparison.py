@@ -1,0 +1,300 @@
+"""All methods by name, a choice of them with settings, whole runs, and what is said of a run."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from cpm_core.contours.agreement import compare
+from cpm_core.contours.contour import Contour, sampled
+from cpm_core.contours.ground_truth import Truth
+from cpm_core.contours.result import Result
+from cpm_core.contours.surface import Surface
+from cpm_core.contours.surface.agreement import compare_surface
+from cpm_core.contours.surface.ground_truth import VolumeTruth
+from cpm_core.field.edge_map import edge_map
+from cpm_core.field.interpolation import interpolate
+from cpm_core.image.image import Image, as_image
+from cpm_core.numerics.real_numbers import checked_number
+from cpm_core.objects.methods.level_sets import GEODESIC, GEOMETRIC_GVF
+from cpm_core.objects.methods.method import AnyMethod, ContourMethod, ContourState, Settings, Start
+from cpm_core.objects.methods.particles import PARTICLES, PROPOSED_OBJECT
+from cpm_core.objects.methods.regions import (
+    CHAN_VESE,
+    GRAB_CUT,
+    MORPHOLOGICAL_CHAN_VESE,
+    MORPHOLOGICAL_GAC,
+    RANDOM_WALKER,
+)
+from cpm_core.objects.methods.snakes import GVF_SNAKE, SNAKE
+from cpm_core.parameters.provenance import Provenance
+from cpm_core.parameters.quotation import counted, described, shown
+
+_ALL: tuple[AnyMethod, ...] = (
+    PARTICLES,
+    PROPOSED_OBJECT,
+    SNAKE,
+    GVF_SNAKE,
+    GEODESIC,
+    GEOMETRIC_GVF,
+    CHAN_VESE,
+    MORPHOLOGICAL_GAC,
+    MORPHOLOGICAL_CHAN_VESE,
+    RANDOM_WALKER,
+    GRAB_CUT,
+)
+
+CONTOUR_METHODS: Mapping[str, AnyMethod] = MappingProxyType({method.name: method for method in _ALL})
+"""All methods that can be compared, by name. A new one is a function with its settings, and a line above."""
+
+
+def runnable(ndim: int = 2) -> tuple[str, ...]:
+    """Names of the methods that lack nothing to run, in images or in volumes, which have three axes."""
+    found = (method for method in CONTOUR_METHODS.values() if ndim == 2 or method.in_volumes)
+    return tuple(method.name for method in found if not method.missing)
+
+
+def method_named(name: str) -> AnyMethod:
+    """The method of a name; ValueError with the names that there are when there is none."""
+    if name not in CONTOUR_METHODS:
+        raise ValueError(f"{shown(name)} is no method: choose among {', '.join(CONTOUR_METHODS)}.")
+    return CONTOUR_METHODS[name]
+
+
+FIRST = ("cpm", "gvf", "gac", "chan_vese")
+"""The methods that are compared at first."""
+
+
+@dataclass(frozen=True)
+class Compared:
+    """A comparison of methods, which a session keeps; its start is what is drawn.
+
+    Attributes
+    ----------
+    methods : tuple of str
+        Names of the methods.
+    settings : tuple of (str, Settings)
+        The settings of methods that are not their defaults. Those of the particles have the parameters of the run.
+    around : bool
+        Whether the start lies around the objects.
+    """
+
+    methods: tuple[str, ...] = FIRST
+    settings: tuple[tuple[str, Settings], ...] = ()
+    around: bool = False
+
+    def settings_of(self, method: str) -> Any:
+        """The settings of a method by name: those that were chosen, or its defaults."""
+        return dict(self.settings).get(method) or CONTOUR_METHODS[method].defaults
+
+    def with_settings(self, method: str, settings: Settings) -> Compared:
+        """The comparison in which a method has these settings."""
+        others = {name: one for name, one in self.settings if name != method}
+        changed = others if settings == CONTOUR_METHODS[method].defaults else {**others, method: settings}
+        return replace(self, settings=tuple(changed.items()))
+
+
+@dataclass(frozen=True, eq=False)
+class Moment:
+    """A state of a run, and the time that it took to come there.
+
+    Attributes
+    ----------
+    method : ContourMethod
+        The method.
+    state : ContourState
+        The state.
+    seconds : float
+        Time for the preparation and all steps so far, without that of whoever looks at the states [s].
+    """
+
+    method: AnyMethod
+    state: ContourState
+    seconds: float
+
+    def __repr__(self) -> str:
+        return described("Moment", self.method.name, f"step {self.state.step}", f"{self.seconds:.3g} s")
+
+
+def moments(method: AnyMethod, image: Image, start: Start, settings: Any = None) -> Iterator[Moment]:
+    """Run a method step by step; `settings` are the defaults of the method unless given.
+
+    Examples
+    --------
+    >>> start = cpm.Start((cpm.circle((32, 32), 8),))
+    >>> for moment in cpm.moments(cpm.CONTOUR_METHODS["chan_vese"], cpm.example("disk"), start):
+    ...     if moment.state.step == 3:
+    ...         break
+    >>> len(moment.state.contours), moment.seconds > 0
+    (1, True)
+    """
+    if not isinstance(method, ContourMethod):
+        raise ValueError(f"the method is {shown(method)} but must be one of CONTOUR_METHODS.")
+    if not isinstance(start, Start):
+        raise ValueError(f"the start is {shown(start)} but must be a Start: Start((outline,)).")
+    settings = method.defaults if settings is None else settings
+    if not isinstance(settings, method.settings):
+        raise ValueError(
+            f"the settings are {shown(settings)} but must be {method.settings.__name__}, those of {method.title}."
+        )
+    if method.missing:
+        raise ValueError(method.missing)
+    image = as_image(image)
+    if image.ndim == 3 and not method.in_volumes:
+        raise ValueError(f"{image.source} is a volume, but {method.title} is for images: choose another method.")
+    if image.ndim != start.ndim:
+        wanted = "spheres, Start((), spheres=(...,))" if image.ndim == 3 else "outlines, Start((outline,))"
+        raise ValueError(f"The start does not fit {image.source}, which has {image.ndim} axes: give {wanted}.")
+    began, seconds = time.perf_counter(), 0.0
+    for state in method.evolve(image, start, settings):
+        seconds += time.perf_counter() - began
+        yield Moment(method, state, seconds)
+        began = time.perf_counter()
+
+
+def run_method(
+    method: AnyMethod, image: Image, start: Start, settings: Any = None, max_steps: int | None = None
+) -> Moment:
+    """The last moment of a whole run, or that after `max_steps`; the time includes that for the contours.
+
+    Examples
+    --------
+    >>> start = cpm.Start((cpm.circle((32, 32), 8),))
+    >>> moment = cpm.run_method(cpm.CONTOUR_METHODS["chan_vese"], cpm.example("disk"), start, max_steps=20)
+    >>> len(moment.state.contours), moment.state.step
+    (1, 20)
+    """
+    if max_steps is not None:
+        checked_number(
+            "max_steps", max_steps, lambda count: count >= 0 and count == int(count), "at least 0, and whole"
+        )
+    for last in moments(method, image, start, settings):
+        if last.state.step == max_steps:
+            break
+    began = time.perf_counter()
+    _ = last.state.contours
+    return replace(last, seconds=last.seconds + time.perf_counter() - began)
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What a comparison says of one run; the last four are None where no ground truth is known.
+
+    Attributes
+    ----------
+    method : str
+        Name of the method.
+    steps : int
+        Number of steps.
+    seconds : float
+        Time of the run [s].
+    converged : bool
+        Whether it came to rest.
+    stop_reason : str
+        Why it ended.
+    contours : int
+        Number of contours, in a volume of parts of the surface.
+    closed : int
+        Number of closed ones among them, which alone have an area that overlaps another; in a volume all, if the
+        surface is closed.
+    dice, f : float or None
+        Overlap of the areas, and agreement of the boundaries up to a tolerance.
+    hausdorff, mean_distance : float or None
+        Largest and mean distance of the boundaries [px], in a volume in the unit of its voxels.
+
+    Examples
+    --------
+    >>> start = cpm.Start((cpm.circle((32, 32), 8),))
+    >>> moment = cpm.run_method(cpm.CONTOUR_METHODS["cpm"], cpm.example("disk"), start)
+    >>> result = cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8))
+    >>> facts = cpm.facts_of(moment, cpm.Truth(result.labels, result.contours))
+    >>> facts.method, facts.contours, facts.closed, round(facts.dice, 2), facts.f
+    ('cpm', 1, 1, 1.0, 1.0)
+    """
+
+    method: str
+    steps: int
+    seconds: float
+    converged: bool
+    stop_reason: str
+    contours: int
+    closed: int = 0
+    dice: float | None = None
+    f: float | None = None
+    hausdorff: float | None = None
+    mean_distance: float | None = None
+
+    def __repr__(self) -> str:
+        agreed = "" if self.f is None else f"F {self.f:.3f}"
+        steps, contours = counted(self.steps, "step"), counted(self.contours, "contour")
+        return described("Facts", self.method, steps, f"{self.seconds:.3g} s", contours, agreed)
+
+
+def facts_of(moment: Moment, truth: Truth | VolumeTruth | None = None) -> Facts:
+    """What is said of a moment of a run, with its agreement with a ground truth where one is known.
+
+    Examples
+    --------
+    >>> start = cpm.Start((cpm.circle((32, 32), 8),))
+    >>> moment = cpm.run_method(cpm.CONTOUR_METHODS["cpm"], cpm.example("disk"), start)
+    >>> cpm.facts_of(moment).contours
+    1
+    """
+    if not isinstance(moment, Moment):
+        raise ValueError(f"the moment is {shown(moment)} but must be one of a run: take those of `moments`.")
+    state, surface = moment.state, moment.state.surface
+    contours, closed = len(state.contours), sum(contour.closed for contour in state.contours)
+    if surface is not None:
+        contours = surface.components
+        closed = contours if surface.closed else 0
+    facts = Facts(moment.method.name, state.step, moment.seconds, state.converged, state.stop_reason, contours, closed)
+    if truth is None:
+        return facts
+    if isinstance(truth, VolumeTruth):
+        sized = None if surface is None else replace(surface, spacing=truth.spacing, unit=truth.unit)
+        seen: Any = compare_surface(sized, truth)
+    else:
+        seen = compare(state.contours, truth)
+    return replace(facts, dice=seen.dice, f=seen.f, hausdorff=seen.hausdorff, mean_distance=seen.mean_boundary_distance)
+
+
+_SMOOTHING = 1.0
+"""Width of the Gaussian before the edge strength along the contours is taken [px]."""
+
+
+def result_of(
+    facts: Facts, contours: Sequence[Contour], image: Image, start: Start, settings: Any, surface: Surface | None = None
+) -> Result:
+    """The contours that a method has found, or its surface, as a result, for everything that takes one.
+
+    The contours have numbers from 1 and the mean edge strength along them; there are no particles.
+    """
+    strength = edge_map(image.values, _SMOOTHING) if contours else image.values
+    numbered = []
+    for number, contour in enumerate(contours, start=1):
+        mean = float(interpolate(strength[None], sampled([contour])).mean())
+        numbered.append(replace(contour, number=number, strength=mean))
+    shapes: list[dict[str, Any]] = [{"shape": "polygon", "points": outline.tolist()} for outline in start.outlines]
+    shapes += [{"shape": "sphere", "center": center, "radius": radius} for *center, radius in start.spheres]
+    made = Provenance(
+        facts.method, asdict(settings), None, tuple(shapes), sha256=image.sha256, of_file=bool(image.file_sha256)
+    )
+    return Result(
+        particles=np.empty((0, image.ndim)),
+        contours=tuple(numbered),
+        surface=None if surface is None else replace(surface, spacing=image.spacing, unit=image.unit),
+        steps=facts.steps,
+        converged=facts.converged,
+        stop_reason=facts.stop_reason,
+        shape=image.shape,
+        spacing=image.spacing,
+        unit=image.unit,
+        source=image.source,
+        image=image,
+        provenance=made,
+    )

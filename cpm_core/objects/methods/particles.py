@@ -1,0 +1,73 @@
+"""The charged particles among the methods that are compared: their contours, and the object that these propose."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from cpm_core.image.image import Image
+from cpm_core.image.pyramid import most_scales
+from cpm_core.objects.methods.method import SPACING, ContourMethod, ContourState, Found, Start
+from cpm_core.objects.partition import partition
+from cpm_core.parameters import PRESETS, Parameters
+from cpm_core.segmentation.engine import Engine
+from cpm_core.segmentation.evolve import Evolved, evolve
+
+MOST_STEPS = 4000
+
+
+def _states(
+    image: Image, start: Start, parameters: Parameters, find: Callable[[Evolved], Found]
+) -> Iterator[ContourState]:
+    """States of a run, which ends after `MOST_STEPS` at the latest."""
+    chosen = replace(parameters, scales=min(parameters.scales, most_scales(image.shape)))
+    run = evolve(image, start.points, chosen)
+    for moment in run:
+        if moment.step == MOST_STEPS:
+            run.stop(f"stopped after {MOST_STEPS} steps")
+        newest = run.moment
+        yield ContourState(
+            newest.step, partial(find, newest), newest.stop_reason, newest.converged, newest.points
+        )  # fmt: skip
+
+
+def _evolve(image: Image, start: Start, parameters: Parameters) -> Iterator[ContourState]:
+    return _states(image, start, parameters, lambda moment: (moment.contours, moment.surface))
+
+
+def _evolve_to_object(image: Image, start: Start, parameters: Parameters) -> Iterator[ContourState]:
+    def boundaries(moment: Evolved) -> Found:
+        """The closed boundaries of what each outline of the start proposes, joined where these overlap."""
+        cut = partition(moment.result)
+        chosen = [cut.select(outline) for outline in start.curves(SPACING)]
+        whole = chosen[0] if len(chosen) == 1 else cut.selection_of(np.any([one.mask for one in chosen], axis=0))
+        return whole.contours, None
+
+    return _states(image, start, parameters, boundaries)
+
+
+PARTICLES = ContourMethod(
+    "cpm",
+    Engine.title,
+    "Particles that the electric field of the edges attracts, and that repel each other along them.",
+    "Jalba, Wilkinson and Roerdink (2004)",
+    Parameters,
+    _evolve,
+    MOST_STEPS,
+    in_volumes=True,
+)
+
+PROPOSED_OBJECT = ContourMethod(
+    "object",
+    "Object of the particles",
+    "The object that the contours of the charged particles propose for the start: its boundary is closed, along the "
+    "contours and across their gaps.",
+    "Objects of this program, on the particles of Jalba, Wilkinson and Roerdink (2004)",
+    Parameters,
+    _evolve_to_object,
+    MOST_STEPS,
+    preset=PRESETS["shape"],
+)

@@ -1,0 +1,314 @@
+"""Boxes in a volume: particles on their faces, or a region of interest."""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import ClassVar, Self
+
+import numpy as np
+
+from cpm_core.image.volume_regions import Pair
+from cpm_core.model.volume import starts as volume_starts
+from cpm_core.numerics.types import Array, Place, Voxel
+from cpm_core.shapes.areas import COARSEST, FINEST, HIGHEST, LOWEST, MOST_PLACES, STEP, centered_along
+from cpm_core.shapes.path import LARGEST, WithoutOutline, check_number
+
+SMALLEST = 1.0
+"""Least side of a box [voxels], and radius of a sphere [sides of the smallest voxel]."""
+
+_APART, _MOST = 2.0, 10_000
+"""Least distance between particles on the faces [voxels], and about how many there are on a large box."""
+
+_SAME = 1e-6
+"""Distance within which a handle lies on a face [voxels]."""
+
+_CORNERS = np.array(list(product((False, True), repeat=3)))
+"""Which corners of a box lie on the last face across each axis."""
+
+
+class Cuboid(WithoutOutline):
+    """A box whose faces lie across the axes of the volume. Subclasses are frozen dataclasses.
+
+    Attributes
+    ----------
+    first, last : tuple of float
+        The corners next to the first and to the last voxel of the volume, (plane, row, col) [voxels].
+    """
+
+    __slots__ = ()
+
+    first: Voxel
+    last: Voxel
+
+    def __post_init__(self) -> None:
+        low, high = np.sort([self.first, self.last], axis=0).tolist()
+        if not all(math.isfinite(end) and abs(end) <= LARGEST for end in (*low, *high)):
+            raise ValueError(f"the corners of the box are {self.first} and {self.last} but must be in the volume.")
+        if min(map(operator.sub, high, low)) < SMALLEST - _SAME:
+            raise ValueError(
+                f"the corners of the box are {self.first} and {self.last} but must be a voxel apart along every axis."
+            )
+        object.__setattr__(self, "first", tuple(low))
+        object.__setattr__(self, "last", tuple(high))
+
+    @property
+    def center(self) -> Voxel:
+        """(plane, row, col) [voxels]."""
+        return tuple(0.5 * (low + high) for low, high in zip(self.first, self.last, strict=True))
+
+    @property
+    def outline(self) -> Array:
+        """The corners, shape (8, 3)."""
+        return np.where(_CORNERS, self.last, self.first)
+
+    def moved(self, by: Place) -> Self:
+        """The same box displaced by so much along each axis."""
+        return self._between(tuple(map(operator.add, self.first, by)), tuple(map(operator.add, self.last, by)))
+
+    def resized(self, by: float) -> Self:
+        """The box with each face moved outward."""
+        low, high = np.array(self.first), np.array(self.last)
+        inward = np.minimum(-by, 0.5 * (high - low - SMALLEST))
+        return self._between((low + inward).tolist(), (high - inward).tolist())
+
+    def with_handle_at(self, handle: Place, to: Place) -> Self:
+        """The box with the faces that a handle lies on moved to a position; none becomes too thin."""
+        low, high = [*self.first], [*self.last]
+        for axis, (at, end) in enumerate(zip(handle, to, strict=True)):
+            if abs(at - low[axis]) <= _SAME:
+                low[axis] = _off(end, high[axis])
+            elif abs(at - high[axis]) <= _SAME:
+                high[axis] = _off(end, low[axis])
+        return self._between(low, high)
+
+    def distance(self, position: Place) -> float:
+        """Distance of a position from the nearest face [voxels]."""
+        beside = [max(low - at, at - high) for low, at, high in zip(self.first, position, self.last, strict=True)]
+        return math.hypot(*(max(off, 0.0) for off in beside)) if max(beside) > 0.0 else -max(beside)
+
+    def encloses(self, position: Place) -> bool:
+        """Whether a position lies inside."""
+        return all(low <= at <= high for low, at, high in zip(self.first, position, self.last, strict=True))
+
+    def _between(self, first: Sequence[float], last: Sequence[float]) -> Self:
+        return replace(self, first=tuple(first), last=tuple(last))  # type: ignore[type-var]
+
+
+def _off(end: float, other: float) -> float:
+    """The place of a face, at least the smallest side away from the opposite one."""
+    return end if abs(end - other) >= SMALLEST else other + math.copysign(SMALLEST, end - other)
+
+
+@dataclass(frozen=True, slots=True)
+class Box(Cuboid):
+    """Particles on the faces of a box."""
+
+    title: ClassVar[str] = "box"
+
+    first: Voxel
+    last: Voxel
+
+    def seeds(self) -> Array:
+        """Positions of the particles, shape (N, 3)."""
+        return volume_starts.box(_three(self.first), _three(self.last), self.apart)
+
+    @property
+    def apart(self) -> float:
+        """Distance between particles [voxels]: larger on a large box."""
+        down, along, across = map(operator.sub, self.last, self.first)
+        area = 2.0 * (down * along + along * across + across * down)
+        return max(_APART, math.sqrt(area / _MOST))
+
+
+@dataclass(frozen=True, slots=True)
+class BoxRegion(Cuboid):
+    """A region of interest in a volume, a box that particles do not leave."""
+
+    title: ClassVar[str] = "region of interest"
+
+    first: Voxel
+    last: Voxel
+
+    @property
+    def limit(self) -> Pair:
+        """It as the engine takes it."""
+        return _three(self.first), _three(self.last)
+
+    def encloses(self, position: Place) -> bool:
+        """Always false: a region is selected at its faces only, since other shapes lie inside it."""
+        return False
+
+
+def _three(values: Voxel) -> tuple[float, float, float]:
+    plane, row, col = values
+    return plane, row, col
+
+
+@dataclass(frozen=True, slots=True)
+class BoxGrid(Cuboid):
+    """Particles spread evenly in a box.
+
+    Attributes
+    ----------
+    first, last : tuple of float
+        The corners next to the first and to the last voxel of the volume, (plane, row, col) [voxels].
+    spacing : float
+        Distance between particles along each axis, in sides of the smallest voxel.
+    sides : tuple of float
+        Sides of a voxel in the smallest of them.
+    """
+
+    title: ClassVar[str] = "grid"
+
+    first: Voxel
+    last: Voxel
+    spacing: float = 8.0
+    sides: Voxel = (1.0, 1.0, 1.0)
+
+    def __post_init__(self) -> None:
+        Cuboid.__post_init__(self)
+        check_number("spacing", self.spacing)
+        for side in self.sides:
+            check_number("sides", side, 1e-3, 1e3)
+        places = math.prod(length / self.spacing + 1.0 for length in self._lengths)
+        if not places <= MOST_PLACES:
+            raise ValueError(
+                f"spacing is {self.spacing:g}, which gives {places:.3g} particles in the box, but there may be "
+                f"{MOST_PLACES} at most: make the spacing wider or the box smaller."
+            )
+
+    @classmethod
+    def between(cls, one: Voxel, other: Voxel, spacing: tuple[float, ...]) -> BoxGrid:
+        """A grid between two corners of a volume with this size of a voxel along each axis, no finer than allowed."""
+        sides = tuple(side / min(spacing) for side in spacing)
+        lengths = [abs(b - a) * side for a, b, side in zip(one, other, sides, strict=True)]
+        return cls(one, other, max(8.0, _finest(lengths)), sides)
+
+    def seeds(self) -> Array:
+        """Positions of the particles, shape (N, 3), centered in the box."""
+        along = [centered_along(length, self.spacing) for length in self._lengths]
+        places = np.stack(np.meshgrid(*along, indexing="ij"), axis=-1).reshape(-1, 3)
+        return np.asarray(places / np.array(self.sides) + self.first)
+
+    def resized(self, by: float) -> BoxGrid:
+        """The same box with the spacing changed by so much."""
+        finest = max(FINEST, _finest(self._lengths))
+        return replace(self, spacing=min(max(self.spacing + by, finest), max(COARSEST, finest)))
+
+    @property
+    def _lengths(self) -> Sequence[float]:
+        """Lengths of the box along the axes, in sides of the smallest voxel."""
+        return [(b - a) * side for a, b, side in zip(self.first, self.last, self.sides, strict=True)]
+
+
+def _finest(lengths: Sequence[float]) -> int:
+    """The least spacing at which a box of these lengths has no more particles than are allowed."""
+    side: float = (2.0 * math.prod(length + 1.0 for length in lengths) / MOST_PLACES) ** (1.0 / 3.0)
+    return math.ceil(side)
+
+
+@dataclass(frozen=True, slots=True)
+class BoxThreshold(Cuboid):
+    """Particles where edges are strong, in a box; their positions depend on the volume.
+
+    Attributes
+    ----------
+    first, last : tuple of float
+        The corners next to the first and to the last voxel of the volume, (plane, row, col) [voxels].
+    fraction : float
+        Fraction of the largest edge strength in the box above which a voxel gets a particle.
+    """
+
+    title: ClassVar[str] = "threshold"
+    follows_smoothing: ClassVar[bool] = True
+
+    first: Voxel
+    last: Voxel
+    fraction: float = 0.3
+
+    def __post_init__(self) -> None:
+        Cuboid.__post_init__(self)
+        check_number("fraction", self.fraction, 0.0, 1.0)
+
+    def seeds_within(self, strength: Callable[[], Array]) -> Array:
+        """Positions of the particles in a volume, shape (N, 3), given the edge strength of its voxels."""
+        whole = strength()
+        low = np.clip(np.ceil(self.first), 0, whole.shape).astype(int)
+        high = np.clip(np.floor(self.last) + 1, low, whole.shape).astype(int)
+        inside = whole[tuple(slice(a, b) for a, b in zip(low, high, strict=True))]
+        if not inside.size:
+            return np.empty((0, 3))
+        return np.asarray(np.argwhere(inside > self.fraction * inside.max()).astype(float) + low)
+
+    def resized(self, by: float) -> BoxThreshold:
+        """The same box with the threshold raised by so many steps of 0.02."""
+        return replace(self, fraction=round(min(max(self.fraction + STEP * by, LOWEST), HIGHEST), 6))
+
+
+@dataclass(frozen=True, slots=True)
+class Sphere(WithoutOutline):
+    """Particles on a sphere, evenly spread.
+
+    Attributes
+    ----------
+    center : tuple of float
+        (plane, row, col) [voxels].
+    radius : float
+        Radius in sides of the smallest voxel, from 0.5 to 100,000.
+    sides : tuple of float
+        Sides of a voxel in the smallest of them: a sphere is round in space, not in voxels.
+    """
+
+    title: ClassVar[str] = "sphere"
+
+    center: Voxel
+    radius: float
+    sides: Voxel = (1.0, 1.0, 1.0)
+
+    def __post_init__(self) -> None:
+        if len(self.center) != 3 or len(self.sides) != 3:
+            raise ValueError(f"center and sides have {len(self.center)} and {len(self.sides)} numbers but need three.")
+        check_number("radius", self.radius)
+        for side in self.sides:
+            check_number("sides", side, 1e-3, 1e3)
+
+    @classmethod
+    def round(cls, center: Voxel, radius: float, spacing: tuple[float, ...]) -> Sphere:
+        """A sphere that is round in a volume with this size of a voxel along each axis."""
+        return cls(center, radius, tuple(side / min(spacing) for side in spacing))
+
+    def seeds(self) -> Array:
+        """Positions of the particles, shape (N, 3)."""
+        return volume_starts.sphere(_three(self.center), self.radius, spacing=_three(self.sides))
+
+    def moved(self, by: Place) -> Sphere:
+        """The same sphere displaced by so much along each axis [voxels]."""
+        return replace(self, center=tuple(map(operator.add, self.center, by)))
+
+    def resized(self, by: float) -> Sphere:
+        """The sphere with another radius."""
+        return self._with_radius(self.radius + by)
+
+    def with_handle_at(self, handle: Place, to: Place) -> Sphere:
+        """The sphere with the same center through a position, for any handle."""
+        return self._with_radius(self.away(to))
+
+    def away(self, position: Place) -> float:
+        """Distance of a position from the center, in sides of the smallest voxel."""
+        offsets = map(operator.sub, position, self.center)
+        return math.hypot(*map(operator.mul, offsets, self.sides))
+
+    def distance(self, position: Place) -> float:
+        """Distance of a position from the surface, in sides of the smallest voxel."""
+        return abs(self.away(position) - self.radius)
+
+    def encloses(self, position: Place) -> bool:
+        """Whether a position lies inside."""
+        return self.away(position) <= self.radius
+
+    def _with_radius(self, radius: float) -> Sphere:
+        return replace(self, radius=min(max(radius, SMALLEST), LARGEST))

@@ -1,0 +1,186 @@
+"""What is drawn in a slice of a volume and limits the particles in other slices as well."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import ClassVar, Self
+
+import numpy as np
+
+from cpm_core.contours.surface.packing import PackedSurface
+from cpm_core.image.volume_regions import Extrusion, Voxels
+from cpm_core.numerics.types import Array, Place, Position
+from cpm_core.shapes.lines import Barrier, Region
+from cpm_core.shapes.path import WithoutOutline
+
+_SAME = 1e-6
+"""Distance within which a handle is a corner [voxels]."""
+
+
+class Extruded(WithoutOutline):
+    """A line in the slices across an axis, from one of them to another. Subclasses are frozen dataclasses.
+
+    Attributes
+    ----------
+    points : tuple of tuple of float
+        Corners along the two other axes of the volume, in their order [voxels].
+    axis : int
+        The axis across the slices.
+    first, last : float
+        Between which places along the axis it acts [voxels].
+    """
+
+    __slots__ = ()
+
+    flat: ClassVar[type[Region] | type[Barrier]]
+    """What a slice across the axis shows."""
+
+    points: tuple[Position, ...]
+    axis: int
+    first: float
+    last: float
+
+    def __post_init__(self) -> None:
+        self.flat(self.points)
+        low, high = sorted((self.first, self.last))
+        object.__setattr__(self, "first", low)
+        object.__setattr__(self, "last", high)
+        assert self.limit  # which checks the rest
+
+    @property
+    def limit(self) -> Extrusion:
+        """It as the engine takes it."""
+        return Extrusion(self.points, self.axis, self.first, self.last, closed=self.flat is Region)
+
+    @property
+    def outline(self) -> Array:
+        """The line in the middle of the range, shape (K, 3)."""
+        return np.insert(self.flat(self.points).outline, self.axis, 0.5 * (self.first + self.last), axis=1)
+
+    def moved(self, by: Place) -> Self:
+        """The same shape displaced by so much along each axis."""
+        points = self.flat(self.points).moved(self.within(by)).points
+        return self._with(points, self.first + by[self.axis], self.last + by[self.axis])
+
+    def resized(self, by: float) -> Self:
+        """What is closed is enlarged in its slices."""
+        return self._with(self.flat(self.points).resized(by).points, self.first, self.last)
+
+    def with_handle_at(self, handle: Place, to: Place) -> Self:
+        """The shape with a corner moved in its slice, or with the nearer end of its range moved."""
+        at, flat = self.within(handle), self.flat(self.points)
+        if handle[self.axis] == to[self.axis] and any(math.dist(at, corner) <= _SAME for corner in self.points):
+            return self._with(flat.with_handle_at(at, self.within(to)).points, self.first, self.last)
+        end = to[self.axis]
+        if abs(handle[self.axis] - self.first) <= abs(handle[self.axis] - self.last):
+            return self._with(self.points, min(end, self.last), self.last)
+        return self._with(self.points, self.first, max(end, self.first))
+
+    def distance(self, position: Place) -> float:
+        """Distance of a position from the line through the slices [voxels]."""
+        beyond = max(self.first - position[self.axis], position[self.axis] - self.last, 0.0)
+        return math.hypot(self.flat(self.points).distance(self.within(position)), beyond)
+
+    def within(self, place: Place) -> Position:
+        """A place in the slices across the axis."""
+        return place[: self.axis] + place[self.axis + 1 :]
+
+    def _with(self, points: tuple[Position, ...], first: float, last: float) -> Self:
+        return replace(self, points=points, first=first, last=last)  # type: ignore[type-var]
+
+
+@dataclass(frozen=True, slots=True)
+class PrismRegion(Extruded):
+    """A region of interest in a volume: what a line in a slice encloses, through a range of slices."""
+
+    title: ClassVar[str] = "region of interest"
+    flat: ClassVar[type[Region]] = Region
+
+    points: tuple[Position, ...]
+    axis: int
+    first: float
+    last: float
+
+
+@dataclass(frozen=True, slots=True)
+class Wall(Extruded):
+    """A barrier in a volume: a line in a slice, through a range of slices, that particles do not cross."""
+
+    title: ClassVar[str] = "barrier"
+    flat: ClassVar[type[Barrier]] = Barrier
+
+    points: tuple[Position, ...]
+    axis: int
+    first: float
+    last: float
+
+
+class Enclosed(WithoutOutline):
+    """The inside of a closed surface. Subclasses are frozen dataclasses.
+
+    Attributes
+    ----------
+    surface : PackedSurface
+        The surface.
+    """
+
+    __slots__ = ()
+
+    surface: PackedSurface
+
+    @property
+    def limit(self) -> Voxels:
+        """It as the engine takes it."""
+        raise NotImplementedError
+
+    @property
+    def center(self) -> Place:
+        """The middle of the box around it, (plane, row, col) [voxels]."""
+        vertices = self.surface.surface.vertices
+        plane, row, col = (0.5 * (vertices.min(axis=0) + vertices.max(axis=0))).tolist()
+        return plane, row, col
+
+    @property
+    def outline(self) -> Array:
+        """The corners of its triangles, shape (K, 3)."""
+        return self.surface.surface.vertices
+
+    def moved(self, by: Place) -> Self:
+        """The same shape displaced by so much along each axis."""
+        return replace(self, surface=self.surface.moved(by))  # type: ignore[type-var]
+
+    def distance(self, position: Place) -> float:
+        """Distance of a position from the nearest corner of a triangle [voxels]."""
+        return math.sqrt(float(((self.outline - position) ** 2).sum(axis=1).min()))
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.surface.surface!r})"
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class EnclosedRegion(Enclosed):
+    """A region of interest in a volume: the voxels inside a surface."""
+
+    title: ClassVar[str] = "region of interest"
+
+    surface: PackedSurface
+
+    @property
+    def limit(self) -> Voxels:
+        """The voxels whose centers lie inside."""
+        return self.surface.voxels
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class EnclosingWall(Enclosed):
+    """A barrier in a volume: the outermost voxels inside a surface, which no particle enters."""
+
+    title: ClassVar[str] = "barrier"
+
+    surface: PackedSurface
+
+    @property
+    def limit(self) -> Voxels:
+        """The voxels inside that have a side in common with one outside."""
+        return self.surface.shell

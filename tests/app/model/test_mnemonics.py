@@ -1,0 +1,61 @@
+"""No letter chooses two entries of a menu, in any language."""
+
+from __future__ import annotations
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app.model.text.keys import distinct, letter_of
+
+LETTERS = st.text(alphabet="aAbBéß終 &()", max_size=12)
+TEXTS = st.lists(LETTERS, max_size=12)
+
+
+def bare(text: str) -> str:
+    return text.replace("&", "")
+
+
+@given(TEXTS)
+def test_no_letter_is_marked_twice(texts):
+    letters = [letter for letter in map(letter_of, distinct(texts)) if letter]
+
+    assert len(letters) == len(set(letters))
+
+
+@given(TEXTS)
+def test_the_first_text_with_a_letter_keeps_it(texts):
+    made = distinct(texts)
+
+    first = {}
+    for text, other in zip(texts, made, strict=True):
+        if letter_of(text) and letter_of(text) not in first:
+            first[letter_of(text)] = other
+            assert other == text
+
+
+@given(st.lists(st.text(alphabet="abc &", max_size=8), max_size=8))
+def test_texts_in_letters_stay_the_same_but_for_the_mark(texts):
+    assert [bare(text) for text in distinct(texts)] == [bare(text) for text in texts]
+
+
+@given(TEXTS)
+def test_texts_that_are_told_apart_stay_so(texts):
+    once = distinct(texts)
+
+    assert distinct(once) == once
+
+
+def test_another_letter_is_the_first_of_a_word_if_one_is_free():
+    assert distinct(["&Save", "&Send file"]) == ["&Save", "Send &file"]
+
+
+def test_a_letter_behind_a_text_is_exchanged_there():
+    assert distinct(["開く(&O)", "最近(&O)"]) == ["開く(&O)", "最近(&A)"]
+
+
+def test_a_text_whose_letters_are_all_taken_has_none():
+    assert distinct(["&a", "&a"]) == ["&a", "a"]
+
+
+def test_a_doubled_sign_stands_for_itself():
+    assert distinct(["&Cut", "R&&D &Costs"]) == ["&Cut", "&R&&D Costs"]
