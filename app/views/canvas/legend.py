@@ -12,7 +12,7 @@ from app.model.text.language import tr, written
 from app.views.canvas.layers.layer import LegendEntry
 from app.views.canvas.message_line import FittingLabel, MessageLine
 from app.views.theme import theme
-from app.views.theme.look import look
+from app.views.theme.theme import look
 
 _SAMPLE = QSize(22, 14)
 _EVERY = 150

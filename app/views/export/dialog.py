@@ -26,7 +26,7 @@ from app.session.session import Session
 from app.views.canvas.items.item import image_rectangle
 from app.views.export.picture import Line, Picture
 from app.views.theme import theme
-from app.views.theme.look import look
+from app.views.theme.theme import look
 from cpm_core.contours.result import Result
 from cpm_core.formats import FOR_CENTERLINES, FOR_SKELETONS, FOR_VOLUMES, OUTLINABLE, WRITABLE
 from cpm_core.formats.masks.labels import palette

@@ -13,7 +13,7 @@ from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPixmap, QTransform
 from app.model.display.display_image import DisplayImage
 from app.views.canvas.items.item import to_xy
 from app.views.theme import theme
-from app.views.theme.look import look
+from app.views.theme.theme import look
 from cpm_core.contours.contour import Contour
 
 _LINE, _HALO, _PALE = 1.7, 3.1, 1.0

@@ -16,7 +16,7 @@ from app.model.text.language import tr
 from app.views.canvas.naming import NameField
 from app.views.panels.contours import ContourPanel
 from app.views.panels.truth import TruthPanel
-from app.views.theme.contour_colors import fill_colors
+from app.views.theme.icons import fill_colors
 from app.views.widgets.actions import ActionSpec, Submenu
 from app.views.window.dialogs import Files, all_files
 from app.views.window.feature import Feature, FeatureContext, Panel

@@ -98,12 +98,12 @@ def test_a_run_from_another_start_is_a_run_beside_the_first(rested, hand) -> Non
 
 def test_a_run_is_compared_with_another_run(rested, hand) -> None:
     run_from_elsewhere(rested, hand)
-    form, wipe = rested.panels["timeline"].branch, rested.feature(ComparingFeature).wipe
-    assert [form.compare.itemText(index) for index in range(form.compare.count())] == ["none", "Run 1"]
-    form.compare.setFocus()
-    hand.qtbot.keyClick(form.compare, KEY.Key_Down)
+    panel, wipe = rested.panels["timeline"], rested.feature(ComparingFeature).wipe
+    panel.compare.aboutToShow.emit()
+    assert [action.text() for action in panel.compare.actions()] == ["none", "Run 1"]
+    panel.compare.actions()[1].trigger()
     hand.wait(lambda: wipe.mirror is not None and sum(wipe.mirror.layers.contours.counts) > 0)
-    assert "px apart on average" in form.difference
+    assert "px apart on average" in panel.difference.text()
 
 
 def test_the_same_run_again_is_not_kept_twice(rested, hand) -> None:

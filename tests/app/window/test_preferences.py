@@ -29,7 +29,7 @@ from app.views.features.files import RecoveryFeature
 from app.views.features.help import PreferencesFeature
 from app.views.help.guide import groups
 from app.views.theme import theme
-from app.views.theme.look import look
+from app.views.theme.theme import look
 from app.views.window.docks import PanelAction
 from cpm_core.shapes import Barrier
 
