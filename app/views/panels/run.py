@@ -260,8 +260,9 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
         """Names of the curves in their colors, with the values that are read."""
         titles = []
         for series in plot.series:
-            reading = self._metrics is not None and self._read is not None
-            value = figure(float(series.of(self._metrics)[self._read])) if reading else ""
+            value = ""
+            if self._metrics is not None and self._read is not None:
+                value = figure(float(series.of(self._metrics)[self._read]))
             titles.append(f"<span style='color: {self._series_color(series.colors)}'>{series.title} {value}</span>")
         return titles
 

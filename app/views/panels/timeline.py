@@ -18,7 +18,6 @@ from PySide6.QtGui import (
     QPaintEvent,
     QPalette,
     QPen,
-    QResizeEvent,
 )
 from PySide6.QtWidgets import (
     QFrame,
@@ -39,7 +38,6 @@ from app.model.text.keys import with_keys
 from app.model.text.language import tr, written
 from app.session.features.timeline import TimelineNavigation
 from app.session.timeline.timeline import Branch
-from app.session.worker.recorded_run import MEGABYTE
 from app.views.theme import theme
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
@@ -60,8 +58,8 @@ _SHORTEST = 20
 _SLOWLY = 100
 """Time between two updates during the run [ms]."""
 
-_NARROW, _WIDE = 316, 600
-"""Least width of the panel, and width from which its buttons have texts [px]."""
+_NARROW = 316
+"""Least width of the panel [px]."""
 
 _KEYS = {Qt.Key.Key_Left: -1, Qt.Key.Key_Right: 1, Qt.Key.Key_PageUp: -10, Qt.Key.Key_PageDown: 10}
 _ALL_KEYS = (*_KEYS, Qt.Key.Key_Home, Qt.Key.Key_End, Qt.Key.Key_Up, Qt.Key.Key_Down)
@@ -337,7 +335,6 @@ class TimelinePanel(QWidget):
         self.difference.setWordWrap(True)
         tip = tr("This step was computed with different parameters. Set them again to repeat it.")
         self.parameters = _button("parameters", tip, navigation.use_its_parameters)
-        self.parameters.setText(tr("Use these parameters"))
         self.rename = QAction(tr("Re&name the branch…"), self)
         self.rename.triggered.connect(self._rename)
         self.delete = QAction(tr("&Delete the branch"), self)
@@ -370,13 +367,6 @@ class TimelinePanel(QWidget):
     def show_parameters(self) -> None:
         """Offer the parameters of the step if they differ from the present ones."""
         self.parameters.setVisible(self._navigation.other_parameters is not None and not self._running())
-
-    def resizeEvent(self, event: QResizeEvent) -> None:
-        """Show the text of the long button where there is room for it."""
-        super().resizeEvent(event)
-        style = Qt.ToolButtonStyle
-        wide = self.width() >= _WIDE
-        self.parameters.setToolButtonStyle(style.ToolButtonTextOnly if wide else style.ToolButtonIconOnly)
 
     def minimumSizeHint(self) -> QSize:
         """Room for the buttons and a short track."""
@@ -434,7 +424,6 @@ class TimelinePanel(QWidget):
             self.step.setValue(step)
         self.step.setEnabled(there)
         self._of.setText(tr("of {last}").format(last=last) if there else "")
-        self._of.setToolTip(self._memory_text())
         earlier, later = step > navigation.first, step < last
         enabled = {"first": earlier, "back": earlier, "play": True, "forward": later, "last": later}
         for name, button in self.buttons.items():
@@ -451,16 +440,6 @@ class TimelinePanel(QWidget):
         self._scroll.setMinimumHeight(self.view.height_of(min(count, _ROWS)))
         if there:
             self._scroll.ensureVisible(0, round(self.view.point(branch, step).y()), 0, _ROW)
-
-    def _memory_text(self) -> str:
-        outline = self._navigation.outline
-        used = written(f"{outline.used / MEGABYTE:.{0 if outline.used > 10 * MEGABYTE else 1}f}")
-        words = tr(
-            "{used} of {budget} MB used: {count} steps are stored, the others are computed again when they are needed. "
-            "The preferences set the memory."
-        )
-        text = words.format(used=used, budget=outline.budget // MEGABYTE, count=outline.kept)
-        return text if outline.budget else ""
 
     def _open_branch_menu(self) -> None:
         self.branch_menu.popup(self.branch.mapToGlobal(QPoint(0, self.branch.height())))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import threading
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import PIL.Image
@@ -24,7 +23,6 @@ from app.model.display.comparison import (
     read_values,
     sensible_values,
 )
-from app.model.document import edits
 from app.model.document.document import Document
 from app.model.document.modes import acting_in
 from app.model.document.objects import objects_result
@@ -39,7 +37,6 @@ from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.model.starts import circle
 from cpm_core.objects.methods import CONTOUR_METHODS, Compared
 from cpm_core.objects.methods.comparison import FIRST
-from cpm_core.shapes import Barrier, Stroke
 from tests.app.conftest import Hand, disc
 
 pytestmark = pytest.mark.shared_window
@@ -165,8 +162,7 @@ def test_cancel_stops_all_runs(ready, parameters, hand, monkeypatch) -> None:
     hand.wait(lambda: not comparing_threads())
 
 
-@pytest.mark.parametrize("way", ["escape", "window"])
-def test_closing_leaves_no_thread(ready, parameters, hand, monkeypatch, way) -> None:
+def test_closing_leaves_no_thread(ready, parameters, hand, monkeypatch) -> None:
     step, going = Engine.step, threading.Event()
 
     def noted(engine, state, chosen, *rest):
@@ -176,13 +172,9 @@ def test_closing_leaves_no_thread(ready, parameters, hand, monkeypatch, way) -> 
     monkeypatch.setattr(Engine, "step", noted)
     hand.qtbot.mouseClick(parameters.start_button, LEFT)
     hand.wait(going.is_set)
-    if way == "escape":
-        hand.qtbot.keyClick(parameters, KEY.Key_Escape)
-        assert ready.feature(ComparisonFeature).dialog.shown is None
-        hand.wait(lambda: not comparing_threads())
-    else:
-        ready.close()
-        assert not comparing_threads()
+    hand.qtbot.keyClick(parameters, KEY.Key_Escape)
+    assert ready.feature(ComparisonFeature).dialog.shown is None
+    hand.wait(lambda: not comparing_threads())
 
 
 def test_invalid_values_are_rejected_with_a_message(parameters, hand) -> None:
@@ -197,15 +189,6 @@ def test_invalid_values_are_rejected_with_a_message(parameters, hand) -> None:
     assert "choose two different ones" in parameters.words.text()
 
 
-def test_without_a_start_the_dialog_asks_for_one(window, hand) -> None:
-    dialog = opened(window, hand)
-    hand.qtbot.mouseClick(dialog.start_button, LEFT)
-    assert "nothing to start from" in dialog.words.text()
-    dialog.choices.setCurrentIndex(1)
-    hand.qtbot.mouseClick(dialog.start_button, LEFT)
-    assert "draw a circle, an ellipse or a polygon" in dialog.words.text()
-
-
 def test_figures_of_methods_are_shown_where_a_truth_is_loaded(ready, methods, hand, tmp_path) -> None:
     load_truth(ready, hand, tmp_path / "mask.png")
     run(hand, methods)
@@ -213,16 +196,6 @@ def test_figures_of_methods_are_shown_where_a_truth_is_loaded(ready, methods, ha
         assert view.state.endswith(f"Dice {view.done.facts.dice:.4f}")
         assert f"F: {view.done.facts.f:.3f}" in view.toolTip()
     assert np.array_equal(ready.session.scene.truth.labels, truth_of_mask(disc() > 100).labels)
-
-
-def test_what_is_drawn_and_takes_no_part_is_reported(ready, methods, hand) -> None:
-    for shape in (Stroke(((5.0, 5.0), (9.0, 9.0))), Barrier(((1.0, 1.0), (1.0, 9.0)))):
-        ready.session.edit("draw", partial(edits.add_shape, shape=shape))
-    run(hand, methods)
-    assert methods.words.text() == (
-        "Starts without an inside are left out, as most of the methods need one. "
-        "Regions, barriers and charges are left out: the other methods have none."
-    )
 
 
 def test_table_picture_and_contours_are_exported(ready, methods, hand, tmp_path, monkeypatch) -> None:

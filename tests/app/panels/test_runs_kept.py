@@ -106,24 +106,6 @@ def test_a_run_is_compared_with_another_run(rested, hand) -> None:
     assert "px apart on average" in panel.difference.text()
 
 
-def test_the_same_run_again_is_not_kept_twice(rested, hand) -> None:
-    first = shown(rested)
-    run_to_the_end(rested, hand)
-    assert names(rested) == ["Run 1"]
-    np.testing.assert_array_equal(shown(rested), first)
-    hand.key(KEY.Key_R)
-    run_to_the_end(rested, hand)
-    assert names(rested) == ["Run 1"]
-
-
-def test_a_reset_and_other_parameters_begin_another_run(rested, hand) -> None:
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_R)
-    hand.qtbot.keyClick(rested.panels["parameters"].rows["beta"].slider, KEY.Key_PageUp)
-    run_to_the_end(rested, hand)
-    assert names(rested) == ["Run 1", "Run 2"]
-
-
 def test_a_run_of_another_mode_is_left_and_found_again(rested, hand) -> None:
     first = shown(rested)
     hand.key(KEY.Key_F3, Qt.KeyboardModifier.ControlModifier)

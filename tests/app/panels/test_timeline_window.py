@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import Qt
 
 from app.model.preferences.table import TIMELINE_MEMORY
 from app.session.worker.commands import Command, CommandContext
@@ -234,21 +234,6 @@ def test_branches_are_named_and_deleted(rested, hand, fresh, monkeypatch) -> Non
     assert rested.session.status.step == fork
     np.testing.assert_array_equal(shown(rested), ordered(fresh[fork]))
     assert not panel.delete.isEnabled()
-
-
-def test_a_press_on_a_name_changes_the_branch_and_keeps_the_step(rested, hand) -> None:
-    scrub(rested, hand, 1, 40)
-    hand.wait(lambda: rested.session.status.phase == "paused" and rested.session.idle)
-    go_on_otherwise(rested, hand)
-    step = min(branch.last for branch in navigation(rested).outline.branches) - 2
-    scrub(rested, hand, 2, step)
-    step = navigation(rested).place[1]
-    wait_for_step(rested, hand, step)
-    view = rested.panels["timeline"].view
-    y = view.point(1, 0).toPoint().y()
-    hand.qtbot.mouseClick(view, LEFT, pos=QPoint(14, y))
-    hand.wait(lambda: navigation(rested).outline.branch == 1 and rested.session.idle)
-    assert rested.session.status.step == step
 
 
 def test_setting_the_parameters_of_a_step_again_repeats_its_branch(rested, hand, fresh) -> None:
