@@ -17,7 +17,7 @@ from app.model.text.language import tr
 from app.model.volume.slices import Slices
 from app.session.exchange.contour_tracking import TrackedContours
 from app.session.exchange.messages import Drawn, Reconstruction, Snapshot
-from app.session.worker.requests import Compared, Probed, Shaded, WindowFound
+from app.session.worker.requests import Compared, Probed, Shaded
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.measurements import Measures
@@ -145,8 +145,6 @@ class Scene:
         The image; None while none is open.
     display : DisplayImage or None
         The image with its full range of gray values.
-    window_found : WindowFound or None
-        The last requested range of gray values.
     shaded : Shaded or None
         The image in the last requested intensity window.
     document : Document
@@ -189,7 +187,6 @@ class Scene:
 
     image: Image | None = None
     display: DisplayImage | None = None
-    window_found: WindowFound | None = None
     shaded: Shaded | None = None
     document: Document = field(default_factory=Document)
     selected: int | None = None

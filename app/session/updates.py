@@ -28,7 +28,7 @@ from app.session.exchange.messages import (
 from app.session.scene import NO_CONTOURS, ReviewedContours, Scene
 from app.session.signals import CONTOURS, EDITING, EXPORTING, RUNNING, SessionSignals
 from app.session.worker.commands import RunsRestored
-from app.session.worker.requests import Compared, Probed, Shaded, WindowFound
+from app.session.worker.requests import Compared, Probed, Shaded
 from app.session.worker.worker_thread import WorkerThread
 from cpm_core.contours.result import Result
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -190,8 +190,6 @@ class Progress:
             case Compared(generation):
                 if generation == self._session.generation:
                     self._show(compared=report)
-            case WindowFound():
-                self._show(window_found=report)
             case Shaded():
                 self._show(shaded=report)
 

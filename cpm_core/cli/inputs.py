@@ -24,9 +24,9 @@ from cpm_core.formats import (
     load_centerlines,
     load_surface,
 )
-from cpm_core.formats.contours.reading.contour_file import plane_of, read_contours
+from cpm_core.formats.contour_file import plane_of, read_contours
 from cpm_core.formats.ground_truth_file import load_truth, load_volume_truth
-from cpm_core.formats.images.medical.dicom.reader import is_series
+from cpm_core.formats.images.dicom import is_series
 from cpm_core.formats.sessions.chosen_part import part_for
 from cpm_core.formats.sessions.session_file import SessionFile, find_image, load_session
 from cpm_core.image.colors import LUMINANCE_NOTE

@@ -123,7 +123,7 @@ class OtherResult(QObject):
     def far(self, scene: Scene) -> Scene:
         """The scene on the right."""
         kind = self._chosen.kind if self._chosen is not None else ""
-        bare = Scene(scene.image, scene.display, scene.window_found, scene.shaded, overlays=scene.overlays)
+        bare = Scene(scene.image, scene.display, scene.shaded, overlays=scene.overlays)
         bare = replace(bare, slices=scene.slices)
         if kind == "kept" and self._kept is not None:
             kept = self._kept

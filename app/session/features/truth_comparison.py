@@ -11,7 +11,6 @@ from PySide6.QtCore import QObject, Signal
 
 from app.model.display.differences import Apart, Difference, apart_from, differences, surface_differences
 from app.model.text.language import tr
-from app.model.volume.surface_section import prepare
 from app.session.exchange.messages import CommandFailed, Report
 from app.session.features.background import LatestOnlyWorker
 from app.session.features.contour_review import ContourReview
@@ -203,7 +202,7 @@ def _read(file: Path, image: Image, holes: bool) -> Truth | VolumeTruth:
     if image.ndim == 2:
         return load_truth(file, image.shape, holes=holes, spacing=image.spacing, unit=image.unit)
     truth = load_volume_truth(file, image)
-    prepare(truth.surface)
+    _ = truth.surface  # made on this thread, not on that of the window
     return truth
 
 

@@ -14,7 +14,7 @@ from app.model.display.plots import RunMetrics
 from app.model.document.document import Document
 from app.model.document.modes import MODES
 from app.model.text.language import reason
-from app.session.timeline.run_actions import RunAction, Stepped
+from app.session.timeline.moments import RunAction, Stepped
 from app.session.timeline.stored_runs import StoredBranch, StoredRun, StoredRuns
 from app.session.timeline.timeline import Branch, Outline, Timeline
 from cpm_core.image.volume_regions import AnyRegions

@@ -13,7 +13,7 @@ import numpy as np
 from app.model.document.document import Document
 from app.session.exchange.mailbox import Mailbox, Pacer
 from app.session.exchange.messages import Overlays, Reconstruction, Snapshot
-from app.session.timeline.run_actions import Erased, Joined, RunAction, Stepped
+from app.session.timeline.moments import Erased, Joined, RunAction, Stepped
 from app.session.timeline.stored_runs import StoredRuns
 from app.session.worker.prepared_methods import OverlayMaker, PreparedMethods
 from app.session.worker.reconstruction import Reconstructor, Request, edited
@@ -316,7 +316,7 @@ class Run:
             raise ValueError("There is nothing to export yet: let the particles run first.")
         return found
 
-    def told(self, result: Result | Skeleton) -> Result | Skeleton:
+    def with_provenance(self, result: Result | Skeleton) -> Result | Skeleton:
         """What the current run has found, with what was drawn for it and whether it was steered, for files."""
         made, image = result.provenance, None if self.method is None else self.method.image
         if image is not None and not made.sha256:  # contours drawn by hand

@@ -19,9 +19,8 @@ from app.model.state.situation import Situation, has_image
 from app.model.text.language import shortened, tr
 from app.session.exchange.messages import ImageReady, NotOpened, Opened
 from app.session.signals import JOURNAL, OF_THE_PROGRAM, OPENING, RECOVERY
-from app.session.storage.autosave import Journal, folder_of_journals
 from app.session.storage.pictures import SIZE, Pictures, folder_of_pictures, middle
-from app.session.storage.recovery import Leftover, left_behind
+from app.session.storage.recovery import Journal, Leftover, folder_of_journals, left_behind
 from app.session.storage.session_file import DocumentFile, Written
 from app.session.tasks.opening import Wanted
 from app.views.files.folder_bar import FolderBar

@@ -163,23 +163,19 @@ class Surface:
         joined = scipy.sparse.coo_array((np.ones(len(one), np.int8), (one, other)), shape=(count, count))
         return scipy.sparse.csgraph.connected_components(joined, directed=False)[1].astype(np.int64)
 
-    def decimated(self, faces: int, farthest: float = 0.5) -> Surface:
-        """The same surface with fewer triangles: closed, oriented and manifold as before, with the same topology.
+    def decimated(self, faces: int) -> Surface:
+        """The same surface with fewer triangles and the same topology.
 
         Parameters
         ----------
         faces : int
             Number of triangles that is wanted; a surface that has no more is returned as it is.
-        farthest : float
-            How far the surface may move, in smallest sides of a voxel: the largest distance of a new vertex from the
-            planes of the triangles it stands for (root of the mean square). A larger value allows fewer triangles.
 
         Returns
         -------
         Surface
-            With no more triangles than wanted, unless fewer would change the topology, turn a triangle over or move
-            the surface too far. Vertices at free edges stay. `unsupported` is that of the whole surface, which it
-            keeps for label volumes.
+            With about as many triangles as wanted, and with more where so few would change the topology. `unsupported`
+            is that of the whole surface, which it keeps for label volumes.
 
         Raises
         ------
@@ -188,24 +184,31 @@ class Surface:
 
         Notes
         -----
-        Nothing keeps two sheets that nearly touch from passing through each other. Measured from both sides, surfaces
-        of balls, rings and bricks with a quarter of their triangles are within 0.2 voxels of the whole ones, and that
-        of a vessel tree of 178,000 triangles within 0.6 when 50,000 are left.
+        Edges are contracted by the quadric error metric of Garland and Heckbert (1997), doi:10.1145/258734.258849.
         """
-        from cpm_core.contours.surface.decimation import contracted  # noqa: PLC0415 - compiles loops
+        import fast_simplification  # noqa: PLC0415 - rarely needed
 
         wanted = int(checked_number("faces", faces, lambda count: count >= 4 and count == int(count), _WHOLE))
-        limit = checked_number("farthest", farthest, lambda distance: distance > 0.0, "a number above 0")
         if self.nonmanifold_edges:
             raise ValueError(
                 f"The surface has edges with more than two triangles, {self.nonmanifold_edges} in number: "
                 "triangles can be left out of a manifold surface only."
             )
-        if len(self.faces) <= wanted:
-            return self
-        places, corners = contracted(self._physical, self.faces, wanted, limit * min(self.spacing))
-        vertices = places / np.array(self.spacing)
-        return replace(self, vertices=vertices, faces=corners, whole=self.whole or self, numbers=None)
+        while wanted < len(self.faces):
+            places, corners = fast_simplification.simplify(
+                self._physical.copy(), self.faces.astype(np.int32), target_count=wanted
+            )
+            few = replace(
+                self, vertices=places / np.array(self.spacing), faces=corners, whole=self.whole or self, numbers=None
+            )
+            if few._topology == self._topology:
+                return few
+            wanted *= 2
+        return self
+
+    @property
+    def _topology(self) -> tuple[int, int, int, int]:
+        return self.euler, self.free_edges, self.nonmanifold_edges, self.components
 
     @property
     def components(self) -> int:

@@ -13,10 +13,16 @@ from cpm_core.contours.measurements import Measures, measure
 from cpm_core.contours.rasterize import Labels, paint
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.provenance import ENTRY, PROGRAM, facts_of
-from cpm_core.formats.contours.appearance import rgb
-from cpm_core.formats.contours.json_text import pairs, rounded, text
-from cpm_core.formats.contours.reading.coco import HOLES, OBJECT, OUTLINES
+from cpm_core.formats.contours.contents import DEFAULT, Contents, color_of, rgb
+from cpm_core.formats.contours.json_text import PIXEL, pairs, rounded, text
+from cpm_core.formats.contours.mask import mask_of_runs, outlines
 from cpm_core.medial_axis.skeleton import Skeleton
+
+_OBJECT = "object"
+"""Category of an instance without a name."""
+
+_OUTLINES, _HOLES = "outlines", "holes"
+"""Entries of CPM next to a run-length mask: its curves as polygons, and which of them are holes."""
 
 _Part = tuple[Contour, Measures]
 
@@ -37,7 +43,7 @@ def encode(result: Result | Skeleton) -> bytes:
             f"No contour of {result.source} is closed, and a COCO file holds only closed ones: "
             "let it run on, or export to GeoJSON or CSV."
         )
-    categories = sorted({contour.name or OBJECT for contour, _ in closed})
+    categories = sorted({contour.name or _OBJECT for contour, _ in closed})
     surrounding = {row.inside for row in rows if row.closed}
     labels = paint(result.contours, result.shape) if surrounding - {0} else None
     instances = []
@@ -77,12 +83,12 @@ def _instance(
     polygons: Any = [rounded(outline.ravel()) for outline in outlines]
     masked: dict[str, Any] = {}
     if labels is not None:
-        masked[OUTLINES] = [*polygons, *(rounded(np.array(pairs(hole.points)).ravel()) for hole in holes)]
-        masked[HOLES] = [False] * len(polygons) + [True] * len(holes)
+        masked[_OUTLINES] = [*polygons, *(rounded(np.array(pairs(hole.points)).ravel()) for hole in holes)]
+        masked[_HOLES] = [False] * len(polygons) + [True] * len(holes)
     return {
         "id": row.number,
         "image_id": 1,
-        "category_id": 1 + categories.index(first.name or OBJECT),
+        "category_id": 1 + categories.index(first.name or _OBJECT),
         "segmentation": polygons if labels is None else _runs(labels, row.label, parts),
         "area": round(sum(row.net_area for _, row in parts), 4),
         "gross_area": round(sum(row.area for _, row in parts), 4),
@@ -106,3 +112,47 @@ def _runs(labels: Labels, label: int, parts: Sequence[_Part]) -> dict[str, Any]:
     ends = np.append(begins[1:], True) if len(places) else begins
     bounds = np.stack([places[begins], places[ends] + 1], axis=1).ravel()
     return {"counts": np.diff(bounds, prepend=0, append=height * width).tolist(), "size": [height, width]}
+
+
+def read(content: dict[str, Any], image_name: str = "") -> Contents:
+    """Contours of the instances of one image: that of the given name, else the first with any.
+
+    The category is the name of a contour. Of run-length masks contours run between pixels, unless CPM has written
+    their outlines beside them.
+    """
+    found = Contents()
+    categories = {entry["id"]: entry["name"] for entry in content.get("categories", [])}
+    images = {entry["id"]: entry for entry in content["images"]}
+    used = {entry["image_id"] for entry in content["annotations"]}
+    wanted = [number for number, entry in images.items() if image_name and entry.get("file_name") == image_name]
+    chosen = next(iter([*wanted, *(number for number in images if number in used)]), None)
+    if chosen in images and {"height", "width"} <= images[chosen].keys():
+        found.shape = int(images[chosen]["height"]), int(images[chosen]["width"])
+    if len(used) > 1 and chosen in images:
+        found.notes.append(
+            f"The file has instances of {len(used)} images: those of "
+            f"{images[chosen].get('file_name', chosen)} were read."
+        )
+    for entry in content["annotations"]:
+        if entry["image_id"] == chosen:
+            name = categories.get(entry.get("category_id"), "")
+            _add(found, entry, "" if name == _OBJECT else name)
+    return found
+
+
+def _add(found: Contents, entry: dict[str, Any], name: str) -> None:
+    color = color_of(entry.get("color"))
+    known: dict[str, Any] = {"name": name, "color": "" if color == DEFAULT else color}
+    shapes = entry.get("segmentation")
+    if entry.get(_OUTLINES):
+        found.add_object(zip(map(_corners, entry[_OUTLINES]), entry[_HOLES], strict=True), **known)
+    elif isinstance(shapes, dict):
+        found.add_object(outlines(mask_of_runs(shapes)), **known)
+    elif shapes:
+        found.add_object(((_corners(ring), False) for ring in shapes), **known)
+    else:
+        found.left_out["instance without an outline"] += 1
+
+
+def _corners(ring: Any) -> Any:
+    return np.array(ring, dtype=np.float64).reshape(-1, 2)[:, ::-1] - PIXEL

@@ -16,7 +16,6 @@ from app.views.features.files import OpenSaveFeature
 from app.views.features.volumes import PagesFeature
 from app.views.window import dialogs
 from cpm_core import Parameters, cli
-from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.shapes import Circle, Everywhere, Polygon, Region
 from tests.app.conftest import disc
 
@@ -239,19 +238,6 @@ def test_a_session_keeps_the_pages(stack, hand, tmp_path) -> None:
     assert not documents.unsaved
 
 
-def test_damaged_pages_of_a_session_are_left_out_with_a_sentence(stack, hand, tmp_path) -> None:
-    run_all(stack, hand)
-    stack.feature(OpenSaveFeature).document_file.save_at_once(tmp_path / "a.cpm")
-    text = (tmp_path / "a.cpm").read_text(encoding="utf-8")
-    assert load_session(tmp_path / "a.cpm").pages["found"]
-    (tmp_path / "b.cpm").write_text(text.replace('"page": 2', '"page": 99'), encoding="utf-8")
-    stack.session.open(tmp_path / "b.cpm")
-    hand.wait(lambda: stack.session.idle and stack.workspace.pages.result is not None)
-    settled(stack, hand)
-    assert [page.number for page in stack.workspace.pages.result.pages] == [1, 3, 4, 5]
-    assert "Some pages of the stack are damaged" in stack.canvas_area.messages.text
-
-
 def test_paging_asks_nothing_and_loses_nothing(stack, hand, monkeypatch) -> None:
     asked = []
     monkeypatch.setattr(dialogs, "ask_about_unsaved", lambda *question: asked.append(question) or "discard")
@@ -274,8 +260,3 @@ def test_paging_faster_than_pages_open_loses_none_of_them(stack, hand) -> None:
     others = {number: page for number, page in pages._kept.items() if number != 5}
     assert sorted(others) == [1, 2, 3, 4] or sorted(others) == [1, 2, 3]  # nothing was done on the fourth
     assert all(others[number].file.runs and not others[number].own_start for number in (2, 3))
-
-
-def test_one_image_has_no_line_of_pages(ready) -> None:
-    assert not ready.feature(PagesFeature).bar.isVisible()
-    assert ready.workspace.pages.count == 0

@@ -11,7 +11,7 @@ from typing import Any
 from unittest import mock
 
 from app.session.storage import session_file
-from app.session.storage.autosave import Journal
+from app.session.storage.recovery import Journal
 from app.session.tasks import opening
 from app.session.worker.commands import Export
 from app.session.worker.reconstruction import Reconstructor

@@ -138,10 +138,10 @@ def test_surfaces_are_written_in_either_convention_which_the_file_tells(suffix, 
 
 
 def test_labels_of_a_surface_with_fewer_triangles_are_those_of_the_whole_one():
-    fewer = SURFACE.decimated(60, farthest=5.0)
+    fewer = SURFACE.decimated(60)
     assert len(fewer.faces) < 0.2 * len(SURFACE.faces)
     assert fewer.whole is SURFACE
-    assert fewer.decimated(40, farthest=9.0).whole is SURFACE
+    assert fewer.decimated(40).whole is SURFACE
     assert (inside_of(fewer, SHAPE) != inside_of(SURFACE, SHAPE)).any()
     assert encoded(result_with(fewer), ".nii") == encoded(RESULT, ".nii")
 

@@ -12,7 +12,7 @@ from roifile import ROI_TYPE, ImagejRoi
 
 from cpm_core import load_truth
 from cpm_core.formats import export
-from cpm_core.formats.contours.reading.contour_file import load_contours, read_contours
+from cpm_core.formats.contour_file import load_contours, read_contours
 
 from ...drawn import RESULT
 
@@ -47,14 +47,6 @@ def test_what_was_exported_is_read_back(tmp_path, suffix):
         np.testing.assert_allclose(found[1].points, KEPT[1].points, atol=1e-4)
     if suffix in (".json", ".geojson"):
         assert found[1].junctions == (True, False)
-
-
-@pytest.mark.parametrize("suffix", [".csv", ".json"])
-def test_files_that_call_the_color_of_a_contour_colour_are_read(tmp_path, suffix):
-    present = tmp_path / f"a{suffix}"
-    export(RESULT, present)
-    former = written(tmp_path, present.read_text(encoding="utf-8").replace("color", "colour"), f"b{suffix}")
-    assert [contour.color for contour in load_contours(former)] == [contour.color for contour in KEPT]
 
 
 def test_the_shape_of_the_image_is_told_where_the_file_tells_it(tmp_path):

@@ -18,8 +18,7 @@ from roifile import ROI_OPTIONS, ROI_SUBTYPE, ROI_TYPE, ImagejRoi
 
 from cpm_core import Image
 from cpm_core.contours.rasterize import paint
-from cpm_core.formats.contours.dxf.colors import color
-from cpm_core.formats.contours.reading.contour_file import decode_contours, load_contours, plane_of
+from cpm_core.formats.contour_file import decode_contours, load_contours, plane_of
 
 NEAR = 0.02
 """Distance up to which lines stand for curves [px]."""
@@ -391,13 +390,6 @@ def test_units_layers_and_colors_of_cad_are_read():
 def test_a_drawing_without_an_image_tells_that_its_own_height_is_taken():
     content = cad(lambda space: space.add_line((0, 0), (10, 20)))
     assert "does not tell the height" in " ".join(read(content, "a.dxf").notes)
-
-
-def test_numbered_colors_are_those_of_cad():
-    theirs = [ezdxf.colors.aci2rgb(number) for number in range(1, 256)]
-    off = [max(np.abs(np.subtract(color(k), rgb))) for k, rgb in enumerate(theirs, start=1)]
-    assert np.median(off) == 0
-    assert sum(one > 1 for one in off) < 25  # the darkest ones differ between programs
 
 
 # napari
