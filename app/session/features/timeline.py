@@ -60,6 +60,7 @@ class BranchComparison(QObject):
         known = {branch.identity for branch in outline.branches} - {outline.branch}
         if self.branch not in known:
             self._later.stop()
+            self.branch = None  # before the scene is shown, which is followed in turn
             self._session.show(replace(scene, compared=None))
             self.compare(None)
             return
