@@ -11,9 +11,8 @@ from app.model.document.document import Document
 from app.model.document.modes import MODES
 from app.model.document.objects import objects_result
 from app.model.text.language import from_core, tr, written
-from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result
-from cpm_core.contours.review import apply, reviewed
+from cpm_core.contours.review import apply, reviewed, with_kept
 from cpm_core.field.edge_map import edge_map
 from cpm_core.formats import FOR_VOLUMES, WRITABLE, left_out
 from cpm_core.formats.common.provenance import facts_on, plain_shapes, text_of

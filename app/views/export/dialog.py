@@ -19,7 +19,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.export import SOURCES, ExportOrder, chosen, closed, formats, listed, summarize, summary_text
-from app.model.state.surface_figures import in_words
+from app.model.state.surface_figures import figure_texts
 from app.model.text.language import tr
 from app.session.features.skeleton import description_of
 from app.session.session import Session
@@ -246,7 +246,7 @@ class ExportDialog(QDialog):
             return description_of(self._whole, self._image)
         if self.source.currentData() == "objects":
             return tr("In a label volume each voxel has the number of its object.")
-        return "\n".join(f"{label}: {value}" for label, value, _ in in_words(self._session.status.surface))
+        return "\n".join(f"{label}: {value}" for label, value, _ in figure_texts(self._session.status.surface))
 
 
 class Preview(QWidget):
