@@ -248,7 +248,7 @@ _SHOWN: tuple[tuple[str, str | None], ...] = (
 """What the table can be limited to: texts and verdicts."""
 
 
-class ContourPanel(TablePanel):
+class ContourPanel(TablePanel[ContourTable]):
     """Shows the contours and their review; `fill_colors` fills a menu with the colors on offer."""
 
     def __init__(self, session: Session, review: ContourReview, fill_colors: Callable[[QMenu], None]) -> None:

@@ -136,7 +136,7 @@ def _look(row: ObjectRow, role: int, of_name: bool) -> Any:
     return None
 
 
-class ObjectPanel(TablePanel):
+class ObjectPanel(TablePanel[ObjectTable]):
     """Shows the objects; `fill_classes` fills a menu with the classes on offer."""
 
     def __init__(self, session: Session, object_list: ObjectList, fill_classes: Callable[[QMenu], None]) -> None:

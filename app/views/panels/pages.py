@@ -75,7 +75,7 @@ class PageTable(Table):
         self.wanted.emit(self.rows.items[self.row_at(index)])
 
 
-class PagePanel(TablePanel):
+class PagePanel(TablePanel[PageTable]):
     """Shows what was found on all pages of a stack; `show` goes to the contour of a row."""
 
     def __init__(self, pages: StackPages, show: Callable[[PageRow], None]) -> None:

@@ -451,10 +451,13 @@ class ItemTable(Table):
             self._selection.choose(self._key(index) for index in self.selectionModel().selectedRows())
 
 
-class TablePanel(QWidget):
+AnyTable = TypeVar("AnyTable", bound=Table)
+
+
+class TablePanel(QWidget, Generic[AnyTable]):
     """A table with a column of widgets next to it, or above it in a narrow panel, which scrolls where it is low."""
 
-    def __init__(self, table: Table) -> None:
+    def __init__(self, table: AnyTable) -> None:
         super().__init__()
         self.table = table
         self.setFocusProxy(table)
