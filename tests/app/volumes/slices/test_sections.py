@@ -12,7 +12,7 @@ from app.model.volume.shape_sections import RegionElsewhere, sections, wires
 from app.model.volume.slices import Slice, Slices
 from app.model.volume.surface_section import section as lines_of
 from cpm_core.contours.surface import Surface
-from cpm_core.formats.sessions.plain_values import shape_from_plain, shape_to_plain
+from cpm_core.formats.sessions.plain import shape_from_plain, shape_to_plain
 from cpm_core.shapes import (
     Barrier,
     Box,

@@ -7,6 +7,7 @@ import pytest
 from pydicom.uid import JPEG2000Lossless, RLELossless
 
 from cpm_core import load_image, load_volume
+from cpm_core.formats import open_stack
 from cpm_core.formats.images.dicom import reads
 
 from .made import ACROSS, OBLIQUE, SERIES, SHAPE, VALUES, dataset, write_series, write_slice
