@@ -164,14 +164,14 @@ class MainWindow(QMainWindow):
         importing.open_files = files.take_dropped
         importing.open_picture = lambda path: files.take([path])
         files.bring_in = self.feature(ParametersFeature).presets.import_file
-        self.feature(RecoveryFeature).keep(files.document_file)
-        self.feature(FolderFeature).keep(files.document_file)
-        self.feature(PagesFeature).keep(files.document_file)
+        self.feature(RecoveryFeature).set_session_file(files.document_file)
+        self.feature(FolderFeature).set_session_file(files.document_file)
+        self.feature(PagesFeature).set_session_file(files.document_file)
         self.feature(StartFeature).keep(files)
 
     def _keep_tool(self) -> None:
         """Use the first tool in a volume where the tool in use has nothing to draw on."""
-        tool = self.canvas_area.canvas.tool
+        tool = self.canvas_area.canvas.hold.tool
         if self.session.scene.slices is not None and tool is not None and tool.name in NOT_IN_VOLUMES:
             self.refresh()
             self.actions_by_name[FIRST_TOOL].trigger()

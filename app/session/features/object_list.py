@@ -14,7 +14,7 @@ from app.model.document import objects
 from app.model.document.document import Document
 from app.model.document.objects import brushed
 from app.model.text.language import tr
-from app.model.volume.surface_section import holds, prepare, size_of
+from app.model.volume.surface_section import holds, size_of
 from app.session.features.background import LatestOnlyWorker
 from app.session.session import Session
 from cpm_core.contours.surface import Surface
@@ -55,7 +55,7 @@ def _measured(item: SegmentedObject, image: Image) -> Figures:
     gray = float(image.values[inside].mean()) if inside.any() else float("nan")
     if item.body is None:
         return Figures(gray)
-    prepare(item.body)  # slices are cut on the window's thread, and limits made of it
+    # limits are made of it on the window's thread
     assert all(len(packed.shell.mask) for packed in item.surface)
     surface: Surface = replace(item.body, spacing=image.spacing, unit=image.unit)
     return Figures(gray, surface.volume, surface.area, surface.components, surface.euler)

@@ -11,7 +11,6 @@ from PySide6.QtCore import QObject, QTimer, Signal
 from app.model.document.document import Document
 from app.model.document.modes import MODES
 from app.model.text.language import tr
-from app.model.volume.surface_section import prepare
 from app.session.exchange.messages import Report
 from app.session.features.background import LatestOnlyWorker
 from app.session.scene import Proposal
@@ -22,10 +21,10 @@ from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.starts import uniform_grid
 from cpm_core.numerics.types import Array, Mask
-from cpm_core.objects.faces.space import VolumePartition, VolumeSelection
 from cpm_core.objects.partition import EVERYWHERE, Partition, partition
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, places_of, selection_of
 from cpm_core.objects.selection import Selection
+from cpm_core.objects.volume_partition import VolumePartition, VolumeSelection
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.segmentation.evolve import segment
 
@@ -60,7 +59,7 @@ class Prepared(Report):
 class Partitions(QObject):
     """Makes partitions on other threads: of the contours of the run, or without a run, of one from everywhere.
 
-    `wanted` tells whether a partition is needed now; call `look` when its answer may have changed.
+    `wanted` returns whether a partition is needed now; call `look` when its answer may have changed.
     """
 
     changed = Signal()
@@ -196,7 +195,7 @@ _MOST_BODIES = 8
 """Number of answers that are kept: each has a surface."""
 
 _MOST_PLACES = 20
-"""Places of a start that tell which body it lies in."""
+"""Places of a start by which its body is found."""
 
 
 class BodySelector:
@@ -229,7 +228,7 @@ class BodySelector:
             self._known.pop(next(iter(self._known)))
         known = self._known.setdefault(key, selection)
         if known.found:
-            prepare(known.surface)
+            _ = known.surface  # made on this thread, not on that of the window
         return known
 
     def proposals(self, starts: Sequence[Array]) -> tuple[Proposal, ...]:
@@ -258,7 +257,7 @@ _UNCHANGED = 0.97
 """Overlap from which a selection is what an object is already."""
 
 _PLACES = 100
-"""About so many pixels tell which object a selection is."""
+"""About so many pixels by which the object of a selection is found."""
 
 _MOST_SELECTIONS = 200
 """Number of selections that are kept."""

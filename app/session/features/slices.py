@@ -70,7 +70,6 @@ class Sections:
         return Scene(
             image,
             self._display(image, IntensityWindow(*volume.gray_range)),
-            scene.window_found,
             scene.shaded,
             document,
             places.get(scene.selected),

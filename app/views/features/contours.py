@@ -111,7 +111,7 @@ class ContoursFeature(Feature):
 
     @property
     def _selecting(self) -> bool:
-        tool = self.context.canvas_area.canvas.tool
+        tool = self.context.canvas_area.canvas.hold.tool
         return tool is not None and tool.name == "contours" and bool(self._review.selected)
 
     def _any(self, situation: Situation) -> bool:

@@ -15,7 +15,7 @@ from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin, get_t
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from cpm_core.contours.surface.packing import MOST_VOXELS, packed, unpacked
+from cpm_core.contours.packed_surface import MOST_VOXELS, packed, unpacked
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions, Extrusion, Pair, Place, VolumeRegions, Voxels
 from cpm_core.parameters import Parameters
