@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from cpm_core.image.pyramid import to_scale
 from cpm_core.numerics import polyline
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.segments import Bands, cut, meet, nearest_distances, segments_of
+from cpm_core.numerics.segments import cut, meet, nearest_distances, segments_of
 from cpm_core.numerics.types import Array, Position
 from cpm_core.parameters.quotation import counted, described, shown
 
@@ -184,10 +184,8 @@ def _neighbors(sides: Array) -> Iterator[Array]:
     """For each side, shape (4,), those that may meet it, shape (S, 4): their boxes do."""
     low = np.minimum(sides[:, :2], sides[:, 2:]) - _OFF
     high = np.maximum(sides[:, :2], sides[:, 2:]) + _OFF
-    bands = Bands(low[:, 0], high[:, 0])
     for begin, end in zip(low, high, strict=True):
-        near = bands.between(begin[0], end[0])
-        yield sides[near[((low[near] <= end) & (high[near] >= begin)).all(axis=1)]]
+        yield sides[((low <= end) & (high >= begin)).all(axis=1)]
 
 
 def _line(points: Array) -> Line:
