@@ -219,7 +219,7 @@ def populated(
     particles, step, has_moved = state.particles, state.step_of_scale, moved.motion > 0.0
     cells = build_cells(particles.position, scale_field.shape, search_range(parameters))
     contact = EdgeContact(moved.strength, moved.on_edge, cells)
-    kept = thinned(contact, has_moved, parameters.d_min)
+    kept = thinned(particles.position, contact, has_moved, parameters.d_min)
     coverage, new = cover(state.coverage, particles.position, contact.on_edge & kept, step)
     round_ = state.step // every
     turn = particles.identity + round_
