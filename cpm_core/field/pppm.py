@@ -138,7 +138,10 @@ def mesh_field(f: Array, cell: float, iterations: int | None) -> Array:
     density = _spread(charge, flat)
     potential = np.zeros_like(density)
     _charge_faces(potential, charge, flat)
-    radius = _jacobi_radius(potential.shape, flat)
+    angles = [math.pi / (n - 1) for n in potential.shape]
+    angles[0] *= 0.5 if flat else 1.0
+    # the factor by which a Jacobi sweep reduces the slowest error; it sets the over-relaxation
+    radius = sum(map(math.cos, angles)) / 3.0
     usual = max(_SWEEPS, math.ceil(_SWEEPS_A_NODE * math.pi / math.sqrt(2.0 * (1.0 - radius))))
     sweeps = usual if iterations is None else iterations
     _relax(potential, 4.0 * math.pi * density, sweeps, radius, 0 if flat else 1)
@@ -209,13 +212,6 @@ def _charge_faces(potential: Array, charge: Array, flat: bool) -> None:
     least = _WORTH_A_THREAD // max(len(size), 1) + 1
     share(lambda first, last: _sum_lumps(held, place, size, first, last, values), len(values), least)
     potential[faces] = values
-
-
-def _jacobi_radius(shape: tuple[int, ...], flat: bool) -> float:
-    """Factor by which a Jacobi sweep reduces the slowest error in a mesh; it sets the over-relaxation."""
-    planes, rows, cols = shape
-    angles = ((0.5 if flat else 1.0) * math.pi / (planes - 1), math.pi / (rows - 1), math.pi / (cols - 1))
-    return sum(math.cos(angle) for angle in angles) / 3.0
 
 
 @compiled

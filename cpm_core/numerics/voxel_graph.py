@@ -26,7 +26,10 @@ def thinned(inside: Mask, depth: Array) -> Mask:
 
 @compiled
 def _thin(lines: Mask, voxels: Index) -> int:
-    """Take simple voxels away, in order; return their number."""
+    """Take simple voxels away, in order; return their number.
+
+    Around a simple one the inside hangs together, and so does the outside at its sides.
+    """
     around, waiting = np.empty(27, np.bool_), np.empty(27, np.int64)
     taken = 0
     for n in range(len(voxels)):
@@ -35,16 +38,10 @@ def _thin(lines: Mask, voxels: Index) -> int:
         for k in range(27):
             around[k] = lines[p + k // 9 - 1, r + k // 3 % 3 - 1, c + k % 3 - 1]
             count += around[k]
-        if count > 2 and _is_simple(around, waiting):
+        if count > 2 and _parts(around, waiting, True) == 1 and _parts(around, waiting, False) == 1:
             lines[p, r, c] = False
             taken += 1
     return taken
-
-
-@compiled
-def _is_simple(around: Mask, waiting: NDArray[np.int64]) -> bool:
-    """Whether the inside around the middle of 27 voxels hangs together, and so does the outside at its sides."""
-    return _parts(around, waiting, True) == 1 and _parts(around, waiting, False) == 1
 
 
 @compiled
