@@ -17,7 +17,7 @@ from app.model.document import edits
 from app.model.document.document import Document
 from app.model.text.language import tr
 from app.session.signals import SessionSignals
-from app.session.timeline.run_actions import Erased
+from app.session.timeline.moments import Erased
 from app.session.undo_history import Erasure
 from app.session.updates import Progress
 from app.session.worker.commands import Command, FindSeeds, RunCall

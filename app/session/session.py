@@ -9,7 +9,6 @@ from pathlib import Path
 from PySide6.QtCore import QObject, Qt, QTimer
 
 from app.model.document import edits
-from app.model.document.changes import ChangeInWords
 from app.model.document.document import Document, ImageReference, Mode
 from app.model.document.modes import MODES, fresh_parameters, needs_start, starting
 from app.model.document.samples import sample_at
@@ -28,11 +27,12 @@ from app.session.scene import ReviewedContours, Scene
 from app.session.signals import EDITING, EXPORTING, OPENING, RUNNING, SessionSignals
 from app.session.tasks.opening import Opener, Wanted
 from app.session.tasks.tasks import Tasks
-from app.session.undo_history import Change, Erasure, History, Turned
+from app.session.undo_history import Change, ChangeInWords, Erasure, History, Turned
 from app.session.updates import Progress
-from app.session.worker.commands import Command, Copy, Export, RestoreRuns, RunCall, RunsRestored, Start, WarmUp
+from app.session.worker.commands import Command, Export, RestoreRuns, RunCall, RunsRestored, Start, WarmUp
 from app.session.worker.run import Run
 from app.session.worker.worker_thread import WorkerThread
+from cpm_core.formats import suffix_of
 from cpm_core.formats.common.content import differ
 from cpm_core.formats.images import resolution
 from cpm_core.formats.images.reading import DEFAULT, Reading
@@ -379,14 +379,14 @@ class Session(QObject):
         path = Path(path)
         self.attempt(EXPORTING)
         task = self.tasks.begin(tr("Writing {name}…").format(name=path.name))
-        scene, document = self.scene, self.document
-        self.post(Export(task, scene.reconstruction, document.marks, path, order or ExportOrder(), document))
+        order, suffix = order or ExportOrder(), suffix_of(path)
+        self.post(Export(task, self.scene.reconstruction, self.document, suffix, path, order))
 
     def copy_contours(self, suffix: str) -> None:
         """Prepare the contours that are shown for the clipboard, as a file with this suffix would hold them."""
         self.attempt(EXPORTING)
         task = self.tasks.begin(tr("Copying contours…"))
-        self.post(Copy(task, self.scene.reconstruction, self.document.marks, suffix))
+        self.post(Export(task, self.scene.reconstruction, self.document, suffix))
 
     def warm_up(self) -> None:
         """Compile or load the kernels ahead of the first step."""
@@ -523,7 +523,7 @@ class Session(QObject):
             return
         known = opened.saved.file.image
         if known is not None and known.sha256 and differ(known.sha256, opened.sha256):
-            return  # the notes tell that the image has changed
+            return  # the notes report that the image has changed
         self._progress.busy("restoring", tr("Bringing back the runs…"))
         self.post(RunCall(None, Run.place, self._signals.image_generation, self.document.charges))
         self.post(RunCall(None, Run.limit, self.document.regions))

@@ -25,10 +25,10 @@ from app.session.exchange.messages import (
     WarmedUp,
     WentOn,
 )
-from app.session.scene import NO_CONTOURS, ReviewedContours, Scene
+from app.session.scene import NO_CONTOURS, ReviewedContours
 from app.session.signals import CONTOURS, EDITING, EXPORTING, RUNNING, SessionSignals
 from app.session.worker.commands import RunsRestored
-from app.session.worker.requests import Compared, Probed, Shaded, WindowFound
+from app.session.worker.requests import Compared, Probed, Shaded
 from app.session.worker.worker_thread import WorkerThread
 from cpm_core.contours.result import Result
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -51,6 +51,9 @@ class Progress:
         self._busy: dict[str, str] = {}
         self._shown_at = 0.0
         self._known = RunStatus()
+        session.listen(Probed, self._take_probed)
+        session.listen(Compared, self._take_compared)
+        session.listen(Shaded, lambda shaded: self._show(shaded=shaded))
 
     @property
     def status(self) -> RunStatus:
@@ -91,7 +94,11 @@ class Progress:
 
     def _take_contours(self, found: Reconstruction | ReconstructionFailed) -> None:
         if isinstance(found, ReconstructionFailed):
-            self._session.trouble(_with_last_contours(found.sentence, self._session.scene), CONTOURS)
+            trouble = found.sentence
+            if self._session.scene.contours.items:
+                last = tr("{trouble} The contours that are shown are those of an earlier step.")
+                trouble = last.format(trouble=trouble)
+            self._session.trouble(trouble, CONTOURS)
             return
         self._session.trouble("", CONTOURS)
         result = found.result
@@ -177,27 +184,13 @@ class Progress:
                     self._busy["preparing"] = _COMPILING.format(percent=percent)
             case WarmedUp():
                 self._busy.pop("preparing", None)
-        self._show_answer(report)
         self._session.pass_on(report)
         self._session.show_status()
 
-    def _show_answer(self, report: Report) -> None:
-        """Show the answer to a request of a layer."""
-        match report:
-            case Probed():
-                self._session.trouble(report.trouble, "forces")
-                self._show(probed=report)
-            case Compared(generation):
-                if generation == self._session.generation:
-                    self._show(compared=report)
-            case WindowFound():
-                self._show(window_found=report)
-            case Shaded():
-                self._show(shaded=report)
+    def _take_probed(self, probed: Probed) -> None:
+        self._session.trouble(probed.trouble, "forces")
+        self._show(probed=probed)
 
-
-def _with_last_contours(sentence: str, scene: Scene) -> str:
-    """A sentence on trouble with contours, with what is shown instead of them."""
-    if not scene.contours.items:
-        return sentence
-    return tr("{trouble} The contours that are shown are those of an earlier step.").format(trouble=sentence)
+    def _take_compared(self, compared: Compared) -> None:
+        if compared.generation == self._session.generation:
+            self._show(compared=compared)

@@ -43,8 +43,8 @@ P = TypeVar("P", bound=Feature)
 _SIZE, _FRAME = QSize(1400, 880), QSize(16, 40)
 """Preferred size of the window, and space on the screen for its frame."""
 
-_GEOMETRY, _LAYOUT, _HEIGHTS = "window/geometry", "window/panels", "window/heights"
-"""Keys of the preferences for the geometry of the window, the layout of its panels, and the heights of those below."""
+_GEOMETRY, _LAYOUT = "window/geometry", "window/panels"
+"""Keys of the preferences for the geometry of the window and the layout of its panels."""
 
 
 @runtime_checkable
@@ -124,7 +124,6 @@ class MainWindow(QMainWindow):
         """Apply a theme."""
         theme.apply_theme(used)
         self.actions_by_name.use_theme(used)
-        self.docks.use_theme(used)
         for widget in self.findChildren(QWidget):
             if isinstance(widget, Themed):
                 widget.use_theme(used)
@@ -140,7 +139,6 @@ class MainWindow(QMainWindow):
             return
         self.preferences.put(_GEOMETRY, self.saveGeometry())
         self.preferences.put(_LAYOUT, self.saveState(self.docks.version))
-        self.preferences.put(_HEIGHTS, self.docks.heights.chosen)
         self.turns.stop()
         self.docks.leave()
         self.hide()
@@ -166,14 +164,14 @@ class MainWindow(QMainWindow):
         importing.open_files = files.take_dropped
         importing.open_picture = lambda path: files.take([path])
         files.bring_in = self.feature(ParametersFeature).presets.import_file
-        self.feature(RecoveryFeature).keep(files.document_file)
-        self.feature(FolderFeature).keep(files.document_file)
-        self.feature(PagesFeature).keep(files.document_file)
+        self.feature(RecoveryFeature).set_session_file(files.document_file)
+        self.feature(FolderFeature).set_session_file(files.document_file)
+        self.feature(PagesFeature).set_session_file(files.document_file)
         self.feature(StartFeature).keep(files)
 
     def _keep_tool(self) -> None:
         """Use the first tool in a volume where the tool in use has nothing to draw on."""
-        tool = self.canvas_area.canvas.tool
+        tool = self.canvas_area.canvas.hold.tool
         if self.session.scene.slices is not None and tool is not None and tool.name in NOT_IN_VOLUMES:
             self.refresh()
             self.actions_by_name[FIRST_TOOL].trigger()
@@ -182,7 +180,7 @@ class MainWindow(QMainWindow):
         self.docks.reveal(name)  # the docks are made after the features
 
     def _conceal(self, name: str) -> None:
-        self.docks.conceal(name)
+        self.docks[name].hide()
 
     def _open_menu(self) -> None:
         self.context_menus.open_by_key()  # and so are the menus
@@ -248,4 +246,3 @@ class MainWindow(QMainWindow):
         if not geometry.isEmpty():
             self.restoreGeometry(geometry)
             self.restoreState(self.preferences.get(_LAYOUT, QByteArray()), self.docks.version)
-            self.docks.heights.chosen = self.preferences.get(_HEIGHTS, [])

@@ -28,7 +28,6 @@ from cpm_core.formats.common.content import fingerprint, fingerprint_if_read
 from cpm_core.formats.common.printable import cell, printable, text_of_cell
 from cpm_core.formats.common.provenance import VERSION
 from cpm_core.formats.sessions.session_file import SessionFile, load_session
-from cpm_core.formats.writers import check_needs
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import counted, shown
 from cpm_core.shapes.document_shapes import starts_of
@@ -77,7 +76,6 @@ def run(arguments: argparse.Namespace) -> int:
     for suffix in suffixes:
         if suffix not in WRITABLE:
             raise ValueError(f"--export is {shown(suffix)} but must be one of {', '.join(WRITABLE)}.")
-        check_needs(suffix)
     if not starts_of(session.shapes):
         raise ValueError(f"{source} has no start: draw one, or start everywhere, and save it again.")
     output = Path(arguments.output)

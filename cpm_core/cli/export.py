@@ -27,12 +27,12 @@ from cpm_core.formats import (
     suffix_of,
 )
 from cpm_core.formats.common.provenance import ENTRY, facts_of, facts_on, with_shapes
-from cpm_core.formats.contours.reading.contour_file import plane_of, read_contours
+from cpm_core.formats.contour_file import plane_of, read_contours
 from cpm_core.formats.images.resolution import known_unit
 from cpm_core.formats.sessions.recorded_run import shown_state
 from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, load_session
 from cpm_core.image.image import Image
-from cpm_core.medial_axis.space.centerlines import Centerlines
+from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import counted
 from cpm_core.segmentation.engine import Engine

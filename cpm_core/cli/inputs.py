@@ -12,11 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from cpm_core.cli.output import say, say_notes
-from cpm_core.contours.ground_truth import Truth
-from cpm_core.contours.kept import with_kept
+from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.contours.result import Result
-from cpm_core.contours.review import apply
-from cpm_core.contours.surface.ground_truth import VolumeTruth
+from cpm_core.contours.review import apply, with_kept
 from cpm_core.formats import (
     CONTOURS_READABLE,
     FOR_CENTERLINES,
@@ -24,9 +22,9 @@ from cpm_core.formats import (
     load_centerlines,
     load_surface,
 )
-from cpm_core.formats.contours.reading.contour_file import plane_of, read_contours
+from cpm_core.formats.contour_file import plane_of, read_contours
 from cpm_core.formats.ground_truth_file import load_truth, load_volume_truth
-from cpm_core.formats.images.medical.dicom.reader import is_series
+from cpm_core.formats.images.dicom import is_series
 from cpm_core.formats.sessions.chosen_part import part_for
 from cpm_core.formats.sessions.session_file import SessionFile, find_image, load_session
 from cpm_core.image.colors import LUMINANCE_NOTE

@@ -18,9 +18,9 @@ from cpm_core.cli.output import IN_PART, Files, StatusLine, announce_compilation
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats import load_pages
 from cpm_core.formats.common.content import differ
-from cpm_core.formats.contours.pages.files import check_stack_export, export_stack, stack_suffix_of
-from cpm_core.formats.contours.pages.stack_json import load_stack_result
-from cpm_core.formats.images.stacks.pages import Pages
+from cpm_core.formats.contours.contour_json import load_stack_result
+from cpm_core.formats.contours.stack import check_stack_export, export_stack, stack_suffix_of
+from cpm_core.formats.images.stack import Pages
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.types import Array

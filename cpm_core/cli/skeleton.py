@@ -21,9 +21,9 @@ from cpm_core.cli.inputs import fitted
 from cpm_core.cli.output import Files, announce_compilation, longest, report
 from cpm_core.formats import FOR_CENTERLINES, load_image, load_volume, suffix_of
 from cpm_core.formats.common.provenance import ENTRY, facts_of, facts_on
+from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.medial_axis.skeletonize import skeleton
-from cpm_core.medial_axis.space.centerlines import Centerlines
+from cpm_core.medial_axis.skeleton_method import skeleton
 from cpm_core.parameters import PRESETS
 from cpm_core.parameters.quotation import counted
 

@@ -16,20 +16,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.graph.graph import Graph
+from cpm_core.contours.graph import Graph
 from cpm_core.image import drawing
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
-from cpm_core.medial_axis.blur_correction import half_width
 from cpm_core.medial_axis.boundary import Boundary
-from cpm_core.medial_axis.disks import along, covered
+from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.medial_axis import Axis
+from cpm_core.medial_axis.structure import half_width
+from cpm_core.numerics.polyline import lengths_along
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.parameters.quotation import counted, described
 
 _THICK = 95.0
 """Percentile of the length that `Skeleton.thickness` covers."""
+
+_STRIDE = 0.25
+"""Distance of the disks along an axis [px]: between two disks of radius 1.5 px the outline dips by 0.005 px."""
+
+_RIM = 0.005
+"""Tolerance of a disk's radius [px], so that rounding errors have no effect."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +71,8 @@ class Skeleton(drawing.Pictured):
         Where the image lies in space.
     image : Image or None
         The image in which it was found; None for one that was not found in an image.
+    lines : Centerlines or None
+        In a volume the center lines, as files hold them; lengths and radii here are in smallest sides of a voxel.
 
     Examples
     --------
@@ -87,6 +96,7 @@ class Skeleton(drawing.Pictured):
     provenance: Provenance = field(default_factory=Provenance, repr=False)
     geometry: Geometry | None = None
     image: Image | None = field(default=None, repr=False)
+    lines: Centerlines | None = field(default=None, repr=False)
 
     @property
     def thickness(self) -> float:
@@ -99,6 +109,8 @@ class Skeleton(drawing.Pictured):
     @property
     def length(self) -> float:
         """Length of all branches together [px]."""
+        if self.lines is not None:
+            return float(self.lines.lengths.sum()) / min(self.spacing)
         return sum(contour.length for contour in self.contours)
 
     def rebuilt(self) -> NDArray[np.bool_]:
@@ -152,3 +164,33 @@ def branches(axis: Axis, boundary: Boundary, smoothing: float) -> list[tuple[Con
         contour = Contour(axis.points[path], closed, strength, junctions=forks)
         found.append((contour, half_width(axis.radius[path], smoothing)))
     return found
+
+
+def along(points: Array, radii: Array) -> Array:
+    """Disks (row, col, radius), shape (M, 3), along a path, shape (K, 2), with interpolated radii, shape (K,) [px]."""
+    way = lengths_along(points)
+    at = np.union1d(way, np.arange(0.0, way[-1], _STRIDE))
+    return np.column_stack([np.interp(at, way, values) for values in (*points.T, radii)])
+
+
+def covered(disks: Array, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    """Pixels whose centers lie in one of the disks (row, col, radius), shape (M, 3) [px].
+
+    Every disk is a run of pixels in each of its rows. A run adds one where it begins and subtracts one after its end;
+    cumulative sums along the rows are above zero inside a disk. The cost is the sum of the disks' heights, however much
+    they overlap.
+    """
+    rows, cols = shape
+    row, col, radius = disks.T
+    radius = radius + _RIM
+    top = np.ceil(row - radius).clip(0, rows).astype(np.int64)
+    bottom = np.floor(row + radius).clip(-1, rows - 1).astype(np.int64)
+    height = (bottom - top + 1).clip(min=0)
+    disk = np.repeat(np.arange(len(disks)), height)
+    line = np.arange(len(disk)) - np.repeat(np.cumsum(height) - height, height) + top[disk]
+    half = np.sqrt((radius[disk] ** 2 - (line - row[disk]) ** 2).clip(min=0.0))
+    begin = np.ceil(col[disk] - half).clip(0, cols).astype(np.int64)
+    end = np.floor(col[disk] + half).clip(-1, cols - 1).astype(np.int64) + 1
+    some = begin < end
+    first, last = (np.bincount((line * (cols + 1) + at)[some], minlength=rows * (cols + 1)) for at in (begin, end))
+    return np.asarray(np.cumsum((first - last).reshape(rows, cols + 1), axis=1)[:, :-1] > 0)

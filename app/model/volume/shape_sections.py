@@ -10,8 +10,7 @@ from itertools import product
 import numpy as np
 
 from app.model.volume.slices import Slice
-from app.model.volume.surface_section import kept_with_surface, section
-from cpm_core.contours.surface import Surface
+from app.model.volume.surface_section import section
 from cpm_core.field.placed_charges import RADIUS
 from cpm_core.numerics.types import Array, Position
 from cpm_core.shapes import (
@@ -193,17 +192,11 @@ def _sections(shape: Shape, axis: int, index: float, sides: Sequence[float]) -> 
         yield from _of_points(shape.positions, axis, index)
 
 
-@kept_with_surface
-def _cut(surface: Surface, here: Slice) -> tuple[tuple[Position, ...], ...]:
-    """Corners of the closed lines in which a slice cuts a surface; asked for again whenever the pointer moves."""
-    closed = (line.points for line in section(surface, here) if line.closed)
-    return tuple(tuple((row, col) for row, col in points.tolist()) for points in closed)
-
-
 def _of_surface(shape: EnclosedRegion | EnclosingWall, here: Slice) -> Iterator[Shape]:
-    """The lines in which a slice cuts a surface."""
-    for corners in _cut(shape.surface.surface, here):
-        if len(set(corners)) > 2:
+    """The closed lines in which a slice cuts a surface."""
+    for line in section(shape.surface.surface, here):
+        corners = tuple((row, col) for row, col in line.points.tolist())
+        if line.closed and len(set(corners)) > 2:
             yield RegionSection(corners) if isinstance(shape, EnclosedRegion) else Barrier((*corners, corners[0]))
 
 

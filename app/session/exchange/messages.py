@@ -19,7 +19,6 @@ from app.model.state.surface_figures import SurfaceFigures
 from app.model.text.language import reason, tr
 from app.model.volume.parts import Parts
 from app.model.volume.sampled_volumes import SampledForce, SampledValues
-from app.model.volume.surface_section import prepare
 from app.session.exchange.contour_tracking import ContourTracker, TrackedContours
 from app.session.timeline.timeline import Outline
 from cpm_core.contours.result import Result
@@ -119,8 +118,6 @@ class Reconstruction:
             return cls(generation, result, None)
         tracked = tracker.track(result, thorough)
         figures = SurfaceFigures.of(result.surface) if result.surface is not None else None
-        if result.surface is not None:
-            prepare(result.surface)  # slices are cut on the window's thread
         return cls(generation, tracked.result, tracked, figures=figures)
 
 

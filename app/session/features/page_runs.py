@@ -19,9 +19,8 @@ from app.session.timeline.run_actions import RunAction, Stepped
 from app.session.timeline.stored.plain_runs import FIGURES, RunsWriter
 from app.session.timeline.stored_runs import StoredBranch, StoredRun, StoredRuns
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result
-from cpm_core.contours.review import apply, middle
+from cpm_core.contours.review import apply, middle, with_kept
 from cpm_core.image.image import Image
 from cpm_core.pages.follow import Follower, fitting, trouble_of
 from cpm_core.pages.page import Page

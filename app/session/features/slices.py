@@ -13,7 +13,7 @@ from app.model.display.differences import differences_in, truth_in
 from app.model.display.display_image import DisplayImage, DisplayVolume, IntensityWindow, apply_window
 from app.model.display.iso_lines import iso_lines
 from app.model.document.document import Document
-from app.model.document.hit_testing import Hit, hit
+from app.model.document.edits import Hit, hit
 from app.model.volume.sampled_volumes import SampledForce, SampledValues
 from app.model.volume.shape_sections import sections
 from app.model.volume.slices import Slice, Slices
@@ -70,7 +70,6 @@ class Sections:
         return Scene(
             image,
             self._display(image, IntensityWindow(*volume.gray_range)),
-            scene.window_found,
             scene.shaded,
             document,
             places.get(scene.selected),

@@ -17,9 +17,8 @@ from app.session.exchange.messages import ImageReady, NotOpened, Opened, Report,
 from app.session.tasks.tasks import Task, Tasks
 from cpm_core.formats import READABLE, open_stack
 from cpm_core.formats.images import raster
-from cpm_core.formats.images.choice import UnchosenError
-from cpm_core.formats.images.medical.dicom.reader import dicom_files_beside
-from cpm_core.formats.images.reading import DEFAULT, Reading
+from cpm_core.formats.images.dicom import dicom_files_beside
+from cpm_core.formats.images.reading import DEFAULT, Reading, UnchosenError
 from cpm_core.formats.sessions.session_file import SUFFIX, find_image, load_session
 from cpm_core.image.image import MINIMUM_SIDE, Image
 from cpm_core.image.kind import guessed_kind
@@ -77,7 +76,7 @@ PAGED = frozenset({".tif", ".tiff", *raster.READS})
 def parts_of(path: Path, reading: Reading) -> tuple[Parts | None, Reading]:
     """What a file holds, None where it cannot be read, and how it is read: of several images the first one.
 
-    What is wrong with a file is told when it is read.
+    What is wrong with a file is reported when it is read.
     """
     paged = path.suffix.lower() in PAGED
     try:

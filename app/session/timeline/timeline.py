@@ -13,8 +13,7 @@ from dataclasses import dataclass
 from itertools import takewhile
 
 from app.model.text.language import tr
-from app.session.timeline.kept_states import KeptStates, Moment, Place
-from app.session.timeline.run_actions import RunAction
+from app.session.timeline.moments import BranchStep, KeptStates, Moment, RunAction
 from app.session.timeline.stored_runs import StoredBranch
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.method import MethodState
@@ -182,7 +181,7 @@ class Timeline:
         return tuple(dict.fromkeys(line.run for line in self._lines.values()))
 
     @property
-    def here(self) -> Place | None:
+    def here(self) -> BranchStep | None:
         """Current branch and step; None before a run has begun."""
         return None if self._line is None else (self._line.identity, self._step)
 
@@ -360,7 +359,7 @@ class Timeline:
         self,
         branches: Sequence[StoredBranch],
         begun: Mapping[int, MethodState],
-        states: Mapping[Place, MethodState],
+        states: Mapping[BranchStep, MethodState],
     ) -> None:
         """Remove everything and take over branches, with the first states of their runs and others that are known.
 

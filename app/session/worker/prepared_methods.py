@@ -29,7 +29,6 @@ from cpm_core.formats.images import resolution
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.medial_axis.skeleton_method import SkeletonMethod
-from cpm_core.medial_axis.space.steps import VolumeSkeletonMethod
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters, invalidating
 from cpm_core.segmentation.method import METHODS, Method
@@ -72,10 +71,10 @@ class PreparedMethods:
             method = method.with_regions(document.regions)
         if _size(image) == _size(self._image):
             self.keep(method)
-        if isinstance(method, VolumeSkeletonMethod):
-            return method.of_surfaces(document.outlined_surfaces)
+        if isinstance(method, SkeletonMethod) and image.ndim == 3:
+            return method.of_objects(document.outlined_surfaces)
         if isinstance(method, SkeletonMethod) and document.outlines:
-            return method.of_outlines([Contour(np.array(line), closed=True) for line in document.outlines])
+            return method.of_objects([Contour(np.array(line), closed=True) for line in document.outlines])
         return method
 
     def _sized(self, document: Document) -> Image:

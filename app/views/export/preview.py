@@ -16,7 +16,7 @@ from app.views.canvas.items.item import to_xy
 from app.views.theme import theme
 from app.views.theme.look import look
 from cpm_core.contours.contour import Contour
-from cpm_core.formats.contours.appearance import rgb
+from cpm_core.formats.contours.contents import rgb
 from cpm_core.formats.masks.labels import palette
 from cpm_core.numerics.types import Array
 

@@ -24,7 +24,7 @@ from app.views.window.keyboard import Keys
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.review import middle
 from cpm_core.formats import READABLE, SURFACES_READABLE
-from cpm_core.formats.contours.reading.contour_file import CONTOURS_READABLE
+from cpm_core.formats.contour_file import CONTOURS_READABLE
 from cpm_core.medial_axis.outlines import Outlined
 
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
@@ -87,7 +87,7 @@ class ContoursFeature(Feature):
         """The table."""
         return (
             Panel(name="contours", title=tr("Contours"), widget=self.panel, area="bottom", tab="below", shown=False,
-                  height=250, shortcut="F11"),
+                  height=160, shortcut="F11"),
         )  # fmt: skip
 
     def ask_name(self) -> None:
@@ -111,7 +111,7 @@ class ContoursFeature(Feature):
 
     @property
     def _selecting(self) -> bool:
-        tool = self.context.canvas_area.canvas.tool
+        tool = self.context.canvas_area.canvas.hold.tool
         return tool is not None and tool.name == "contours" and bool(self._review.selected)
 
     def _any(self, situation: Situation) -> bool:

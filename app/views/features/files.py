@@ -19,9 +19,8 @@ from app.model.state.situation import Situation, has_image
 from app.model.text.language import shortened, tr
 from app.session.exchange.messages import ImageReady, NotOpened, Opened
 from app.session.signals import JOURNAL, OF_THE_PROGRAM, OPENING, RECOVERY
-from app.session.storage.autosave import Journal, folder_of_journals
 from app.session.storage.pictures import SIZE, Pictures, folder_of_pictures, middle
-from app.session.storage.recovery import Leftover, left_behind
+from app.session.storage.recovery import Journal, Leftover, folder_of_journals, left_behind
 from app.session.storage.session_file import DocumentFile, Written
 from app.session.tasks.opening import Wanted
 from app.views.files.folder_bar import FolderBar
@@ -337,7 +336,7 @@ class FolderFeature(Feature):
         context.session.listen(Opened, self._take)
         context.session.listen(NotOpened, self._stay)
 
-    def keep(self, document_file: DocumentFile) -> None:
+    def set_session_file(self, document_file: DocumentFile) -> None:
         """Save the open document to its file, where the user wants that."""
         self._document_file = document_file
 
@@ -403,7 +402,7 @@ class RecoveryFeature(Feature):
         self._restored = False
         self._document_file: DocumentFile | None = None
 
-    def keep(self, document_file: DocumentFile) -> None:
+    def set_session_file(self, document_file: DocumentFile) -> None:
         """Keep a journal of the open document."""
         self._document_file = document_file
         self.journal = Journal(document_file, self._folder, self.context.preferences)

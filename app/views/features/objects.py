@@ -117,7 +117,7 @@ class ObjectsFeature(Feature):
         """The table."""
         return (
             Panel(name="objects", title=tr("Objects"), widget=self.panel, area="bottom", tab="below", shown=False,
-                  height=250, shortcut="F10"),
+                  height=160, shortcut="F10"),
         )  # fmt: skip
 
     def use_keys(self) -> None:
@@ -145,7 +145,7 @@ class ObjectsFeature(Feature):
 
     def take_key(self, event: QKeyEvent) -> bool:
         """Handle the keys for chosen objects on the canvas; return whether the key was one of them."""
-        tool, crosshair = self.context.canvas_area.canvas.tool, self.context.canvas_area.crosshair
+        tool, crosshair = self.context.canvas_area.canvas.hold.tool, self.context.canvas_area.crosshair
         if tool is None or event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier:
             return False
         key, digit = event.key(), event.key() - Qt.Key.Key_0

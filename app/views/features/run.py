@@ -83,7 +83,7 @@ class RunControlFeature(Feature):
 
     def panels(self) -> Sequence[Panel]:
         """The panel of the run."""
-        return (Panel(name="run", title=tr("Run"), widget=self.panel, fitted=True, shortcut="F5"),)
+        return (Panel(name="run", title=tr("Run"), widget=self.panel, height=140, shortcut="F5"),)
 
     def close(self) -> bool:
         """Stop the updates."""
@@ -167,7 +167,15 @@ class TimelineFeature(Feature):
     def panels(self) -> Sequence[Panel]:
         """The timeline, below the canvas."""
         return (
-            Panel(name="timeline", title=tr("Timeline"), widget=self.panel, area="bottom", tab="below", shortcut="F9"),
+            Panel(
+                name="timeline",
+                title=tr("Timeline"),
+                widget=self.panel,
+                area="bottom",
+                tab="below",
+                height=40,
+                shortcut="F9",
+            ),
         )
 
     def preferences(self) -> Sequence[PreferenceRow]:
@@ -234,8 +242,6 @@ class ParametersFeature(Feature):
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
         store = PresetStore(parent=context.window)
-        for trouble in store.troubles:
-            context.preferences.complain(trouble)
         self.presets = Presets(context, store)
         self.panel = ParametersPanel(context.session, self.presets.button)
         context.preferences.follow(WORDING, lambda: self.panel.use_wording(self._wording))

@@ -26,14 +26,14 @@ from app.views.canvas.slice_bar import SliceBar
 from app.views.panels.pages.page_bar import PageBar
 from app.views.panels.pages.panel import PagePanel
 from app.views.volume.seen_in_space import SeenInSpace
-from app.views.volume.space_hand import SpaceHand
+from app.views.volume.space_clicks import draw_at, select_at
 from app.views.volume.space_marks import FRAMES, FRAMES_PER_SECOND, animation_size, picture_of, turn
 from app.views.volume.space_panel import SpacePanel, specs
 from app.views.widgets.action_spec import ActionSpec
 from app.views.window.dialogs import Files
 from app.views.window.feature import Feature, FeatureContext, Panel
 from cpm_core.formats.animation import ANIMATED, write_animation, write_picture
-from cpm_core.formats.contours.pages.files import FOR_STACKS, stack_suffix_of
+from cpm_core.formats.contours.stack import FOR_STACKS, stack_suffix_of
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Place
 
@@ -205,9 +205,9 @@ class PagesFeature(Feature):
         context.session.document_changed.connect(lambda _: self._show_bar())
         context.preferences.follow(UNIT, self.panel.show_rows)
 
-    def keep(self, document_file: DocumentFile) -> None:
+    def set_session_file(self, document_file: DocumentFile) -> None:
         """Save the pages with the session file."""
-        self._pages.keep(document_file)
+        self._pages.set_session_file(document_file)
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """Run all pages, or those from this one on; follow; export."""
@@ -232,7 +232,7 @@ class PagesFeature(Feature):
         """The table of all pages."""
         return (
             Panel(name="pages", title=tr("Pages"), widget=self.panel, area="bottom", tab="below", shown=False,
-                  height=250, shortcut="Shift+F11"),
+                  height=160, shortcut="Shift+F11"),
         )  # fmt: skip
 
     def use_keys(self) -> None:
@@ -293,7 +293,6 @@ class SpaceFeature(Feature):
         self._layers = layers = context.canvas_area.canvas.layers
         context.session.scene_changed.connect(self._show)
         context.session.image_changed.connect(lambda: context.turns.ask(self._reveal))
-        self._hand = SpaceHand(context.session, self.panel.view)
         self.panel.view.picked.connect(self._pick)
         self.panel.bar.changed.connect(context.refresh)
         context.canvas_area.level_drag.watch(self.panel.view)
@@ -302,9 +301,7 @@ class SpaceFeature(Feature):
 
     def panels(self) -> Sequence[Panel]:
         """The view."""
-        return (
-            Panel(name=_NAME, title=tr("In space"), widget=self.panel, shown=False, share=1.5, shortcut="Shift+F9"),
-        )
+        return (Panel(name=_NAME, title=tr("In space"), widget=self.panel, shown=False, shortcut="Shift+F9"),)
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """What the menu of the view offers, and both exports."""
@@ -376,7 +373,7 @@ class SpaceFeature(Feature):
 
     @property
     def _view(self) -> ViewInSpace | None:
-        return None if self.panel.contents is None else self.panel.contents.view(self.panel.bar.shown)
+        return self.panel.contents
 
     @property
     def _comment(self) -> str:
@@ -391,11 +388,12 @@ class SpaceFeature(Feature):
     def _pick(self, place: Place) -> None:
         """Move the slices there, and draw there what the tool in use draws without a slice."""
         self.context.workspace.slices.through(place)
-        tool = self.context.canvas_area.canvas.tool
-        if tool is not None and tool.name == "objects":
-            self._hand.select(self.context.workspace.object_selection, place)
+        tool = self.context.canvas_area.canvas.hold.tool
+        camera, image = self.panel.view.camera, self.context.session.image
+        if tool is not None and tool.name == "objects" and camera is not None and image is not None:
+            select_at(self.context.workspace.object_selection, camera, image.spacing, place)
         elif tool is not None:
-            self._hand.put(tool.name, place)
+            draw_at(self.context.session, tool.name, place)
 
     def _reveal(self) -> None:
         """A volume is seen in space from the start; an image has no space."""

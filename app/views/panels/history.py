@@ -8,8 +8,8 @@ from PySide6.QtCore import QPoint
 from PySide6.QtGui import QAction, QIcon, QPalette
 from PySide6.QtWidgets import QAbstractItemView, QFrame, QListWidget, QListWidgetItem, QVBoxLayout, QWidget
 
-from app.model.document.changes import ChangeInWords
 from app.model.text.language import tr
+from app.session.undo_history import ChangeInWords
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
 

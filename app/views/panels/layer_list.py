@@ -9,8 +9,9 @@ from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QCheckBox, QFrame, QHBoxLayout, QScrollArea, QToolButton, QVBoxLayout, QWidget
 
 from app.model.text.language import tr
-from app.views.canvas.layers import Layers, form_of
+from app.views.canvas.layers import Layers
 from app.views.canvas.layers.layer import Layer
+from app.views.canvas.layers.layer_form import LayerForm
 from app.views.theme.icons import swatch
 from app.views.widgets.action_spec import LAYER
 from app.views.widgets.fields.marked_slider import MarkedSlider
@@ -145,7 +146,7 @@ class LayerRow(QWidget):
     def _unfold(self, unfolded: bool) -> None:
         self.fold.setArrowType(Qt.ArrowType.DownArrow if unfolded else Qt.ArrowType.RightArrow)
         if unfolded and self.settings is None:
-            self.settings = form_of(self.layer)
+            self.settings = LayerForm(self.layer)
             self.settings.setContentsMargins(_FOLD + 4, 0, 0, 8)
             self._column.addWidget(self.settings)
         if self.settings is not None:

@@ -185,8 +185,7 @@ def _panels(theme: Theme) -> str:
     return f"""
     QMainWindow::separator {{ width: 1px; height: 1px; margin: 1px; background: {theme.line}; }}
     QMainWindow::separator:hover {{ background: {theme.accent}; }}
-    QWidget#title {{ background: {theme.window}; border-bottom: 1px solid {theme.line}; }}
-    QWidget#upright {{ background: {theme.window}; border-right: 1px solid {theme.line}; }}
+    QDockWidget {{ color: {theme.dim}; font-weight: 600; }}
     QToolButton#quiet {{ border: 1px solid transparent; border-radius: 4px; padding: 1px; }}
     QToolButton#quiet:hover {{ background: {theme.button}; }}
     QToolButton#quiet:focus {{ border-color: {theme.accent}; }}

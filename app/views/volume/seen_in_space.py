@@ -11,10 +11,9 @@ from PySide6.QtGui import QColor
 from app.model.display.coloring import QUANTITIES, SHADES, InsertionTimes, colored
 from app.model.display.space.picture import Colors
 from app.model.display.space.triangles import Mesh
-from app.model.display.space.view_in_space import ColoredMesh, Contents, Particles, Wires
+from app.model.display.space.view_in_space import ColoredMesh, Particles, ViewInSpace, Wires
 from app.model.display.space.voxels import Shaded
 from app.model.volume.shape_sections import wires
-from app.model.volume.surface_section import kept_with_surface
 from app.session.exchange.messages import Reconstruction, Snapshot
 from app.session.features.background import IdentityCache
 from app.session.scene import Proposal, Scene
@@ -23,23 +22,22 @@ from app.views.canvas.layers.particles import BEGIN, UNKNOWN, ParticleLayer
 from app.views.canvas.layers.skeleton import banded
 from app.views.theme import color_maps, theme
 from app.views.theme.look import Ink, look
-from cpm_core.contours.ground_truth import Truth
+from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.contours.surface import Surface
-from cpm_core.contours.surface.ground_truth import VolumeTruth
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.objects.faces.space import VolumeSelection
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects
+from cpm_core.objects.volume_partition import VolumeSelection
 from cpm_core.shapes import Charge, Interest, Limit, Shape
 
 
 class SeenInSpace:
-    """Makes the contents of the view in space of the scenes of a session."""
+    """Makes the view in space of the scenes of a session."""
 
     def __init__(self) -> None:
         self._parts = IdentityCache()
 
-    def of(self, scene: Scene, layers: Layers) -> Contents | None:
+    def of(self, scene: Scene, layers: Layers) -> ViewInSpace | None:
         """What a scene shows; particles, gray values and what is drawn as their layers show them on the canvas."""
         image, slices, snapshot, found = scene.image, scene.slices, scene.snapshot, scene.reconstruction
         if image is None or slices is None:
@@ -61,7 +59,7 @@ class SeenInSpace:
         truth = self._parts.get(_truth, *known)
         return self._parts.named(
             "contents",
-            lambda: Contents(image, shaded, slices, particles, mesh, lines, layers.image.table, objects, truth),
+            lambda: ViewInSpace(image, shaded, slices, particles, mesh, lines, layers.image.table, objects, truth),
             *(image, slices, shaded, particles, mesh, lines, layers.image.word("map"), objects, truth),
         )
 
@@ -100,14 +98,9 @@ def _truth(truth: Truth | VolumeTruth | None, spacing: tuple[float, ...]) -> tup
     return (_colored(truth.surface, spacing, theme.TRUTH),) if isinstance(truth, VolumeTruth) else ()
 
 
-@kept_with_surface
-def _mesh_of(surface: Surface, spacing: tuple[float, ...]) -> Mesh:
-    return Mesh(replace(surface, spacing=spacing))
-
-
 def _colored(surface: Surface, spacing: tuple[float, ...], ink: Ink | str) -> ColoredMesh:
     red, green, blue = _rgb(ink).tolist()
-    return ColoredMesh(_mesh_of(surface, spacing), (red, green, blue))
+    return ColoredMesh(Mesh(replace(surface, spacing=spacing)), (red, green, blue))
 
 
 def _wires(

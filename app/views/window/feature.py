@@ -117,12 +117,8 @@ class Panel:
         Panels of one area with the same value are tabbed; empty for a panel without tab.
     shown : bool
         Whether it is initially open.
-    fitted : bool
-        Whether its height follows what it shows, as far as there is room.
     height : int
-        Initial height of the area below the canvas while it is in front; 0 for the least [px].
-    share : float
-        How much it gets of the height that is left in its area, against the others there.
+        Initial height, as far as there is room; those of an area keep their proportions [px].
     shortcut : str
         Key that opens or closes it.
     """
@@ -133,9 +129,7 @@ class Panel:
     area: Area = "right"
     tab: str = ""
     shown: bool = True
-    fitted: bool = False
-    height: int = 0
-    share: float = 1.0
+    height: int = 400
     shortcut: str = ""
 
 

@@ -79,10 +79,7 @@ class Shortcuts(QObject):
         self._preferences.put(shortcuts.KEY, shortcuts.written(chosen))
 
     def _read(self) -> dict[str, tuple[str, ...]]:
-        chosen, trouble = shortcuts.read(self._preferences.get(shortcuts.KEY, "{}"))
-        if trouble:
-            self._preferences.complain(trouble)
-        return chosen
+        return shortcuts.read(self._preferences.get(shortcuts.KEY, "{}"))
 
     def _follow(self, key: str) -> None:
         if key == shortcuts.KEY:

@@ -6,8 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from cpm_core.formats.images.readers import open_stack
 from cpm_core.formats.images.reading import DEFAULT, Reading
-from cpm_core.formats.readers import open_stack
 
 
 def part_for(path: Path, reading: Reading) -> dict[str, Any]:

@@ -42,16 +42,6 @@ def test_a_message_neither_covers_nor_moves_the_image(ready) -> None:
         assert area.strip.height() < 2 * area.fontMetrics().height()
 
 
-def test_a_legend_that_grows_does_not_make_the_window_wider(rested) -> None:
-    legend, widths = rested.canvas_area.strip.legend, []
-    (entry,) = legend.entries[:1]
-    for count in (1, 4):
-        legend._read = lambda count=count: [replace(entry, count=10_000 + index) for index in range(count)]
-        legend.show_now()
-        widths.append((rested.minimumSizeHint().width(), rested.canvas_area.strip.minimumSizeHint().width()))
-    assert widths[0] == widths[1]
-
-
 def test_a_long_message_has_one_line_and_details(ready, qtbot) -> None:
     messages = ready.canvas_area.messages
     ready.session.say("Short.", True)
@@ -63,13 +53,6 @@ def test_a_long_message_has_one_line_and_details(ready, qtbot) -> None:
     (popup,) = [frame for frame in popups if frame.isVisible()]
     assert [label.text() for label in popup.findChildren(QLabel)] == [LONG]
     popup.close()
-
-
-def test_what_a_run_lacked_is_forgotten_when_it_is_drawn(window, hand) -> None:
-    hand.key(KEY.Key_Space)
-    assert "draw a circle" in window.canvas_area.messages.text
-    hand.drag((32.0, 32.0), (32.0, 40.0), (32.0, 44.0))
-    assert window.canvas_area.messages.text == ""
 
 
 def test_a_success_after_an_error_is_announced_and_ends_it(ready, tmp_path, hand) -> None:

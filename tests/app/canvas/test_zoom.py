@@ -16,15 +16,6 @@ KEY = Qt.Key
 CTRL = Qt.KeyboardModifier.ControlModifier
 
 
-def test_the_status_bar_shows_the_zoom_in_percent(window, hand) -> None:
-    hand.key(KEY.Key_1, CTRL)
-    assert window.zoom_field.currentText() == "100 %"
-    assert hand.canvas.point((0.0, 10.0)).x() - hand.canvas.point((0.0, 0.0)).x() == pytest.approx(10.0, abs=1.0)
-    hand.key(KEY.Key_0, CTRL)
-    rows = hand.canvas.point((63.5, 0.0)).y() - hand.canvas.point((-0.5, 0.0)).y()
-    assert rows == pytest.approx(hand.canvas.height() / 1.08, abs=4.0)
-
-
 def test_a_zoom_can_be_typed_and_the_canvas_has_the_keyboard_again(window, hand, qtbot) -> None:
     field = window.zoom_field
     qtbot.mouseClick(field.lineEdit(), Qt.MouseButton.LeftButton)

@@ -62,11 +62,8 @@ def test_a_preset_is_read_as_it_was_written(parameters, name) -> None:
     ("change", "message"),
     [
         (lambda kept: kept | {"format": "other"}, "not a preset of CPM"),
-        (lambda kept: kept | {"version": 2}, "newer CPM"),
-        (lambda kept: kept | {"name": 7}, "damaged"),
+        (lambda kept: kept | {"version": 2}, "version 2"),
         (lambda kept: kept | {"name": "   "}, "needs a name"),
-        (lambda kept: kept | {"name": built_in()[0].name}, "comes with the program"),
-        (lambda kept: kept | {"parameters": None}, "holds no parameters"),
         (lambda kept: kept | {"parameters": {"betta": 1.0}}, "no parameter betta"),
         (lambda kept: kept | {"parameters": {"beta": 99.0}}, "beta is 99 but must be a number from 0 to 4"),
     ],

@@ -93,7 +93,7 @@ def test_particles_follow_a_charge_while_it_is_dragged(rested, hand, shown) -> N
         hand.move(row, 62)
         hand.wait(lambda: shown().state.charges == (PlacedCharge(session.document.shapes[-1].position, 2.0),))
     hand.wait(lambda: near(shown(), (52.0, 62.0), 8.0) > 3)
-    assert hand.canvas.dragging
+    assert hand.canvas.hold.dragging
     hand.release(52, 62)
     assert session.document.shapes[-1].position == pytest.approx((52, 62), abs=0.5)
     hand.key(KEY.Key_Z, CONTROL)
@@ -225,7 +225,7 @@ def test_an_automatic_initialization_joins_a_run_with_computed_seeds(begun, hand
 def test_erased_particles_vanish_and_so_does_the_shape_that_the_ring_touches(begun, hand, shown) -> None:
     session = begun.session
     hand.key(KEY.Key_E)
-    radius = hand.canvas.tool.radius
+    radius = hand.canvas.hold.tool.radius
     rim = session.document.shapes[0].handles()[1]
     before = shown()
     assert near(before, rim, radius) > 0
@@ -308,10 +308,10 @@ def test_less_and_greater_resize_the_eraser_even_with_recorded_steps(begun, hand
         hand.wait(lambda: begun.session.idle)
     step = begun.session.status.step
     hand.key(KEY.Key_E)
-    radius = hand.canvas.tool.radius
+    radius = hand.canvas.hold.tool.radius
     hand.key(KEY.Key_Less)
     hand.wait(lambda: begun.session.idle)
-    assert hand.canvas.tool.radius < radius
+    assert hand.canvas.hold.tool.radius < radius
     assert begun.session.status.step == step
 
 
@@ -385,7 +385,7 @@ def test_charges_drawn_before_the_run_act_from_its_first_step_and_stay_visible(r
     hand.key(KEY.Key_Period)
     hand.wait(lambda: ready.session.idle)
     assert shown().state.charges == (PlacedCharge((20.0, 20.0), 2.0),)
-    discs = hand.canvas.layers.drawing._charges._discs
+    discs = hand.canvas.layers.drawing._charges
     assert discs.isVisible()
     assert discs.opacity() == 1.0
     hand.key(KEY.Key_6, ALT)

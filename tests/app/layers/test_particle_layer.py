@@ -64,18 +64,3 @@ def test_a_particle_has_the_right_size_and_color(qapp):
     assert QColor(int(red), int(green), int(blue)) == QColor(theme.MOVING)
     covered = drawn[..., 3].sum() / 255.0
     assert math.pi * (0.5 * LARGEST) ** 2 < covered < math.pi * (0.5 * LARGEST + 0.6) ** 2
-
-
-@pytest.mark.parametrize(
-    ("place", "outward", "beside"),
-    [
-        ((60.0, -2.0), (0.0, -1.0), (60, 0)),
-        ((60.0, WIDTH + 1.0), (0.0, 1.0), (60, WIDTH - 1)),
-        ((-2.0, 90.0), (-1.0, 0.0), (0, 90)),
-        ((HEIGHT + 1.0, 90.0), (1.0, 0.0), (HEIGHT - 1, 90)),
-    ],
-)
-def test_the_visible_half_of_a_particle_is_drawn(qapp, place, outward, beside):
-    near, far = np.array([place]), np.array([place]) + 4.0 * np.array([outward])
-    assert picture(near / 3.0, 1, 3.0, np.zeros(2))[(*beside, 3)] > 0
-    assert not picture(far / 3.0, 1, 3.0, np.zeros(2)).any()

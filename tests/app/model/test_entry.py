@@ -8,7 +8,6 @@ import sys
 import pytest
 
 from app import __main__ as entry
-from app.model.document.samples import sample_at, samples
 from cpm_core import cli
 
 
@@ -49,15 +48,3 @@ def test_without_a_display_there_is_one_sentence_and_no_crash(monkeypatch, capsy
     said = capsys.readouterr().err
     assert said.count("\n") == 1
     assert "cpm run" in said or "missing" in said
-
-
-def test_the_first_sample_is_the_u_and_every_sample_is_ready_to_run() -> None:
-    assert samples()[0].path.name == "u_shape.png"
-    for sample in samples():
-        assert sample.path.is_file()
-        assert sample.shapes
-        assert sample_at(sample.path) is sample
-
-
-def test_an_image_of_the_users_own_is_no_sample(tmp_path) -> None:
-    assert sample_at(tmp_path / "u_shape.png") is None

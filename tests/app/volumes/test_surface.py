@@ -9,7 +9,6 @@ import pytest
 import tifffile
 from PySide6.QtCore import Qt
 
-from app.model.export.order import ExportOrder
 from app.views.export.surface import SurfaceDialog
 from app.views.features.exchange import ExportFeature
 from app.views.features.run import RunControlFeature
@@ -59,11 +58,6 @@ def test_the_panel_tells_what_makes_the_surface_worth_trust(found) -> None:
     assert found.feature(RunControlFeature)
 
 
-def test_an_image_has_no_figures_of_a_surface(window) -> None:
-    assert "Surface" not in numbers(window)
-    assert "Contours" in numbers(window)
-
-
 def test_surface_labels_and_particles_are_exported(found, hand, tmp_path) -> None:
     action, feature = found.actions_by_name["export"], found.feature(ExportFeature)
     assert action.text().replace("&", "") == "Export surface…"
@@ -102,26 +96,3 @@ def test_coordinates_of_a_surface_are_those_of_the_patient_that_are_chosen(found
     hand.qtbot.keyClick(dialog.space, Qt.Key.Key_Down)
     hand.qtbot.mouseClick(dialog.export_button, Qt.MouseButton.LeftButton)
     assert ordered == ["RAS"]
-
-
-def test_the_order_says_where_coordinates_point(found, hand, tmp_path) -> None:
-    for space in ("LPS", "RAS"):
-        found.session.export(tmp_path / f"{space}.obj", ExportOrder(space=space))
-        hand.wait(lambda space=space: (tmp_path / f"{space}.obj").exists() and found.session.idle)
-    lps, ras = (
-        np.array(
-            [line.split()[1:4] for line in (tmp_path / f"{space}.obj").read_text().splitlines() if line[:2] == "v "]
-        )
-        for space in ("LPS", "RAS")
-    )
-    np.testing.assert_allclose(lps.astype(float) * (-1, -1, 1), ras.astype(float))
-
-
-def test_a_name_for_contours_is_refused_with_a_sentence(found, hand) -> None:
-    found.actions_by_name["export"].trigger()
-    dialog = found.feature(ExportFeature).dialog
-    dialog.file.name.clear()
-    hand.qtbot.keyClicks(dialog.file.name, "found.svg")
-    assert not dialog.export_button.isEnabled()
-    assert "contours" in dialog.note.text()
-    dialog.reject()

@@ -172,8 +172,7 @@ def test_layers_history_and_headings_have_menus(ready, hand, menus) -> None:
     menus.menu.actions()[0].trigger()
     assert ready.session.document.shapes == ()
     menus.menu.close()
-    title = ready.docks["run"].titleBarWidget()
-    ask(title, title.rect().center())
+    ask(ready.docks["run"], QPoint(20, 5))
     assert "Timeline" in texts(menus.menu)
     assert "Restore panels" in texts(menus.menu)
 

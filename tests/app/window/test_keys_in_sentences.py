@@ -142,15 +142,11 @@ def test_the_hint_follows_a_changed_key_at_once(window, shape, action) -> None:
     assert before in hint.text()
 
 
-def test_guide_and_tour_follow_changed_keys_while_they_are_open(window, hand) -> None:
+def test_the_guide_follows_changed_keys_while_it_is_open(window, hand) -> None:
     feature = window.feature(HelpFeature)
     feature.show_guide("canvas")
-    window.actions_by_name["tour"].trigger()
-    feature.tour.go(2)
     window.shortcuts.choose("run", "Ctrl+F7")
     assert native("Ctrl+F7") in feature.guide.text.toPlainText()
-    assert native("Ctrl+F7") in feature.tour.text.text()
-    feature.tour.end()
     feature.guide.close()
     hand.wait(lambda: feature.guide is None)
     window.shortcuts.choose("keys", "Ctrl+F8")

@@ -12,10 +12,7 @@ from PySide6.QtWidgets import QDialogButtonBox, QPushButton
 from app.model.document import edits
 from app.model.preferences.table import (
     AUTOSAVE,
-    AUTOSAVE_EVERY,
     CONTOUR_WIDTH,
-    EXPORT_FOLDER,
-    EXPORT_PLACE,
     INKS,
     PAGES,
     POINT_SIZE,
@@ -23,11 +20,9 @@ from app.model.preferences.table import (
     SHAPE_WIDTH,
     UNIT,
 )
-from app.session.storage.folders import first_folder
 from app.session.storage.preferences import Preferences
 from app.views.features.files import RecoveryFeature
-from app.views.features.help import PreferencesFeature
-from app.views.help.guide import groups
+from app.views.features.help import HelpFeature, PreferencesFeature
 from app.views.theme import theme
 from app.views.theme.look import look
 from app.views.window.docks import PanelAction
@@ -108,7 +103,6 @@ def test_reset_of_a_page_restores_its_defaults_and_no_others(window, dialog, han
     preferences = window.preferences
     preferences.choose(CONTOUR_WIDTH, 4.0)
     preferences.choose(INKS["open"], "#123456")
-    preferences.choose(AUTOSAVE_EVERY, 30.0)
     assert look().color(theme.OPEN) == "#123456"
     dialog.turn_to("appearance")
     button = next(b for b in dialog.findChildren(QPushButton) if b.text() == "Reset this page")
@@ -116,7 +110,6 @@ def test_reset_of_a_page_restores_its_defaults_and_no_others(window, dialog, han
     assert preferences.value(CONTOUR_WIDTH) == CONTOUR_WIDTH.default
     assert look().color(theme.OPEN) == INKS["open"].default
     assert look().contours == 1.0
-    assert preferences.value(AUTOSAVE_EVERY) == 30.0
 
 
 def test_colors_that_can_be_chosen_are_those_of_the_canvas() -> None:
@@ -131,29 +124,14 @@ def test_without_autosave_there_is_no_journal(ready, hand) -> None:
     assert journal.path.exists()
     dialog = ready.feature(PreferencesFeature).show()
     dialog.turn_to("files")
-    interval = dialog.rows[AUTOSAVE_EVERY.label]
-    assert interval.isEnabled()
     hand.qtbot.mouseClick(
         dialog.rows[AUTOSAVE.label], Qt.MouseButton.LeftButton, pos=dialog.rows[AUTOSAVE.label].rect().topLeft()
     )
     dialog.rows[AUTOSAVE.label].setChecked(False)
-    assert not interval.isEnabled()
     journal.write()
     journal.flush()
     assert not journal.path.exists()
     dialog.reject()
-
-
-def test_exports_begin_in_the_preferred_folder(window, tmp_path) -> None:
-    folder = tmp_path / "results"
-    folder.mkdir()
-    assert first_folder(window.preferences, window.session.document, "export") == tmp_path
-    window.preferences.choose(EXPORT_FOLDER, str(folder))
-    assert first_folder(window.preferences, window.session.document, "export") == tmp_path
-    window.preferences.choose(EXPORT_PLACE, "fixed")
-    assert first_folder(window.preferences, window.session.document, "export") == folder
-    window.preferences.choose(EXPORT_FOLDER, str(tmp_path / "gone"))
-    assert first_folder(window.preferences, window.session.document, "export") == tmp_path
 
 
 def press_as_new_key(hand, dialog, action: str, key: Qt.Key, modifier=Qt.KeyboardModifier.NoModifier) -> None:
@@ -170,8 +148,9 @@ def test_a_new_key_acts_and_is_shown_everywhere(ready, hand) -> None:
     action = ready.actions_by_name["run"]
     assert action.shortcut() == QKeySequence("F4")
     assert "(F4)" in action.toolTip()
-    rows = [row for _, rows in groups(ready, ready.actions_by_name.specs) for row in rows]
-    assert (("F4",), "Run") in rows
+    hand.key(Qt.Key.Key_Question)
+    assert "F4" in ready.feature(HelpFeature).guide.text.toPlainText()
+    ready.feature(HelpFeature).guide.close()
     ready.canvas_area.canvas.setFocus()
     hand.key(KEY.Key_F4)
     assert ready.session.status.phase != "ready"

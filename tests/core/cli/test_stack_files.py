@@ -10,8 +10,8 @@ import roifile
 import tifffile
 
 import cpm_core as cpm
-from cpm_core.formats.contours.pages.files import FOR_STACKS, export_stack
-from cpm_core.formats.contours.pages.stack_json import load_stack_result
+from cpm_core.formats.contours.contour_json import load_stack_result
+from cpm_core.formats.contours.stack import FOR_STACKS, export_stack
 from cpm_core.pages.page import Page, StackResult
 
 from .drawn import MOVING, SHAPE, SPLITTING

@@ -9,7 +9,7 @@ from skimage.measure import euler_number
 import cpm_core as cpm
 from cpm_core.contours.contour import Contour
 from cpm_core.formats.meshes.swc import write_swc
-from cpm_core.medial_axis.space.centerlines import centerlines
+from cpm_core.medial_axis.centerlines import centerlines
 from cpm_core.numerics.voxel_graph import thinned
 from tests.core.reconstruction.surface.solids import ball, grid, ring, rod, union
 

@@ -7,10 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core.medial_axis.blur_correction import half_width
-from cpm_core.medial_axis.disks import along, covered
-from cpm_core.medial_axis.medial_axis import Axis
-from cpm_core.medial_axis.pruning import parts, prune
+from cpm_core.medial_axis.medial_axis import Axis, parts, prune
+from cpm_core.medial_axis.skeleton import along, covered
+from cpm_core.medial_axis.structure import half_width
 
 
 def axis_of(points, edges, radius):

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from app.session.timeline.run_actions import Erased, Joined, RunAction, Stepped
+from app.session.timeline.moments import Erased, Joined, RunAction, Stepped
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats.sessions.plain_arrays import array_from_plain, array_to_plain
 from cpm_core.formats.sessions.plain_regions import NAMES, items, regions_from_plain, regions_to_plain

@@ -15,8 +15,7 @@ from app.model.display.plots import RunMetrics
 from app.model.document.document import Document, ImageReference
 from app.model.document.saving import restored, to_file
 from app.model.text.language import reason, tr
-from app.session.timeline.kept_states import Place
-from app.session.timeline.run_actions import Stepped
+from app.session.timeline.moments import BranchStep, Stepped
 from app.session.timeline.stored.plain_actions import ActionTable, actions_from_plain, steps_from_plain
 from app.session.timeline.stored_runs import StoredBranch, StoredRun, StoredRuns
 from app.session.timeline.timeline import MOST_RUNS
@@ -96,7 +95,7 @@ def from_plain(plain: Plain, image: ImageReference) -> tuple[StoredRuns, str]:
         except (ValueError, TypeError, OverflowError) as error:
             faults.append(error)
     branches = {branch.number: (run, branch) for run in runs for branch in run.branches}
-    states: dict[Place, State] = {}
+    states: dict[BranchStep, State] = {}
     for place, load in _states(plain.get("states", []), branches, image):
         try:
             states[place] = load()
@@ -230,7 +229,7 @@ def _pair(plain: object) -> tuple[int, int]:
 
 def _states(
     plain: object, branches: Mapping[int, tuple[StoredRun, StoredBranch]], image: ImageReference
-) -> Iterator[tuple[Place, Callable[[], State]]]:
+) -> Iterator[tuple[BranchStep, Callable[[], State]]]:
     """Places of states, and what reads each of them."""
     for entry in plain if isinstance(plain, list) else []:
         given = entry if isinstance(entry, dict) else {}

@@ -8,7 +8,6 @@ from PySide6.QtCore import Qt
 
 from app.model.document import edits
 from app.session.features.other_result import Other
-from app.views.export.frames import FrameRenderer, seen_part
 from app.views.features.volumes import SlicesFeature
 from cpm_core.shapes import Box, Sphere
 
@@ -48,23 +47,6 @@ def test_the_edge_map_and_the_potential_are_shown_slice_by_slice(volume, hand) -
         layer.set_shown(False)
 
 
-def test_trails_are_those_of_the_particles_near_the_slice(volume, hand) -> None:
-    layer = volume.canvas_area.canvas.layers["trails"]
-    layer.set_shown(True)
-    hand.drag((14, 16), (14, 18), (14, 20))
-    for _ in range(4):
-        hand.key(KEY.Key_Period)
-        hand.wait(lambda: volume.session.idle)
-    pieces = np.concatenate(list(layer.trails))
-    assert len(pieces)
-    drawn = volume.canvas_area.canvas.drawn.snapshot.position
-    ends = {tuple(place) for place in np.round(drawn, 6).tolist()}
-    newest = next(iter(layer.trails))
-    assert all(tuple(place) in ends for place in np.round(newest[:, 1], 6).tolist())
-    volume.workspace.slices.go(3)
-    assert not list(layer.trails), "a trail in another slice is not seen here"
-
-
 def test_shift_f_shows_what_is_selected_in_the_slices_through_its_middle(volume, hand) -> None:
     volume.session.edit("draw", lambda document: edits.add_shape(document, Box((2.0, 3.0, 4.0), (8.0, 9.0, 16.0))))
     volume.session.select(0)
@@ -90,16 +72,3 @@ def test_a_kept_result_and_a_branch_are_compared_in_slices(run, hand) -> None:
     assert far.document.shapes[0].radii != canvas.drawn.document.shapes[0].radii
     other.choose(Other("image", "Image alone"))
     assert canvas.sections.of(other.far(run.session.scene)).snapshot is None
-
-
-def test_a_frame_of_a_film_shows_the_slice_that_is_worked_on(run, hand) -> None:
-    canvas = run.canvas_area.canvas
-    assert run.actions_by_name["export_animation"].isEnabled()
-    run.workspace.slices.turn(2)
-    run.workspace.slices.at(20)
-    renderer = FrameRenderer(run.session.scene, canvas, seen_part(canvas, canvas.shape, False), (96, 112))
-    try:
-        assert renderer._view.shape == (24, 28)
-        assert renderer._view.here == canvas.here
-    finally:
-        renderer.close()
