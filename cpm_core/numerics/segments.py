@@ -10,13 +10,9 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-import scipy
 
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask
-
-_PIECE = 1.0
-"""Length of the pieces that segments are cut into, so that the nearest can be found by their midpoints [px]."""
 
 
 def segments_of(path: Array) -> Array:
@@ -63,27 +59,18 @@ class SegmentTree:
     """Segments with ends `begin` and `end`, shape (S, 2) [px], for many measurements of distances."""
 
     def __init__(self, begin: Array, end: Array) -> None:
-        pieces = np.maximum(1, np.ceil(np.linalg.norm(end - begin, axis=1) / _PIECE)).astype(int)
-        side = np.repeat(np.arange(len(begin)), pieces)
-        nth = (np.arange(len(side)) - np.repeat(np.cumsum(pieces) - pieces, pieces))[:, None]
-        self._along = ((end - begin) / pieces[:, None])[side]
-        self._begin = begin[side] + nth * self._along
-        self._tree = scipy.spatial.cKDTree(self._begin + 0.5 * self._along) if len(side) else None
+        import shapely  # noqa: PLC0415 - needed for comparisons only
+
+        self._tree = shapely.STRtree(shapely.linestrings(np.stack([begin, end], axis=1)))
 
     def distances(self, points: Array) -> Array:
         """Distance of points, shape (N, 2), from the nearest segment, shape (N,) [px]; infinite when there is none."""
+        import shapely  # noqa: PLC0415
+
         least = np.full(len(points), np.inf)
-        if self._tree is None or not len(points):
-            return least
-        left, near = np.arange(len(points)), 4
-        while len(left):
-            near = min(near, self._tree.n)
-            middles, pieces = map(np.asarray, self._tree.query(points[left], k=np.arange(1, near + 1)))
-            away = distances_to_segments(points[left][:, None], self._begin[pieces], self._along[pieces])
-            least[left] = away.min(axis=1)
-            # The midpoint of a piece that was not found is farther than the last one; its end is half a length nearer.
-            left = left[middles[:, -1] - 0.5 * _PIECE < least[left]] if near < self._tree.n else left[:0]
-            near *= 4
+        if len(self._tree):
+            nearest = self._tree.query_nearest(shapely.points(points), return_distance=True, all_matches=False)
+            least[nearest[0][0]] = nearest[1]
         return least
 
 
