@@ -248,7 +248,7 @@ def test_files_of_surfaces_tell_it_as_far_as_they_have_room():
     result = replace(IN_VOLUME, provenance=MADE, particles=np.arange(9.0).reshape(3, 3))
     title = encoded(result, ".vtk").split(b"\n")[1].decode()
     assert f"IMAGE={MADE.sha256} METHOD=cpm " in title
-    assert " scales=3" in title
+    assert title.endswith(" reach=2.0 smoothing=auto")  # what is not the default
     begin = encoded(result, ".stl")[:80].decode().rpartition("IMAGE=")[2]
     assert len(begin) >= 40
     assert MADE.sha256.startswith(begin)
