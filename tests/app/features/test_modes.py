@@ -13,7 +13,6 @@ from app.model.document import edits
 from app.model.document.document import ImageReference
 from app.model.document.modes import use_mode
 from app.model.document.saving import restored, to_file
-from app.session.worker.requests import Seek
 from app.views.features.exchange import ExportFeature
 from cpm_core.formats import FOR_SKELETONS, encoded
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, SegmentedObjects
@@ -89,27 +88,6 @@ def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, tmp_path)
     hand.key(Qt.Key.Key_F1, Qt.KeyboardModifier.ControlModifier)
     assert session.scene.skeleton is None
     assert layer.counts == (0, 0)
-
-
-def test_a_skeleton_run_is_stepped_rewound_and_paused_like_any_run(window, hand) -> None:
-    session = window.session
-    hand.key(Qt.Key.Key_F3, Qt.KeyboardModifier.ControlModifier)
-    shown = []
-    for step in (1, 2, 3):
-        hand.key(Qt.Key.Key_Period)
-        hand.wait(lambda step=step: session.status.step == step and session.idle)
-        shown.append(len(session.scene.snapshot.position))
-    assert min(shown[:2]) > 100 > shown[2] == 0  # the boundary, its axis, and what has become branches
-    assert session.status.phase == "finished"
-    assert session.scene.skeleton is not None
-    before = session.scene.skeleton.contours[0].points
-    session.post(Seek(session.generation, 1, 1))
-    hand.wait(lambda: session.status.step == 1 and session.idle)
-    assert (session.status.phase, session.scene.skeleton) == ("paused", None)
-    hand.key(Qt.Key.Key_Space)
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: session.idle)
-    np.testing.assert_array_equal(session.scene.skeleton.contours[0].points, before)
 
 
 def test_particles_and_skeleton_replace_each_other_when_the_mode_changes(ready, hand) -> None:

@@ -51,15 +51,6 @@ def test_pause_stops_the_particles_and_run_continues_from_them(ready, hand) -> N
     assert session.generation == generation
 
 
-def test_single_steps_are_counted_one_by_one_and_none_is_lost(ready, hand) -> None:
-    for _ in range(7):
-        hand.key(KEY.Key_Period)
-    hand.wait(lambda: ready.session.idle)
-    assert ready.session.status.step == 7
-    assert ready.session.status.phase == "paused"
-    assert len(ready.session.scene.snapshot.metrics.step) == 7
-
-
 def test_single_steps_are_the_engines_own(ready, hand) -> None:
     values = ready.session.image
     engine, state = Engine(values, PRESETS["shape"]), None
@@ -119,25 +110,6 @@ def test_a_run_at_rest_continues_with_changed_parameters(ready, hand) -> None:
     assert ready.actions_by_name["run"].text() == "Run again"
 
 
-def test_contours_at_rest_follow_their_thresholds_without_a_step(ready, hand) -> None:
-    session = ready.session
-    hand.key(KEY.Key_Space)
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: session.idle)
-    step = session.status.step
-    assert hand.canvas.layers.contours.counts == (1, 0)
-    slider = ready.panels["parameters"].rows["min_length"].slider
-    slider.setFocus()
-    hand.qtbot.keyClick(slider, KEY.Key_End)
-    hand.wait(lambda: hand.canvas.layers.contours.counts == (0, 0))
-    assert ready.panels["run"].status.value("Contours") == "0 closed, 0 open"
-    hand.qtbot.keyClick(slider, KEY.Key_Home)
-    hand.wait(lambda: hand.canvas.layers.contours.counts == (1, 0))
-    hand.wait(lambda: session.idle)
-    assert (session.status.step, session.status.phase) == (step, "finished")
-    assert ready.actions_by_name["run"].text() == "Run again"
-
-
 def test_no_result_of_the_previous_image_reaches_an_image_opened_during_a_run(ready, hand, record, tmp_path) -> None:
     other = tmp_path / "other.npy"
     np.save(other, np.indices((40, 50)).sum(axis=0) % 17 * 1.0)
@@ -183,7 +155,7 @@ def test_overlays_appear_on_request_and_follow_the_smoothing(window, hand, recor
     assert len(seen) == 3
 
 
-@pytest.mark.parametrize("name", ["beta", "ratio", "annealing"])
+@pytest.mark.parametrize("name", ["beta"])
 def test_a_slider_drag_is_one_step_of_undo(window, hand, name) -> None:
     before = window.session.document.parameters
     slider = window.panels["parameters"].rows[name].slider

@@ -149,34 +149,6 @@ def test_a_circle_drawn_during_a_run_adds_particles_when_the_button_is_released(
     assert begun.actions_by_name["run"].text() == "Resume"
 
 
-def test_erased_particles_vanish_and_so_does_the_shape_that_the_ring_touches(begun, hand, shown) -> None:
-    session = begun.session
-    hand.key(KEY.Key_E)
-    radius = hand.canvas.hold.tool.radius
-    rim = session.document.shapes[0].handles()[1]
-    before = shown()
-    assert near(before, rim, radius) > 0
-    hand.click(*rim)
-    hand.wait(lambda: session.idle)
-    assert near(shown(), rim, radius - 0.5) == 0
-    gone = before.state.count - shown().state.count
-    assert 0 < gone <= near(before, rim, radius + 0.5)
-    assert session.document.shapes == ()
-    assert not session.status.stale
-    erased = shown()
-    for _ in range(2):
-        hand.key(KEY.Key_Z, CONTROL)
-        hand.wait(lambda: session.idle)
-        np.testing.assert_array_equal(shown().position, before.position)
-        assert len(session.document.shapes) == 1
-        assert not session.status.stale
-        hand.key(KEY.Key_Y, CONTROL)
-        hand.wait(lambda: session.idle)
-        np.testing.assert_array_equal(shown().position, erased.position)
-        assert session.document.shapes == ()
-        assert not session.status.stale
-
-
 def test_undo_brings_erased_particles_back_however_far_the_run_has_gone_since(begun, hand, shown) -> None:
     session = begun.session
     session.edit("a start that stays", lambda document: edits.add_shape(document, Points(((56.0, 56.0),))))
@@ -232,16 +204,3 @@ def test_steps_with_interventions_are_reproduced_exactly(begun, hand, shown) -> 
         navigation.go(branch, step)
         hand.wait(lambda step=step: session.idle and shown().state.step == step)
         np.testing.assert_array_equal(shown().position, position)
-
-
-def test_a_charge_belongs_to_its_image_alone(begun, hand, shown, tmp_path) -> None:
-    session = begun.session
-    session.edit("charge", lambda document: edits.add_shape(document, Charge((20.0, 20.0))))
-    other = tmp_path / "other.npy"
-    np.save(other, np.indices((64, 64)).sum(axis=0) % 17 * 1.0)
-    session.open(other)
-    hand.wait(lambda: session.document.image.name == "other.npy" and session.idle)
-    session.edit("points", lambda document: edits.add_shape(document, Points(((30.0, 30.0), (33.0, 33.0)))))
-    hand.key(KEY.Key_Period)
-    hand.wait(lambda: session.idle)
-    assert shown().state.charges == ()

@@ -15,7 +15,7 @@ from PySide6.QtWidgets import QAbstractButton, QLabel, QTableView, QWidget
 from app.model.text.keys import Named, use_names, with_keys
 from app.views.features.help import HelpFeature
 from app.views.features.run import TimelineFeature
-from app.views.widgets.key_text import native
+from app.views.widgets.actions import native
 
 pytestmark = pytest.mark.shared_window
 
