@@ -105,12 +105,12 @@ def test_a_mask_tells_of_contours_that_no_pixel_shows(tmp_path):
     result = cpm.objects_result([cpm.partition(image).select([(44, 44)])], image)
     told = []
     covered = replace(result, contours=(circle(20.0), circle(20.0)))
-    cpm.export(covered, tmp_path / "a.png", tmp_path / "a.svg", tmp_path / "a.coco.json", tell=told.append)
+    cpm.export(covered, tmp_path / "a.png", tmp_path / "a.svg", tmp_path / "a.coco.json", warn=told.append)
     assert told == [f"{tmp_path / 'a.png'}: 1 closed contour has no pixel of its own and is not in a mask."]
     speck = Contour(CENTER + np.array([[0.2, 0.2], [0.2, 0.4], [0.4, 0.3]]), True, 1.0)
     told.clear()
-    cpm.export(replace(result, contours=(speck, speck, circle(9.0))), tmp_path / "b.tif", tell=told.append)
+    cpm.export(replace(result, contours=(speck, speck, circle(9.0))), tmp_path / "b.tif", warn=told.append)
     assert told == [f"{tmp_path / 'b.tif'}: 2 closed contours have no pixel of their own and are not in a mask."]
     told.clear()
-    cpm.export(covered, tmp_path / "c.png", outlines=True, tell=told.append)
+    cpm.export(covered, tmp_path / "c.png", outlines=True, warn=told.append)
     assert not told
