@@ -225,6 +225,6 @@ class Scene:
         return found if isinstance(found, Skeleton) and found.contours else None
 
     @property
-    def moved(self) -> bool:
+    def has_particles(self) -> bool:
         """Whether particles are shown; before the very first run the kernels may have to be compiled."""
         return self.snapshot is not None and (self.snapshot.state.step > 0 or len(self.snapshot.position) > 0)

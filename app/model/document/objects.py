@@ -172,7 +172,7 @@ def merge(document: Document, numbers: Iterable[int]) -> Document:
 
 
 def merge_into(document: Document, merged: Iterable[SegmentedObject], whole: SegmentedObject) -> Document:
-    """The document in which one object stands for several, of which it has the number of one."""
+    """The document in which one object replaces several, of which it has the number of one."""
     rest = delete(document, [item.number for item in merged if item.number != whole.number])
     return _amended(rest, (whole.number,), lambda _: whole)
 

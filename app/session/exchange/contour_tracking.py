@@ -44,7 +44,7 @@ class ContourTracker:
         self._numbers = ContourNumbers()
 
     def begin(self, places: Mapping[int, Position] | None = None) -> None:
-        """Another image has been opened: its contours are numbered from one again, or as `places` tells."""
+        """Another image has been opened: its contours are numbered from one again, or as in `places`."""
         self._numbers = ContourNumbers(places)
 
     @property

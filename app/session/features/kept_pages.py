@@ -118,7 +118,7 @@ class KeptPage:
     known : Document or None
         The document that the session file has of it; None where it has another one.
     given : tuple of Start
-        Starts that it was given by what was found on the page before, which a person has not drawn.
+        Starts that it was given by what was found on the page before, which the user has not drawn.
     runs_unsaved : bool
         Whether there are runs that are in no file.
     """
@@ -132,7 +132,7 @@ class KeptPage:
 
     @property
     def own_start(self) -> bool:
-        """Whether a person has drawn where its run starts."""
+        """Whether the user has drawn where its run starts."""
         return bool(self.document.starts) and self.document.starts != self.given
 
     @property
@@ -320,7 +320,7 @@ class PageOrder:
     following : bool
         Whether each page starts from the contours of the one before.
     kept : mapping of int to KeptPage
-        The pages that have a document already; those whose start a person has drawn keep it.
+        The pages that have a document already; those whose start the user has drawn keep it.
     before : tuple of Page
         What has been found on the pages before the first one.
     """

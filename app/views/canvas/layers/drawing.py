@@ -205,9 +205,12 @@ class DrawingLayer(Layer):
         """Show other shapes, another selection, or the shapes behind a run."""
         scene = self.scene
         shapes, selected = scene.document.shapes, scene.selected
-        if shapes is not before.document.shapes or (selected, scene.moved) != (before.selected, before.moved):
+        if shapes is not before.document.shapes or (selected, scene.has_particles) != (
+            before.selected,
+            before.has_particles,
+        ):
             chosen = shapes[selected] if selected is not None and selected < len(shapes) else None
-            self._show_starts(shapes, chosen, scene.moved)
+            self._show_starts(shapes, chosen, scene.has_particles)
             self._show_limits([shape for shape in shapes if isinstance(shape, Limit)], chosen)
             self._show_charges([shape for shape in shapes if isinstance(shape, Charge)], chosen)
         elif scene.image_seeds is not before.image_seeds:
