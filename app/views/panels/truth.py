@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
-from PySide6.QtCore import QSize, Signal
+from PySide6.QtCore import QSignalBlocker, QSize, Signal
 from PySide6.QtWidgets import (
     QCheckBox,
     QGridLayout,
     QHBoxLayout,
     QLabel,
     QPushButton,
-    QScrollArea,
     QVBoxLayout,
     QWidget,
 )
@@ -21,7 +21,8 @@ from app.model.text.language import tr, written
 from app.session.features.truth_comparison import GroundTruth
 from app.views.theme import theme
 from app.views.theme.icons import swatch
-from app.views.widgets.fields.marked_slider import MarkedSlider
+from app.views.widgets.containers import Scrolled
+from app.views.widgets.fields import MarkedSlider
 from cpm_core.contours.agreement import TOLERANCE, Comparison, ObjectCounts
 from cpm_core.contours.surface_agreement import SurfaceComparison
 
@@ -35,6 +36,9 @@ _MEASURES: tuple[tuple[str, str, str], ...] = (
     ("precision", tr("Precision"), tr("Fraction of the contours that has a true boundary within the tolerance.")),
     ("f", tr("F"), tr("Harmonic mean of recall and precision.")),
 )
+_LOWEST = 60
+"""Minimum height of the panel [px]."""
+
 _DISTANCES = ("hausdorff", "hausdorff95", "mean_boundary_distance")
 
 
@@ -50,37 +54,30 @@ class TruthPanel(QWidget):
         super().__init__()
         self._truth = truth
         self._next = 0
-        self.source = QLabel()
-        self.source.setWordWrap(True)
-        self.pieces = QLabel()
-        self.pieces.setWordWrap(True)
+        self.source, self.objects, self.pieces = QLabel(), QLabel(), QLabel()
+        for label in (self.source, self.objects, self.pieces):
+            label.setWordWrap(True)
         self.pieces.setObjectName("dim")
-        self.values: dict[str, QLabel] = {}
-        self.load_button = QPushButton(tr("Load…"))
-        self.forget_button = QPushButton(tr("Remove"))
-        self.objects = QLabel()
-        self.objects.setWordWrap(True)
         self.objects.setToolTip(
             tr(
                 "An object is found if a closed contour shares more than half of their common area with it. A contour "
                 "that contains more than half of two objects merges them. AP@0.5 is found / (found + missed + extra)."
             )
         )
-        self.worst_button = QPushButton(tr("Largest difference"))
-        self.next_button = QPushButton(tr("Next difference"))
+        self.values: dict[str, QLabel] = {}
+        self.load_button = _button(tr("Load…"), self.load_requested.emit)
+        self.forget_button = _button(tr("Remove"), truth.forget)
+        self.worst_button = _button(tr("Largest difference"), self.jump_to_worst)
+        self.next_button = _button(tr("Next difference"), self.jump_to_next)
         self.holes = QCheckBox(tr("Inner contours are holes"))
         self.holes.setToolTip(tr("Otherwise everything inside a contour belongs to the object."))
+        self.holes.toggled.connect(truth.set_holes)
         self.tolerance = MarkedSlider(0.25, 10.0, 0.25, TOLERANCE)
         self.tolerance.setAccessibleName(tr("Tolerance"))
+        self.tolerance.moved_to.connect(self._set_tolerance)
+        self.tolerance.restored.connect(lambda: self.tolerance.move_to(TOLERANCE))
         self._tolerance_label = QLabel()
         self._lay_out()
-        self.load_button.clicked.connect(self.load_requested)
-        self.forget_button.clicked.connect(truth.forget)
-        self.worst_button.clicked.connect(self.jump_to_worst)
-        self.next_button.clicked.connect(self.jump_to_next)
-        self.holes.toggled.connect(truth.set_holes)
-        self.tolerance.moved_to.connect(self._set_tolerance)
-        self.tolerance.restored.connect(lambda: self.tolerance.setValue(round((TOLERANCE - 0.25) / 0.25)))
         truth.changed.connect(self._show)
         truth.compared.connect(self._show)
         self._show()
@@ -107,10 +104,6 @@ class TruthPanel(QWidget):
 
     def _lay_out(self) -> None:
         inner = QWidget()
-        inner.setObjectName("scrolled")
-        area = QScrollArea()
-        area.setWidgetResizable(True)
-        area.setWidget(inner)  # while it is empty: it lays out its content at once, and again in the window
         column = QVBoxLayout(inner)
         column.setContentsMargins(12, 8, 12, 8)
         column.setSpacing(7)
@@ -131,11 +124,7 @@ class TruthPanel(QWidget):
         grid.setColumnStretch(1, 1)
         grid.setColumnStretch(3, 1)
         column.addLayout(grid)
-        heading = QHBoxLayout()
-        heading.addWidget(QLabel(tr("Tolerance")))
-        heading.addStretch(1)
-        heading.addWidget(self._tolerance_label)
-        column.addLayout(heading)
+        column.addWidget(self._tolerance_label)
         column.addWidget(self.tolerance)
         column.addWidget(self.objects)
         column.addWidget(self.pieces)
@@ -144,36 +133,33 @@ class TruthPanel(QWidget):
         column.addStretch(1)
         outer = QVBoxLayout(self)
         outer.setContentsMargins(0, 0, 0, 0)
-        outer.addWidget(area)
+        outer.addWidget(Scrolled(inner, _LOWEST))
 
     def _set_tolerance(self, tolerance: float) -> None:
         self._truth.set_tolerance(tolerance)
         self._show_tolerance()
 
     def _show_tolerance(self) -> None:
-        text = tr("{tolerance:g} voxels") if self._truth.in_volume else tr("{tolerance:g} px")
+        text = tr("Tolerance: {tolerance:g} voxels") if self._truth.in_volume else tr("Tolerance: {tolerance:g} px")
         self._tolerance_label.setText(text.format(tolerance=self._truth.tolerance))
 
     def _show(self) -> None:
-        truth, verified = self._truth.truth, self._truth.verified
-        if truth is None:
-            volume, plane = (
-                tr("Load a label volume for the comparison."),
-                tr("Load a mask or contours for the comparison."),
-            )
-            self.source.setText(volume if self._truth.in_volume else plane)
-        else:
+        truth, verified, in_volume = self._truth.truth, self._truth.verified, self._truth.in_volume
+        if truth is not None:
             self.source.setText(tr("Compared with {name}").format(name=truth.source))
+        elif in_volume:
+            self.source.setText(tr("Load a label volume for the comparison."))
+        else:
+            self.source.setText(tr("Load a mask or contours for the comparison."))
         for name, label in self.values.items():
             label.setText(_value(verified.comparison, name) if verified else "–")
-        self.holes.setVisible(not self._truth.in_volume)
         self.objects.setText(_objects(verified.comparison.objects) if verified else "")
         self.pieces.setText(self._summary())
         self.tolerance.show_value(self._truth.tolerance)
         self._show_tolerance()
-        self.holes.blockSignals(True)
-        self.holes.setChecked(self._truth.holes)
-        self.holes.blockSignals(False)
+        self.holes.setVisible(not in_volume)
+        with QSignalBlocker(self.holes):
+            self.holes.setChecked(self._truth.holes)
         self.forget_button.setEnabled(truth is not None)
         self.worst_button.setEnabled(bool(self._differences))
         self.next_button.setEnabled(len(self._differences) > 1)
@@ -181,14 +167,12 @@ class TruthPanel(QWidget):
     def _summary(self) -> str:
         if self._truth.truth is None:
             return ""
-        if self._truth.verified is None and not self._truth.lacks_result:
-            return tr("Comparing…")
-        if self._truth.verified is None:
-            return (
+        verified, differences = self._truth.verified, self._differences
+        if verified is None:
+            nothing = (
                 tr("No surface yet. Start the run.") if self._truth.in_volume else tr("No contours yet. Start the run.")
             )
-        differences = self._differences
-        verified = self._truth.verified
+            return nothing if self._truth.lacks_result else tr("Comparing…")
         if not differences:
             return tr("All boundaries agree within the tolerance.")
         missing = sum(difference.kind == "missing" for difference in differences)
@@ -197,6 +181,12 @@ class TruthPanel(QWidget):
         if math.isinf(differences[0].farthest):
             farthest = tr("infinite")
         return summary.format(missing=missing, wrong=len(differences) - missing, farthest=farthest)
+
+
+def _button(text: str, do: Callable[[], object]) -> QPushButton:
+    button = QPushButton(text)
+    button.clicked.connect(lambda _=False: do())
+    return button
 
 
 def _objects(counts: ObjectCounts) -> str:
