@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from app.model.export.order import in_words
+from app.model.export import summary_text
 from app.model.state.situation import Phase, RunStatus
 from app.model.text.language import tr
 from app.session.exchange.messages import (
@@ -40,14 +39,11 @@ _FIGURES_EVERY = 0.1
 
 
 class Progress:
-    """State of the run as far as the window knows it; `clock` gives seconds."""
+    """State of the run as the window knows it."""
 
-    def __init__(
-        self, session: SessionSignals, worker_thread: WorkerThread, clock: Callable[[], float] = time.perf_counter
-    ) -> None:
+    def __init__(self, session: SessionSignals, worker_thread: WorkerThread) -> None:
         self._session = session
         self._worker_thread = worker_thread
-        self._clock = clock
         self._busy: dict[str, str] = {}
         self._shown_at = 0.0
         self._known = RunStatus()
@@ -145,7 +141,7 @@ class Progress:
             steps_per_second=snapshot.steps_per_second,
         )
         self._show(snapshot=snapshot)
-        now = self._clock()
+        now = time.perf_counter()
         if self._known.phase != "running" or before != "running" or now - self._shown_at >= _FIGURES_EVERY:
             self._shown_at = now
             self._session.show_status()
@@ -176,7 +172,7 @@ class Progress:
                     self._show(image_seeds=image_seeds)
             case Exported(path, counts):
                 written = tr("Written: {path}").format(path=path)
-                self._session.say(written if counts is None else f"{written} ({in_words(counts)})", topic=EXPORTING)
+                self._session.say(written if counts is None else f"{written} ({summary_text(counts)})", topic=EXPORTING)
             case CommandFailed(sentence, topic):
                 self._session.say(sentence, True, topic)
             case Compiling(percent):
