@@ -69,6 +69,6 @@ def test_a_kept_result_and_a_branch_are_compared_in_slices(run, hand) -> None:
     other.choose(kept)
     far = canvas.sections.of(other.far(run.session.scene))
     assert len(far.contours.items) == 1
-    assert far.document.shapes[0].radii != canvas.drawn.document.shapes[0].radii
+    assert far.document.shapes[0].line.radii != canvas.drawn.document.shapes[0].line.radii
     other.choose(Other("image", "Image alone"))
     assert canvas.sections.of(other.far(run.session.scene)).snapshot is None
