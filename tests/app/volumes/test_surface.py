@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import tifffile
 from PySide6.QtCore import Qt
 
-from app.views.export.surface import SurfaceDialog
 from app.views.features.exchange import ExportFeature
 from app.views.features.run import RunControlFeature
 from cpm_core.formats import FOR_VOLUMES
-from cpm_core.image.geometry import Geometry
 
 pytestmark = pytest.mark.shared_window
 
@@ -77,22 +73,3 @@ def test_surface_labels_and_particles_are_exported(found, hand, tmp_path) -> Non
     assert (labels > 0).sum() == pytest.approx(4 / 3 * np.pi * RADIUS**3, rel=0.1)
     rows = np.loadtxt(next(tmp_path.glob("*.points.csv")), delimiter=",", skiprows=1, usecols=(0, 1, 2))
     np.testing.assert_allclose(rows, found.session.scene.snapshot.position, rtol=1e-5)
-
-
-def test_coordinates_of_a_surface_are_those_of_the_patient_that_are_chosen(found, hand, tmp_path) -> None:
-    feature = found.feature(ExportFeature)
-    found.actions_by_name["export"].trigger()
-    assert feature.dialog.space.isHidden(), "the file does not say where it lies"
-    feature.dialog.reject()
-    placed = replace(found.session.image, geometry=Geometry(origin=(10.0, 20.0, 30.0)))
-    dialog = SurfaceDialog(
-        found, found.session.status.surface, 0, placed, tmp_path / "ball.npy", tmp_path / "a", ".ply"
-    )
-    ordered = []
-    dialog.ordered.connect(lambda path, order: ordered.append(order.space))
-    dialog.open()
-    assert dialog.space.isVisible()
-    dialog.space.setFocus()
-    hand.qtbot.keyClick(dialog.space, Qt.Key.Key_Down)
-    hand.qtbot.mouseClick(dialog.export_button, Qt.MouseButton.LeftButton)
-    assert ordered == ["RAS"]
