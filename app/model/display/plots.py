@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from app.model.display.round_numbers import power_text, round_up, scientific_text
+from app.model.display.lengths import power_text, round_up, scientific_text
 from app.model.text.language import tr, written
 from cpm_core.model.equations import EPSILON
 from cpm_core.numerics.types import Array

@@ -11,7 +11,7 @@ import numpy as np
 
 from app.model.display.differences import differences_in, truth_in
 from app.model.display.display_image import DisplayImage, DisplayVolume, IntensityWindow, apply_window
-from app.model.display.iso_lines import iso_lines
+from app.model.display.lines import iso_lines
 from app.model.document.document import Document
 from app.model.document.edits import Hit, hit
 from app.model.volume.sampled_volumes import SampledForce, SampledValues

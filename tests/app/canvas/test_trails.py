@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.model.display.trails import Trails
+from app.model.display.lines import Trails
 
 pytestmark = pytest.mark.shared_window
 

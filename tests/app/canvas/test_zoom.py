@@ -13,7 +13,6 @@ from PySide6.QtWidgets import QApplication
 pytestmark = pytest.mark.shared_window
 
 KEY = Qt.Key
-CTRL = Qt.KeyboardModifier.ControlModifier
 
 
 def test_a_zoom_can_be_typed_and_the_canvas_has_the_keyboard_again(window, hand, qtbot) -> None:

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PySide6.QtCore import Qt
 
+from app.model.display.lengths import short_text
 from app.model.display.plots import PLOTS, Axis, RunMetrics, figure
-from app.model.display.round_numbers import short_text
 from app.session.worker.recorded_run import RunRecord
 from app.views.panels.run.plot_panel import PlotPanel
 from cpm_core import Engine, Parameters

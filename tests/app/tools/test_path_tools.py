@@ -16,7 +16,6 @@ pytestmark = pytest.mark.shared_window
 
 KEY = Qt.Key
 CONTROL = Qt.KeyboardModifier.ControlModifier
-ALT = Qt.KeyboardModifier.AltModifier
 PIXEL = 0.5
 
 KINDS = {KEY.Key_T: Stroke, KEY.Key_I: Region, KEY.Key_B: Barrier}

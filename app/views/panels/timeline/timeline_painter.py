@@ -9,7 +9,7 @@ from PySide6.QtCore import QPointF, QRect, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QFontMetrics, QPainter, QPainterPath, QPalette, QPen, QPolygonF
 from PySide6.QtWidgets import QWidget
 
-from app.model.display.round_numbers import round_up
+from app.model.display.lengths import round_up
 from app.model.text.language import tr
 from app.session.features.timeline import TimelineNavigation
 from app.session.timeline.timeline import Branch
