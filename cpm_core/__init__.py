@@ -72,13 +72,12 @@ found; a `ScaleField` holds the fields of one scale.
 
 from cpm_core.contours.agreement import Comparison, compare
 from cpm_core.contours.contour import Bridge, Contour
-from cpm_core.contours.ground_truth import Truth
+from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.contours.measurements import containment, measure
-from cpm_core.contours.measurements.table import Table
+from cpm_core.contours.region_table import Table
 from cpm_core.contours.result import Result
 from cpm_core.contours.surface import Surface
-from cpm_core.contours.surface.agreement import SurfaceComparison, compare_surface
-from cpm_core.contours.surface.ground_truth import VolumeTruth
+from cpm_core.contours.surface_agreement import SurfaceComparison, compare_surface
 from cpm_core.field.edge_map import edge_map
 from cpm_core.field.electric_field import electric_field
 from cpm_core.field.placed_charges import PlacedCharge

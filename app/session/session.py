@@ -523,7 +523,7 @@ class Session(QObject):
             return
         known = opened.saved.file.image
         if known is not None and known.sha256 and differ(known.sha256, opened.sha256):
-            return  # the notes tell that the image has changed
+            return  # the notes report that the image has changed
         self._progress.busy("restoring", tr("Bringing back the runs…"))
         self.post(RunCall(None, Run.place, self._signals.image_generation, self.document.charges))
         self.post(RunCall(None, Run.limit, self.document.regions))

@@ -164,9 +164,9 @@ class MainWindow(QMainWindow):
         importing.open_files = files.take_dropped
         importing.open_picture = lambda path: files.take([path])
         files.bring_in = self.feature(ParametersFeature).presets.import_file
-        self.feature(RecoveryFeature).keep(files.document_file)
-        self.feature(FolderFeature).keep(files.document_file)
-        self.feature(PagesFeature).keep(files.document_file)
+        self.feature(RecoveryFeature).set_session_file(files.document_file)
+        self.feature(FolderFeature).set_session_file(files.document_file)
+        self.feature(PagesFeature).set_session_file(files.document_file)
         self.feature(StartFeature).keep(files)
 
     def _keep_tool(self) -> None:

@@ -25,8 +25,7 @@ from cpm_core.cli.arguments import (
 )
 from cpm_core.cli.inputs import fitted, image_of, session_of, starts_from_file, truth_for
 from cpm_core.cli.output import Files, announce_compilation, report, say
-from cpm_core.contours.ground_truth import Truth
-from cpm_core.contours.surface.ground_truth import VolumeTruth
+from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.formats import load_image, load_volume
 from cpm_core.formats.comparison import Tile, check_comparison, files_of, write_comparison
 from cpm_core.formats.contour_file import CONTOURS_READABLE

@@ -12,11 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from cpm_core.cli.output import say, say_notes
-from cpm_core.contours.ground_truth import Truth
-from cpm_core.contours.kept import with_kept
+from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.contours.result import Result
-from cpm_core.contours.review import apply
-from cpm_core.contours.surface.ground_truth import VolumeTruth
+from cpm_core.contours.review import apply, with_kept
 from cpm_core.formats import (
     CONTOURS_READABLE,
     FOR_CENTERLINES,

@@ -43,10 +43,9 @@ from cpm_core.cli.output import (
 )
 from cpm_core.cli.pages import StackRun, add_pages, check_pages, run_pages
 from cpm_core.contours.agreement import compare
-from cpm_core.contours.ground_truth import Truth
+from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.contours.result import Result
-from cpm_core.contours.surface.agreement import compare_surface
-from cpm_core.contours.surface.ground_truth import VolumeTruth
+from cpm_core.contours.surface_agreement import compare_surface
 from cpm_core.field.edge_map import edge_map
 from cpm_core.formats import (
     CONTOURS_READABLE,

@@ -12,11 +12,9 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.measurements import centroid, contour_labels
-from cpm_core.contours.measurements.regions import region_table, volume_table
-from cpm_core.contours.measurements.table import Table
 from cpm_core.contours.rasterize import paint
-from cpm_core.contours.surface import Surface
-from cpm_core.contours.surface.inside import numbered
+from cpm_core.contours.region_table import Table, region_table, volume_table
+from cpm_core.contours.surface import Surface, numbered
 from cpm_core.image import drawing
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image

@@ -9,9 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.ground_truth import Truth, truth_of_contours, truth_of_mask
-from cpm_core.contours.surface.ground_truth import VolumeTruth, truth_of_volume
-from cpm_core.contours.surface.inside import numbered
+from cpm_core.contours.ground_truth import Truth, VolumeTruth, truth_of_contours, truth_of_mask, truth_of_volume
+from cpm_core.contours.surface import numbered
 from cpm_core.formats import SURFACES_READABLE, load_image, load_surface
 from cpm_core.formats.contour_file import CONTOURS_READABLE, read_contours
 from cpm_core.formats.contours.contents import Plane

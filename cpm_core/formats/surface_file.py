@@ -11,8 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from cpm_core.contours.ground_truth import labels_of
-from cpm_core.contours.surface import Surface
-from cpm_core.contours.surface.of_labels import surface_of_labels
+from cpm_core.contours.surface import Surface, surface_of_labels
 from cpm_core.formats.common.content import content_of
 from cpm_core.formats.images.decoded import UnreadableError
 from cpm_core.formats.images.readers import load_volume

@@ -15,8 +15,8 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.surface.inside import inside_of
-from cpm_core.contours.surface.packing import PackedSurface
+from cpm_core.contours.packed_surface import PackedSurface
+from cpm_core.contours.surface import inside_of
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.field.volume_field import VolumeField
 from cpm_core.image.image import Image, as_image
@@ -35,7 +35,7 @@ from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters import OF_CHARGES, OF_STARTS, PRESETS, Parameters, invalidating
 from cpm_core.parameters.provenance import Provenance, taken
 from cpm_core.parameters.quotation import described, shown, sized
-from cpm_core.reconstruction.surface.iso.pipeline import find_surface
+from cpm_core.reconstruction.surface.pipeline import find_surface
 
 Within = Sequence[Contour] | ArrayLike
 """What a skeleton can be of: closed outlines, or a mask of the shape of the image."""

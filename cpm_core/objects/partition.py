@@ -30,9 +30,9 @@ from cpm_core.objects.clicks import as_places, clicked
 from cpm_core.objects.faces.basins import Labels
 from cpm_core.objects.faces.closed_regions import ClosedRegions
 from cpm_core.objects.faces.faces import Faces, Ground, find_faces, ground
-from cpm_core.objects.faces.space import VolumePartition
-from cpm_core.objects.outline.outline import SMOOTHING, outlines
+from cpm_core.objects.outline import SMOOTHING, outlines
 from cpm_core.objects.selection import Selection, confidence_of
+from cpm_core.objects.volume_partition import VolumePartition
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.quotation import counted, described, sized
 from cpm_core.segmentation.evolve import segment

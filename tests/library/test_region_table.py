@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import cpm_core as cpm
-from cpm_core.contours.measurements.regions import region_table, volume_table
 from cpm_core.contours.rasterize import paint
+from cpm_core.contours.region_table import region_table, volume_table
 
 SHAPE = (120, 140)
 SAME = (

@@ -13,10 +13,9 @@ from app.model.volume.slices import Slice
 from app.model.volume.surface_section import section
 from cpm_core.contours.agreement import Comparison, distance_to
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.ground_truth import Truth
+from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.contours.surface import Surface
-from cpm_core.contours.surface.agreement import SurfaceComparison
-from cpm_core.contours.surface.ground_truth import VolumeTruth
+from cpm_core.contours.surface_agreement import SurfaceComparison
 from cpm_core.numerics.types import Array, Place
 
 _APART = 0.6

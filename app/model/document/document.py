@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from app.model.text.language import tr
 from cpm_core.contours.hand_edits import HandEdit
+from cpm_core.contours.packed_surface import PackedSurface
 from cpm_core.contours.review import Mark
-from cpm_core.contours.surface.packing import PackedSurface
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats.images.reading import DEFAULT, Reading
 from cpm_core.image.image import Image

@@ -101,7 +101,7 @@ def set_pixel_size(document: Document, spacing: tuple[float, ...], unit: str) ->
 
 
 def use_told_size(document: Document, spacing: tuple[float, ...], unit: str | None) -> Document:
-    """The document with the size of a pixel that the file tells."""
+    """The document with the size of a pixel that the file gives."""
     if document.image is None:
         return document
     reading = replace(document.image.reading, spacing=None, unit=None)

@@ -12,13 +12,12 @@ from app.model.document import edits
 from app.model.document.document import Document
 from app.model.text.language import tr
 from cpm_core.contours.contour import Bridge, Contour
+from cpm_core.contours.packed_surface import PackedSurface
 from cpm_core.contours.result import Result
 from cpm_core.contours.surface import Surface
-from cpm_core.contours.surface.packing import PackedSurface
 from cpm_core.numerics import polyline
 from cpm_core.numerics.polyline import length, thinned
 from cpm_core.numerics.types import Array, Place, Position
-from cpm_core.objects.faces.space import VolumeSelection
 from cpm_core.objects.objects_result import boundaries_result
 from cpm_core.objects.segmented.areas import lies_on, union
 from cpm_core.objects.segmented.segmented_object import (
@@ -30,6 +29,7 @@ from cpm_core.objects.segmented.segmented_object import (
     contours_of,
 )
 from cpm_core.objects.selection import Selection
+from cpm_core.objects.volume_partition import VolumeSelection
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.shapes import Barrier, EnclosedRegion, EnclosingWall, Points, Polygon, Region
 
@@ -172,7 +172,7 @@ def merge(document: Document, numbers: Iterable[int]) -> Document:
 
 
 def merge_into(document: Document, merged: Iterable[SegmentedObject], whole: SegmentedObject) -> Document:
-    """The document in which one object stands for several, of which it has the number of one."""
+    """The document in which one object replaces several, of which it has the number of one."""
     rest = delete(document, [item.number for item in merged if item.number != whole.number])
     return _amended(rest, (whole.number,), lambda _: whole)
 

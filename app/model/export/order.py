@@ -9,9 +9,8 @@ from typing import Literal
 from app.model.document.document import Document
 from app.model.document.objects import objects_result
 from app.model.text.language import tr, written
-from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result
-from cpm_core.contours.review import apply, reviewed
+from cpm_core.contours.review import apply, reviewed, with_kept
 from cpm_core.field.edge_map import edge_map
 from cpm_core.formats import left_out
 from cpm_core.image.geometry import Convention

@@ -28,7 +28,7 @@ class Preference(ABC, Generic[V]):
     name : str
         Its key in the file of the preferences.
     page : str
-        Name of the page of the dialog that it stands on.
+        Name of the page of the dialog that it is on.
     label : str
         Words before its field.
     default
@@ -50,7 +50,7 @@ class Preference(ABC, Generic[V]):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Flag(Preference[bool]):
-    """Something that is on or off; `text` stands beside the check box."""
+    """Something that is on or off; `text` is next to the check box."""
 
     text: str
 
@@ -155,7 +155,7 @@ INKS = {
     "moving": Color(name="colors/moving", page="appearance", label=tr("Moving particles"), default="#f0e442"),
     "resting": Color(name="colors/resting", page="appearance", label=tr("Particles at rest"), default="#2bd4a4"),
 }
-"""Colors on the canvas; people who do not tell red from green can distinguish the defaults."""
+"""Colors on the canvas; people who cannot distinguish red and green can distinguish the defaults."""
 
 AUTOSAVE = Flag(
     name="autosave/on", page="files", label=tr("Autosave"), default=True, text=tr("Keep unsaved work for recovery"),

@@ -16,9 +16,9 @@ from cpm_core.contours.surface import Surface
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Index, Place
-from cpm_core.objects.faces.space import VolumeSelection
 from cpm_core.objects.segmented.segmented_object import Click, Line, SegmentedObject, SegmentedObjects
 from cpm_core.objects.selection import Selection
+from cpm_core.objects.volume_partition import VolumeSelection
 
 _MOST = 8
 """Number of slices whose lines are kept with one surface: they are asked for again whenever the pointer moves."""

@@ -20,9 +20,8 @@ from app.session.session import Session
 from app.session.tasks.tasks import Task
 from cpm_core.contours.agreement import compare
 from cpm_core.contours.ground_truth import Truth
-from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result
-from cpm_core.contours.review import apply
+from cpm_core.contours.review import apply, with_kept
 from cpm_core.formats import comparison
 from cpm_core.image.image import Image
 from cpm_core.numerics.parallel import cores

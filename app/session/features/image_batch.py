@@ -118,9 +118,9 @@ class ImageBatch(QObject):
             task.fraction = len(batch.summary.rows) / len(images)
         return BatchDone(output)
 
-    def _take(self, told: tuple[Task, int, Row]) -> None:
+    def _take(self, done: tuple[Task, int, Row]) -> None:
         """Keep what has been done with an image, if it is one of the present order."""
-        task, number, row = told
+        task, number, row = done
         if task is self.task or self.task is None:
             self.rows[number] = row
             self.changed.emit()
@@ -131,7 +131,7 @@ class ImageBatch(QObject):
             self.changed.emit()
 
     @property
-    def in_words(self) -> str:
+    def summary_text(self) -> str:
         """How far it is, in a sentence."""
         if not self.images:
             return ""

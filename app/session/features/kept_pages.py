@@ -23,9 +23,8 @@ from app.session.timeline.stored.plain_runs import FIGURES, RunsWriter
 from app.session.timeline.stored_runs import StoredBranch, StoredRun, StoredRuns
 from app.session.undo_history import History
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result
-from cpm_core.contours.review import apply, middle
+from cpm_core.contours.review import apply, middle, with_kept
 from cpm_core.formats import load_pages
 from cpm_core.formats.contours.contour_json import page_from_plain, page_to_plain
 from cpm_core.formats.images.reading import Reading
@@ -119,7 +118,7 @@ class KeptPage:
     known : Document or None
         The document that the session file has of it; None where it has another one.
     given : tuple of Start
-        Starts that it was given by what was found on the page before, which a person has not drawn.
+        Starts that it was given by what was found on the page before, which the user has not drawn.
     runs_unsaved : bool
         Whether there are runs that are in no file.
     """
@@ -133,7 +132,7 @@ class KeptPage:
 
     @property
     def own_start(self) -> bool:
-        """Whether a person has drawn where its run starts."""
+        """Whether the user has drawn where its run starts."""
         return bool(self.document.starts) and self.document.starts != self.given
 
     @property
@@ -321,7 +320,7 @@ class PageOrder:
     following : bool
         Whether each page starts from the contours of the one before.
     kept : mapping of int to KeptPage
-        The pages that have a document already; those whose start a person has drawn keep it.
+        The pages that have a document already; those whose start the user has drawn keep it.
     before : tuple of Page
         What has been found on the pages before the first one.
     """

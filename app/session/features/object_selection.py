@@ -23,11 +23,11 @@ from app.session.tasks.tasks import Task
 from cpm_core.contours.result import Result
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array, Place
-from cpm_core.objects.faces.space import VolumeSelection
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.segmented.segmented_object import Click, selection_of
 from cpm_core.objects.selection import Selection
 from cpm_core.objects.similar import similar
+from cpm_core.objects.volume_partition import VolumeSelection
 from cpm_core.shapes import Everywhere
 from cpm_core.shapes.image_starts import ImageStart
 

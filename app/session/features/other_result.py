@@ -17,10 +17,9 @@ from app.session.session import Session
 from app.session.worker.requests import Compared
 from app.session.worker.run import RESTING_SPEED
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.ground_truth import Truth
+from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.contours.measurements import measure
 from cpm_core.contours.result import Result
-from cpm_core.contours.surface.ground_truth import VolumeTruth
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.skeleton import Skeleton
 

@@ -21,10 +21,10 @@ from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.starts import uniform_grid
 from cpm_core.numerics.types import Array, Mask
-from cpm_core.objects.faces.space import VolumePartition, VolumeSelection
 from cpm_core.objects.partition import EVERYWHERE, Partition, partition
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, places_of, selection_of
 from cpm_core.objects.selection import Selection
+from cpm_core.objects.volume_partition import VolumePartition, VolumeSelection
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.segmentation.evolve import segment
 
@@ -59,7 +59,7 @@ class Prepared(Report):
 class Partitions(QObject):
     """Makes partitions on other threads: of the contours of the run, or without a run, of one from everywhere.
 
-    `wanted` tells whether a partition is needed now; call `look` when its answer may have changed.
+    `wanted` returns whether a partition is needed now; call `look` when its answer may have changed.
     """
 
     changed = Signal()
@@ -195,7 +195,7 @@ _MOST_BODIES = 8
 """Number of answers that are kept: each has a surface."""
 
 _MOST_PLACES = 20
-"""Places of a start that tell which body it lies in."""
+"""Places of a start by which its body is found."""
 
 
 class BodySelector:
@@ -257,7 +257,7 @@ _UNCHANGED = 0.97
 """Overlap from which a selection is what an object is already."""
 
 _PLACES = 100
-"""About so many pixels tell which object a selection is."""
+"""About so many pixels by which the object of a selection is found."""
 
 _MOST_SELECTIONS = 200
 """Number of selections that are kept."""

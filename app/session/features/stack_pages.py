@@ -94,7 +94,7 @@ class StackPages(QObject):
         session.scene_changed.connect(self._look)
         session.tasks.changed.connect(self._look_at_task)
 
-    def keep(self, document_file: DocumentFile) -> None:
+    def set_session_file(self, document_file: DocumentFile) -> None:
         """Be saved with the session file."""
         self._file = document_file
         document_file.pages = self._plain
@@ -127,7 +127,7 @@ class StackPages(QObject):
         return self._ahead
 
     def is_drawn(self, document: Document) -> bool:
-        """Whether a person has drawn where the run of the open page starts, not the page before."""
+        """Whether the user has drawn where the run of the open page starts, not the page before."""
         return not self._given or document.starts != self._given
 
     def go(self, by: int) -> None:
@@ -229,7 +229,7 @@ class StackPages(QObject):
         return None
 
     def _take_page(self, made: tuple[PageOrder, PageDone]) -> None:
-        """Keep a page that has been run, unless a person has changed it since; that which is open is shown anew."""
+        """Keep a page that has been run, unless the user has changed it since; that which is open is shown anew."""
         order, done = made
         number, here = done.page.number, done.page.number == self.number
         if self._file is None or order.source.path != self._source.path:

@@ -13,10 +13,12 @@ from app.session.timeline.timeline import Branch, Outline
 from app.session.worker.commands import RunCall
 from app.session.worker.requests import Compare, Compared, Seek
 from app.session.worker.run import Run
+from cpm_core.contours.result import Result
 from cpm_core.parameters import Parameters
 
-_EVERY, _SELDOM = 100, 500
-"""Time between two comparisons while the timeline is scrubbed, and during a run [ms]."""
+_EVERY, _SELDOM, _QUIET = 100, 500, 200
+"""Time between two comparisons while the timeline is scrubbed and during a run, and time without a change after which
+contours are compared [ms]."""
 
 
 class BranchComparison(QObject):
@@ -35,6 +37,8 @@ class BranchComparison(QObject):
         self._scene = session.scene
         self._later = QTimer(self, singleShot=True)
         self._later.timeout.connect(self._ask)
+        self._quiet = QTimer(self, singleShot=True, interval=_QUIET)
+        self._quiet.timeout.connect(self._compare_contours)
         session.scene_changed.connect(self._follow)
 
     @property
@@ -47,6 +51,7 @@ class BranchComparison(QObject):
         """Show another branch beside that of the run; None for none."""
         self.branch = branch
         self._ask()
+        self._quiet.start()
         self.changed.emit()
 
     def _follow(self) -> None:
@@ -60,19 +65,25 @@ class BranchComparison(QObject):
         known = {branch.identity for branch in outline.branches} - {outline.branch}
         if self.branch not in known:
             self._later.stop()
+            self.branch = None
             self._session.show(replace(scene, compared=None))
             self.compare(None)
             return
-        moved = scene.snapshot is not before.snapshot or scene.contours.result is not before.contours.result
-        if moved and not self._later.isActive():
-            self._later.start(_SELDOM if self._session.status.phase == "running" else _EVERY)
+        if scene.snapshot is not before.snapshot or scene.contours.result is not before.contours.result:
+            self._quiet.start()
+            if not self._later.isActive():
+                self._later.start(_SELDOM if self._session.status.phase == "running" else _EVERY)
 
-    def _ask(self) -> None:
-        """Ask for the state of the branch, and at rest for how far its contours are from those that are shown."""
-        session, scene = self._session, self._session.scene
-        step = scene.snapshot.state.step if scene.snapshot is not None else 0
-        against = scene.contours.result if session.status.phase != "running" else None
-        session.post(Compare(session.generation, self.branch, step, against))
+    def _compare_contours(self) -> None:
+        """Compare the contours, which takes longer, once nothing changes any more."""
+        contours = self._session.scene.contours.result
+        if self.branch is not None and contours is not None and self._session.status.phase != "running":
+            self._ask(contours)
+
+    def _ask(self, against: Result | None = None) -> None:
+        snapshot = self._session.scene.snapshot
+        step = snapshot.state.step if snapshot is not None else 0
+        self._session.post(Compare(self._session.generation, self.branch, step, against))
 
 
 NOTHING = Outline()

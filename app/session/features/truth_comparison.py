@@ -17,10 +17,9 @@ from app.session.features.contour_review import ContourReview
 from app.session.session import Session
 from cpm_core.contours.agreement import TOLERANCE, Comparison, compare
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.ground_truth import Truth
+from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.contours.surface import Surface
-from cpm_core.contours.surface.agreement import SurfaceComparison, compare_surface
-from cpm_core.contours.surface.ground_truth import VolumeTruth
+from cpm_core.contours.surface_agreement import SurfaceComparison, compare_surface
 from cpm_core.formats.ground_truth_file import load_truth, load_volume_truth
 from cpm_core.formats.sessions.beside_document import TruthFile
 from cpm_core.image.image import Image

@@ -76,7 +76,7 @@ PAGED = frozenset({".tif", ".tiff", *raster.READS})
 def parts_of(path: Path, reading: Reading) -> tuple[Parts | None, Reading]:
     """What a file holds, None where it cannot be read, and how it is read: of several images the first one.
 
-    What is wrong with a file is told when it is read.
+    What is wrong with a file is reported when it is read.
     """
     paged = path.suffix.lower() in PAGED
     try:

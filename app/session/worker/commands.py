@@ -78,7 +78,7 @@ class Command:
     """Whether only the last of many in a row is worth the work, as while a slider is moved."""
 
     activity: ClassVar[str] = tr("working")
-    """What it does, as it stands after "while" in an error message."""
+    """What it does, as it follows "while" in an error message."""
 
     topic: ClassVar[str] = ""
     """The kind of attempt that its error messages belong to; see `app.session.signals`."""
@@ -259,15 +259,15 @@ class WarmUp(Command):
 
     def execute(self, context: CommandContext) -> None:
         """Compile or load them."""
-        told = -1
+        reported = -1
 
-        def tell(done: float) -> None:
-            nonlocal told
-            if (percent := int(100.0 * done)) > told:
-                told = percent
+        def report(done: float) -> None:
+            nonlocal reported
+            if (percent := int(100.0 * done)) > reported:
+                reported = percent
                 context.report(Compiling(percent))
 
-        (context.core.warm_up_volumes if self.volumes else context.core.warm_up)(context.closing, tell)
+        (context.core.warm_up_volumes if self.volumes else context.core.warm_up)(context.closing, report)
         _keep_loaded(self.volumes)
         context.report(WarmedUp())
 

@@ -165,14 +165,6 @@ class RecordedRun:
         known = {branch.identity for branch in self.timeline.branches}
         self._records = {branch: kept for branch, kept in self._records.items() if branch in known}
 
-    def method(self, branch: int, regions: AnyRegions | None) -> Method[Any]:
-        """The method of the run of a branch, in these regions."""
-        return self._method(self.timeline.run_of(branch), regions)
-
-    def current_method(self, regions: AnyRegions | None) -> Method[Any]:
-        """The method of the current run, in these regions."""
-        return self._method(self.timeline.run, regions)
-
     def record(self, action: RunAction, state: MethodState, record: RunRecord) -> None:
         """Add a step that the record contains already."""
         self.timeline.record(action, state)
@@ -251,7 +243,8 @@ class RecordedRun:
         if known is None or len(record) >= len(known):
             self._records[here[0]] = record
 
-    def _method(self, run: int, regions: AnyRegions | None) -> Method[Any]:
+    def method(self, run: int, regions: AnyRegions | None) -> Method[Any]:
+        """The method of a run, in these regions."""
         method = self._methods.pop((run, regions), None)
         if method is None:
             method = next((known for (of, _), known in self._methods.items() if of == run), None)
@@ -267,4 +260,4 @@ class RecordedRun:
             self._methods.pop(next(iter(self._methods)))
 
     def _apply(self, run: int, state: MethodState, action: RunAction) -> MethodState:
-        return action.apply(self._method(run, action.regions), state)  # type: ignore[no-any-return]
+        return action.apply(self.method(run, action.regions), state)  # type: ignore[no-any-return]

@@ -283,7 +283,9 @@ class Run:
         """Use and show a state of the timeline; `before` is the number of the run until now."""
         self.state, self._record = state, record
         if self.recorded.timeline.run != before:
-            self.method = self.recorded.current_method(None if self.method is None else self.method.regions)
+            self.method = self.recorded.method(
+                self.recorded.timeline.run, None if self.method is None else self.method.regions
+            )
         self._send(looking_back=True)
 
     def rename_branch(self, branch: int, name: str) -> None:
@@ -329,7 +331,7 @@ class Run:
         """Contours of a state of another branch."""
         if self.method is None:
             raise ValueError("There is no image to run on: open one first.")
-        method = self.recorded.method(branch, self.method.regions)
+        method = self.recorded.method(self.recorded.timeline.run_of(branch), self.method.regions)
         return edited(method, method.result(state, self.parameters), self.parameters, self.hand_edits)[0]
 
     def moment(self, branch: int, step: int, wanted: Callable[[], bool]) -> Snapshot | None:

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QDialog, QHBoxLayout, QLabel, QProgressBar, QPushB
 from app.model.display.comparison import Tile, pick
 from app.model.display.display_image import DisplayImage
 from app.model.document.objects import add_region
-from app.model.state.situation import in_words
+from app.model.state.situation import remaining_text
 from app.model.text.keys import with_keys
 from app.model.text.language import reason, tr
 from app.session.features.comparison import Comparison, Done
@@ -215,7 +215,7 @@ class CompareDialog(QDialog):
         self.export_button.setEnabled(task is None and of_methods and done > 0)
         if task is not None:
             progress = tr("{done} of {count} tiles").format(done=done, count=len(tiles))
-            self._say(", ".join(filter(None, (progress, in_words(task.seconds_left)))))
+            self._say(", ".join(filter(None, (progress, remaining_text(task.seconds_left)))))
         elif tiles and done < len(tiles):
             self._say(tr("Canceled after {done} of {count} tiles.").format(done=done, count=len(tiles)))
         elif tiles:

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QComboBox, QDialog, QDialogButtonBox, QFormLayout,
 from app.model.display.lengths import size_text
 from app.model.export.formats import formats_of_volumes
 from app.model.export.order import ExportOrder
-from app.model.state.surface_figures import SurfaceFigures, in_words
+from app.model.state.surface_figures import SurfaceFigures, figure_texts
 from app.model.text.language import tr
 from app.views.export.fields import FileFields, FormatField
 from cpm_core.formats import FOR_CENTERLINES, FOR_VOLUMES
@@ -121,4 +121,4 @@ def _counted(objects: int) -> str:
 
 def _summary(figures: SurfaceFigures) -> str:
     """The figures of a surface, one in each line."""
-    return "\n".join(f"{label}: {value}" for label, value, _ in in_words(figures))
+    return "\n".join(f"{label}: {value}" for label, value, _ in figure_texts(figures))

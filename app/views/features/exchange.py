@@ -363,4 +363,4 @@ class BatchFeature(Feature):
 
     def _tell(self, _: BatchDone) -> None:
         batch = self.context.workspace.batch
-        self.context.session.say(batch.in_words, batch.failed > 0, TOPIC)
+        self.context.session.say(batch.summary_text, batch.failed > 0, TOPIC)

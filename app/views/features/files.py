@@ -336,7 +336,7 @@ class FolderFeature(Feature):
         context.session.listen(Opened, self._take)
         context.session.listen(NotOpened, self._stay)
 
-    def keep(self, document_file: DocumentFile) -> None:
+    def set_session_file(self, document_file: DocumentFile) -> None:
         """Save the open document to its file, where the user wants that."""
         self._document_file = document_file
 
@@ -402,7 +402,7 @@ class RecoveryFeature(Feature):
         self._restored = False
         self._document_file: DocumentFile | None = None
 
-    def keep(self, document_file: DocumentFile) -> None:
+    def set_session_file(self, document_file: DocumentFile) -> None:
         """Keep a journal of the open document."""
         self._document_file = document_file
         self.journal = Journal(document_file, self._folder, self.context.preferences)

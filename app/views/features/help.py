@@ -9,7 +9,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QMessageBox
 
 from app.model.document.samples import sample_called
-from app.model.text.about import LICENSE, PAPER, PURPOSE, about_in_words, versions
+from app.model.text.about import LICENSE, PAPER, PURPOSE, about_text, versions
 from app.model.text.language import tr
 from app.session.signals import PREFERENCES
 from app.views.theme.icons import program_icon
@@ -89,7 +89,7 @@ class HelpFeature(Feature):
         copy = box.addButton(tr("&Copy this text"), QMessageBox.ButtonRole.ActionRole)
         copy.setToolTip(tr("Copy it to the clipboard, as for a report of an error."))
         copy.clicked.disconnect()  # it does not close the box
-        copy.clicked.connect(lambda: QApplication.clipboard().setText(about_in_words()))
+        copy.clicked.connect(lambda: QApplication.clipboard().setText(about_text()))
         box.addButton(QMessageBox.StandardButton.Close)
         box.open()
 

@@ -205,9 +205,9 @@ class PagesFeature(Feature):
         context.session.document_changed.connect(lambda _: self._show_bar())
         context.preferences.follow(UNIT, self.panel.show_rows)
 
-    def keep(self, document_file: DocumentFile) -> None:
+    def set_session_file(self, document_file: DocumentFile) -> None:
         """Save the pages with the session file."""
-        self._pages.keep(document_file)
+        self._pages.set_session_file(document_file)
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """Run all pages, or those from this one on; follow; export."""

@@ -23,13 +23,12 @@ from app.views.canvas.layers.particles import BEGIN, UNKNOWN
 from app.views.canvas.layers.skeleton import banded
 from app.views.theme import color_maps, theme
 from app.views.theme.look import Ink, look
-from cpm_core.contours.ground_truth import Truth
+from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.contours.surface import Surface
-from cpm_core.contours.surface.ground_truth import VolumeTruth
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.objects.faces.space import VolumeSelection
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects
+from cpm_core.objects.volume_partition import VolumeSelection
 from cpm_core.shapes import Charge, Interest, Limit, Shape
 
 

@@ -43,7 +43,7 @@ def encode(result: Result | Skeleton) -> bytes:
     the branch mask, no contrast, and a column ``radius``: the distance to the boundary [px]. Provenance is in the first
     row only, because a table may have a hundred thousand.
     """
-    return _table(_vertices(result), ("contour", "closed", "label", "strength", "vertex", "row", "col"))
+    return table(_vertices(result), ("contour", "closed", "label", "strength", "vertex", "row", "col"))
 
 
 def _vertices(result: Result | Skeleton) -> list[Row]:
@@ -71,7 +71,7 @@ def _vertices(result: Result | Skeleton) -> list[Row]:
             if radii is not None:
                 rows[-1]["radius"] = f"{radii[index][vertex]:.4f}"
     if rows:
-        rows[0] |= _provenance(result)
+        rows[0] |= provenance_cells(result)
     return rows
 
 
@@ -89,14 +89,14 @@ def encode_measures(result: Result | Skeleton) -> bytes:
     ``thickness_median_px`` and ``thickness_max_px``.
     Where it is known of any contour, ``reached``: how particles came to it (`Contour.reached`).
     """
-    return _table(_measures(result), ("contour", "label", "closed", "length_px"))
+    return table(_measures(result), ("contour", "label", "closed", "length_px"))
 
 
 def _measures(result: Result | Skeleton) -> list[Row]:
     edited = any(contour.by_hand for contour in result.contours)
     objects = any(contour.group for contour in result.contours)
     reached = any(contour.reached for contour in result.contours)
-    origin = _provenance(result)
+    origin = provenance_cells(result)
     rows: list[Row] = []
     for index, (contour, one) in enumerate(zip(result.contours, measure(result.contours, result.spacing), strict=True)):
         row: Row = {"contour": one.number, "label": one.label, "name": cell(one.name), "color": one.color}
@@ -128,7 +128,7 @@ def encode_pages(found: StackResult) -> bytes:
     Columns: ``page`` (from 1), ``track`` (the number that an object keeps from page to page), and those of `encode` for
     each page, without ``contour``; ``label`` is that in the label stack, the track, or 0 when open.
     """
-    return _table(_on_pages(found, _vertices), ("page", "track"))
+    return table(_on_pages(found, _vertices), ("page", "track"))
 
 
 def encode_measures_of_pages(found: StackResult) -> bytes:
@@ -146,7 +146,7 @@ def encode_measures_of_pages(found: StackResult) -> bytes:
             rows.append({"centroid_row": f"{center[0]:.4f}", "centroid_col": f"{center[1]:.4f}"} | row)
         return rows
 
-    return _table(_on_pages(found, with_centroids), ("page", "track"))
+    return table(_on_pages(found, with_centroids), ("page", "track"))
 
 
 def _on_pages(found: StackResult, tabulated: Callable[[Result | Skeleton], list[Row]]) -> list[Row]:
@@ -158,7 +158,8 @@ def _on_pages(found: StackResult, tabulated: Callable[[Result | Skeleton], list[
     return rows
 
 
-def _provenance(result: Result | Skeleton) -> Row:
+def provenance_cells(result: Result | Skeleton) -> Row:
+    """Names and cells of the last columns."""
     return {name: cell(value) for name, value in entries_of(facts_of(result)).items()}
 
 
@@ -167,13 +168,13 @@ def _in_unit(column: str, result: Result | Skeleton) -> str:
     return column.format({"µm": "um"}.get(result.unit or "", result.unit))
 
 
-def _table(rows: Sequence[Row], empty: Sequence[str]) -> bytes:
+def table(rows: Sequence[Row], empty: Sequence[str] = ()) -> bytes:
     """A UTF-8 CSV file with a header, which is `empty` without rows, commas, and points as decimal marks."""
     columns = {name: None for row in rows for name in row}
     stream = io.StringIO(newline="")
-    table = csv.DictWriter(stream, list(columns or empty), restval="", lineterminator="\n")
-    table.writeheader()
-    table.writerows(rows)
+    writer = csv.DictWriter(stream, list(columns or empty), restval="", lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
     return stream.getvalue().encode()
 
 

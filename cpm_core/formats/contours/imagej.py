@@ -63,9 +63,13 @@ def encode_set(result: Result | Skeleton) -> bytes:
     if not result.contours:
         raise ValueError(f"{result.source} has no contours, and ImageJ opens no empty set: let it run on.")
     stream, properties = io.BytesIO(), properties_of(result)
+    names = {""}  # in lower case, because some file systems ignore case
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
-        each = zip(numbers_of(result.contours), result.contours, _names(result), strict=True)
-        for number, contour, name in each:
+        for number, contour in zip(numbers_of(result.contours), result.contours, strict=True):
+            name = plain = re.sub(r"[^\w .()+-]", "_", title(contour, number))[:_LONGEST]
+            while name.lower() in names:
+                name = f"{plain}-{number}" if name == plain else f"{name}-"
+            names.add(name.lower())
             add(archive, name, selection(contour, number, properties))
     return stream.getvalue()
 
@@ -93,6 +97,8 @@ def selection(contour: Contour, number: int, properties: str, **place: int) -> b
     left, top = np.clip(np.floor(xy.min(axis=0)), -_LARGEST, _LARGEST).astype(int).tolist()
     right, bottom = np.clip(np.ceil(xy.max(axis=0)), -_LARGEST, _LARGEST).astype(int).tolist()
     name = title(contour, number)
+    # roifile counts characters, the file UTF-16 units: a zero makes up for each character of two units
+    name += "\0" * sum(ord(letter) > 0xFFFF for letter in name)
     roi = ImagejRoi(
         version=228,
         roitype=ROI_TYPE.POLYGON if areal else ROI_TYPE.POLYLINE if len(points) > 1 else ROI_TYPE.POINT,
@@ -109,28 +115,12 @@ def selection(contour: Contour, number: int, properties: str, **place: int) -> b
         name=name,
         **place,  # type: ignore[arg-type]
     )
-    wide = sum(ord(letter) > 0xFFFF for letter in name)
-    if wide and ImagejRoi.frombytes(roi.tobytes()).name != name:
-        # early releases of roifile count characters, the file UTF-16 units: a zero makes up for each one of two units
-        roi.name = name + "\0" * wide
     return roi.tobytes()
 
 
 def properties_of(result: Result | Skeleton) -> str:
     """How contours were found, as properties of a selection: a key and a value in each line, in ASCII."""
     return "".join(f"cpm_{name}: {told}\n" for name, told in ascii_entries_of(facts_of(result)).items())
-
-
-def _names(result: Result | Skeleton) -> list[str]:
-    """Name of each contour in characters that file names may have, none twice."""
-    found: dict[str, str] = {}  # keys in lower case, because some file systems ignore case
-    for number, contour in zip(numbers_of(result.contours), result.contours, strict=True):
-        plain = re.sub(r"[^\w .()+-]", "_", title(contour, number))[:_LONGEST]
-        name = plain if plain.lower() not in found else f"{plain}-{number}"
-        while name.lower() in found:
-            name += "-"
-        found[name.lower()] = name
-    return list(found.values())
 
 
 def read(content: bytes) -> Contents:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import io
 import os
 from pathlib import Path
 
@@ -12,8 +11,7 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.content import content_of
-from cpm_core.formats.common.printable import cell
-from cpm_core.formats.common.provenance import entries_of, facts_of
+from cpm_core.formats.contours.contour_csv import Row, provenance_cells, table
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.parameters.quotation import shown
 
@@ -27,13 +25,11 @@ def encode(result: Result | Skeleton) -> bytes:
     """
     if not isinstance(result, Result) or result.particles.shape[1] != 3 or not len(result.particles):
         raise ValueError("There are no particles in a volume to write: run in a volume first.")
-    origin = {name: cell(text) for name, text in entries_of(facts_of(result)).items()}
-    stream = io.StringIO(newline="")
-    table = csv.writer(stream, lineterminator="\n")
-    table.writerow([*_NAMES, *origin])
-    for number, place in enumerate(result.particles.tolist()):
-        table.writerow([*(f"{at:.7g}" for at in place), *("" if number else text for text in origin.values())])
-    return stream.getvalue().encode()
+    rows: list[Row] = [
+        {name: f"{at:.7g}" for name, at in zip(_NAMES, place, strict=True)} for place in result.particles.tolist()
+    ]
+    rows[0] |= provenance_cells(result)
+    return table(rows)
 
 
 def load_points(path: str | os.PathLike[str], axes: int = 2) -> NDArray[np.float64]:

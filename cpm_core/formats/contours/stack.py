@@ -16,9 +16,10 @@ import tifffile
 from cpm_core.contours.rasterize import Labels, label_type, paint
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.atomic import check_place, draft_of, write_together
-from cpm_core.formats.common.provenance import ENTRY, PROGRAM, entries_of, facts_of
+from cpm_core.formats.common.provenance import ENTRY, PROGRAM, facts_of
 from cpm_core.formats.contours import contour_csv, contour_json, geojson, imagej
 from cpm_core.formats.contours.json_text import text
+from cpm_core.formats.masks.labels import entries_for_imagej
 from cpm_core.pages.page import StackResult
 
 _LARGEST_IMAGEJ = 2**32 - 2**25
@@ -89,9 +90,7 @@ def write_labels(found: StackResult, target: Path) -> None:
     size = found.count * int(np.prod(shape)) * kind.itemsize
     entries: dict[str, Any] = {"metadata": {"axes": f"{found.axis.upper()}YX"}}
     if kind == np.uint16 and size < _LARGEST_IMAGEJ:
-        unit = {"µm": "um"}.get(first.unit or "pixel", first.unit or "pixel")
-        info = "".join(f"{name}: {value}\n" for name, value in entries_of(facts_of(first)).items())
-        entries = {"imagej": True, "metadata": {"axes": f"{found.axis.upper()}YX", "unit": unit, "Info": info}}
+        entries = {"imagej": True, "metadata": entries_for_imagej(first, f"{found.axis.upper()}YX")}
     if first.unit:
         entries["resolution"] = (1.0 / first.spacing[1], 1.0 / first.spacing[0])
 

@@ -98,15 +98,10 @@ def encode_png(result: Result | Skeleton, *, outlines: bool = False) -> bytes:
     """
     count = _count(result, outlines)
     if count > MOST_LABELS:
-        what, cure = (
-            (f"The skeleton of {result.source} has {count} branches, but a PNG mask", "raise pruning")
-            if isinstance(result, Skeleton)
-            else (
-                f"{result.source} has {count} closed contours, but a PNG label mask",
-                "raise min_length or min_strength",
-            )
+        raise ValueError(
+            f"{result.source} has {count} labels, but a PNG mask can hold at most {MOST_LABELS}: export to TIFF, or "
+            "raise min_length, min_strength or pruning."
         )
-        raise ValueError(f"{what} can hold at most {MOST_LABELS}: {cure}, or export to TIFF.")
     stream = io.BytesIO()
     pixels = labels_of(result, outlines=outlines).astype(np.uint8 if count <= 255 else np.uint16)
     picture = PIL.Image.fromarray(pixels)
@@ -133,9 +128,7 @@ def encode_tiff(result: Result | Skeleton, *, outlines: bool = False) -> bytes:
     if result.unit:
         entries["resolution"] = (1.0 / width, 1.0 / height)
     if mask.dtype == np.uint16:
-        unit = {"µm": "um"}.get(result.unit or "pixel", result.unit or "pixel")
-        info = "".join(f"{name}: {told}\n" for name, told in entries_of(facts).items())
-        entries |= {"imagej": True, "metadata": {"axes": "ZYX"[-mask.ndim :], "unit": unit, "Info": info}}
+        entries |= {"imagej": True, "metadata": entries_for_imagej(result, "ZYX"[-mask.ndim :])}
         if mask.ndim == 3:
             entries["metadata"]["spacing"] = result.spacing[0]
     else:
@@ -147,6 +140,13 @@ def encode_tiff(result: Result | Skeleton, *, outlines: bool = False) -> bytes:
     stream = io.BytesIO()
     tifffile.imwrite(stream, mask, photometric="minisblack", software=PROGRAM, **entries)
     return stream.getvalue()
+
+
+def entries_for_imagej(result: Result | Skeleton, axes: str) -> dict[str, Any]:
+    """What ImageJ reads of a TIFF: its axes, the unit of its resolution, and how the labels were found."""
+    unit = {"µm": "um"}.get(result.unit or "pixel", result.unit or "pixel")
+    info = "".join(f"{name}: {value}\n" for name, value in entries_of(facts_of(result)).items())
+    return {"axes": axes, "unit": unit, "Info": info}
 
 
 def palette(count: int) -> NDArray[np.uint8]:

@@ -7,7 +7,7 @@ from typing import Any
 
 from numpy.typing import DTypeLike, NDArray
 
-from cpm_core.contours.surface.packing import packed, unpacked
+from cpm_core.contours.packed_surface import packed, unpacked
 from cpm_core.formats.sessions.plain_values import mapping
 from cpm_core.parameters.quotation import shown
 

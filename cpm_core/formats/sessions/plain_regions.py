@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core.contours.surface.packing import MOST_VOXELS, packed, unpacked
+from cpm_core.contours.packed_surface import MOST_VOXELS, packed, unpacked
 from cpm_core.formats.sessions.plain_values import from_plain, mapping, to_plain
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions, Extrusion, Pair, Place, VolumeRegions, Voxels

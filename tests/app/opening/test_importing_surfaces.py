@@ -12,8 +12,7 @@ from PySide6.QtWidgets import QApplication, QFileDialog
 
 from app.views.main_window import MainWindow
 from cpm_core import Result, centerlines, export
-from cpm_core.contours.surface.inside import inside_of
-from cpm_core.contours.surface.of_labels import surface_of_labels
+from cpm_core.contours.surface import inside_of, surface_of_labels
 from cpm_core.shapes import Points, Stroke
 from tests.app.conftest import Hand
 from tests.app.session.test_saving import answering, drop

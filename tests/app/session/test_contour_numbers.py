@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 
 from app.session.exchange.contour_tracking import ContourNumbers, ContourTracker
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.kept import outline_of
-from cpm_core.contours.review import Mark, anchor
+from cpm_core.contours.review import Mark, anchor, outline_of
 from tests.core.contours.test_review import line, result_of, ring
 
 pytestmark = pytest.mark.shared_window

@@ -11,9 +11,7 @@ from PySide6.QtCore import Qt
 
 from app.model.document import edits
 from app.model.document.contours import add_hand_edits
-from app.session.exchange.messages import Saved
 from app.session.storage.session_file import DocumentFile
-from app.session.tasks.opening import Wanted
 from app.views.features.files import OpenSaveFeature
 from app.views.features.run import TimelineFeature
 from cpm_core.contours.hand_edits import HandEdit
@@ -207,13 +205,6 @@ def test_a_damaged_piece_is_one_sentence_and_the_rest_is_opened(steered, hand, t
         assert steered.session.document.shapes == (Circle((30.0, 28.0), 6.0),)
 
 
-def test_runs_on_an_image_that_has_changed_are_not_shown(steered, hand, image_file, tmp_path) -> None:
-    saved(steered, hand, tmp_path / "a.cpm")
-    np.save(image_file, np.load(image_file) + 1.0)
-    reopened(steered, hand, tmp_path / "a.cpm")
-    assert steered.session.scene.snapshot is None
-
-
 def test_the_truth_comes_back(ready, hand, tmp_path) -> None:
     truth = ready.workspace.truth
     np.save(tmp_path / "mask.npy", (np.load(tmp_path / "disc.npy") > 100).astype(np.uint8))
@@ -241,13 +232,3 @@ def test_a_run_that_running_again_gives_is_no_work_and_a_steered_one_is(ready, h
     assert file_of(ready).lost == ("the runs",)
     saved(ready, hand, tmp_path / "a.cpm")
     assert file_of(ready).lost == ()
-
-
-def test_runs_restored_after_a_crash_count_as_unsaved(steered, hand, tmp_path) -> None:
-    path = saved(steered, hand, tmp_path / "a.cpm")
-    file = load_session(path)
-    steered.session.begin(Wanted(path, file.parameters, saved=Saved(path, file, recovered=True)))
-    hand.wait(lambda: steered.session.document.image is not None and file_of(steered).unsaved and steered.session.idle)
-    hand.wait(lambda: "the runs" in file_of(steered).lost)
-    file_of(steered).save(path)
-    hand.wait(lambda: not file_of(steered).unsaved)

@@ -320,6 +320,6 @@ def test_whatever_is_done_in_whatever_order_everything_stays_consistent() -> Non
     run_state_machine_as_test(
         SessionMachine,
         settings=settings(
-            max_examples=15, stateful_step_count=20, deadline=None, suppress_health_check=list(HealthCheck)
+            max_examples=8, stateful_step_count=20, deadline=None, suppress_health_check=list(HealthCheck)
         ),
     )

@@ -174,7 +174,7 @@ class TimelineMachine(RuleBasedStateMachine):
 
 
 TestTimeline = TimelineMachine.TestCase
-TestTimeline.settings = settings(max_examples=60, stateful_step_count=25, deadline=None)
+TestTimeline.settings = settings(max_examples=30, stateful_step_count=25, deadline=None)
 
 
 def recorded(count: int, budget: int = AMPLE) -> tuple[Timeline, list[State]]:

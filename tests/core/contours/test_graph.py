@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core.contours.graph.graph import Graph
+from cpm_core.contours.graph import Graph
 
 
 class Linked:

@@ -8,9 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core.contours.contour import Contour, numbers_of
-from cpm_core.contours.kept import outline_of, with_kept
 from cpm_core.contours.measurements import measure
-from cpm_core.contours.review import Mark, anchor, apply
+from cpm_core.contours.review import Mark, anchor, apply, outline_of, with_kept
 from tests.core.contours.test_review import line, result_of, ring
 
 

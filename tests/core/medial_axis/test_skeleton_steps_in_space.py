@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cpm_core import METHODS, PRESETS, Image, VolumeRegions, VolumeTruth, skeleton
-from cpm_core.contours.surface.packing import PackedSurface
+from cpm_core.contours.packed_surface import PackedSurface
 from cpm_core.formats import encoded
 
 VOLUME = PRESETS["volume"]

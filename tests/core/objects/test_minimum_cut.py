@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import maximum_flow
 
-from cpm_core.objects.minimum_cut import FreePart, arcs, minimum_cut
+from cpm_core.objects.faces.minimum_cut import FreePart, arcs, minimum_cut
 
 
 @st.composite

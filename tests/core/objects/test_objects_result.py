@@ -12,7 +12,7 @@ import tifffile
 from cpm_core import Contour, Image, encoded, measure, objects_result
 from cpm_core.contours.rasterize import inside, paint
 from cpm_core.objects.faces.faces import ground
-from cpm_core.objects.outline.outline import outlines
+from cpm_core.objects.outline import outlines
 from cpm_core.objects.selection import Selection
 
 ROW, COL = np.indices((40, 60))

@@ -11,7 +11,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.rasterize import inside
 from cpm_core.numerics.segments import first_crossing, segments_of
 from cpm_core.objects.faces.faces import ground
-from cpm_core.objects.outline.outline import outlines
+from cpm_core.objects.outline import outlines
 
 from ..scenes import disk, square
 

@@ -7,9 +7,8 @@ import pytest
 from skimage.measure import marching_cubes
 
 import cpm_core as cpm
-from cpm_core.contours.surface import Surface
-from cpm_core.contours.surface.inside import numbered
-from cpm_core.contours.surface.packing import PackedSurface, packed
+from cpm_core.contours.packed_surface import PackedSurface, packed
+from cpm_core.contours.surface import Surface, numbered
 
 SHAPE, SPACING = (44, 30, 30), (1.0, 1.0, 1.5)
 SHELL, LONE = np.array([13.0, 14.0, 20.0]), np.array([34.0, 14.0, 20.0])

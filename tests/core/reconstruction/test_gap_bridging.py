@@ -8,7 +8,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Engine, Parameters, Regions, circle
-from cpm_core.contours.graph.graph import Graph
+from cpm_core.contours.graph import Graph
 from cpm_core.field.scale_field import build_scale_field
 from cpm_core.reconstruction.curve.gap_bridging import bridge_gaps
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Engine, Parameters, uniform_grid
-from cpm_core.contours.graph.graph import Graph
+from cpm_core.contours.graph import Graph
 from cpm_core.reconstruction.curve.hysteresis import drop_unconnected, drop_under, ratings
 
 

@@ -10,7 +10,7 @@ from scipy import special
 from scipy.spatial import Delaunay, Voronoi
 
 from cpm_core import reconstruct_curve
-from cpm_core.contours.graph.graph import Graph
+from cpm_core.contours.graph import Graph
 from cpm_core.field.scale_field import build_scale_field
 from cpm_core.reconstruction.curve.crust import crust
 from cpm_core.reconstruction.curve.end_linking import close_gaps

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy import ndimage
 
 from cpm_core import Engine, Parameters, circle, segment, uniform_grid
-from cpm_core.contours.graph.graph import Graph
+from cpm_core.contours.graph import Graph
 from cpm_core.field.interpolation import interpolate
 from cpm_core.field.scale_field import SPLINE_MARGIN, build_scale_field
 from cpm_core.reconstruction.curve import ridge_tracing

@@ -203,10 +203,10 @@ class DrawingLayer(Layer):
         """Show other shapes, another selection, or the shapes behind a run."""
         scene = self.scene
         shapes: tuple[Section, ...] = scene.document.shapes
-        selected = scene.selected
-        if shapes is not before.document.shapes or (selected, scene.moved) != (before.selected, before.moved):
+        selected, started = scene.selected, scene.has_particles
+        if shapes is not before.document.shapes or (selected, started) != (before.selected, before.has_particles):
             chosen = shapes[selected] if selected is not None and selected < len(shapes) else None
-            self._show_starts(shapes, chosen, scene.moved)
+            self._show_starts(shapes, chosen, started)
             self._show_limits([shape for shape in shapes if isinstance(shape, Limit)], chosen)
             self._show_charges([shape for shape in shapes if isinstance(shape, _AnyCharge)], chosen)
         elif scene.image_seeds is not before.image_seeds:

@@ -22,7 +22,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.export.formats import formats
-from app.model.state.situation import in_words
+from app.model.state.situation import remaining_text
 from app.model.text.language import tr
 from app.session.features.background import LatestOnlyWorker
 from app.session.features.image_batch import ImageBatch
@@ -116,8 +116,8 @@ class BatchDialog(QDialog):
         self.table.show_images(self._images, batch.rows if applied else {})
         done = len(batch.rows) if applied else 0
         self.progress.setValue(round(_FULL * done / max(1, len(self._images))))
-        left = in_words(batch.task.seconds_left) if batch.task is not None else ""
-        told = batch.in_words if applied and batch.images else ""
+        left = remaining_text(batch.task.seconds_left) if batch.task is not None else ""
+        told = batch.summary_text if applied and batch.images else ""
         self.told.setText(f"{told} {left}".strip() if told else self.trouble or self._ready())
         self.button.setText(tr("&Stop") if running else tr("&Start"))
         self.button.setEnabled(running or not self.trouble)

@@ -23,7 +23,7 @@ from app.views.theme import theme
 from app.views.theme.icons import swatch
 from app.views.widgets.fields.marked_slider import MarkedSlider
 from cpm_core.contours.agreement import TOLERANCE, Comparison, ObjectCounts
-from cpm_core.contours.surface.agreement import SurfaceComparison
+from cpm_core.contours.surface_agreement import SurfaceComparison
 
 _MEASURES: tuple[tuple[str, str, str], ...] = (
     ("dice", tr("Dice"), tr("Overlap of the areas: 1 if they are equal, 0 if they are disjoint.")),

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cpm_core import VolumeTruth
-from cpm_core.contours.surface.of_labels import surface_of_labels
+from cpm_core.contours.surface import surface_of_labels
 
 SPACING = (2.0, 1.0, 1.0)
 

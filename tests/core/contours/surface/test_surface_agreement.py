@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Surface, VolumeTruth, compare_surface
-from cpm_core.contours.surface.distances import Triangles
-from cpm_core.contours.surface.ground_truth import truth_of_volume
+from cpm_core.contours.ground_truth import truth_of_volume
+from cpm_core.contours.surface_agreement import Triangles
 
 SHAPE = (30, 32, 34)
 

@@ -17,8 +17,8 @@ from hypothesis import strategies as st
 
 import cpm_core
 from cpm_core.contours.hand_edits import HandEdit
+from cpm_core.contours.packed_surface import PackedSurface
 from cpm_core.contours.review import Mark, Verdict
-from cpm_core.contours.surface.packing import PackedSurface
 from cpm_core.formats.common.content import fingerprint
 from cpm_core.formats.sessions.plain_values import LARGEST
 from cpm_core.formats.sessions.session_file import (

@@ -3,8 +3,7 @@ import pytest
 from scipy.ndimage import distance_transform_edt, map_coordinates
 
 from cpm_core.reconstruction.surface.components import Leaving
-from cpm_core.reconstruction.surface.iso.necks import Surroundings
-from cpm_core.reconstruction.surface.iso.threads import falls_around
+from cpm_core.reconstruction.surface.joints import Surroundings, falls_around
 from tests.core.reconstruction.surface import solids
 from tests.core.reconstruction.surface.solids import ball, brick, ring, rod, scene, surface_of, union, without
 

@@ -14,8 +14,8 @@ import tifffile
 
 from cpm_core import Parameters, Surface
 from cpm_core.contours.hand_edits import HandEdit
+from cpm_core.contours.packed_surface import PackedSurface
 from cpm_core.contours.review import Mark, Outline
-from cpm_core.contours.surface.packing import PackedSurface
 from cpm_core.formats.contours.contour_json import page_to_plain
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.sessions.beside_document import TruthFile

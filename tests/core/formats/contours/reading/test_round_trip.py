@@ -92,13 +92,6 @@ def test_outlines_of_a_label_mask_paint_the_same_mask(tmp_path, suffix):
     np.testing.assert_array_equal(again, painted)
 
 
-def test_a_selection_alone_is_read(tmp_path):
-    export(replace(RESULT, contours=RESULT.contours[:1]), tmp_path / "a.roi")
-    (found,) = load_contours(tmp_path / "a.roi")
-    assert off(found, RESULT.contours[0]) < NEAR
-    assert (found.name, found.color) == ("cell", "#e69f00")
-
-
 def test_single_points_are_kept_beside_the_contours(tmp_path):
     for suffix in WHOLE:
         export(RESULT, tmp_path / f"a{suffix}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -10,8 +11,10 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from cpm_core.image import drawing
+from cpm_core.numerics.grids import parts_of, zero_surface
+from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.real_numbers import checked_number, real_numbers, voxel_sides
-from cpm_core.numerics.types import Array, Index
+from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.parameters.quotation import counted, described
 
 _WHOLE = "a whole number of at least 4"
@@ -246,3 +249,90 @@ def _rows_of_three(name: str, values: ArrayLike) -> Array:
     if rows.ndim != 2 or rows.shape[1] != 3:
         raise ValueError(f"{name} have the shape {rows.shape} but must be (N, 3).")
     return rows
+
+
+_BESIDE = (1.3e-6, 2.9e-6)
+"""How far beside the voxel centers lines run, so that they pass through no vertex of a surface on the grid [voxels]."""
+
+
+def inside_of(surface: Surface, shape: tuple[int, ...]) -> Mask:
+    """Voxels of a volume of that shape whose center lies inside a closed surface; hollows are outside."""
+    found = np.zeros(shape, np.bool_)
+    _fill(surface.vertices, surface.faces, np.array(_BESIDE), found)
+    return found
+
+
+def numbered(surface: Surface, shape: tuple[int, ...]) -> Index:
+    """Number of the object that each voxel of a volume lies in: its own, or the largest first from 1 up; 0 outside."""
+    if surface.numbers is not None:
+        return _by_their_numbers(surface, surface.numbers, shape)
+    inside = inside_of(surface, shape)
+    parts = parts_of(inside, corners=True)
+    order = np.argsort(-parts.sizes, kind="stable")
+    rank = np.empty_like(order)
+    rank[order] = np.arange(1, len(order) + 1)
+    found = np.zeros(shape, np.int64)
+    places = np.argwhere(inside)
+    found[tuple(places.T)] = rank[parts.part_at(places)]
+    return found
+
+
+def _by_their_numbers(surface: Surface, numbers: Index, shape: tuple[int, ...]) -> Index:
+    """The number of each object in its voxels; where objects share voxels, that of the last one."""
+    found = np.zeros(shape, np.int64)
+    for number in np.unique(numbers):
+        found[inside_of(replace(surface, faces=surface.faces[numbers == number], numbers=None), shape)] = number
+    return found
+
+
+@compiled
+def _fill(vertices: Array, faces: Index, beside: Array, found: Mask) -> None:
+    """Turn all voxels beyond each crossing of a line with the surface over, so that an even number changes nothing."""
+    planes, rows, cols = found.shape
+    for k in range(len(faces)):
+        a, b, c = vertices[faces[k, 0]], vertices[faces[k, 1]], vertices[faces[k, 2]]
+        twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+        if twice == 0.0:
+            continue
+        first = max(int(np.ceil(min(a[0], b[0], c[0]) - beside[0])), 0)
+        last = min(int(np.floor(max(a[0], b[0], c[0]) - beside[0])), planes - 1)
+        top = max(int(np.ceil(min(a[1], b[1], c[1]) - beside[1])), 0)
+        bottom = min(int(np.floor(max(a[1], b[1], c[1]) - beside[1])), rows - 1)
+        for p in range(first, last + 1):
+            for r in range(top, bottom + 1):
+                x, y = p + beside[0], r + beside[1]
+                u = ((b[0] - x) * (c[1] - y) - (b[1] - y) * (c[0] - x)) / twice
+                v = ((c[0] - x) * (a[1] - y) - (c[1] - y) * (a[0] - x)) / twice
+                if u >= 0.0 and v >= 0.0 and u + v <= 1.0:
+                    crossing = u * a[2] + v * b[2] + (1.0 - u - v) * c[2]
+                    for col in range(max(int(np.ceil(crossing)), 0), cols):
+                        found[p, r, col] = not found[p, r, col]
+
+
+_ROOM = 1
+"""Voxels around an object in which its surface lies."""
+
+
+def surface_of_labels(
+    labels: NDArray[np.int32], spacing: tuple[float, ...], unit: str | None, *, open_border: bool = False
+) -> Surface:
+    """The surfaces halfway between the voxels of labels and their neighbors.
+
+    At the border of the volume they are closed, or with `open_border` open, as the objects may go on beyond it. With
+    a single label the connected parts are the objects, and none has a number.
+    """
+    places, corners, numbers, count = [np.empty((0, 3))], [np.empty((0, 3), np.int64)], [np.empty(0, np.int64)], 0
+    parts: Sequence[tuple[slice, ...] | None] = scipy.ndimage.find_objects(labels)
+    for number, part in enumerate(parts, start=1):
+        if part is None:
+            continue
+        room = tuple(slice(max(side.start - _ROOM, 0), side.stop + _ROOM) for side in part) if open_border else part
+        inside = labels[room] == number if open_border else np.pad(labels[room] == number, _ROOM)
+        begin = [side.start - (0 if open_border else _ROOM) for side in room]
+        vertices, faces = zero_surface(inside.astype(np.float32) - np.float32(0.5))
+        places.append(vertices + begin)
+        corners.append(faces + count)
+        numbers.append(np.full(len(faces), number))
+        count += len(vertices)
+    of = np.concatenate(numbers) if sum(part is not None for part in parts) > 1 else None
+    return Surface(np.concatenate(places), np.concatenate(corners), spacing, unit, numbers=of)

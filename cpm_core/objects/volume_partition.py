@@ -14,9 +14,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cpm_core.contours.surface import Surface
-from cpm_core.contours.surface.inside import inside_of
-from cpm_core.contours.surface.packing import PackedSurface
+from cpm_core.contours.packed_surface import PackedSurface
+from cpm_core.contours.surface import Surface, inside_of
 from cpm_core.image.image import Image
 from cpm_core.numerics.grids import Parts, parts_of
 from cpm_core.numerics.real_numbers import real_numbers

@@ -13,7 +13,7 @@ import scipy
 
 from cpm_core.field.interpolation import interpolate
 from cpm_core.numerics.types import Array, Single
-from cpm_core.reconstruction.surface.iso.local_threshold import Levels
+from cpm_core.reconstruction.surface.local_threshold import Levels
 
 _WIDENED = 0.3
 """Variance that the area of the voxels, interpolation and differences add to that of the Gaussian [voxels²]."""

@@ -13,13 +13,10 @@ from cpm_core.contours.surface import Surface
 from cpm_core.field.volume_field import pitch_of
 from cpm_core.numerics.grids import join_corners, zero_surface
 from cpm_core.numerics.types import Array, Mask, Single
-from cpm_core.reconstruction.surface.components import Leaving, support, typical_distance, well_supported
-from cpm_core.reconstruction.surface.iso.joints import RAISED, join
-from cpm_core.reconstruction.surface.iso.local_threshold import Box, Levels, height
-from cpm_core.reconstruction.surface.iso.necks import Surroundings
-from cpm_core.reconstruction.surface.iso.sharpened import levels_at, on_ridge, step_width
-from cpm_core.reconstruction.surface.iso.sides import fill_regions
-from cpm_core.reconstruction.surface.iso.threads import spin
+from cpm_core.reconstruction.surface.components import Leaving, fill_regions, support, typical_distance, well_supported
+from cpm_core.reconstruction.surface.joints import RAISED, Surroundings, join, spin
+from cpm_core.reconstruction.surface.local_threshold import Box, Levels, height
+from cpm_core.reconstruction.surface.sharpened import levels_at, on_ridge, step_width
 
 _WIDTH, _LEAST_WIDTH = 0.75, 1.5
 """Width of the Gaussian that spreads the thresholds: in distances between particles, and at least [smallest sides]."""

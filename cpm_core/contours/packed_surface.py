@@ -14,8 +14,7 @@ import numpy as np
 import scipy
 from numpy.typing import DTypeLike, NDArray
 
-from cpm_core.contours.surface import Surface
-from cpm_core.contours.surface.inside import inside_of
+from cpm_core.contours.surface import Surface, inside_of
 from cpm_core.image.volume_regions import Voxels
 from cpm_core.numerics.types import Place
 
