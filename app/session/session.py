@@ -13,7 +13,7 @@ from app.model.document.document import Document, ImageReference, Mode
 from app.model.document.modes import MODES, fresh_parameters, needs_start, starting
 from app.model.document.samples import sample_at
 from app.model.document.saving import restored
-from app.model.export.order import ExportOrder
+from app.model.export import ExportOrder
 from app.model.state.resolve import FIRST_PACE, PACES, Resolved, resolve
 from app.model.state.situation import RunStatus, Situation, can_step
 from app.model.text.keys import with_keys

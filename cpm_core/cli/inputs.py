@@ -25,8 +25,7 @@ from cpm_core.formats import (
 from cpm_core.formats.contour_file import plane_of, read_contours
 from cpm_core.formats.ground_truth_file import load_truth, load_volume_truth
 from cpm_core.formats.images.dicom import is_series
-from cpm_core.formats.sessions.chosen_part import part_for
-from cpm_core.formats.sessions.session_file import SessionFile, find_image, load_session
+from cpm_core.formats.sessions.session_file import SessionFile, find_image, load_session, part_for
 from cpm_core.image.colors import LUMINANCE_NOTE
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import most_scales

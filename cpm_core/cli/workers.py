@@ -23,8 +23,7 @@ from cpm_core.formats.common.atomic import interrupts_handled
 from cpm_core.formats.common.content import fingerprint_if_read
 from cpm_core.formats.common.provenance import with_shapes
 from cpm_core.formats.images.reading import DEFAULT
-from cpm_core.formats.sessions.chosen_part import part_for
-from cpm_core.formats.sessions.session_file import SessionFile
+from cpm_core.formats.sessions.session_file import SessionFile, part_for
 from cpm_core.numerics.parallel import at_most, cores
 from cpm_core.objects.warm_up import is_compiled, warm_up
 from cpm_core.parameters import Parameters

@@ -11,8 +11,7 @@ from xml.etree import ElementTree
 import pytest
 
 from cpm_core.formats.common.provenance import VERSION
-from cpm_core.formats.sessions.session_file import SUFFIX
-from cpm_core.formats.sessions.session_json import MARK
+from cpm_core.formats.sessions.session_file import MARK, SUFFIX
 from tests.packages.places import ROOT
 
 LINUX = ROOT / "release" / "linux"

@@ -21,7 +21,7 @@ from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.contours.surface import Surface
 from cpm_core.contours.surface_agreement import SurfaceComparison, compare_surface
 from cpm_core.formats.ground_truth_file import load_truth, load_volume_truth
-from cpm_core.formats.sessions.beside_document import TruthFile
+from cpm_core.formats.sessions.session_file import TruthFile
 from cpm_core.image.image import Image
 
 _TOPIC = "truth"

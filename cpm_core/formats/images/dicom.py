@@ -117,9 +117,10 @@ def stack(path: Path, reading: Reading) -> Stack:
     largest = int(np.argmax([len(one.frames) * len(one.frames[0]) for one in series]))
     number = series_of(reading.series, titles, largest, name)
     notes = []
-    if len(series) > 1 and reading.series is None:
+    whole = sum(not one.partial for one in series)
+    if whole > 1 and reading.series is None:
         which = f"{number + 1} ({shown(titles[number])})"
-        notes.append(f"Of its {len(series)} series that with the most images was taken, {which}.")
+        notes.append(f"Of its {whole} series that with the most images was taken, {which}.")
     if damaged:
         notes.append(f"{damaged} of its files {'is' if damaged == 1 else 'are'} damaged and left out.")
     return replace(_stack(name, series[number], tuple(notes), pydicom), series=titles, number=number)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from cpm_core.image.geometry import Geometry, Triple
+from cpm_core.image.image import MINIMUM_SIDE
 from cpm_core.numerics.types import Array
 
 _ORDER = ("TemporalPositionIdentifier", "AcquisitionNumber", "EchoNumbers", "TriggerTime", "InstanceNumber")
@@ -224,6 +225,8 @@ class Series:
         Where each plane lies.
     notes, of_volume : tuple of str
         What is to be reported of it, and of a volume made of it.
+    partial : bool
+        Whether it is a part of another one.
     """
 
     title: str
@@ -234,6 +237,7 @@ class Series:
     places: tuple[Geometry, ...] = ()
     notes: tuple[str, ...] = ()
     of_volume: tuple[str, ...] = ()
+    partial: bool = False
 
 
 def all_series(frames: Sequence[Frame]) -> tuple[Series, ...]:
@@ -244,17 +248,17 @@ def all_series(frames: Sequence[Frame]) -> tuple[Series, ...]:
         spacing = None if frame.spacing is None else tuple(round(side, _ALIKE) for side in frame.spacing)
         kind = (frame.series, frame.shape, along, spacing, frame.origin is None)
         groups.setdefault(kind, []).append(frame)
-    found = map(_ordered, groups.values())
+    found = [series for group in groups.values() for series in _ordered(group)]
     return tuple(sorted(found, key=lambda series: (series.title, -len(series.frames[0]))))
 
 
-def _ordered(group: list[Frame]) -> Series:
-    """A series of frames in the order of their places, of each place in the order of their numbers."""
+def _ordered(group: list[Frame]) -> list[Series]:
+    """A series in the order of its places, and what else of it makes a volume next to its longest even part."""
     first = group[0]
     group = sorted(group, key=lambda frame: frame.number)
     notes: tuple[str, ...] = ("The size of a pixel is that on the detector.",) if first.detector else ()
     if first.origin is None or first.along is None:
-        return _without_places(group, notes)
+        return [_without_places(group, notes)]
     normal = np.cross(*first.along)
     places: list[list[Frame]] = []
     heights: list[float] = []
@@ -271,7 +275,15 @@ def _ordered(group: list[Frame]) -> Series:
         notes += ("At some places it has more slices than at others; the first of them were taken.",)
     ordered = [sorted(place, key=lambda frame: frame.number) for place in places]
     by_time = tuple(tuple(place[time] for place in ordered) for time in range(times))
-    return _placed(by_time, np.array(heights), normal, first.along, notes)
+    at = np.array(heights)
+    found = [_placed(first.title, by_time, at, normal, notes)]
+    parts = _even_parts(at)
+    for begin, end in parts:
+        if (begin, end) != _longest(parts) and end - begin >= MINIMUM_SIDE:
+            title = f"{first.title}, slices {begin + 1} to {end}".lstrip(", ")
+            part = _placed(title, tuple(time[begin:end] for time in by_time), at[begin:end], normal, notes)
+            found.append(replace(part, partial=True))
+    return found
 
 
 def _without_places(frames: list[Frame], notes: tuple[str, ...]) -> Series:
@@ -285,14 +297,11 @@ def _without_places(frames: list[Frame], notes: tuple[str, ...]) -> Series:
 
 
 def _placed(
-    frames: tuple[tuple[Frame, ...], ...],
-    heights: Array,
-    normal: Array,
-    along: tuple[Triple, Triple],
-    notes: tuple[str, ...],
+    title: str, frames: tuple[tuple[Frame, ...], ...], heights: Array, normal: Array, notes: tuple[str, ...]
 ) -> Series:
     """A series by the positions of its slices along their normal."""
-    planes = frames[0]
+    planes, along = frames[0], frames[0][0].along
+    assert along is not None
     begin, end, note = _stretch(heights)
     origins = np.array([frame.origin for frame in planes])
     if end - begin > 1:
@@ -306,27 +315,44 @@ def _placed(
         _vector(origins[begin] - begin * step), (_vector(step / depth), along[1], along[0]), "LPS", depth
     )
     stretch = None if end - begin == len(planes) else (begin, end)
-    return Series(planes[0].title, frames, depth, stretch, geometry, places, notes, note)
+    return Series(title, frames, depth, stretch, geometry, places, notes, note)
 
 
-def _stretch(heights: Array) -> tuple[int, int, tuple[str, ...]]:
-    """First slice of the longest part that is evenly spaced, the one after its last, and what is wrong beside it."""
+def _even_parts(heights: Array) -> list[tuple[int, int]]:
+    """First slice of each part that is evenly spaced, and the one after its last; neighbors may share a slice."""
     gaps = np.diff(heights)
-    parts, begin = [], 0
+    found, begin = [], 0
     for index in range(len(gaps)):
         part = gaps[begin : index + 1]
         if np.ptp(part) > _UNEVEN * np.median(part):
-            parts.append((begin, index + 1))
+            found.append((begin, index + 1))
             begin = index
-    begin, end = max([*parts, (begin, len(heights))], key=lambda part: part[1] - part[0])
+    return [*found, (begin, len(heights))]
+
+
+def _longest(parts: list[tuple[int, int]]) -> tuple[int, int]:
+    return max(parts, key=lambda part: part[1] - part[0])
+
+
+def _stretch(heights: Array) -> tuple[int, int, tuple[str, ...]]:
+    """First slice of the longest part that is evenly spaced, the one after its last, and what is wrong next to it."""
+    begin, end = _longest(_even_parts(heights))
     if end - begin == len(heights):
         return 0, len(heights), ()
+    gaps = np.diff(heights)
     usual = float(np.median(gaps[begin : end - 1]))
+    odd = begin - 1 if begin > 0 else end - 1
+    ratio = float(gaps[odd]) / usual
+    missing = round(ratio) - 1
+    wrong = f"Its slices are from {gaps.min():.4g} to {gaps.max():.4g} mm apart."
+    if missing >= 1 and math.isclose(ratio, missing + 1, rel_tol=_UNEVEN):
+        lack = "1 slice is missing" if missing == 1 else f"{missing} slices are missing"
+        wrong = f"Between slices {odd + 1} and {odd + 2} lie {gaps[odd]:.4g} mm, elsewhere {usual:.4g} mm: {lack}."
     return (
         begin,
         end,
         (
-            f"Its slices are from {gaps.min():.4g} to {gaps.max():.4g} mm apart: some may be missing.",
+            wrong,
             f"The longest even part has {end - begin} slices, {begin + 1} to {end}, {usual:.4g} mm apart.",
         ),
     )

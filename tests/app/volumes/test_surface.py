@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import tifffile
 from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QFileDialog
 
 from app.views.features.exchange import ExportFeature
 from app.views.features.run import RunControlFeature
@@ -54,18 +55,22 @@ def test_the_panel_tells_what_makes_the_surface_worth_trust(found) -> None:
     assert found.feature(RunControlFeature)
 
 
-def test_surface_labels_and_particles_are_exported(found, hand, tmp_path) -> None:
+def test_an_image_has_no_figures_of_a_surface(window) -> None:
+    assert "Surface" not in numbers(window)
+    assert "Contours" in numbers(window)
+
+
+def test_surface_labels_and_particles_are_exported(found, hand, tmp_path, monkeypatch) -> None:
     action, feature = found.actions_by_name["export"], found.feature(ExportFeature)
     assert action.text().replace("&", "") == "Export surface…"
-    for number, suffix in enumerate(FOR_VOLUMES):
+    for number, suffix in enumerate(sorted(set(map(listed, FOR_VOLUMES)))):
+        path = tmp_path / f"found{number}{suffix}"
+        monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_, path=path: (str(path), ""))
         action.trigger()
         dialog = feature.dialog
-        dialog.file.folder.setText(str(tmp_path))
-        dialog.file.name.clear()
-        hand.qtbot.keyClicks(dialog.file.name, f"found{number}{suffix}")
-        assert "1 part" in dialog.figures.text()
+        dialog.format.setCurrentIndex(dialog.format.findData(suffix))
+        assert "1 part" in dialog.summary.text()
         hand.qtbot.mouseClick(dialog.export_button, Qt.MouseButton.LeftButton)
-        path = tmp_path / f"found{number}{suffix}"
         hand.wait(lambda path=path: path.exists() and found.session.idle)
         assert "triangles" in found.canvas_area.messages.text
         assert path.stat().st_size > 100

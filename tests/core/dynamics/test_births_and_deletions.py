@@ -96,7 +96,7 @@ def test_among_thinned_particles_only_those_that_have_moved_need_a_search(points
         edge_contact(every, even_scale_field(SHAPE, (0.0, 0.0)), search_range(Parameters())), strength=strength
     )
     truth = deletion(every, strength, SHAPE, 2.0)
-    np.testing.assert_array_equal(thinned(contact, has_moved, 2.0), truth)
+    np.testing.assert_array_equal(thinned(every, contact, has_moved, 2.0), truth)
 
 
 def test_edge_contact_follows_the_field_between_the_pixels(edge):
@@ -281,7 +281,7 @@ def test_births_and_deletions_are_the_same_bits_at_every_call_and_on_any_number_
     for cores in (1, 2, 3, 3):
         monkeypatch.setattr(parallel, "cores", lambda cores=cores: cores)
         contact = edge_contact(points, scale_field, search_range(Parameters()))
-        kept = thinned(contact, np.ones(len(points), bool), 2.0)
+        kept = thinned(points, contact, np.ones(len(points), bool), 2.0)
         births = births_of(scale_field, points, present=kept)
         arrays = (contact.strength, contact.on_edge, kept, births.position, births.parent, births.other)
         found.append([array.tobytes() for array in arrays])

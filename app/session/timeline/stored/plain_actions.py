@@ -11,9 +11,18 @@ import numpy as np
 
 from app.session.timeline.moments import Erased, Joined, RunAction, Stepped
 from cpm_core.field.placed_charges import PlacedCharge
-from cpm_core.formats.sessions.plain_arrays import array_from_plain, array_to_plain
-from cpm_core.formats.sessions.plain_regions import NAMES, items, regions_from_plain, regions_to_plain
-from cpm_core.formats.sessions.plain_values import from_plain, mapping, parameters_from_plain, to_plain
+from cpm_core.formats.sessions.plain import (
+    NAMES,
+    array_from_plain,
+    array_to_plain,
+    from_plain,
+    items,
+    mapping,
+    parameters_from_plain,
+    regions_from_plain,
+    regions_to_plain,
+    to_plain,
+)
 from cpm_core.numerics.types import Place
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown

@@ -22,9 +22,15 @@ from app.session.timeline.timeline import MOST_RUNS
 from cpm_core.field.placed_charges import in_order
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.sessions.particle_state import state_from_plain, state_to_plain
-from cpm_core.formats.sessions.plain_arrays import array_from_plain, array_to_plain
-from cpm_core.formats.sessions.plain_regions import items
-from cpm_core.formats.sessions.plain_values import mapping, number, shape_from_plain, shape_to_plain
+from cpm_core.formats.sessions.plain import (
+    array_from_plain,
+    array_to_plain,
+    items,
+    mapping,
+    number,
+    shape_from_plain,
+    shape_to_plain,
+)
 from cpm_core.formats.sessions.session_file import decode, encode
 from cpm_core.model.state import State
 from cpm_core.numerics.types import Position

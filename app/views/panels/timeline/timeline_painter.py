@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from app.views.panels.timeline.timeline_places import FOOT, HEAD, ROW, SIDE, TimelinePlaces
 from PySide6.QtCore import QPointF, QRect, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QFontMetrics, QPainter, QPainterPath, QPalette, QPen, QPolygonF
 from PySide6.QtWidgets import QWidget
@@ -13,7 +14,6 @@ from app.model.display.lengths import round_up
 from app.model.text.language import tr
 from app.session.features.timeline import TimelineNavigation
 from app.session.timeline.timeline import Branch
-from app.views.panels.timeline.timeline_places import FOOT, HEAD, ROW, SIDE, TimelinePlaces
 from app.views.theme import theme
 
 _FINE_PRINT = 10

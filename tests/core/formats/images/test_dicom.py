@@ -7,6 +7,7 @@ import pytest
 from pydicom.uid import JPEG2000Lossless, RLELossless
 
 from cpm_core import load_image, load_volume
+from cpm_core.formats import open_stack
 from cpm_core.formats.images.dicom import reads
 
 from .made import ACROSS, OBLIQUE, SERIES, SHAPE, VALUES, dataset, write_series, write_slice
@@ -40,7 +41,7 @@ def test_of_a_series_with_a_gap_the_longest_even_part_is_taken_and_it_is_said(tm
     volume = load_volume(tmp_path / "s")
     assert volume.shape == (11, *SHAPE[1:])
     assert volume.notes == (
-        "Its slices are from 1 to 3 mm apart: some may be missing.",
+        "Between slices 9 and 10 lie 3 mm, elsewhere 1 mm: 2 slices are missing.",
         "The longest even part has 11 slices, 10 to 20, 1 mm apart.",
         "Only these were taken.",
     )
@@ -51,9 +52,19 @@ def test_of_a_series_with_a_gap_the_longest_even_part_is_taken_and_it_is_said(tm
     assert whole.geometry.origin == pytest.approx((-20.0, 10.0, 7.0))
 
 
+def test_the_other_even_parts_of_a_series_are_volumes_by_choice(tmp_path):
+    heights = [*range(9), *range(11, 22)]
+    write_series(tmp_path / "s", heights, values=np.concatenate([VALUES, VALUES + 1]))
+    assert open_stack(tmp_path / "s").series == ("head", "head, slices 1 to 9")
+    volume = load_volume(tmp_path / "s", series=2)
+    assert (volume.shape, volume.notes) == ((9, *SHAPE[1:]), ())
+    assert np.array_equal(volume.values, VALUES[:9])
+    assert volume.geometry.origin == pytest.approx((-20.0, 10.0, 5.0))
+
+
 def test_without_an_even_part_large_enough_the_sentence_says_why_and_what_to_do(tmp_path):
     write_series(tmp_path / "s", [0, 1, 2, 3, 4, 9, 10, 11, 12])
-    with pytest.raises(ValueError, match=r"s: Its slices are from 1 to 5 mm apart.* at least 8 planes: resample them"):
+    with pytest.raises(ValueError, match=r"s: Between slices 5 and 6 lie 5 mm, .* at least 8 planes: resample them"):
         load_volume(tmp_path / "s")
     assert load_image(tmp_path / "s").shape == SHAPE[1:]
 

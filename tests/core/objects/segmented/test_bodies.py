@@ -6,7 +6,7 @@ import pytest
 from cpm_core import VolumeRegions, VolumeTruth, segment, sphere
 from cpm_core.contours.packed_surface import PackedSurface
 from cpm_core.formats.common.provenance import plain_shapes
-from cpm_core.formats.sessions.plain_values import shape_from_plain, shape_to_plain
+from cpm_core.formats.sessions.plain import shape_from_plain, shape_to_plain
 from cpm_core.objects.segmented.areas import surface_of_both
 from cpm_core.objects.segmented.segmented_object import SegmentedObject, SegmentedObjects
 from cpm_core.parameters import PRESETS
