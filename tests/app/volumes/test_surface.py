@@ -8,6 +8,7 @@ import tifffile
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
+from app.model.export import listed
 from app.views.features.exchange import ExportFeature
 from app.views.features.run import RunControlFeature
 from cpm_core.formats import FOR_VOLUMES
