@@ -7,7 +7,7 @@ import time
 from dataclasses import replace
 from typing import Any
 
-from app.model.export.order import in_words
+from app.model.export import summary_text
 from app.model.state.situation import Phase, RunStatus
 from app.model.text.language import tr
 from app.session.exchange.messages import (
@@ -172,7 +172,7 @@ class Progress:
                     self._show(image_seeds=image_seeds)
             case Exported(path, counts):
                 written = tr("Written: {path}").format(path=path)
-                self._session.say(written if counts is None else f"{written} ({in_words(counts)})", topic=EXPORTING)
+                self._session.say(written if counts is None else f"{written} ({summary_text(counts)})", topic=EXPORTING)
             case CommandFailed(sentence, topic):
                 self._session.say(sentence, True, topic)
             case Compiling(percent):

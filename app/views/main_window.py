@@ -27,8 +27,7 @@ from app.views.features.run import ParametersFeature, RunControlFeature
 from app.views.features.view import AppearanceFeature
 from app.views.features.volumes import PagesFeature
 from app.views.theme import theme
-from app.views.widgets.action_spec import ActionSpec, Submenu
-from app.views.widgets.actions import Actions
+from app.views.widgets.actions import Actions, ActionSpec, Submenu
 from app.views.widgets.turns import Turns
 from app.views.window.bars import ToolBar, ToolPalette
 from app.views.window.docks import Docks

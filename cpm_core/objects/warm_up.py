@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numba.core.event import Event, Listener, install_listener
 
 from cpm_core.contours.result import Result
 from cpm_core.field.placed_charges import PlacedCharge
@@ -104,20 +103,14 @@ LATER: tuple[Part, ...] = (objects_once, extras_once)
 VOLUMES: tuple[Part, ...] = (volume_once,)
 """What a run in a volume needs."""
 
-_KERNELS: dict[Part, int] = {step_once: 60, contours_once: 30, objects_once: 70, extras_once: 40, volume_once: 120}
-"""About how many kernels each part compiles, from which progress is estimated."""
-
 
 def _never() -> bool:
     return False
 
 
-def _ignored(_: float) -> None: ...
-
-
 def warm_up(
     canceled: Callable[[], bool] = _never,
-    on_progress: Callable[[float], object] = _ignored,
+    on_progress: Callable[[float], object] | None = None,
     parts: Sequence[Part] = (*FIRST, *LATER),
 ) -> None:
     """Call every kernel of some parts once on small images; this may happen in a background thread.
@@ -125,21 +118,24 @@ def warm_up(
     The first time this compiles the kernels and stores them in Numba's cache; later it loads them. While it compiles,
     `on_progress` is called with the fraction that is done. No part begins once `canceled()` is true.
     """
-    expected, counted = sum(_KERNELS[part] for part in parts), _Counted()
-    counted.report = lambda: on_progress(min(counted.kernels / expected, 0.99))
-    with install_listener("numba:compile", counted):
-        for part in parts:
-            if not canceled():
-                part()
+    compiling = not is_compiled()
+    for done, part in enumerate(parts):
+        if canceled():
+            return
+        if compiling and on_progress is not None:
+            on_progress(done / len(parts))
+        part()
 
 
-def warm_up_runs(canceled: Callable[[], bool] = _never, on_progress: Callable[[float], object] = _ignored) -> None:
+def warm_up_runs(canceled: Callable[[], bool], on_progress: Callable[[float], object]) -> None:
     """Prepare what a run on an image needs; a thread prepares the rest while the program is used."""
     warm_up(canceled, on_progress, FIRST)
     threading.Thread(target=warm_up, args=(canceled,), kwargs={"parts": LATER}, name="cpm-compile").start()
 
 
-def warm_up_volumes(canceled: Callable[[], bool] = _never, on_progress: Callable[[float], object] = _ignored) -> None:
+def warm_up_volumes(
+    canceled: Callable[[], bool] = _never, on_progress: Callable[[float], object] | None = None
+) -> None:
     """Prepare what a run in a volume needs."""
     warm_up(canceled, on_progress, VOLUMES)
 
@@ -149,19 +145,3 @@ def is_compiled() -> bool:
     kernel: Any = motion._move
     folder = kernel.stats.cache_path
     return folder is not None and any(Path(folder).glob(f"*.{kernel.__name__}-*.nbi"))
-
-
-class _Counted(Listener):
-    """Counts the kernels that are compiled."""
-
-    def __init__(self) -> None:
-        self.kernels = 0
-        self.report: Callable[[], object] = lambda: None
-
-    def on_start(self, event: Event) -> None:
-        """Do nothing until the kernel is compiled."""
-
-    def on_end(self, event: Event) -> None:
-        """Count one more kernel."""
-        self.kernels += 1
-        self.report()

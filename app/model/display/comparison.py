@@ -18,9 +18,6 @@ from cpm_core.parameters import Parameters
 FEWEST, MOST = 2, 6
 """Limits of the number of values of a parameter."""
 
-COUNTS = (3, 4, 5)
-"""Numbers of values that are proposed."""
-
 FIRST_AXES = ("smoothing", "min_strength")
 """Parameters that are proposed: they decide which edges count."""
 

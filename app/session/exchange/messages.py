@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from app.model.display.display_image import DisplayImage, DisplayVolume
 from app.model.display.plots import RunMetrics
 from app.model.document.document import Document
-from app.model.export.order import Account
+from app.model.export import ExportSummary
 from app.model.state.surface_figures import SurfaceFigures
 from app.model.text.language import reason, tr
 from app.model.volume.parts import Parts
@@ -248,7 +248,7 @@ class Exported(Report):
     """A file has been written; `counts` says how many contours it holds, if it is a file of contours."""
 
     path: Path
-    counts: Account | None = None
+    counts: ExportSummary | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Concatenate, ParamSpec
 
 from app.model.document.document import Document, ImageReference
-from app.model.export.order import ExportOrder, account, chosen, closed, source_of
+from app.model.export import ExportOrder, chosen, closed, summarize
 from app.model.text.language import tr
 from app.session.exchange.core_functions import Core
 from app.session.exchange.messages import (
@@ -211,7 +211,7 @@ class Export(Command):
         def wanted() -> bool:
             return not (self.task.over or context.closing())
 
-        run, needs_run = context.run, source_of(self.order).needs_run
+        run, needs_run = context.run, self.order.source != "objects"
         try:
             found = run.reconstruction(self.shown, wanted) if wanted() and needs_run else None
             if not wanted() or (needs_run and found is None):
@@ -239,7 +239,7 @@ class Export(Command):
         if self.document.image is not None:
             settings["image"] = self.document.image.path
         context.core.export(whole, path, **settings)
-        context.report(Exported(path, account(result, whole, self.suffix, self.order)))
+        context.report(Exported(path, summarize(result, whole, self.suffix, self.order)))
 
     def failure_report(self, error: Exception) -> Report:
         """Nothing has been written."""

@@ -12,8 +12,8 @@ from app.model.text.language import tr, written
 from app.views.canvas.layers.layer import LegendEntry
 from app.views.canvas.message_line import MessageLine
 from app.views.theme import theme
-from app.views.theme.look import look
-from app.views.widgets.elided_label import ElidedLabel
+from app.views.theme.theme import look
+from app.views.widgets.containers import ElidedLabel
 
 _EVERY = 150
 """Least time between two updates [ms]: the numbers of particles change in every frame."""

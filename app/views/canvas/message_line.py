@@ -10,7 +10,7 @@ from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
-from app.views.widgets.elided_label import ElidedLabel
+from app.views.widgets.containers import ElidedLabel
 
 SHOWN = 6000
 """Time after which good news disappears [ms]."""

@@ -10,7 +10,7 @@ from app.model.text.language import tr
 from app.session.scene import Scene
 from app.views.canvas.image_view import ImageView
 from app.views.theme import theme
-from app.views.widgets.own_escape import keep_escape
+from app.views.widgets.containers import keep_escape
 
 _REACH, _GRIP = 9, 15.0
 """Half the width in which the divider can be taken, and radius of its grip [px]."""

@@ -14,10 +14,10 @@ from app.model.preferences.table import UNIT
 from app.model.state.situation import Situation, has_image
 from app.model.text.language import tr
 from app.views.canvas.naming import NameField
-from app.views.panels.contour_table import ContourPanel
-from app.views.panels.contour_table.truth_panel import TruthPanel
-from app.views.theme.contour_colors import fill_colors
-from app.views.widgets.action_spec import ActionSpec, Submenu
+from app.views.panels.contours import ContourPanel
+from app.views.panels.truth import TruthPanel
+from app.views.theme.icons import fill_colors
+from app.views.widgets.actions import ActionSpec, Submenu
 from app.views.window.dialogs import Files, all_files
 from app.views.window.feature import Feature, FeatureContext, Panel
 from app.views.window.keyboard import Keys
@@ -47,9 +47,6 @@ class ContoursFeature(Feature):
         self.panel.table.zoom_wanted.connect(context.canvas_area.zoom_to_selection)
         canvas.pointed.connect(lambda at: self._review.hover(None) if at is None else None)
         self._review.selection_changed.connect(context.refresh)
-        self.panel.buttons["keep"].clicked.connect(lambda: self._review.judge("kept"))
-        self.panel.buttons["reject"].clicked.connect(lambda: self._review.judge("rejected"))
-        self.panel.buttons["name"].clicked.connect(self.panel.table.name_selected)
 
     def action_specs(self) -> Sequence[ActionSpec | Submenu]:
         """Table, selection, verdicts, names, colors."""

@@ -26,8 +26,8 @@ from app.session.tasks.opening import Wanted
 from app.views.files.folder_bar import FolderBar
 from app.views.files.recent_files import RecentFiles
 from app.views.files.start_screen import Entry, StartScreen
-from app.views.widgets.action_spec import ActionSpec, Submenu
-from app.views.widgets.offer_bar import OfferBar
+from app.views.widgets.actions import ActionSpec, Submenu
+from app.views.widgets.containers import OfferBar
 from app.views.window import dialogs
 from app.views.window.dialogs import Button, Question, images_and_sessions, sessions
 from app.views.window.feature import Feature, FeatureContext

@@ -13,7 +13,7 @@ from app.model.text.about import LICENSE, PAPER, PURPOSE, about_text, versions
 from app.model.text.language import tr
 from app.session.signals import PREFERENCES
 from app.views.theme.icons import program_icon
-from app.views.widgets.action_spec import ActionSpec
+from app.views.widgets.actions import ActionSpec
 from app.views.window.feature import Feature, FeatureContext
 from app.views.window.guide import KEYS, Guide
 from app.views.window.preferences import PreferencesDialog, ShortcutsPage

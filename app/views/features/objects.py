@@ -14,10 +14,9 @@ from app.model.preferences.table import UNIT
 from app.model.state.situation import Situation
 from app.model.text.language import tr
 from app.views.canvas.naming import NameField
-from app.views.panels.object_table import ObjectPanel
-from app.views.theme.contour_colors import fill_colors
-from app.views.theme.icons import swatch
-from app.views.widgets.action_spec import ActionSpec, Submenu
+from app.views.panels.objects import ObjectPanel
+from app.views.theme.icons import fill_colors, swatch
+from app.views.widgets.actions import ActionSpec, Submenu
 from app.views.window.dialogs import ask_for_text
 from app.views.window.feature import Feature, FeatureContext, Panel
 from app.views.window.keyboard import Keys

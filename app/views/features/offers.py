@@ -21,8 +21,8 @@ from app.session.features.background import LatestOnlyWorker
 from app.session.tasks.opening import parts_of
 from app.views.files.part_dialog import PartDialog
 from app.views.files.pixel_size_dialog import PixelSizeDialog
-from app.views.widgets.action_spec import ActionSpec
-from app.views.widgets.offer_bar import OfferBar
+from app.views.widgets.actions import ActionSpec
+from app.views.widgets.containers import OfferBar
 from app.views.window.feature import Feature, FeatureContext
 from cpm_core.formats.images.reading import Reading
 from cpm_core.segmentation.large_images import LargeImageSettings

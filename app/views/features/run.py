@@ -10,7 +10,7 @@ from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QLabel, QMenu, QWidget
 
-from app.model.export.formats import formats
+from app.model.export import formats
 from app.model.parameters.controls import CHANNEL
 from app.model.preferences.table import TIMELINE_MEMORY, UNIT, WORDING
 from app.model.state.resolve import resolve
@@ -24,14 +24,13 @@ from app.session.worker.commands import RunCall
 from app.session.worker.recorded_run import MEGABYTE
 from app.session.worker.run import Run
 from app.views.canvas.items.item import image_rectangle
-from app.views.comparison import CompareDialog
-from app.views.panels.parameters.parameters import ParametersPanel
+from app.views.comparison.dialog import CompareDialog
+from app.views.panels.parameters import ParametersPanel
 from app.views.panels.presets import Presets
-from app.views.panels.run.run_panel import RunPanel
-from app.views.panels.timeline.timeline_panel import TimelinePanel
-from app.views.widgets.action_spec import ActionSpec, Submenu
-from app.views.widgets.preference_row import PreferenceRow
-from app.views.widgets.speed import SpeedControl
+from app.views.panels.run import RunPanel
+from app.views.panels.timeline import TimelinePanel
+from app.views.widgets.actions import ActionSpec, PreferenceRow, Submenu
+from app.views.widgets.fields import SpeedControl
 from app.views.window.bars import TaskBar
 from app.views.window.dialogs import Files
 from app.views.window.feature import Feature, FeatureContext, OneDialog, Panel
@@ -335,9 +334,9 @@ class ComparisonFeature(Feature):
 
     def _ask(self, parent: QWidget) -> Path | None:
         together = (Files(tr("Table of all methods"), (TABLE,)), Files(tr("Picture of all methods"), (PICTURE,)))
-        apart = (one for one in formats() if one.suffix not in (TABLE, PICTURE))
+        apart = {suffix: name for suffix, name in formats().items() if suffix not in (TABLE, PICTURE)}
         each = tr("Contours of each method: {format}")
-        kinds = (*together, *(Files(each.format(format=one.name), (one.suffix,)) for one in apart))
+        kinds = (*together, *(Files(each.format(format=name), (suffix,)) for suffix, name in apart.items()))
         image = self.context.session.scene.image
         name = f"{Path(image.source).stem if image else ''}.methods.csv"
         return self.context.files.ask_where_to_save("export", tr("Export the comparison"), name, kinds, parent=parent)

@@ -22,9 +22,8 @@ from app.views.canvas.selected_places import selected_places
 from app.views.canvas.wipe import Wipe
 from app.views.panels.layer_list import LayersPanel
 from app.views.theme import theme
-from app.views.theme.look import Look, use_look
-from app.views.theme.theme import Theme
-from app.views.widgets.action_spec import LAYER, ActionSpec, Submenu
+from app.views.theme.theme import Look, Theme, use_look
+from app.views.widgets.actions import LAYER, ActionSpec, Submenu
 from app.views.window.feature import Feature, FeatureContext, Panel
 from cpm_core.contours.result import Result
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from PySide6.QtCore import QPoint
 
 from app.model.display.space.view_in_space import ViewInSpace
-from app.model.export.provenance import comment_on
+from app.model.export import provenance_comment
 from app.model.preferences.table import UNIT
 from app.model.state.situation import Condition, Situation, has_volume
 from app.model.text.language import tr
@@ -23,13 +23,12 @@ from app.session.tasks.tasks import Task
 from app.views.canvas.image_view import ImageView
 from app.views.canvas.side_view import Cross, SideView
 from app.views.canvas.slice_bar import SliceBar
-from app.views.panels.pages.page_bar import PageBar
-from app.views.panels.pages.panel import PagePanel
+from app.views.panels.pages import PageBar, PagePanel
 from app.views.volume.seen_in_space import SeenInSpace
 from app.views.volume.space_clicks import draw_at, select_at
 from app.views.volume.space_marks import FRAMES, FRAMES_PER_SECOND, animation_size, picture_of, turn
 from app.views.volume.space_panel import SpacePanel, specs
-from app.views.widgets.action_spec import ActionSpec
+from app.views.widgets.actions import ActionSpec
 from app.views.window.dialogs import Files
 from app.views.window.feature import Feature, FeatureContext, Panel
 from cpm_core.formats.animation import ANIMATED, write_animation, write_picture
@@ -378,7 +377,7 @@ class SpaceFeature(Feature):
     @property
     def _comment(self) -> str:
         """How the pictures came about, for their file."""
-        return comment_on(self.context.session.document, steered=self.context.session.status.steered)
+        return provenance_comment(self.context.session.document, steered=self.context.session.status.steered)
 
     def _ask(self, title: str, ending: str, kinds: Sequence[Files]) -> Path | None:
         image = self.context.session.document.image

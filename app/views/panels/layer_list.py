@@ -6,19 +6,19 @@ from collections.abc import Mapping, Sequence
 
 from PySide6.QtCore import QPoint, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QCheckBox, QFrame, QHBoxLayout, QScrollArea, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QToolButton, QVBoxLayout, QWidget
 
 from app.model.text.language import tr
 from app.views.canvas.layers import Layers
 from app.views.canvas.layers.layer import Layer
 from app.views.canvas.layers.layer_form import LayerForm
 from app.views.theme.icons import swatch
-from app.views.widgets.action_spec import LAYER
-from app.views.widgets.fields.marked_slider import MarkedSlider
-from app.views.widgets.key_text import native
+from app.views.widgets.actions import LAYER, native
+from app.views.widgets.containers import Scrolled
+from app.views.widgets.fields import MarkedSlider
 
-_FOLD, _OPACITY = 18, 84
-"""Widths [px]."""
+_FOLD, _OPACITY, _LOWEST = 18, 84, 60
+"""Widths, and minimum height of the panel [px]."""
 
 _LOWEST_OPACITY, _OPACITY_STEP = 0.05, 0.05
 
@@ -31,12 +31,8 @@ class LayersPanel(QWidget):
         self.rows = {layer.name: LayerRow(layer) for layer in layers}
         self.boxes: dict[str, QCheckBox] = {name: row.box for name, row in self.rows.items()}
         scrolled = QWidget()
-        scrolled.setObjectName("scrolled")
         self.setFocusProxy(next(iter(self.boxes.values())))
-        self._area = area = QScrollArea()
-        area.setWidget(scrolled)  # while it is empty: it lays out its content at once, and again in the window
-        area.setWidgetResizable(True)
-        area.setFrameShape(QFrame.Shape.NoFrame)
+        self._area = Scrolled(scrolled, _LOWEST)
         column = QVBoxLayout(scrolled)
         column.setContentsMargins(0, 0, 8, 0)
         column.setSpacing(3)
@@ -46,7 +42,7 @@ class LayersPanel(QWidget):
         column.addStretch(1)
         outer = QVBoxLayout(self)
         outer.setContentsMargins(6, 8, 4, 4)
-        outer.addWidget(area)
+        outer.addWidget(self._area)
 
     def show_colors(self) -> None:
         """Show the colors in use, which the preferences change."""

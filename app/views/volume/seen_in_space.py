@@ -21,7 +21,7 @@ from app.views.canvas.layers import Layers
 from app.views.canvas.layers.particles import BEGIN, UNKNOWN, ParticleLayer
 from app.views.canvas.layers.skeleton import banded
 from app.views.theme import color_maps, theme
-from app.views.theme.look import Ink, look
+from app.views.theme.theme import Ink, look
 from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.contours.surface import Surface
 from cpm_core.image.image import Image

@@ -16,8 +16,8 @@ from app.model.volume.slices import AXES, ends_of
 from app.session.session import Session
 from app.session.signals import EXPORTING
 from app.views.volume.space_view import SpaceView
-from app.views.widgets.action_spec import ActionSpec
-from app.views.widgets.fields.marked_slider import MarkedSlider
+from app.views.widgets.actions import ActionSpec
+from app.views.widgets.fields import MarkedSlider
 
 PARTS = {
     "particles": (tr("Particles"), tr("Show the particles.")),

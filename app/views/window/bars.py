@@ -27,7 +27,7 @@ from app.views.canvas.tools import OBJECT, START, TOOLS
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
 from app.views.widgets.actions import PRIMARY, Actions
-from app.views.widgets.scrolled import Scrolled
+from app.views.widgets.containers import Scrolled
 from cpm_core.shapes import KINDS
 
 _FILES, _EDITS, _RUN, _AFTER = ("open", "save"), ("undo", "redo"), ("run", "step", "reset"), ("fit", "export")

@@ -17,8 +17,7 @@ from app.session.session import Session
 from app.session.storage.preferences import Preferences
 from app.views.canvas.canvas_area import CanvasArea
 from app.views.theme.theme import Theme
-from app.views.widgets.action_spec import ActionSpec, Submenu
-from app.views.widgets.preference_row import PreferenceRow
+from app.views.widgets.actions import ActionSpec, PreferenceRow, Submenu
 from app.views.widgets.turns import Turns
 from app.views.window.dialogs import FileDialogs
 from app.views.window.keyboard import Areas

@@ -22,8 +22,7 @@ from app.model.parameters.controls import controls
 from app.model.text.assets import asset, guide_page
 from app.model.text.keys import key_of
 from app.model.text.language import tr
-from app.views.widgets.action_spec import LAYER, ActionSpec
-from app.views.widgets.key_text import native
+from app.views.widgets.actions import LAYER, ActionSpec, native
 from app.views.window.docks import PanelAction
 from app.views.window.menus import MENUS
 

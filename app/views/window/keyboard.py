@@ -30,7 +30,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.views.widgets.own_escape import has_own_escape
+from app.views.widgets.containers import has_own_escape
 
 Text = Callable[[str], bool]
 

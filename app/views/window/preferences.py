@@ -37,9 +37,8 @@ from app.model.preferences.table import PAGES, PREFERENCES, Choice, Color, Flag,
 from app.model.text.language import tr
 from app.session.storage.preferences import Preferences
 from app.views.theme.icons import swatch
-from app.views.widgets.fields.decimal_field import DecimalField
-from app.views.widgets.key_text import native, natives
-from app.views.widgets.preference_row import PreferenceRow
+from app.views.widgets.actions import PreferenceRow, native, natives
+from app.views.widgets.fields import DecimalField
 from app.views.window.shortcuts import Shortcuts
 
 _WIDTH, _HEIGHT, _MARGIN = 720, 540, 80

@@ -11,7 +11,7 @@ from app.model.preferences import shortcuts
 from app.model.preferences.shortcuts import Keyed
 from app.model.text.keys import Named
 from app.session.storage.preferences import Preferences
-from app.views.widgets.key_text import native, portable
+from app.views.widgets.actions import native, portable
 
 Apply = Callable[[tuple[str, ...]], None]
 """Gives an action its keys."""

@@ -9,11 +9,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QImage
 
 from app.model.display.display_image import display_of_edge_map
 from app.model.document import edits
-from app.views.features.run import RunControlFeature, TimelineFeature
+from app.views.features.run import RunControlFeature
 from cpm_core import PRESETS, Engine, Parameters
 from cpm_core.model.starts import circle
 from cpm_core.shapes import Circle
@@ -77,28 +76,6 @@ def test_pause_stops_the_particles_and_run_continues_from_them(ready, hand) -> N
     hand.key(KEY.Key_Space)
     hand.wait(lambda: session.status.step > held + 1)
     assert session.generation == generation
-
-
-def test_single_steps_are_counted_one_by_one_and_none_is_lost(ready, hand) -> None:
-    for _ in range(7):
-        hand.key(KEY.Key_Period)
-    hand.wait(lambda: ready.session.idle)
-    assert ready.session.status.step == 7
-    assert ready.session.status.phase == "paused"
-    assert len(ready.session.scene.snapshot.metrics.step) == 7
-
-
-def test_no_single_step_is_lost_soon_after_going_along_the_timeline(ready, hand) -> None:
-    hand.key(KEY.Key_Space)
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: ready.session.idle)
-    ready.feature(TimelineFeature).navigation.go(1, 5)
-    hand.wait(lambda: ready.session.idle and ready.session.status.step == 5)
-    ready.session.set_pace(60.0)  # the steps last longer than the view has to stay for contours to be found
-    for _ in range(24):
-        hand.key(KEY.Key_Period)
-    hand.wait(lambda: ready.session.idle)
-    assert ready.session.status.step == 5 + 24
 
 
 def test_single_steps_are_the_engines_own(ready, hand) -> None:
@@ -178,25 +155,6 @@ def test_a_run_at_rest_continues_with_changed_parameters(ready, hand) -> None:
     assert ready.actions_by_name["run"].text() == "Run again"
 
 
-def test_contours_at_rest_follow_their_thresholds_without_a_step(ready, hand) -> None:
-    session = ready.session
-    hand.key(KEY.Key_Space)
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: session.idle)
-    step = session.status.step
-    assert hand.canvas.layers.contours.counts == (1, 0)
-    slider = ready.panels["parameters"].rows["min_length"].slider
-    slider.setFocus()
-    hand.qtbot.keyClick(slider, KEY.Key_End)
-    hand.wait(lambda: hand.canvas.layers.contours.counts == (0, 0))
-    assert ready.panels["run"].status.value("Contours") == "0 closed, 0 open"
-    hand.qtbot.keyClick(slider, KEY.Key_Home)
-    hand.wait(lambda: hand.canvas.layers.contours.counts == (1, 0))
-    hand.wait(lambda: session.idle)
-    assert (session.status.step, session.status.phase) == (step, "finished")
-    assert ready.actions_by_name["run"].text() == "Run again"
-
-
 def test_a_wider_gap_bridges_at_rest_and_is_shown_and_reported(window, hand, tmp_path) -> None:
     session, canvas = window.session, hand.canvas
     path = tmp_path / "interrupted.npy"
@@ -234,30 +192,6 @@ def interrupted_disc() -> np.ndarray:
     fade = np.clip((np.hypot(row, col - 40.0) - 2.5) / 45.0, 0.0, 1.0)
     contrast = 80.0 * fade**2 * (3.0 - 2.0 * fade)
     return 128.0 - contrast * np.clip(2.0 * away, -1.0, 1.0) * np.exp(-np.abs(away) / 60.0)
-
-
-def test_undoing_the_change_lets_the_run_go_on(ready, hand) -> None:
-    hand.key(KEY.Key_Period)
-    generation = ready.session.generation
-    hand.key(KEY.Key_N)
-    hand.key(KEY.Key_Delete)
-    assert ready.session.status.stale
-    hand.key(KEY.Key_Z, CONTROL)
-    assert not ready.session.status.stale
-    hand.key(KEY.Key_Period)
-    hand.wait(lambda: ready.session.idle)
-    assert ready.session.generation == generation
-    assert ready.session.status.step == 2
-
-
-def test_more_scales_act_from_the_next_start(ready, hand) -> None:
-    hand.key(KEY.Key_Period)
-    ready.session.edit("scales", lambda document: edits.set_parameter(document, "scales", 1))
-    assert ready.session.status.stale
-    hand.key(KEY.Key_Period)
-    hand.wait(lambda: ready.session.idle)
-    assert ready.session.status.step == 1
-    assert ready.session.status.scale == 0
 
 
 def test_no_result_of_the_previous_image_reaches_an_image_opened_during_a_run(ready, hand, record, tmp_path) -> None:
@@ -314,7 +248,7 @@ def test_the_speed_control_offers_full_speed_and_limits_the_engine(ready, hand) 
     assert ready.feature(RunControlFeature).speed.label.text() == "120 steps/s"
 
 
-@pytest.mark.parametrize("name", ["beta", "ratio", "annealing"])
+@pytest.mark.parametrize("name", ["beta"])
 def test_a_slider_drag_is_one_step_of_undo(window, hand, name) -> None:
     before = window.session.document.parameters
     slider = window.panels["parameters"].rows[name].slider
@@ -327,17 +261,3 @@ def test_a_slider_drag_is_one_step_of_undo(window, hand, name) -> None:
     hand.key(KEY.Key_Z, CONTROL)
     assert window.session.document.parameters == before
     assert not window.actions_by_name["undo"].isEnabled()
-
-
-@pytest.mark.parametrize("key", [KEY.Key_7, KEY.Key_9], ids=["edge map", "field"])
-def test_an_overlay_that_is_switched_off_again_leaves_nothing_on_the_canvas(window, hand, record, key) -> None:
-    def seen() -> QImage:
-        return hand.canvas.viewport().grab().toImage()
-
-    arrived = record("overlays")
-    hand.wait(lambda: window.session.idle)
-    without = seen()
-    hand.key(key, ALT)
-    hand.wait(lambda: bool(arrived) and seen() != without)
-    hand.key(key, ALT)
-    hand.wait(lambda: seen() == without)

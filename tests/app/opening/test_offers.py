@@ -12,7 +12,7 @@ from scipy.ndimage import gaussian_filter
 from app.model.document.modes import ADVICE
 from app.views.features.offers import BeginningFeature
 from app.views.main_window import MainWindow
-from app.views.widgets.offer_bar import OfferBar
+from app.views.widgets.containers import OfferBar
 from cpm_core import PRESETS
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_session
 from cpm_core.shapes import Circle, Everywhere

@@ -141,7 +141,7 @@ def test_a_double_click_in_the_table_goes_to_the_contour_and_selects_it(window, 
     feature = window.feature(PagesFeature)
     table, review = feature.panel.table, window.workspace.review
     for row in reversed(range(table.model().rowCount())):
-        told = table.rows.row(table.model().mapToSource(table.model().index(row, 0)).row())
+        told = table.rows.items[table.row_at(table.model().index(row, 0))]
         table.scrollTo(table.model().index(row, 0))
         place = table.visualRect(table.model().index(row, 0)).center()
         hand.qtbot.mouseClick(table.viewport(), LEFT, pos=place)

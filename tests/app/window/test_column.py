@@ -50,26 +50,12 @@ def test_in_a_window_of_800_by_500_everything_can_be_reached(window, hand) -> No
             hand.wait(lambda row=row: seen_whole(row.slider) and seen_whole(row.number))
             assert row.slider.width() >= 60
     assert window.panels["timeline"].view.width() >= 120
-    assert seen_whole(window.panels["timeline"].more)
+    assert seen_whole(window.panels["timeline"].branch)
     palette = window.findChild(ToolPalette)
     (tools,) = palette.findChildren(QScrollArea)
     for button in palette.buttons.values():
         tools.ensureWidgetVisible(button)
         assert seen_whole(button)
-
-
-def test_the_branch_is_named_behind_a_button_in_a_narrow_window(window, hand) -> None:
-    panel = window.panels["timeline"]
-    resized(window, hand, 1400, 800)
-    assert panel.branch.isVisible()
-    assert not panel.more.isVisible()
-    resized(window, hand, 800, 500)
-    assert not panel.branch.isVisible()
-    menu = panel.more.menu()
-    menu.popup(panel.more.mapToGlobal(QPoint()))
-    hand.wait(menu.isVisible)
-    assert panel._behind.isVisible()
-    menu.close()
 
 
 def test_what_is_unfolded_is_remembered(qtbot, workspace, window, hand) -> None:

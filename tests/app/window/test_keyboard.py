@@ -120,26 +120,6 @@ def test_escape_restores_the_value_from_before_the_first_key(board, hand, cases)
         assert hand.canvas.hasFocus()
 
 
-def test_the_name_of_a_branch_is_text(board, hand) -> None:
-    hand.key(KEY.Key_Space)
-    hand.wait_for_phase("finished")
-    name = board.panels["timeline"].branch.name
-    before = name.text()
-    focus(hand, name)
-    name.selectAll()
-    type_in(hand, name, "far a")
-    assert name.text() == "far a"
-    assert board.session.status.phase == "finished"
-    hand.key(KEY.Key_Escape)
-    assert (name.text(), hand.canvas.hasFocus()) == (before, True)
-    focus(hand, name)
-    name.selectAll()
-    type_in(hand, name, "far b")
-    hand.key(KEY.Key_Return)
-    assert hand.canvas.hasFocus()
-    hand.wait(lambda: board.panels["timeline"].branch.name.text() == "far b")
-
-
 def test_enter_presses_the_focused_button(board, hand) -> None:
     box = fields(board)["check box"]
     focus(hand, box)

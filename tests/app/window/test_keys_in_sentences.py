@@ -16,7 +16,7 @@ from app.model.document import edits
 from app.model.text.keys import Named, use_names, with_keys
 from app.views.features.help import HelpFeature
 from app.views.features.run import TimelineFeature
-from app.views.widgets.key_text import native
+from app.views.widgets.actions import native
 from cpm_core.shapes import Circle, Everywhere
 
 pytestmark = pytest.mark.shared_window

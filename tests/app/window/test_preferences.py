@@ -24,7 +24,7 @@ from app.session.storage.preferences import Preferences
 from app.views.features.files import RecoveryFeature
 from app.views.features.help import HelpFeature, PreferencesFeature
 from app.views.theme import theme
-from app.views.theme.look import look
+from app.views.theme.theme import look
 from app.views.window.docks import PanelAction
 from cpm_core.shapes import Barrier
 

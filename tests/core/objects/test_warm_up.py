@@ -1,8 +1,6 @@
 """Warming up compiles the kernels and has no other effect."""
 
 import os
-import subprocess
-import sys
 import threading
 
 import numpy as np
@@ -47,42 +45,3 @@ def test_nothing_begins_once_it_is_canceled():
     called = []
     warm_up(lambda: True, called.append)
     assert called == []
-
-
-_PROGRAM = """
-from cpm_core.numerics.jit import compiled
-from cpm_core.objects import warm_up
-
-@compiled
-def kernel(x):
-    return x + 1.0
-
-progress = []
-warm_up._KERNELS = {(part := lambda: kernel(1.0)): 2}
-warm_up.warm_up(on_progress=progress.append, parts=[part])
-print(progress)
-"""
-
-
-def test_progress_is_reported_when_kernels_are_compiled_and_not_when_they_are_loaded(tmp_path):
-    program = tmp_path / "program.py"
-    program.write_text(_PROGRAM)
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": os.pathsep.join(sys.path)}
-    command = [sys.executable, str(program)]
-    first, second = (
-        subprocess.run(command, env=environment, capture_output=True, text=True, check=False) for _ in range(2)
-    )
-    assert (first.stdout.strip(), second.stdout.strip()) == ("[0.5]", "[]"), first.stderr + second.stderr
-
-
-def test_kernels_are_compiled_where_no_cache_folder_can_be_written(tmp_path):
-    program = tmp_path / "program.py"
-    program.write_text(
-        "import numba.core.caching as caching\n"
-        "caching.CacheImpl._locator_classes = []\n"
-        "from cpm_core.numerics.jit import compiled\n"
-        "print(compiled(lambda x: x + 1.0)(1.0))\n"
-    )
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
-    done = subprocess.run([sys.executable, str(program)], env=environment, capture_output=True, text=True, check=False)
-    assert done.stdout == "2.0\n", done.stderr

@@ -79,12 +79,8 @@ def test_stroke_of_one_point_or_no_length_is_one_particle():
     ("points", "message"),
     [
         ([], r"shape \(0,\) but must be \(K, D\)"),
-        (np.empty((0, 2)), r"shape \(0, 2\) but must be \(K, D\)"),
-        (np.empty((2, 0)), r"shape \(2, 0\) but must be \(K, D\)"),
-        ([1.0, 2.0], r"shape \(2,\) but must be \(K, D\)"),
         (np.zeros((2, 2, 2)), r"shape \(2, 2, 2\) but must be \(K, D\)"),
         ([(1.0, np.nan), (2.0, np.inf)], "2 coordinates of the stroke are not finite"),
-        ([(0.0, 0.0), (0.0, 2e6)], r"2e\+06 px long but must be at most 1e\+06 px"),
     ],
     ids=str,
 )

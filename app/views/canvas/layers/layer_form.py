@@ -24,8 +24,7 @@ from app.model.text.language import tr, written
 from app.views.canvas.layers.image_layer import ImageLayer
 from app.views.canvas.layers.layer import Amount, Choice, Layer, Option
 from app.views.theme import color_maps
-from app.views.widgets.fields.decimal_field import DecimalField
-from app.views.widgets.fields.marked_slider import MarkedSlider
+from app.views.widgets.fields import DecimalField, MarkedSlider
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array
 

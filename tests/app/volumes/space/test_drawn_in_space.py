@@ -9,7 +9,7 @@ from PySide6.QtCore import QPoint, Qt
 from app.model.document import edits
 from app.views.features.volumes import SpaceFeature
 from app.views.theme import theme
-from app.views.theme.look import look
+from app.views.theme.theme import look
 from cpm_core.shapes import Box, Points, Sphere
 
 pytestmark = pytest.mark.shared_window
