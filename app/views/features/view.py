@@ -18,7 +18,7 @@ from app.views.canvas.canvas import ZOOM
 from app.views.canvas.layers.image_layer import AUTOMATIC, WHOLE
 from app.views.canvas.layers.layer import Layer
 from app.views.canvas.layers.particles import ParticleLayer
-from app.views.canvas.selected_places import selected_places
+from app.views.canvas.pointed import selected_places
 from app.views.canvas.wipe import Wipe
 from app.views.panels.layer_list import LayersPanel
 from app.views.theme import theme
