@@ -34,7 +34,6 @@ from app.session.worker.run import Run
 from app.session.worker.worker_thread import WorkerThread
 from cpm_core.formats import suffix_of
 from cpm_core.formats.common.content import differ
-from cpm_core.formats.images import resolution
 from cpm_core.formats.images.reading import DEFAULT, Reading
 from cpm_core.image.image import Image
 from cpm_core.parameters import Parameters
@@ -431,10 +430,9 @@ class Session(QObject):
 
     def _follow(self, before: Document, after: Document, complete: bool) -> None:
         """Give the image the size of a pixel that has been set by hand, before all that follows from an edit."""
-        image, wanted = self.scene.image, after.image
-        if image is not None and wanted is not None and (image.spacing, image.unit) != (wanted.spacing, wanted.unit):
-            factor = resolution.factor(image.unit, wanted.unit) if image.unit and wanted.unit else 1.0
-            sized = image.sized(wanted.spacing, wanted.unit, factor)
+        image = self.scene.image
+        if image is not None and after.image is not None and after.image.sized(image) is not image:
+            sized = after.image.sized(image)
             self._signals.scene = replace(self.scene, image=sized)
             self.post(RunCall(None, Run.rescale, sized, after))
         self.live.follow(before, after, complete)
@@ -494,12 +492,15 @@ class Session(QObject):
         self.post(RunCall(None, Run.use, self._signals.generation, opened.method, opened.parameters))
         # With its own document from the first moment: the shapes of the former one may have another number of axes.
         before, document = self.document, _document(opened, self.document.mode)
-        self.show(Scene(opened.image, opened.display, document=document, slices=Slices.of(opened.image.shape)))
+        slices = Slices.of(opened.image.shape)
+        first = next((shape for shape in document.shapes if isinstance(shape, Sphere)), None)
+        if slices is not None and first is not None:
+            slices = slices.through(first.center)
+        self.show(Scene(opened.image, opened.display, document=document, slices=slices))
         self.image_changed.emit()
         self._progress.forget()
         self.live.forget()
         self.begin_document(document, before)
-        self._show_start()
         self.post(RunCall(None, Run.edit_by_hand, self.document.hand_edits))
         self.post(RunCall(None, Run.set_parameters, opened.parameters))
         if opened.image.ndim == 3:
@@ -508,13 +509,6 @@ class Session(QObject):
         self._restore_runs(opened)
         if opened.notes:
             self.say(" ".join(map(from_core, opened.notes)))
-
-    def _show_start(self) -> None:
-        """Show the slices through what is drawn first in a volume."""
-        slices = self.scene.slices
-        first = next((shape for shape in self.document.shapes if isinstance(shape, Sphere)), None)
-        if slices is not None and first is not None:
-            self.show(replace(self.scene, slices=slices.through(first.center)))
 
     def _restore_runs(self, opened: Opened) -> None:
         """Bring back the runs of a session if its image is still the same."""

@@ -27,9 +27,6 @@ _MOST_CHANGES = 0.5
 _CLEAR = 0.125
 """Greatest distance from black or white, as a fraction of the range, in a mask from a lossy format."""
 
-_FEW_LEVELS = 2**16
-"""Range of whole gray levels up to which those of a mask are counted one by one."""
-
 
 @dataclass(frozen=True, eq=False)
 class Truth(drawing.Pictured):
@@ -135,7 +132,8 @@ def truth_of_mask(values: NDArray[np.generic], source: str = "ground truth") -> 
 
 def labels_of(values: NDArray[np.generic], source: str) -> Labels:
     """Numbers of the gray levels of a mask, from 0; ValueError when it is none, as for `truth_of_mask`."""
-    levels, labels = _numbered(values)
+    levels, index = np.unique(values, return_inverse=True)
+    labels: Labels = index.reshape(values.shape).astype(np.int32)
     if len(levels) > 2 and values.dtype.kind != "b":
         span = (np.asarray(values, dtype=np.float64) - float(levels[0])) / (float(levels[-1]) - float(levels[0]))
         smeared = np.minimum(span, 1.0 - span)
@@ -152,20 +150,6 @@ def labels_of(values: NDArray[np.generic], source: str) -> Labels:
             "choose an image with one gray level for the background and one for each object."
         )
     return labels
-
-
-def _numbered(values: NDArray[np.generic]) -> tuple[NDArray[np.generic], Labels]:
-    """The gray levels in rising order, and the number of that of each pixel; without sorting all of a large mask."""
-    signed = values.astype(np.int64) if values.dtype.kind == "i" else values  # whose differences may not fit into it
-    given = signed.view(np.uint8) if values.dtype.kind == "b" else signed
-    low, high = given.min(), given.max()
-    if not 0.0 <= float(high) - float(low) < _FEW_LEVELS or (given != np.rint(given)).any():
-        levels, index = np.unique(values, return_inverse=True)
-        return levels, index.reshape(values.shape).astype(np.int32)
-    above = (given - low).astype(np.int32)
-    present = np.zeros(int(high - low) + 1, bool)
-    present[above.ravel()] = True
-    return np.flatnonzero(present) + low, (np.cumsum(present) - 1).astype(np.int32)[above]
 
 
 def _between(labels: Labels) -> tuple[Contour, ...]:

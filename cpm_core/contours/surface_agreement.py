@@ -17,17 +17,15 @@ import scipy
 from cpm_core.contours.agreement import TOLERANCE, Agreement, ObjectCounts, object_counts
 from cpm_core.contours.ground_truth import VolumeTruth
 from cpm_core.contours.surface import Surface, numbered
-from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.real_numbers import checked_number
-from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters.quotation import described
 
-_CANDIDATES = (3, 12, 48)
-"""Triangles with the nearest centers that are tried for a point, and more of them where these do not decide."""
+_CANDIDATES = 16
+"""Triangles with the nearest centers that are tried for a point."""
 
-_FAR = 8.0
-"""Distance beyond which the nearest centers decide, in largest distances of a corner from its center: the error is then
-at most a sixteenth of that distance, less than a tenth of a voxel."""
+_AT_A_TIME = 20_000
+"""Points whose distances are taken at a time, so that they take little memory."""
 
 _LONGEST = 1.5
 """Length of a side above which a triangle is divided, in smallest sides of a voxel; marching cubes make none above."""
@@ -98,25 +96,16 @@ class Triangles:
     def _tree(self) -> scipy.spatial.cKDTree:
         return scipy.spatial.cKDTree(self.centers)
 
-    @cached_property
-    def _reach(self) -> float:
-        """The farthest that a corner lies from the center of its triangle."""
-        return float(np.linalg.norm(self.corners - self.centers[:, None], axis=2).max(initial=0.0))
-
     def distances(self, points: Array) -> Array:
         """Distance of each of points, shape (N, 3), from the nearest triangle; infinite where there is none."""
         found = np.full(len(points), np.inf)
-        if not len(self.corners) or not len(points):
+        if not len(self.corners):
             return found
-        left = np.arange(len(points))
-        for most in _CANDIDATES:
-            if not len(left):
-                break
-            count = min(most, len(self.corners))
-            away, near = self._tree.query(points[left], k=np.arange(1, count + 1))
-            tried = np.asarray(near, dtype=np.int64), np.asarray(away, dtype=np.float64)
-            found[left], certain = _nearest(points[left], self.corners, *tried, self._reach)
-            left = left[~certain & (found[left] < _FAR * self._reach)]
+        count = min(_CANDIDATES, len(self.corners))
+        for first in range(0, len(points), _AT_A_TIME):
+            some = slice(first, first + _AT_A_TIME)
+            near = np.asarray(self._tree.query(points[some], k=np.arange(1, count + 1))[1], dtype=np.int64)
+            found[some] = _from_triangles(points[some, None], self.corners[near]).min(axis=1)
         return found
 
 
@@ -125,53 +114,18 @@ def within_border(voxels: Array, shape: tuple[int, ...]) -> Mask:
     return np.asarray(((voxels >= 0.0) & (voxels <= np.array(shape) - 1.0)).all(axis=1))
 
 
-@compiled
-def _nearest(points: Array, corners: Array, near: Index, away: Array, reach: float) -> tuple[Array, Mask]:
-    """Distance of points from the nearest of some triangles, and whether no other can be nearer.
-
-    `near` are triangles in the order of the distance `away` of their centers; no corner is farther from its center
-    than `reach`.
-    """
-    found = np.full(len(points), np.inf)
-    certain = np.zeros(len(points), np.bool_)
-    for n in range(len(points)):
-        best = np.inf
-        for k in range(near.shape[1]):
-            if away[n, k] - reach >= np.sqrt(best):
-                certain[n] = True
-                break
-            best = min(best, _squared(points, n, corners, near[n, k]))
-        found[n] = np.sqrt(best)
-    return found, certain
-
-
-@compiled
-def _squared(points: Array, n: int, corners: Array, t: int) -> float:
-    """Squared distance of a point from a triangle; without arrays, which would take most of the time."""
-    uu = uv = vv = wu = wv = ww = 0.0
-    for axis in range(3):
-        u, v = corners[t, 1, axis] - corners[t, 0, axis], corners[t, 2, axis] - corners[t, 0, axis]
-        w = points[n, axis] - corners[t, 0, axis]
-        uu, uv, vv, wu, wv, ww = uu + u * u, uv + u * v, vv + v * v, wu + w * u, wv + w * v, ww + w * w
-    whole = uu * vv - uv * uv
-    if whole > 0.0:
-        a, b = (vv * wu - uv * wv) / whole, (uu * wv - uv * wu) / whole
-        if a >= 0.0 and b >= 0.0 and a + b <= 1.0:
-            return max(ww - 2.0 * (a * wu + b * wv) + a * a * uu + 2.0 * a * b * uv + b * b * vv, 0.0)
-    return min(_from_side(points, n, corners, t, 0), _from_side(points, n, corners, t, 1),
-               _from_side(points, n, corners, t, 2))  # fmt: skip
-
-
-@compiled
-def _from_side(points: Array, n: int, corners: Array, t: int, first: int) -> float:
-    """Squared distance of a point from the side of a triangle that begins at a corner."""
-    second = (first + 1) % 3
-    length = along = away = 0.0
-    for axis in range(3):
-        side, w = corners[t, second, axis] - corners[t, first, axis], points[n, axis] - corners[t, first, axis]
-        length, along, away = length + side * side, along + side * w, away + w * w
-    share = min(max(along / length, 0.0), 1.0) if length > 0.0 else 0.0
-    return max(away - 2.0 * share * along + share * share * length, 0.0)
+def _from_triangles(points: Array, corners: Array) -> Array:
+    """Distance of points, shape (N, 1, 3), from triangles, shape (N, K, 3, 3): from the plane or the nearest side."""
+    offset, side = points[..., None, :] - corners, np.roll(corners, -1, axis=2) - corners
+    square = np.maximum((side**2).sum(axis=-1), 1e-300)
+    share = np.clip((offset * side).sum(axis=-1) / square, 0.0, 1.0)
+    away = np.linalg.norm(offset - share[..., None] * side, axis=-1).min(axis=-1)
+    normal = np.cross(side[:, :, 0], side[:, :, 1])
+    size = np.maximum(np.linalg.norm(normal, axis=-1), 1e-300)
+    above = (np.cross(side, offset) * normal[:, :, None]).sum(axis=-1)
+    within = (above >= 0.0).all(axis=-1) & (size > 1e-300)
+    height = np.abs((offset[:, :, 0] * normal).sum(axis=-1)) / size
+    return np.asarray(np.where(within, height, away))
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,7 @@ from app.session.exchange.core_functions import Core
 from app.session.exchange.messages import sentence
 from app.session.tasks.tasks import Cancelled, Task
 from app.session.timeline.moments import RunAction, Stepped
-from app.session.timeline.stored.plain_runs import FIGURES, RunsWriter
+from app.session.timeline.plain_runs import FIGURES, RunsWriter
 from app.session.timeline.stored_runs import StoredBranch, StoredRun, StoredRuns
 from app.session.undo_history import History
 from cpm_core.contours.contour import Contour

@@ -33,7 +33,7 @@ from app.session.exchange.messages import (
     sentence,
 )
 from app.session.tasks.tasks import Task
-from app.session.timeline.stored.plain_runs import Plain, RunsWriter, from_plain
+from app.session.timeline.plain_runs import Plain, RunsWriter, runs_from_plain
 from app.session.worker.run import Run
 from cpm_core.contours.result import Result
 from cpm_core.formats import encoded
@@ -357,7 +357,7 @@ class RestoreRuns(Command):
         run = context.run
         if run.image_generation != self.generation:
             return
-        stored, fault = from_plain(self.plain, self.image)
+        stored, fault = runs_from_plain(self.plain, self.image)
         failed = run.restore(stored)
         if fault or failed:
             context.report(CommandFailed(fault or failed))

@@ -13,7 +13,7 @@ from app.session.scene import Scene
 from app.views.canvas.image_view import ImageView
 from app.views.canvas.items.curves import Curves
 from app.views.canvas.items.discs import Discs
-from app.views.export.frames import NoRequests
+from app.views.canvas.layers.layer import NoRequests
 
 pytestmark = pytest.mark.shared_window
 

@@ -7,7 +7,7 @@ import PIL.Image
 import pytest
 
 from app.model.document.document import ImageReference
-from app.session.timeline.stored.plain_runs import from_plain
+from app.session.timeline.plain_runs import runs_from_plain
 from cpm_core import load_centerlines, load_contours, load_image, load_surface, load_volume
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.shapes import Circle, Polygon
@@ -40,7 +40,7 @@ def test_a_saved_session_holds_the_run_at_its_end_as_the_window_reads_it(found, 
     assert session.shapes == (Circle((40.0, 50.0), 9.0),)
     assert session.image.path == disk.name
     reference = ImageReference.of(disk, load_image(disk))
-    stored, fault = from_plain(session.runs, reference)
+    stored, fault = runs_from_plain(session.runs, reference)
     assert fault == ""
     ((place, state),) = stored.states.items()
     assert place == stored.here

@@ -14,7 +14,6 @@ from cpm_core.model.plane import births as deletions
 from cpm_core.model.plane.births import Search, deletion, insertion, search_range, thinned
 from cpm_core.model.plane.motion import contact_at
 from cpm_core.model.state import Particles
-from cpm_core.numerics import parallel
 
 from ..scenes import disk, ring
 from .moving import crowds as crowded
@@ -259,34 +258,6 @@ def test_places_ahead_are_at_rest_on_the_edge_one_stride_off(curved, seed):
     assert np.all(force < 0.2 + 1e-6)
     stride = np.linalg.norm(births.position - points[births.parent], axis=1)
     assert np.all((stride >= 1.6) & (stride < 2.8))
-
-
-@pytest.mark.parametrize(("d_min", "d_max"), [(0.5, 10.0), (0.5, 50.0), (1.0, 10.0), (4.0, 20.0)])
-def test_a_gap_is_filled_however_many_particles_are_within_the_range(edge, d_min, d_max):
-    rows = np.arange(1.0, 38.0, 1.01 * d_min)
-    rows = rows[(rows < 17.0) | (rows > 21.0)]
-    gap = rows[rows < 17.0].max(), rows[rows > 21.0].min()
-    births = births_of(edge, np.stack([rows, np.full(len(rows), EDGE)], axis=1), d_max, ahead=False, d_min=d_min)
-    middle = births.position[(births.position[:, 0] > gap[0]) & (births.position[:, 0] < gap[1])]
-    np.testing.assert_allclose(middle, [(0.5 * sum(gap), EDGE)], atol=1e-9)
-
-
-def test_births_and_deletions_are_the_same_bits_at_every_call_and_on_any_number_of_cores(monkeypatch):
-    scene = ring((400, 400), (199.3, 201.2), 130.0, 180.0)
-    scale_field = build_scale_field(scene.values, 1.0, 0.0)
-    points = scene.boundary + np.random.default_rng(0).normal(0.0, 0.4, scene.boundary.shape)
-    points = np.concatenate([points, points[:400] + 0.1])
-    assert len(points) > 1500
-    found = []
-    for cores in (1, 2, 3, 3):
-        monkeypatch.setattr(parallel, "cores", lambda cores=cores: cores)
-        contact = edge_contact(points, scale_field, search_range(Parameters()))
-        kept = thinned(points, contact, np.ones(len(points), bool), 2.0)
-        births = births_of(scale_field, points, present=kept)
-        arrays = (contact.strength, contact.on_edge, kept, births.position, births.parent, births.other)
-        found.append([array.tobytes() for array in arrays])
-    assert len(births.position) > 0
-    assert found[0] == found[1] == found[2] == found[3]
 
 
 def parents(count=6, first=10):

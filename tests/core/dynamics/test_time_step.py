@@ -70,24 +70,6 @@ def second_half(scale_field, before, **changes):
     return half, populated(half, moved, False, scale_field, PARAMETERS)
 
 
-def test_the_second_half_balances_births_and_deletions(scale_field):
-    """New particles have new numbers, of two too near one is deleted, and d_max is annealed; over a number of steps."""
-    state, born, deleted = state_of(cloud(SHAPE, 200, 3)), 0, 0
-    for _ in range(25):
-        half, state = second_half(scale_field, state)
-        born, deleted = born + state.born, deleted + state.deleted - half.deleted
-        assert state.count == half.count + state.born - (state.deleted - half.deleted)
-        assert state.next_identity == half.next_identity + state.born
-        identity = state.particles.identity
-        assert len(set(identity.tolist())) == state.count
-        assert sorted(identity[identity >= half.next_identity]) == [*range(half.next_identity, state.next_identity)]
-        apart = np.linalg.norm(state.particles.position[:, None] - state.particles.position, axis=2)
-        assert apart[np.triu_indices(state.count, 1)].min() >= 0.5 * PARAMETERS.d_min
-        assert state.annealed == half.annealed * PARAMETERS.annealing
-    assert born > 0
-    assert deleted > 0
-
-
 def test_late_in_a_run_the_second_half_waits_every_other_step(scale_field):
     before = state_of(cloud(SHAPE, 300, 4), 25)
     changed = []

@@ -164,15 +164,3 @@ def test_the_energy_of_particles_that_stay_the_same_falls_until_they_settle(monk
     assert seated[-1] == 1.0
     assert energies[-1] - min(energies) < 0.15 * fallen
     assert energies[-1] == energies[-2]
-
-
-@pytest.mark.parametrize("exponent", [None, 2.0, 3.0, 1.5])
-def test_the_electric_field_of_a_volume_is_the_sum_over_all_charges(exponent):
-    f = np.random.default_rng(4).uniform(0.0, 9.0, (6, 9, 7))
-    places = np.argwhere(f >= 0.0).astype(float)
-    away = places[:, None] - places
-    distance = np.linalg.norm(away, axis=-1)
-    distance[distance == 0.0] = np.inf
-    power = 3.0 if exponent is None else exponent
-    wanted = -(f.ravel()[:, None] * away / distance[..., None] ** (power + 1.0)).sum(axis=1)
-    np.testing.assert_allclose(cpm.electric_field(f, exponent=exponent), wanted.T.reshape(3, *f.shape), atol=1e-10)

@@ -95,15 +95,6 @@ def test_every_parameter_that_invalidates_the_field_builds_a_scale_field():
     assert len({id(scale_field) for scale_field in built}) == 8
 
 
-def test_going_back_costs_nothing(calls):
-    space = UsedScaleSpace(IMAGE, 3)
-    before = [space.at(scale, START) for scale in range(3)]
-    space.prepare(replace(START, smoothing=2.0))
-    calls.clear()
-    assert all(space.at(scale, START) is before[scale] for scale in range(3))
-    assert others(calls) == {}
-
-
 @pytest.mark.parametrize("regions", [None, REGIONS], ids=["whole", "regions"])
 @pytest.mark.parametrize(
     "taken", [{"smoothing": 1.5}, {"smoothing": "auto"}, {"gamma": 0.6}, {"edges": "vessels"}], ids=str

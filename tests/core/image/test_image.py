@@ -52,9 +52,3 @@ def test_what_is_no_image_is_refused_in_one_sentence_that_names_it(values, words
         Image(values, source="dot.png")
     assert "\n" not in str(caught.value)
     assert str(caught.value).endswith(".")
-
-
-@pytest.mark.parametrize("spacing", [(1.0,), (1.0, 0.0), (1.0, -2.0), (np.nan, 1.0), (1.0, 1.0, 1.0)])
-def test_spacing_must_be_one_positive_number_for_each_axis(spacing):
-    with pytest.raises(ValueError, match="spacing"):
-        Image(np.zeros((8, 8)), spacing=spacing)

@@ -73,11 +73,3 @@ def test_regions_and_surfaces_say_what_has_a_skeleton():
     assert len(lines.contours) == 1
     assert np.allclose(np.median(lines.contours[0].points[:, :2], axis=0), 12.5, atol=0.6)
     assert len(whole.result(run(whole)[-1], VOLUME).contours) == 4
-
-
-def test_dark_vessels_have_one_too():
-    volume = tubes()
-    dark = replace(volume, values=200.0 - volume.values)
-    method = METHODS["skeleton"](dark)
-    parameters = replace(VOLUME, polarity=-1.0)
-    assert len(method.result(run(method, parameters)[-1], parameters).contours) == 4

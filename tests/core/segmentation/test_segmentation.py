@@ -183,34 +183,6 @@ def test_short_and_weak_contours_are_left_out(three):
         assert [c.points.tobytes() for c in engine.result(state, parameters).contours] == truth
 
 
-@pytest.mark.parametrize(
-    "setting",
-    [
-        {"beta": 0.0},
-        {"beta": 4.0},
-        {"w1": 0.0},
-        {"w1": 0.05, "w2": 0.1},
-        {"annealing": 0.0},
-        {"annealing": 1.0},
-        {"time_step": 0.1},
-        {"time_step": 1.0},
-        {"d_min": 1.0},
-        {"d_max": 0.0},
-        {"smoothing": 0.0},
-        {"scales": 1},
-        {"edge_floor": 0.5},
-    ],
-    ids=str,
-)
-def test_no_setting_is_critical(setting):
-    """The U is found completely at the ends of every slider (the paper's section 5.5)."""
-    scene = u_shape()
-    result = segment(scene.values, circle((60, 40), 12), Parameters(**setting))
-    assert result.converged
-    assert [contour.closed for contour in result.contours] == [True]
-    assert outline_distance(scene.boundary, [contour.path for contour in result.contours]).max() < 1.5
-
-
 @pytest.mark.parametrize("apart", [5, 6, 7, 8, 12])
 @pytest.mark.parametrize("level", [30.0, 40.0])
 def test_a_weak_edge_beside_a_strong_one_keeps_its_particles(apart, level):

@@ -74,22 +74,6 @@ def test_particles_that_join_at_a_coarse_scale_are_seeds_of_the_finer_ones():
     assert len(engine.result(run(engine, joined, parameters), parameters).contours) == 2
 
 
-@pytest.mark.parametrize(
-    ("seeds", "words"),
-    [
-        ([(-5.0, 3.0)], r"none of the 1 starting particles lies inside the image \(96 x 192 pixels\)"),
-        (np.zeros((0, 2)), "there are no particles to start with"),
-        ([(1.0, 2.0, 3.0)], r"have the shape \(1, 3\)"),
-        ([(float("nan"), 3.0)], "not finite"),
-    ],
-)
-def test_particles_join_by_the_same_rules_as_seeds(engine, left, seeds, words):
-    with pytest.raises(ValueError, match=words):
-        engine.joined(left, seeds)
-    with pytest.raises(ValueError, match=words):
-        engine.start(seeds)
-
-
 def test_erased_particles_are_gone_and_the_others_are_unchanged(engine, left):
     upper = left.position[:, 0] < 40.0
     erased = engine.erased(left, upper)
@@ -182,12 +166,3 @@ def test_an_engine_with_other_regions_equals_one_made_for_them(interest, barrier
                 np.testing.assert_array_equal(one.fixed_charges, two.fixed_charges)
                 np.testing.assert_array_equal(one.barrier_map.segments, two.barrier_map.segments)
                 np.testing.assert_array_equal(one.barrier_map.clearance, two.barrier_map.clearance)
-
-
-def test_regions_without_edges_or_pixels_are_refused_when_they_are_moved(engine):
-    with pytest.raises(ValueError, match="no edges in the regions of interest"):
-        Engine(disk((96, 96), (30.0, 30.0), 10.0).values, ONE_SCALE).with_regions(
-            Regions(interest=(((70, 70), (70, 90), (90, 90), (90, 70)),))
-        )
-    with pytest.raises(ValueError, match="region of interest 1 holds no pixel"):
-        engine.with_regions(Regions(interest=(((300, 300), (300, 310), (310, 305)),)))

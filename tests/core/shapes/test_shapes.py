@@ -155,19 +155,6 @@ def test_a_threshold_is_relative_to_the_strongest_edge_in_its_own_area(values) -
     assert len(expected) > 20
 
 
-def test_dragging_an_area_computes_the_edge_map_once(values, monkeypatch) -> None:
-    calls = []
-    monkeypatch.setattr("cpm_core.shapes.image_starts.edge_map", lambda *given: calls.append(given) or edge_map(*given))
-    cache = SeedCache(Image(values))
-    area = Threshold(((5.0, 5.0), (5.0, 40.0), (50.0, 40.0)))
-    for step in range(6):
-        cache.seeds_for((area.moved((float(step), 0.0)), Everywhere("gradient")), 1.5)
-    assert len(calls) == 1
-    cache.seeds_for((area,), 2.0)
-    assert len(calls) == 2
-    assert len(cache._kept) == 2
-
-
 @pytest.mark.parametrize("smoothing", [0.0, 1.7, "auto"])
 def test_strong_edges_are_those_of_the_smoothing_in_use(values, smoothing) -> None:
     noisy = values + np.random.default_rng(1).normal(0, 20, values.shape)

@@ -88,20 +88,6 @@ def test_a_line_through_slices_holds_the_voxels_that_it_fills(axis, closed):
         assert scipy.ndimage.label(one, np.ones((3, 3)))[1] == 1, "a wall has no gap"
 
 
-@pytest.mark.parametrize(
-    ("line", "axis", "last", "sentence"),
-    [
-        (((1.0, 1.0), (2.0, 2.0)), 0, 4.0, "at least 3"),
-        (((1.0, 1.0), (2.0, 2.0), (3.0, np.nan)), 0, 4.0, "finite"),
-        (((1.0, 1.0), (2.0, 2.0), (3.0, 0.0)), 3, 4.0, "axis across the slices is 3"),
-        (((1.0, 1.0), (2.0, 2.0), (3.0, 0.0)), 1, np.inf, "the last slice of the line is inf"),
-    ],
-)
-def test_a_line_that_cannot_be_drawn_through_slices_is_refused(line, axis, last, sentence):
-    with pytest.raises(ValueError, match=sentence):
-        cpm.Extrusion(line, axis, 0.0, last)
-
-
 FAST = replace(VOLUME, time_step=1.0, w2=6.0, w1=3.0, beta=0.1)
 
 

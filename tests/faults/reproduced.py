@@ -12,9 +12,9 @@ import cpm_core
 from cpm_core import Image, circle, partition, segment, uniform_grid
 from cpm_core.parameters import PRESETS
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[2]
 ALONE = dict.fromkeys(("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-HERE = "import runpy; runpy.run_module('tests.core.segmentation.reproduced', run_name='__main__', alter_sys=True)"
+HERE = "import runpy; runpy.run_module('tests.faults.reproduced', run_name='__main__', alter_sys=True)"
 ON_ONE_CORE = f"import os; os.sched_setaffinity(0, [min(os.sched_getaffinity(0))]); {HERE}"
 SIDE = 128
 ROW, COL = np.mgrid[:SIDE, :SIDE]
