@@ -18,14 +18,14 @@ from app.model.text.keys import use_names
 from app.model.text.language import tr
 from app.session.features.workspace import Workspace
 from app.session.storage.preferences import Preferences
+from app.session.storage.session_file import DocumentFile
 from app.views.canvas.canvas_area import FIRST_TOOL, CanvasArea
 from app.views.canvas.status_fields import PointerReadout, ZoomField
 from app.views.features import FEATURES
 from app.views.features.exchange import ImportFeature
-from app.views.features.files import FolderFeature, OpenSaveFeature, RecoveryFeature, StartFeature
+from app.views.features.files import OpenSaveFeature, StartFeature
 from app.views.features.run import ParametersFeature, RunControlFeature
 from app.views.features.view import AppearanceFeature
-from app.views.features.volumes import PagesFeature
 from app.views.theme import theme
 from app.views.widgets.actions import Actions, ActionSpec, Submenu
 from app.views.widgets.turns import Turns
@@ -161,12 +161,8 @@ class MainWindow(QMainWindow):
         importing = self.feature(ImportFeature)
         files.import_contours = importing.take
         importing.open_files = files.take_dropped
-        importing.open_picture = lambda path: files.take([path])
         files.bring_in = self.feature(ParametersFeature).presets.import_file
-        self.feature(RecoveryFeature).set_session_file(files.document_file)
-        self.feature(FolderFeature).set_session_file(files.document_file)
-        self.feature(PagesFeature).set_session_file(files.document_file)
-        self.feature(StartFeature).keep(files)
+        self.feature(StartFeature).show_files_of(files.recent)
 
     def _keep_tool(self) -> None:
         """Use the first tool in a volume where the tool in use has nothing to draw on."""
@@ -177,9 +173,6 @@ class MainWindow(QMainWindow):
 
     def _reveal(self, name: str) -> None:
         self.docks.reveal(name)  # the docks are made after the features
-
-    def _conceal(self, name: str) -> None:
-        self.docks[name].hide()
 
     def _open_menu(self) -> None:
         self.context_menus.open_by_key()  # and so are the menus
@@ -196,16 +189,18 @@ class MainWindow(QMainWindow):
         return menus
 
     def _make_context(self) -> FeatureContext:
+        canvas, slices, truth = self.canvas_area.canvas, self.workspace.slices, self.workspace.truth
+        document_file = DocumentFile(self.session, lambda: {**canvas.view_state(), **slices.view_state()})
+        document_file.truth = lambda: truth.file
         return FeatureContext(
             window=self,
             workspace=self.workspace,
             canvas_area=self.canvas_area,
             preferences=self.preferences,
+            document_file=document_file,
             action_specs=lambda: self.actions_by_name.specs,
-            preference_rows=lambda: [row for feature in self.features.values() for row in feature.preferences()],
             shortcuts=lambda: self.shortcuts,
             reveal=self._reveal,
-            conceal=self._conceal,
             areas=lambda: self.areas,
             use_theme=self.use_theme,
             refresh=self.refresh,

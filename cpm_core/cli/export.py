@@ -76,7 +76,7 @@ def run(arguments: argparse.Namespace) -> int:
         result = _in_volume(source, arguments) if of_volumes else _in_plane(source, arguments)
     files = Files()
     options = {"outlines": arguments.outlines, "space": arguments.space or "LPS"}
-    files.export(result, arguments.to, image=image, tell=say, **options)
+    files.export(result, arguments.to, image=image, warn=say, **options)
     status = files.status()
     missing = {path: left_out(result, suffix_of(path), outlines=arguments.outlines) for path in files.written}
     said, line = _on_result(result, source)
@@ -153,13 +153,13 @@ def _in_volume(source: Path, arguments: argparse.Namespace) -> Result | Centerli
     suffix = source.suffix.lower()
     image = None if arguments.image is None else load_volume(arguments.image)
     if suffix in FOR_CENTERLINES:
-        return load_centerlines(source, image, tell=say)
+        return load_centerlines(source, image, warn=say)
     if image is None and suffix not in SURFACES_READABLE:
         image = load_volume(source)
     in_voxels = {path for path in arguments.to if suffix_of(path) in WRITABLE}
     if image is None and in_voxels:
         raise ValueError(f"{min(in_voxels)} has the voxels of a volume: name the volume with --image.")
-    surface = load_surface(source, image, tell=say)
+    surface = load_surface(source, image, warn=say)
     empty = _read(source, image, (1, 1, 1) if image is None else image.shape)
     return replace(empty, surface=surface, spacing=surface.spacing, unit=surface.unit)
 

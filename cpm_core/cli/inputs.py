@@ -152,8 +152,8 @@ def starts_from_file(path: str, image: Image) -> tuple[Start, ...]:
     if suffix in CONTOURS_READABLE:
         raise ValueError(f"--start {path} has contours, which lie in a plane: name a surface or center lines.")
     if suffix in FOR_CENTERLINES:
-        return tuple(starts_in(load_centerlines(path, image, tell=say)))
-    return (start_on_surface(load_surface(path, image, tell=say)),)
+        return tuple(starts_in(load_centerlines(path, image, warn=say)))
+    return (start_on_surface(load_surface(path, image, warn=say)),)
 
 
 def truth_for(arguments: argparse.Namespace, image: Image) -> Truth | VolumeTruth | None:

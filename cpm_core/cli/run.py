@@ -241,7 +241,7 @@ def _run_image(
             shown = _as_result(chosen, result, image)
     seconds = time.perf_counter() - started
     files = Files()
-    files.export(shown, arguments.export, image=path, space=arguments.space or "LPS", tell=_say_omission)
+    files.export(shown, arguments.export, image=path, space=arguments.space or "LPS", warn=_say_omission)
     if arguments.save_session is not None:
         whole = _saved(arguments, session, image, path, part, parameters, shapes)
         with files.writing(arguments.save_session):

@@ -67,7 +67,7 @@ def load_contours(
     image: Image | None = None,
     *,
     page: int | None = None,
-    tell: Callable[[str], object] = _LOG.warning,
+    warn: Callable[[str], object] = _LOG.warning,
 ) -> tuple[Contour, ...]:
     """Read contours from a file of any known format.
 
@@ -80,7 +80,7 @@ def load_contours(
         The image that they belong to. A drawing for CAD counts rows from its lower side, and in its unit.
     page : int, optional
         Of files of a stack only the contours on this page, from 1.
-    tell : callable, optional
+    warn : callable, optional
         Called with a sentence for what was left out; by default a warning is logged.
 
     Returns
@@ -107,7 +107,7 @@ def load_contours(
     """
     found = read_contours(path, plane_of(image), page=page)
     for note in found.notes:
-        tell(f"{Path(path).name}: {note}")
+        warn(f"{Path(path).name}: {note}")
     if not found.contours:
         raise _without_contours(Path(path).name)
     return found.contours

@@ -89,7 +89,7 @@ def load_volume_truth(path: str | os.PathLike[str], volume: Image) -> VolumeTrut
     Returns
     -------
     VolumeTruth
-        With voxels as large as those of the volume. Where both files tell a place in space, the labels are turned as
+        With voxels as large as those of the volume. Where both files have a place in space, the labels are turned as
         the volume is.
 
     Raises

@@ -35,7 +35,7 @@ SURFACES_READABLE: dict[str, str] = {suffix: what for suffix, (what, _) in _READ
 """Suffixes of files that surfaces can be read from -> what they are; volumes are read as labels."""
 
 _HEAD = 4096
-"""Bytes at the beginning of a file in which it tells its coordinates and its unit."""
+"""Bytes at the beginning of a file that give its coordinates and its unit."""
 
 _ASIDE = 0.5
 """How far labels may lie from where their volume lies [voxels]."""
@@ -49,7 +49,7 @@ def load_surface(
     image: Image | None = None,
     *,
     space: Convention | None = None,
-    tell: Callable[[str], object] = _LOG.warning,
+    warn: Callable[[str], object] = _LOG.warning,
 ) -> Surface:
     """Read a surface from a file of triangles, or the surfaces of the objects of a label volume.
 
@@ -62,14 +62,14 @@ def load_surface(
         The volume that the surface belongs to: its vertices come back in voxels of it. Without it a voxel is as large
         as a unit of the file.
     space : {"LPS", "RAS"}, optional
-        Where x, y and z of the file point; by default as the file tells, and LPS where it does not.
-    tell : callable, optional
+        Where x, y and z of the file point; by default as the file says, and LPS where it does not.
+    warn : callable, optional
         Called with a sentence for what was assumed; by default a warning is logged.
 
     Returns
     -------
     Surface
-        Its triangles, turned outward; `Surface.numbers` tells the objects where the file does.
+        Its triangles, turned outward; `Surface.numbers` are those of the objects where the file has them.
 
     Raises
     ------
@@ -87,7 +87,7 @@ def load_surface(
     """
     surface, notes = read_surface(path, image, space)
     for note in notes:
-        tell(f"{Path(path).name}: {note}")
+        warn(f"{Path(path).name}: {note}")
     return surface
 
 
@@ -129,7 +129,7 @@ def decode_surface(
     if image is not None and not ((used >= -0.5) & (used <= np.array(image.shape) - 0.5)).all(axis=1).any():
         raise ValueError(
             f"The surface of {name} lies outside the volume {image.source}: choose the surface of this very volume, in "
-            "its unit, and tell whether it is in LPS or RAS."
+            "its unit, and say whether it is in LPS or RAS."
         )
     return surface, notes
 

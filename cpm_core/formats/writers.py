@@ -162,7 +162,7 @@ OUTLINABLE = frozenset(one.suffix for one in FORMATS if "outlines" in one.option
 """Suffixes of masks, which hold the insides of closed contours, or lines."""
 
 IN_SPACE = frozenset(one.suffix for one in FORMATS if "space" in one.options and one.volume)
-"""Suffixes of the files of surfaces whose coordinates are in LPS or RAS, as `export` is told."""
+"""Suffixes of the files of surfaces whose coordinates are in LPS or RAS; see `export`."""
 
 DRAWN = frozenset(suffix for suffix in WRITABLE if suffix.startswith(".figure"))
 """Suffixes of figures, which show the image."""
@@ -177,7 +177,7 @@ def export(
     outlines: bool = False,
     image: str | os.PathLike[str] | None = None,
     space: Convention = "LPS",
-    tell: Callable[[str], object] = _LOG.warning,
+    warn: Callable[[str], object] = _LOG.warning,
     refused: Callable[[Path, str], object] | None = None,
 ) -> None:
     """Write contours, a skeleton, or center lines in a volume, in the format that each suffix names.
@@ -195,8 +195,8 @@ def export(
     image : path-like, optional
         File of the image, for files that refer to it (labelme); by default its name.
     space : {"LPS", "RAS"}
-        Where x, y and z of surfaces and center lines point, which the files tell; see `Geometry`.
-    tell : callable, optional
+        Where x, y and z of surfaces and center lines point, which the files name; see `Geometry`.
+    warn : callable, optional
         Called with a sentence for each file that leaves contours out; by default a warning is logged.
     refused : callable, optional
         Called with each file that the result holds nothing for, and why in a sentence; by default that is an error.
@@ -229,7 +229,7 @@ def export(
             refused(file, str(error))
     for file, _ in contents:
         if missing := omission(result, suffix_of(file), outlines=outlines):
-            tell(f"{file}: {missing}")
+            warn(f"{file}: {missing}")
     write_together(contents)
 
 

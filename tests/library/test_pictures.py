@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import io
-import subprocess
-import sys
 from xml.etree import ElementTree as ET
 
 import matplotlib as mpl
@@ -100,21 +98,3 @@ def test_figures_are_read_as_what_their_suffix_says(result, ball, tmp_path):
     cpm.write_figure(ball, tmp_path / "ball.png")
     with pytest.raises(ValueError, match="names no figure"):
         cpm.write_figure(result, tmp_path / "figure.gif")
-
-
-def test_the_same_result_gives_the_same_figure(result, tmp_path):
-    for suffix in (".svg", ".pdf"):
-        one, other = tmp_path / f"one{suffix}", tmp_path / f"other{suffix}"
-        cpm.write_figure(result, one, other)
-        assert one.read_bytes() == other.read_bytes()
-
-
-def test_without_matplotlib_plots_say_what_to_install():
-    code = (
-        "import sys; sys.modules['matplotlib'] = None\n"
-        "import cpm_core as cpm\n"
-        "image = cpm.example()\n"
-        "try:\n    image.plot()\nexcept ValueError as error:\n    print(error)\n"
-    )
-    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
-    assert "pip install matplotlib" in said

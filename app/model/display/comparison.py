@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from app.model.display.round_numbers import short_text
+from app.model.display.lengths import short_text
 from app.model.document.document import Document
 from app.model.parameters.controls import Control, slider_range, value_of, with_value
 from app.model.text.language import from_core, tr

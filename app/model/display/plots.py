@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
-from app.model.display.round_numbers import scientific_text
+from app.model.display.lengths import scientific_text
 from app.model.text.language import tr, written
 from cpm_core.model.equations import EPSILON
 from cpm_core.numerics.types import Array

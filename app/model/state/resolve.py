@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from app.model.display.lengths import measured
-from app.model.display.round_numbers import scientific_text
+from app.model.display.lengths import measured, scientific_text
 from app.model.document.document import Document, ImageReference
 from app.model.document.modes import MODES, needs_start
 from app.model.state.situation import RunStatus, Situation, has_volume

@@ -117,7 +117,7 @@ def _in_volume(path: Path, volume: Image) -> Imported:
     if suffix in CONTOURS_READABLE:
         raise ValueError(tr("{name} has contours for an image, but a volume is open.").format(name=path.name))
     if suffix in FOR_CENTERLINES:
-        lines = load_centerlines(path, volume, tell=notes.append)
+        lines = load_centerlines(path, volume, warn=notes.append)
         return Imported.of_lines(lines, tuple(notes))
     surface, assumed = read_surface(path, volume)
     return Imported.of_surface(surface, volume, path.name, assumed)

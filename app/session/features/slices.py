@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numpy as np
 
 from app.model.display.differences import differences_in, truth_in
 from app.model.display.display_image import DisplayImage, DisplayVolume, IntensityWindow, apply_window
-from app.model.display.iso_lines import iso_lines
+from app.model.display.lines import iso_lines
 from app.model.document.document import Document
 from app.model.document.edits import Hit, hit
 from app.model.volume.sampled_volumes import SampledForce, SampledValues
-from app.model.volume.shape_sections import sections
+from app.model.volume.shape_sections import Section, sections
 from app.model.volume.slices import Slice, Slices
 from app.model.volume.surface_section import objects_in, selection_in, skeleton_in, unmeasured
 from app.model.volume.surface_section import section as lines_of
@@ -143,7 +143,7 @@ def _probed(probed: Probed | None, here: Slice, volume: Image, reach: float) -> 
     return replace(probed, position=here.within(probed.position), forces=along)
 
 
-def sections_of(shapes: Iterable[Shape], here: Slice, volume: Image) -> Iterator[tuple[int, Shape]]:
+def sections_of(shapes: Iterable[Shape], here: Slice, volume: Image) -> Iterator[tuple[int, Section]]:
     """What a slice shows of shapes, each with the number of its shape."""
     sides = tuple(side / min(volume.spacing) for side in volume.spacing)
     for index, shape in enumerate(shapes):
@@ -156,11 +156,12 @@ def _document(
 ) -> tuple[Document, dict[int | None, int]]:
     """The document with the sections of its shapes and objects, and the place of the first section of each shape."""
     places: dict[int | None, int] = {}
-    shapes: list[Shape] = []
+    shapes: list[Section] = []
     for index, cut in sections_of(document.shapes, here, volume):
         places.setdefault(index, len(shapes))
         shapes.append(cut)
-    return replace(document, shapes=tuple(shapes), objects=objects), places
+    # a layer draws the sections as it draws the shapes of an image
+    return replace(document, shapes=cast("tuple[Shape, ...]", tuple(shapes)), objects=objects), places
 
 
 def _shown(shown: ShownObjects, here: Slice) -> ShownObjects:
@@ -224,7 +225,7 @@ def hit_in(scene: Scene, place: Place, tolerance: float, here: Slice | None = No
     here = scene.slices.current if here is None else here
     seen = list(sections_of(shapes, here, scene.whole))
     chosen: list[int | None] = [number for number, (index, _) in enumerate(seen) if index == selected]
-    cuts = tuple(section for _, section in seen)
+    cuts = cast("tuple[Shape, ...]", tuple(section for _, section in seen))
     found = None
     for number in chosen or [None]:  # a shape may have several sections, each with handles
         found = hit(cuts, here.within(place), tolerance, number)

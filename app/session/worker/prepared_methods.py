@@ -16,7 +16,7 @@ from app.model.display.display_image import (
     volume_of_edge_map,
     volume_of_potential,
 )
-from app.model.display.iso_lines import iso_lines
+from app.model.display.lines import iso_lines
 from app.model.document.document import Document
 from app.model.document.modes import MODES
 from app.model.text.language import tr

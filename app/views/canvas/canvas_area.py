@@ -18,8 +18,7 @@ from app.views.canvas.crosshair import Crosshair
 from app.views.canvas.image_view import ImageView
 from app.views.canvas.layers.image_layer import LevelDrag
 from app.views.canvas.legend import Strip
-from app.views.canvas.pointed import Pointed
-from app.views.canvas.selected_places import part_around, selected_places
+from app.views.canvas.pointed import Pointed, part_around, selected_places
 from app.views.canvas.tools import TOOLS
 from app.views.canvas.tools.select import SelectTool
 from app.views.canvas.tools.tool import Tool, ToolContext

@@ -191,11 +191,9 @@ class ImportFeature(Feature):
         super().__init__(context)
         self.open_files: Callable[[Sequence[QUrl]], None] = lambda urls: None
         """Opens files that were pasted; set by the window."""
-        self.open_picture: Callable[[Path], None] = lambda path: None
-        """Opens a picture that was pasted; set by the window."""
         context.session.listen(ContoursRead, self._ask)
         context.session.listen(PointsRead, self._draw_points)
-        context.session.listen(PictureKept, lambda kept: self.open_picture(kept.path))
+        context.session.listen(PictureKept, lambda kept: context.open_file(kept.path, False))
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """Import contours, and paste."""
@@ -254,7 +252,7 @@ class ImportFeature(Feature):
             return
         found = read.imported
         of_file = read.path is not None
-        words = _TITLES[found.kind], _question(found), _explained(found, of_file)
+        words = _TITLES[found.kind], _question(found), _explained(found)
         answer = Question(self.context.window, *words, _buttons(found, of_file)).ask()
         if answer == "start":
             name = tr("start from {name}").format(name=found.name)
@@ -281,25 +279,15 @@ def _contours_on(data: QMimeData) -> bytes:
 
 
 def _question(found: Imported) -> str:
-    if found.kind == "surface":
-        return tr("What is the surface of {name} for?").format(name=found.name)
-    if found.kind == "center lines":
-        return tr("Use the center lines of {name} as a start?").format(name=found.name)
-    if not found.count:
-        return tr("Use the points of {name} as a start?").format(name=found.name)
-    if found.count == 1:
-        return tr("What is the contour of {name} for?").format(name=found.name)
-    return tr("What are the {count} contours of {name} for?").format(count=found.count, name=found.name)
+    if found.kind == "center lines" or not found.count:
+        return tr("Use {name} as a start?").format(name=found.name)
+    return tr("What is {name} for?").format(name=found.name)
 
 
-def _explained(found: Imported, of_file: bool) -> str:
+def _explained(found: Imported) -> str:
     sentences = [tr("Particles of a start flow to the edges; objects stay as they are.")]
-    if found.kind == "surface" and found.objects:
-        sentences.append(tr("A ground truth is what the surface of the run is compared with."))
-    elif found.kind == "surface":
+    if found.kind == "surface" and not found.objects:
         sentences.append(tr("The surface is not closed, so that it encloses no object."))
-    elif found.kind == "contours" and found.count and of_file:
-        sentences.append(tr("A ground truth is what the contours of the run are compared with."))
     if found.open and found.objects:
         sentences.append(tr("Open contours are no objects."))
     return " ".join([*sentences, *map(from_core, found.notes)])

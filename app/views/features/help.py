@@ -122,7 +122,7 @@ class PreferencesFeature(Feature):
         """Open the dialog; the window stays usable."""
         context = self.context
         page = ShortcutsPage(context.shortcuts())
-        dialog = PreferencesDialog(context.window, context.preferences, context.preference_rows(), page)
+        dialog = PreferencesDialog(context.window, context.preferences, page)
         dialog.finished.connect(dialog.deleteLater)
         dialog.open()
         return dialog

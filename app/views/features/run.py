@@ -8,15 +8,15 @@ from pathlib import Path
 
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QLabel, QMenu, QWidget
+from PySide6.QtWidgets import QMenu, QWidget
 
 from app.model.export import formats
 from app.model.parameters.controls import CHANNEL
 from app.model.preferences.table import TIMELINE_MEMORY, UNIT, WORDING
 from app.model.state.resolve import resolve
-from app.model.state.situation import Situation, can_step, has_image, has_particles, is_running, is_started
+from app.model.state.situation import can_step, has_image, has_particles, is_running, is_started
 from app.model.text.language import from_core, tr, written
-from app.model.text.wording import Wording, wording_called
+from app.model.text.wording import wording_called
 from app.session.features.comparison import ComparisonWritten
 from app.session.features.timeline import TimelineNavigation
 from app.session.storage.presets import PresetStore
@@ -29,7 +29,7 @@ from app.views.panels.parameters import ParametersPanel
 from app.views.panels.presets import Presets
 from app.views.panels.run import RunPanel
 from app.views.panels.timeline import TimelinePanel
-from app.views.widgets.actions import ActionSpec, PreferenceRow, Submenu
+from app.views.widgets.actions import ActionSpec, Submenu
 from app.views.widgets.fields import SpeedControl
 from app.views.window.bars import TaskBar
 from app.views.window.dialogs import Files
@@ -177,10 +177,6 @@ class TimelineFeature(Feature):
             ),
         )
 
-    def preferences(self) -> Sequence[PreferenceRow]:
-        """The memory that the timeline uses."""
-        return (PreferenceRow(page="run", label=tr("In use now"), make=self._memory_label),)
-
     def use_keys(self) -> None:
         """Name the keys as they are now."""
         self.panel.show_keys()
@@ -191,20 +187,6 @@ class TimelineFeature(Feature):
             return False
         (self.navigation.to_first if event.key() == Qt.Key.Key_Home else self.navigation.to_last)()
         return True
-
-    def _memory_label(self) -> QLabel:
-        label = QLabel()
-        navigation = self.navigation
-
-        def show() -> None:
-            outline = navigation.outline
-            words = tr("{used} MB for {count} steps")
-            label.setText(words.format(used=written(f"{outline.used / MEGABYTE:.1f}"), count=outline.kept))
-
-        show()
-        navigation.changed.connect(show)
-        label.destroyed.connect(lambda: navigation.changed.disconnect(show))
-        return label
 
     def _use_budget(self) -> None:
         megabytes = int(self.context.preferences.value(TIMELINE_MEMORY))
@@ -229,12 +211,6 @@ class TasksFeature(Feature):
         )  # fmt: skip
 
 
-_WORDINGS: tuple[tuple[Wording, str, str], ...] = (
-    ("name", tr("&Names of parameters first"), tr("Label parameters by name and symbol.")),
-    ("symbol", tr("S&ymbols of parameters first"), tr("Label parameters by symbol and name, as in the formulas.")),
-)
-
-
 class ParametersFeature(Feature):
     """Parameters and presets."""
 
@@ -243,15 +219,15 @@ class ParametersFeature(Feature):
         store = PresetStore(parent=context.window)
         self.presets = Presets(context, store)
         self.panel = ParametersPanel(context.session, self.presets.button)
-        context.preferences.follow(WORDING, lambda: self.panel.use_wording(self._wording))
-        # The actions must show the preferences.
-        context.preferences.changed.connect(self._refresh)
+        context.preferences.follow(
+            WORDING, lambda: self.panel.use_wording(wording_called(context.preferences.value(WORDING)))
+        )
 
     def action_specs(self) -> Sequence[ActionSpec | Submenu]:
-        """Presets, channels, and labels of parameters."""
+        """Presets and channels."""
         presets = Submenu(name="presets", menu="Run", text=tr("&Preset"), fill=self.presets.fill, gap=True)
         channels = Submenu(name="channels", menu="Run", text=tr("C&hannel"), fill=self.fill_channels)
-        return (presets, channels, *self._wordings())
+        return (presets, channels)
 
     def panels(self) -> Sequence[Panel]:
         """The sliders."""
@@ -268,25 +244,6 @@ class ParametersFeature(Feature):
             action.setEnabled(colored)
             action.setStatusTip(about)
             action.triggered.connect(lambda _=False, value=value: self.panel.change(CHANNEL, value))
-
-    @property
-    def _wording(self) -> Wording:
-        return wording_called(self.context.preferences.value(WORDING))
-
-    def _wordings(self) -> list[ActionSpec]:
-        choose = self.context.preferences.choose
-        return [
-            ActionSpec(f"wording_{name}", "View", text, tip, partial(choose, WORDING, name),
-                       holds=partial(self._holds, name), gap=index == 0)
-            for index, (name, text, tip) in enumerate(_WORDINGS)
-        ]  # fmt: skip
-
-    def _holds(self, name: Wording, situation: Situation) -> bool:
-        return name == self._wording
-
-    def _refresh(self, key: str) -> None:
-        if key == WORDING.name:
-            self.context.refresh()
 
 
 _LEAST_SEEN = 0.02

@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 
 from PySide6.QtCore import QPoint
+from PySide6.QtWidgets import QDockWidget
 
 from app.model.display.space.view_in_space import ViewInSpace
 from app.model.export import provenance_comment
@@ -18,7 +19,6 @@ from app.session.exchange.messages import Exported, Report
 from app.session.features.background import AsyncCache
 from app.session.features.stack_pages import WantedContour
 from app.session.scene import Scene
-from app.session.storage.session_file import DocumentFile
 from app.session.tasks.tasks import Task
 from app.views.canvas.image_view import ImageView
 from app.views.canvas.side_view import Cross, SideView
@@ -199,14 +199,11 @@ class PagesFeature(Feature):
         self.bar.followed.connect(self._follow)
         self.panel.export.clicked.connect(self.export)
         context.canvas_area.controls.addWidget(self.bar)
+        pages.set_session_file(context.document_file)
         pages.changed.connect(self._show)
         pages.found.connect(context.refresh)
         context.session.document_changed.connect(lambda _: self._show_bar())
         context.preferences.follow(UNIT, self.panel.show_rows)
-
-    def set_session_file(self, document_file: DocumentFile) -> None:
-        """Save the pages with the session file."""
-        self._pages.set_session_file(document_file)
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """Run all pages, or those from this one on; follow; export."""
@@ -398,8 +395,8 @@ class SpaceFeature(Feature):
         """A volume is seen in space from the start; an image has no space."""
         if self.context.session.scene.slices is not None:
             self.context.reveal(_NAME)
-        else:
-            self.context.conceal(_NAME)
+        elif isinstance(dock := self.panel.parentWidget(), QDockWidget):
+            dock.hide()
 
     def _show(self, *_: object) -> None:
         self.panel.show_contents(self._seen.of(self.context.session.scene, self._layers))

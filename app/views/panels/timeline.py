@@ -33,7 +33,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.model.display.round_numbers import round_up
+from app.model.display.lengths import round_up
 from app.model.text.keys import with_keys
 from app.model.text.language import tr, written
 from app.session.features.timeline import TimelineNavigation

@@ -260,25 +260,3 @@ class MenuOwner(Protocol):
         Returns the name of the thing, of which the menu knows the actions, or an empty text for nothing; and where
         the menu opens.
         """
-
-
-@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
-class PreferenceRow:
-    """A row of the dialog.
-
-    Attributes
-    ----------
-    page : str
-        Name of its page in `PAGES`.
-    label : str
-        Label before the widget.
-    make : callable
-        Makes a new widget each time the dialog opens.
-    note : str
-        A sentence below it.
-    """
-
-    page: str
-    label: str
-    make: Callable[[], QWidget]
-    note: str = ""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -37,7 +37,7 @@ from app.model.preferences.table import PAGES, PREFERENCES, Choice, Color, Flag,
 from app.model.text.language import tr
 from app.session.storage.preferences import Preferences
 from app.views.theme.icons import swatch
-from app.views.widgets.actions import PreferenceRow, native, natives
+from app.views.widgets.actions import native, natives
 from app.views.widgets.fields import DecimalField
 from app.views.window.shortcuts import Shortcuts
 
@@ -59,9 +59,7 @@ class PreferencesDialog(QDialog):
         Widgets by their labels.
     """
 
-    def __init__(
-        self, parent: QWidget, preferences: Preferences, rows: Iterable[PreferenceRow], shortcuts: ShortcutsPage
-    ) -> None:
+    def __init__(self, parent: QWidget, preferences: Preferences, shortcuts: ShortcutsPage) -> None:
         super().__init__(parent)
         self.setWindowTitle(tr("Preferences"))
         self.shortcuts = shortcuts
@@ -80,9 +78,6 @@ class PreferencesDialog(QDialog):
         self.rows = {
             preference.label: self._add_field(forms[preference.page], preference) for preference in PREFERENCES
         }
-        for row in rows:
-            self.rows[row.label] = row.make()
-            _add_row(forms[row.page], row.label, self.rows[row.label], row.note)
         preferences.changed.connect(self._follow)
         self.contents.currentRowChanged.connect(pages.setCurrentIndex)
         self.contents.setCurrentRow(0)

@@ -64,7 +64,10 @@ def encode(result: Result | Skeleton) -> bytes:
         }
         if labels is not None and not surrounding.isdisjoint(row.number for _, row in pairs):
             holes = [one for one in result.contours if one.hole and one.group == first.group and len(one.points) > 2]
-            changes = np.flatnonzero(np.diff((labels == label).T.ravel(), prepend=False, append=False))
+            mask = labels == label
+            if not mask.any():  # hidden by another object
+                mask = paint([*(contour for contour, _ in pairs), *holes], result.shape) > 0
+            changes = np.flatnonzero(np.diff(mask.T.ravel(), prepend=False, append=False))
             counts = np.diff(changes, prepend=0, append=labels.size).tolist()  # down one column after the other
             instance["segmentation"] = {"counts": counts, "size": [height, width]}
             instance[_OUTLINES] = [*polygons, *map(_polygon, holes)]
@@ -89,7 +92,7 @@ def read(content: dict[str, Any]) -> Contents:
     """Contours of the instances of one image: the first with any.
 
     The category is the name of a contour. Of run-length masks contours run between pixels, unless CPM has written
-    their outlines beside them.
+    their outlines next to them.
     """
     found = Contents()
     categories = {entry["id"]: entry["name"] for entry in content.get("categories", [])}

@@ -56,7 +56,7 @@ class Contents:
     shape : tuple of int or None
         Shape of the image, where the file gives it.
     notes : list of str
-        What else has to be told, one sentence each.
+        What else has to be reported, one sentence each.
     """
 
     contours: list[Contour] = field(default_factory=list)

@@ -63,7 +63,7 @@ def check_figure(path: str | os.PathLike[str]) -> None:
 
 
 def encoded(suffix: str, result: Result | Skeleton, **drawn: bool) -> bytes:
-    """What `write_figure` writes, as bytes; `drawn` is what it is told to draw."""
+    """What `write_figure` writes, as bytes; `drawn` is what it draws."""
     surface = result.surface if isinstance(result, Result) else None
     figure, ax = new_figure(result.shape if surface is None else None, result.spacing)
     if isinstance(result, Skeleton):

@@ -57,7 +57,7 @@ def encode_set(result: Result | Skeleton) -> bytes:
     """Write each contour as a selection into one archive, which the ROI manager of ImageJ opens.
 
     The ROI manager shows a selection under the name of its file in the archive: the name of the contour, with a number
-    appended where several have the same. Each tells in its properties how it was found. The same result always gives
+    appended where several have the same. Its properties are how it was found. The same result always gives
     the same bytes. ValueError when there is no contour, because ImageJ reports an empty archive as damaged.
     """
     if not result.contours:
@@ -120,7 +120,7 @@ def selection(contour: Contour, number: int, properties: str, **place: int) -> b
 
 def properties_of(result: Result | Skeleton) -> str:
     """How contours were found, as properties of a selection: a key and a value in each line, in ASCII."""
-    return "".join(f"cpm_{name}: {told}\n" for name, told in ascii_entries_of(facts_of(result)).items())
+    return "".join(f"cpm_{name}: {value}\n" for name, value in ascii_entries_of(facts_of(result)).items())
 
 
 def read(content: bytes) -> Contents:

@@ -58,7 +58,7 @@ def numbered_colors(file: Path) -> NDArray[np.integer] | None:
         with opened(file) as picture:
             if picture.mode == "P":
                 return np.array(picture, dtype=np.int32)
-    except (OSError, SyntaxError, ValueError):  # no PNG, a damaged or large one, of which the reader of images tells
+    except (OSError, SyntaxError, ValueError):  # no PNG, a damaged or large one, of which the reader of images reports
         return None
     return None
 
@@ -90,7 +90,7 @@ def mask_of_runs(plain: Any) -> Mask:
 def _unpacked(text: str) -> np.ndarray[Any, np.dtype[np.int64]]:
     """Lengths of the runs of compressed text.
 
-    A letter holds five bits, the lowest first, and whether another follows; from the fourth length on, each is told
+    A letter holds five bits, the lowest first, and whether another follows; from the fourth length on, each is given
     by how much it differs from the one before the last.
     """
     lengths: list[int] = []

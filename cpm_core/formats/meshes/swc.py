@@ -103,7 +103,7 @@ def load_centerlines(
     image: Image | None = None,
     *,
     space: Convention | None = None,
-    tell: Callable[[str], object] = _LOG.warning,
+    warn: Callable[[str], object] = _LOG.warning,
 ) -> Centerlines:
     """Read center lines from an SWC file, written by `export`, `write_swc` or by another program.
 
@@ -115,8 +115,8 @@ def load_centerlines(
         The volume that they belong to: their vertices come back in voxels of it. Without it a voxel is as large as a
         unit of the file.
     space : {"LPS", "RAS"}, optional
-        Where x, y and z of the file point; by default as the file tells, and LPS where it does not.
-    tell : callable, optional
+        Where x, y and z of the file point; by default as the file says, and LPS where it does not.
+    warn : callable, optional
         Called with a sentence for what was left out or assumed; by default a warning is logged.
 
     Returns
@@ -149,7 +149,7 @@ def load_centerlines(
     if not branches:
         raise ValueError(f"{file.name} holds single points and no lines: choose a file with lines.")
     for note in notes:
-        tell(f"{file.name}: {note}")
+        warn(f"{file.name}: {note}")
     geometry = None if image is None else image.geometry
     found = Centerlines(tuple(branches), place.spacing, place.unit, file.name, geometry)
     order = np.argsort(-found.lengths, kind="stable")

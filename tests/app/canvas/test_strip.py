@@ -8,12 +8,10 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFrame, QLabel
 
-from app.model.document import edits
 from app.session.scene import Item, ReviewedContours
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import measure
 from cpm_core.contours.review import Mark, ReviewedContour
-from cpm_core.shapes import Circle
 
 pytestmark = pytest.mark.shared_window
 
@@ -53,19 +51,6 @@ def test_a_long_message_has_one_line_and_details(ready, qtbot) -> None:
     (popup,) = [frame for frame in popups if frame.isVisible()]
     assert [label.text() for label in popup.findChildren(QLabel)] == [LONG]
     popup.close()
-
-
-def test_a_success_after_an_error_is_announced_and_ends_it(ready, tmp_path, hand) -> None:
-    ready.session.edit("draw", lambda document: edits.add_shape(document, Circle((20.0, 20.0), 5.0)))
-    hand.key(KEY.Key_Space)
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: ready.session.idle)
-    ready.session.export(tmp_path / "a.nonsense")
-    hand.wait(lambda: ready.canvas_area.messages.error)
-    ready.session.export(tmp_path / "a.svg")
-    hand.wait(lambda: "a.svg" in ready.canvas_area.messages.text)
-    ready.canvas_area.messages.dismiss()
-    assert ready.canvas_area.messages.text == ""
 
 
 @pytest.mark.own_window

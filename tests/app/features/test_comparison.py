@@ -9,29 +9,20 @@ from dataclasses import replace
 import numpy as np
 import PIL.Image
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtWidgets import QFileDialog
 
 from app.model.display.comparison import (
     FIRST_AXES,
-    Axis,
-    in_text,
-    parameter_tiles,
-    pick,
-    read_values,
-    sensible_values,
 )
-from app.model.document.document import Document
 from app.model.document.modes import acting_in
 from app.model.document.objects import objects_result
-from app.model.parameters.controls import controls, slider_range, value_of
+from app.model.parameters.controls import controls
 from app.views.comparison.dialog import CompareDialog
 from app.views.features.files import OpenSaveFeature
 from app.views.features.run import ComparisonFeature
 from app.views.main_window import MainWindow
-from cpm_core import PRESETS, Engine, Parameters, segment
+from cpm_core import PRESETS, Engine, segment
 from cpm_core.contours.ground_truth import truth_of_mask
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.model.starts import circle
@@ -43,7 +34,6 @@ pytestmark = pytest.mark.shared_window
 
 KEY = Qt.Key
 LEFT = Qt.MouseButton.LeftButton
-CONTROLS = {control.name: control for control in controls()}
 OFFERED = [control.name for control in controls() if control.name in acting_in("shape")]
 
 
@@ -177,18 +167,6 @@ def test_closing_leaves_no_thread(ready, parameters, hand, monkeypatch) -> None:
     hand.wait(lambda: not comparing_threads())
 
 
-def test_invalid_values_are_rejected_with_a_message(parameters, hand) -> None:
-    down, across = parameters.parameters.down, parameters.parameters.across
-    for text, expected in (("0.5, often", "often"), ("0.5", "from 2 to 6"), ("0.5, 99", "99")):
-        down.values.setText(text)
-        hand.qtbot.mouseClick(parameters.start_button, LEFT)
-        assert expected in parameters.words.text()
-        assert not parameters.board.tiles
-    down.choice.setCurrentIndex(across.choice.currentIndex())
-    hand.qtbot.mouseClick(parameters.start_button, LEFT)
-    assert "choose two different ones" in parameters.words.text()
-
-
 def test_figures_of_methods_are_shown_where_a_truth_is_loaded(ready, methods, hand, tmp_path) -> None:
     load_truth(ready, hand, tmp_path / "mask.png")
     run(hand, methods)
@@ -252,31 +230,3 @@ def test_a_session_keeps_the_comparison_and_undo_takes_a_change_back(ready, meth
     hand.qtbot.mouseClick(again.around, LEFT, pos=QPoint(8, again.around.height() // 2))
     ready.session.undo()
     assert again.around.isChecked()
-
-
-@settings(max_examples=60, deadline=None)
-@given(st.sampled_from(sorted(CONTROLS)), st.integers(3, 5), st.floats(0, 1), st.floats(1, 255))
-def test_suggested_values_are_in_range_ascending_and_include_the_present_one(name, count, share, contrast) -> None:
-    control = CONTROLS[name]
-    low, high = slider_range(control, contrast)
-    present = low + share * (high - low)
-    parameters = Parameters()
-    if name not in ("w1", "w2", "ratio", "smoothing", "scales"):
-        parameters = Parameters(**{name: present})
-    values = sensible_values(control, parameters, contrast, count)
-    assert len(values) == len(set(values)) <= count
-    assert list(values) == sorted(values)
-    assert all(low - 1e-9 <= value <= high + 1e-9 for value in values)
-    now = value_of(parameters, name)
-    if isinstance(now, float | int) and low <= now <= high:
-        assert min(abs(value - now) for value in values) < 1e-9
-    if len(values) >= 2:
-        assert read_values(control, in_text(values)) == pytest.approx(values, rel=6e-3, abs=1e-6)
-
-
-def test_there_is_a_tile_for_each_pair_and_picking_changes_these_two_alone() -> None:
-    tiles = parameter_tiles(Parameters(), (Axis(CONTROLS["beta"], (0.5, 1.0)), Axis(CONTROLS["w2"], (1.0, 2.0, 3.0))))
-    assert [(tile.row, tile.col) for tile in tiles] == [(r, c) for r in range(2) for c in range(3)]
-    picked = pick(Document(parameters=Parameters(max_gap=7.0)), tiles[5]).parameters
-    assert (picked.beta, picked.w2, picked.max_gap) == (1.0, 3.0, 7.0)
-    assert picked.w1 / picked.w2 == pytest.approx(1.6 / 1.75)

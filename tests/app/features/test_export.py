@@ -32,7 +32,6 @@ pytestmark = pytest.mark.shared_window
 
 KEY, CTRL = Qt.Key, Qt.KeyboardModifier.ControlModifier
 LEFT = Qt.MouseButton.LeftButton
-SVG = "{http://www.w3.org/2000/svg}"
 DISCS = ((12, 36, 18), (48, 96, 16), (60, 30, 12))
 """Row, column and radius; the border cuts the first one."""
 
@@ -40,6 +39,9 @@ DISCS = ((12, 36, 18), (48, 96, 16), (60, 30, 12))
 def inside(disc: tuple[int, int, int]) -> np.ndarray:
     row, col = np.indices((80, 128))
     return np.hypot(row - disc[0], col - disc[1]) < disc[2]
+
+
+SVG = "{http://www.w3.org/2000/svg}"
 
 
 @pytest.fixture
@@ -113,20 +115,6 @@ def write(hand: Hand, window: MainWindow, dialog: ExportDialog, suffix: str) -> 
     return written[0]
 
 
-def test_open_contours_are_counted_before_and_after_a_mask_is_written(found, hand, dialog) -> None:
-    choose(hand, dialog.format, ".png")
-    assert "2 contours, 1 open ones left out" in dialog.summary.text()
-    path = write(hand, found, dialog, ".png")
-    assert path.name == "discs_contours.png"
-    with PIL.Image.open(path) as picture:
-        labels = np.asarray(picture)
-    assert set(np.unique(labels)) == {0, 1, 2}
-    assert labels[8, 36] == 0
-    said = found.canvas_area.messages.text
-    assert str(path) in said
-    assert "2 contours, 1 open ones left out" in said
-
-
 def test_the_file_names_image_start_and_whether_the_run_was_steered(found, hand, dialog) -> None:
     made = json.loads(write(hand, found, dialog, ".json").read_text(encoding="utf-8"))["provenance"]
     path = Path(found.session.document.image.path)
@@ -174,17 +162,6 @@ def test_kept_ones_only_and_the_selection_are_written_with_the_numbers_of_the_ta
         assert f"({len(wanted)})" in dialog.source.currentText()
         path = write(hand, found, dialog, ".json")
         assert [one["number"] for one in json.loads(path.read_text(encoding="utf-8"))["contours"]] == wanted
-
-
-def test_outlines_hold_open_contours_too(found, hand, dialog) -> None:
-    choose(hand, dialog.format, ".png")
-    hand.qtbot.keyClick(dialog.regions, KEY.Key_Down)
-    assert "3 contours" in dialog.summary.text()
-    assert "left out" not in dialog.summary.text()
-    with PIL.Image.open(write(hand, found, dialog, ".png")) as picture:
-        labels = np.asarray(picture)
-    assert set(np.unique(labels)) == {0, 1, 2, 3}
-    assert labels[60, 30] == 0
 
 
 def test_a_figure_shows_image_contours_and_a_scale_bar(found, hand) -> None:

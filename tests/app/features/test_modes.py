@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -11,51 +10,19 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QToolButton
 
 from app.model.document import edits
-from app.model.document.document import Document, ImageReference
-from app.model.document.modes import MODES, use_mode
+from app.model.document.document import ImageReference
+from app.model.document.modes import use_mode
 from app.model.document.saving import restored, to_file
-from app.model.state.resolve import resolve
-from app.model.state.situation import RunStatus, Situation, can_step
-from app.views.canvas.layers.skeleton import by_thickness
 from app.views.features.exchange import ExportFeature
 from cpm_core.formats import FOR_SKELETONS, encoded
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, SegmentedObjects
 from cpm_core.parameters import PRESETS
-from cpm_core.shapes import Barrier, Circle, Everywhere
+from cpm_core.shapes import Barrier, Circle
 
 pytestmark = pytest.mark.shared_window
 
 IMAGE = ImageReference("disc.png", "disc.png", (64, 64), 180.0)
 CIRCLE, BARRIER = Circle((32.0, 32.0), 10.0), Barrier(((1.0, 2.0), (3.0, 4.0)))
-
-
-@pytest.mark.parametrize("mode", MODES)
-def test_a_mode_sets_its_preset_in_the_document(mode) -> None:
-    after = use_mode(Document(IMAGE, (CIRCLE, BARRIER)), mode)
-    assert after.mode == mode
-    assert after.parameters == PRESETS[MODES[mode].preset]
-    assert BARRIER in after.shapes
-
-
-def test_automatic_mode_adds_an_initialization_and_shape_mode_removes_it() -> None:
-    drawn = Document(IMAGE, (CIRCLE, BARRIER))
-    automatic = use_mode(drawn, "automatic")
-    assert automatic.starts == (Everywhere("grid"),)
-    assert use_mode(automatic, "shape").starts == ()
-    assert use_mode(drawn, "shape").starts == (CIRCLE,)
-    assert use_mode(drawn, "skeleton").shapes == drawn.shapes
-
-
-def test_texts_and_enabled_actions_follow_the_mode() -> None:
-    ready = RunStatus("ready")
-    drawn = Document(IMAGE, (CIRCLE,))
-    assert "everywhere" in resolve(Situation(use_mode(drawn, "automatic"), ready)).hint
-    skeleton = Situation(use_mode(drawn, "skeleton"), ready)
-    assert "skeleton" in resolve(skeleton).hint
-    assert (resolve(skeleton).run_text, resolve(skeleton).state) == ("Run", "Ready")
-    assert can_step(skeleton)
-    found = Situation(Document(IMAGE, (), mode="skeleton"), RunStatus("finished", method="skeleton"))
-    assert resolve(found).hint == ""
 
 
 def test_modes_are_switched_with_mouse_and_keys_and_undone_in_one_step(ready, hand) -> None:
@@ -121,15 +88,6 @@ def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, tmp_path)
     hand.key(Qt.Key.Key_F1, Qt.KeyboardModifier.ControlModifier)
     assert session.scene.skeleton is None
     assert layer.counts == (0, 0)
-
-
-def test_a_branch_is_cut_where_its_thickness_changes_and_nothing_is_left_out() -> None:
-    path = np.stack([np.zeros(30), np.arange(30.0)], axis=1)
-    share = np.linspace(0.0, 1.2, 30)
-    pieces = by_thickness(path, share, 5)
-    assert [thickness for thickness, _ in pieces] == [0, 1, 2, 3, 4]
-    covered = {(a[1], b[1]) for _, piece in pieces for a, b in pairwise(piece)}
-    assert len(covered) == 29
 
 
 def test_particles_and_skeleton_replace_each_other_when_the_mode_changes(ready, hand) -> None:

@@ -149,23 +149,6 @@ def test_a_circle_drawn_during_a_run_adds_particles_when_the_button_is_released(
     assert begun.actions_by_name["run"].text() == "Resume"
 
 
-def test_undoing_an_added_initialization_makes_the_run_out_of_date_until_redo(begun, hand, shown) -> None:
-    session = begun.session
-    hand.key(KEY.Key_P)
-    hand.click(5, 5)
-    hand.wait(lambda: session.idle)
-    count = session.status.count
-    hand.key(KEY.Key_Z, CONTROL)
-    hand.wait(lambda: session.idle)
-    assert session.status.stale
-    assert session.status.count == count
-    assert "Run starts again" in begun.canvas_area.hint.text()
-    hand.key(KEY.Key_Y, CONTROL)
-    hand.wait(lambda: session.idle)
-    assert not session.status.stale
-    assert session.status.count == count
-
-
 def test_undo_brings_erased_particles_back_however_far_the_run_has_gone_since(begun, hand, shown) -> None:
     session = begun.session
     session.edit("a start that stays", lambda document: edits.add_shape(document, Points(((56.0, 56.0),))))
@@ -196,19 +179,6 @@ def test_undo_brings_erased_particles_back_however_far_the_run_has_gone_since(be
         np.testing.assert_array_equal(shown().position, state.position)
 
 
-def test_escape_brings_back_what_a_drag_has_erased(rested, hand, shown) -> None:
-    session, before = rested.session, shown()
-    hand.key(KEY.Key_E)
-    hand.press(14, 32)
-    hand.move(15, 36)
-    hand.wait(lambda: session.idle)
-    assert shown().state.count < before.state.count
-    hand.key(KEY.Key_Escape)
-    hand.release(15, 36)
-    hand.wait(lambda: session.idle)
-    np.testing.assert_array_equal(shown().position, before.position)
-
-
 def test_steps_with_interventions_are_reproduced_exactly(begun, hand, shown) -> None:
     session, navigation = begun.session, begun.feature(TimelineFeature).navigation
     seen = {}
@@ -234,12 +204,3 @@ def test_steps_with_interventions_are_reproduced_exactly(begun, hand, shown) -> 
         navigation.go(branch, step)
         hand.wait(lambda step=step: session.idle and shown().state.step == step)
         np.testing.assert_array_equal(shown().position, position)
-
-
-def test_erasing_all_particles_ends_the_run_with_a_message(begun, hand) -> None:
-    hand.key(KEY.Key_E)
-    for _ in range(15):
-        hand.key(KEY.Key_Greater)
-    hand.drag((32, 32), (33, 33))
-    hand.wait_for_phase("finished")
-    assert "erased" in begun.session.resolved.state

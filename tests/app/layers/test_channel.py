@@ -68,16 +68,3 @@ def test_the_channel_of_the_run_can_be_seen_and_follows_the_choice(colored, hand
     hand.wait(lambda: color_at(hand, 30.0, 60.0)[1] > 200)
     layer.choose("shown", "colors")
     assert color_at(hand, 30.0, 20.0) == (220, 60, 60)
-
-
-def test_a_run_finds_what_is_in_the_channel_alone(colored, hand) -> None:
-    colored.panels["parameters"].change("channel", "blue")
-    hand.key(Qt.Key.Key_C)
-    hand.drag((30.0, 60.0), (30.0, 68.0), (30.0, 76.0))
-    hand.key(Qt.Key.Key_Space)
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: len(colored.session.scene.contours.items) == 1)
-    found = colored.session.scene.contours.items[0].contour
-    assert found.closed
-    np.testing.assert_allclose(found.points.mean(axis=0), (30.0, 60.0), atol=1.5)
-    assert colored.session.scene.reconstruction.result.channel == "blue"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from app.model.display.display_image import display_of_potential
-from app.model.display.iso_lines import LINES, iso_lines
+from app.model.display.lines import LINES, iso_lines
 from cpm_core.segmentation.engine import Engine
 
 pytestmark = pytest.mark.shared_window

@@ -37,9 +37,9 @@ def picture(position: np.ndarray, ratio: int, zoom: float, corner: np.ndarray) -
     return np.frombuffer(drawn.constBits(), np.uint8).reshape(drawn.height(), drawn.width(), 4).copy()
 
 
-@pytest.mark.parametrize("ratio", [1, 2])
-@pytest.mark.parametrize("zoom", [0.4, 1.0, 3.7])
-@pytest.mark.parametrize("count", [30, 400])
+@pytest.mark.parametrize("ratio", [2])
+@pytest.mark.parametrize("zoom", [0.4, 3.7])
+@pytest.mark.parametrize("count", [200])
 def test_visible_particles_cover_their_pixel_and_the_rest_stays_free(qapp, ratio, zoom, count):
     rng = np.random.default_rng(count)
     corner = np.array((101.3, 52.8))

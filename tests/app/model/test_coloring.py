@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from PySide6.QtCore import Qt
 
 from app.model.display.coloring import QUANTITIES, SHADES, InsertionTimes, age, colored, convergence, speed
-from app.model.display.round_numbers import round_up
+from app.model.display.lengths import round_up
 from app.session.worker.recorded_run import RunRecord
 from app.views.theme import color_maps
 from cpm_core import Engine, Parameters

@@ -41,11 +41,11 @@ def test_the_explanation_follows_the_focus_and_fits_its_panel(window, hand) -> N
 def test_labels_begin_with_name_or_symbol_by_choice_which_is_remembered(window, hand) -> None:
     row = window.panels["parameters"].rows["beta"]
     assert row.findChild(QLabel).text().startswith("Damping")
-    window.actions_by_name["wording_symbol"].trigger()
+    window.preferences.choose(WORDING, "symbol")
     assert row.findChild(QLabel).text().startswith("<i>β</i>")
     assert row.slider.accessibleName() == "Damping"
     assert window.preferences.value(WORDING) == "symbol"
-    window.actions_by_name["wording_name"].trigger()
+    window.preferences.choose(WORDING, "name")
     assert row.findChild(QLabel).text().startswith("Damping")
 
 
@@ -59,9 +59,7 @@ def test_the_preferences_offer_wording_and_colors(window, hand) -> None:
     wording, colors = (dialog.rows[label] for label in ("Labels", "Colors of the window"))
     hand.qtbot.keyClick(wording, Qt.Key.Key_Down)
     wording.activated.emit(1)
-    assert window.actions_by_name["wording_symbol"].isChecked()
-    assert not window.actions_by_name["wording_name"].isChecked()
+    assert window.preferences.value(WORDING) == "symbol"
     colors.activated.emit(2)
-    assert window.actions_by_name["theme_dark"].isChecked()
     assert window.palette().window().color().lightness() < 60
     dialog.reject()

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
+from app.model.display.lengths import short_text
 from app.model.display.plots import PLOTS, RunMetrics, figure
-from app.model.display.round_numbers import short_text
 from app.session.worker.recorded_run import RunRecord
 from app.views.panels.run import PlotPanel
 from cpm_core import Engine, Parameters

@@ -259,12 +259,9 @@ def test_setting_the_parameters_of_a_step_again_repeats_its_branch(rested, hand,
 
 
 def test_the_memory_set_in_the_preferences_acts_at_once(rested, hand, fresh) -> None:
-    used = navigation(rested).outline.used
-    assert used > 0
     hand.key(KEY.Key_Comma, CONTROL)
     (dialog,) = rested.findChildren(PreferencesDialog)
-    field, used_now = dialog.rows["Memory for steps"], dialog.rows["In use now"]
-    assert f"{used / MEGABYTE:.1f} MB" in used_now.text()
+    field = dialog.rows["Memory for steps"]
     dialog.turn_to("run")
     field.setFocus()
     field.selectAll()

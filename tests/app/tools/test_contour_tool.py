@@ -103,13 +103,3 @@ def test_a_click_removes_a_contour_and_one_away_from_all_of_them_clears_the_sele
     assert len(selected(found)) == 5
     drag(hand, (40.0, 40.0))
     assert selected(found) == set()
-
-
-def test_esc_during_a_drag_selects_what_was_selected_before(found, hand) -> None:
-    drag(hand, (3.0, 3.0), (40.0, 40.0))
-    drag(hand, (40.0, 3.0), (80.0, 118.0), release=False)
-    assert selected(found) == {(60, 20), (60, 60), (60, 100)}
-    hand.key(KEY.Key_Escape)
-    assert selected(found) == {(20, 20)}
-    hand.qtbot.mouseRelease(hand.canvas.viewport(), LEFT, NONE, hand.at(80.0, 118.0))
-    assert selected(found) == {(20, 20)}

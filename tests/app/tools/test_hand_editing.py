@@ -10,11 +10,9 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
-from app.model.document.contours import add_hand_edits
 from app.views.features.contours import ContoursFeature
 from app.views.features.files import OpenSaveFeature
 from app.views.main_window import MainWindow
-from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.formats.sessions.session_file import load_session
 from tests.app.conftest import Hand
 
@@ -150,21 +148,6 @@ def test_a_stretch_is_pulled_and_with_shift_not_snapped(outlined, hand) -> None:
     assert one.closed and one.area == pytest.approx(AREA, rel=0.04), "it snaps back to the edge"
 
 
-def test_escape_gives_a_drag_up_and_removes_marks(gap, hand) -> None:
-    edits = gap.session.document.hand_edits
-    hand.press(*at(0.5))
-    hand.move(*at(0.3))
-    hand.move(*at(0.0))
-    assert len(preview(hand)) > 2
-    hand.key(KEY.Key_Escape)
-    hand.release(*at(0.0))
-    assert gap.session.document.hand_edits == edits and len(preview(hand)) == 0
-    hand.click(*at(2.0))
-    assert len(gap.workspace.hand_editing.marked) == 1
-    hand.key(KEY.Key_Escape)
-    assert gap.workspace.hand_editing.marked == ()
-
-
 def test_edits_are_carried_out_again_after_another_run(gap, hand) -> None:
     hand.click(*at(math.pi))
     hand.key(KEY.Key_Escape)
@@ -175,18 +158,6 @@ def test_edits_are_carried_out_again_after_another_run(gap, hand) -> None:
     (rest,) = contours(gap)
     assert not rest.closed and np.linalg.norm(rest.points - at(0.0), axis=1).min() > 6.0
     assert gap.workspace.hand_editing.missed == ()
-
-
-def test_an_edit_without_its_contour_is_told_and_can_be_removed(outlined, hand) -> None:
-    session = outlined.session
-    piece = HandEdit(added=((3.0, 3.0), (3.0, 9.0)), before=((3.0, 1.0),))
-    session.edit("edit", lambda document: add_hand_edits(document, (piece,)))
-    settle(outlined, hand)
-    assert outlined.workspace.hand_editing.missed == (0,) and len(contours(outlined)) == 2
-    assert "1 of 1 edits by hand no longer find their contours" in outlined.canvas_area.messages.text
-    outlined.actions_by_name["drop_missed_edits"].trigger()
-    settle(outlined, hand)
-    assert session.document.hand_edits == () and len(contours(outlined)) == 1
 
 
 def draw_outline(hand: Hand) -> None:

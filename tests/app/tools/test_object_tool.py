@@ -9,7 +9,6 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.session.storage.session_file import DocumentFile
-from cpm_core.objects.segmented.segmented_object import Click
 from cpm_core.shapes import Barrier, Circle, Polygon, Region
 
 pytestmark = pytest.mark.shared_window
@@ -168,21 +167,6 @@ def test_a_click_in_an_object_changes_it_and_keeps_its_number(window, hand, obje
     (item,) = taken(window)
     assert item.number == 1
     assert item.encloses(np.array([[18.0, 18.0], [43.0, 42.0]])).all()
-
-
-def test_objects_are_selected_by_keys_alone(window, hand, objects) -> None:
-    hand.canvas.leave()
-    crosshair = window.canvas_area.crosshair
-    crosshair.show()
-    crosshair.move(18.0 - crosshair.at[0], 18.0 - crosshair.at[1])
-    hand.key(KEY.Key_Return)
-    crosshair.move(43.0 - 18.0, 42.0 - 18.0)
-    hand.key(KEY.Key_Return, SHIFT)
-    hand.wait(lambda: objects.idle and bool(objects.proposals))
-    clicks = window.session.document.objects.clicks
-    assert clicks == (Click(((18.0, 18.0),)), Click(((43.0, 42.0),), inside=False))
-    hand.key(KEY.Key_Return, CONTROL)
-    assert len(taken(window)) == 1
 
 
 def test_who_draws_a_circle_in_an_object_and_runs_gets_it_offered_and_enter_takes_it(window, hand) -> None:

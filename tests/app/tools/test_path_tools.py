@@ -8,7 +8,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QImage
 
 from cpm_core.numerics import polyline
 from cpm_core.shapes import Barrier, Region, Stroke
@@ -17,7 +16,6 @@ pytestmark = pytest.mark.shared_window
 
 KEY = Qt.Key
 CONTROL = Qt.KeyboardModifier.ControlModifier
-ALT = Qt.KeyboardModifier.AltModifier
 PIXEL = 0.5
 
 KINDS = {KEY.Key_T: Stroke, KEY.Key_I: Region, KEY.Key_B: Barrier}
@@ -135,26 +133,3 @@ def test_a_corner_of_the_selected_path_can_be_dragged_with_any_tool(window, hand
         assert near(only(window).points, (CORNERS[0], (20.0, 54.0), *CORNERS[2:]))
         hand.key(KEY.Key_Z, CONTROL)
         assert near(only(window).points, CORNERS)
-
-
-def test_the_outside_of_a_region_is_dimmed_and_a_barrier_is_shown_until_the_drawing_is_hidden(window, hand) -> None:
-    def seen() -> QImage:
-        return hand.canvas.viewport().grab().toImage()
-
-    def value(image: QImage, row: float, col: float) -> int:
-        ratio = hand.canvas.devicePixelRatioF()
-        return image.pixelColor((hand.at(row, col).toPointF() * ratio).toPoint()).value()
-
-    hand.key(KEY.Key_Escape)
-    without = seen()
-    draw(hand, KEY.Key_I, ((20.0, 10.0), (20.0, 54.0), (44.0, 54.0), (44.0, 10.0)))
-    hand.key(KEY.Key_Escape)
-    region = seen()
-    assert value(region, 32, 32) == value(without, 32, 32)
-    assert value(region, 17, 32) < 0.7 * value(without, 17, 32)
-    draw(hand, KEY.Key_B, ((5.0, 5.0), (5.0, 60.0)))
-    hand.key(KEY.Key_Escape)
-    assert value(seen(), 5, 30) > 2 * value(region, 5, 30)
-    hand.key(KEY.Key_6, ALT)
-    assert value(seen(), 17, 32) == value(without, 17, 32)
-    assert value(seen(), 5, 30) == value(without, 5, 30)

@@ -84,24 +84,6 @@ def test_each_gesture_is_one_step_of_undo_named_in_the_menu(ready, hand) -> None
     assert window.session.document.shapes == ()
 
 
-def test_everything_can_be_drawn_moved_and_deleted_with_keys_alone(window, hand) -> None:
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_K, CONTROL)
-    drawn = circle_of(window)
-    hand.key(KEY.Key_Right)
-    hand.key(KEY.Key_Down, SHIFT)
-    hand.key(KEY.Key_Greater)
-    circle = circle_of(window)
-    assert circle.center == (drawn.center[0] + 10.0, drawn.center[1] + 1.0)
-    assert circle.radius == drawn.radius + 1.0
-    hand.key(KEY.Key_Escape)
-    assert window.session.selected is None
-    hand.key(KEY.Key_N)
-    assert window.session.selected == 0
-    hand.key(KEY.Key_Backspace)
-    assert window.session.document.shapes == ()
-
-
 @pytest.mark.parametrize("button", [Qt.MouseButton.MiddleButton, Qt.MouseButton.RightButton])
 def test_a_drag_with_another_button_pans_by_what_the_pointer_moves(window, hand, button) -> None:
     canvas = hand.canvas

@@ -9,7 +9,6 @@ from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QWheelEvent
 from PySide6.QtWidgets import QApplication
 
-from app.model.state.situation import NOT_IN_VOLUMES, OTHERWISE_IN_VOLUMES
 from app.views.features.offers import StackFeature
 from app.views.features.volumes import SlicesFeature
 from cpm_core import PRESETS
@@ -76,21 +75,6 @@ def test_each_axis_has_its_slices_in_the_same_gray_values(volume, hand, axis) ->
         np.testing.assert_array_equal(canvas.drawn.image.values, np.take(ball(), index, axis=axis))
         assert canvas.layers["image"].window == (20.0, 200.0)
     assert canvas.layers["image"].shades.max() == 0, "what is even in one slice stays as dark as in the volume"
-
-
-def test_what_volumes_lack_is_gray_with_a_sentence_and_returns_with_an_image(volume, hand, image_file) -> None:
-    actions = volume.actions_by_name
-    assert set(NOT_IN_VOLUMES) | set(OTHERWISE_IN_VOLUMES) <= {spec.name for spec in actions.specs}
-    for name, sentence in NOT_IN_VOLUMES.items():
-        assert not actions[name].isEnabled(), name
-        assert actions[name].toolTip().endswith(sentence)
-    assert actions["circle"].text().replace("&", "") == "Sphere tool"
-    open_file(volume, hand, image_file)
-    assert actions["grid_area"].isEnabled()
-    assert actions["mode_automatic"].isEnabled()
-    assert not any(actions[name].toolTip().endswith(sentence) for name, sentence in NOT_IN_VOLUMES.items())
-    assert actions["circle"].text().replace("&", "") == "Circle tool"
-    assert volume.session.document.parameters == PRESETS["shape"]
 
 
 def test_a_stack_opens_at_its_first_page_and_as_one_volume_on_request(window, hand, tmp_path) -> None:

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import tifffile
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
-from app.model.export import ExportOrder, listed
+from app.model.export import listed
 from app.views.features.exchange import ExportFeature
 from app.views.features.run import RunControlFeature
 from cpm_core.formats import FOR_VOLUMES
-from cpm_core.image.geometry import Geometry
 
 pytestmark = pytest.mark.shared_window
 
@@ -82,29 +79,3 @@ def test_surface_labels_and_particles_are_exported(found, hand, tmp_path, monkey
     assert (labels > 0).sum() == pytest.approx(4 / 3 * np.pi * RADIUS**3, rel=0.1)
     rows = np.loadtxt(next(tmp_path.glob("*.points.csv")), delimiter=",", skiprows=1, usecols=(0, 1, 2))
     np.testing.assert_allclose(rows, found.session.scene.snapshot.position, rtol=1e-5)
-
-
-def test_coordinates_of_a_surface_are_those_of_the_patient_that_are_chosen(found, hand) -> None:
-    found.actions_by_name["export"].trigger()
-    dialog = found.feature(ExportFeature).dialog
-    assert dialog.space.isHidden(), "the file does not say where it lies"
-    dialog._image = replace(found.session.image, geometry=Geometry(origin=(10.0, 20.0, 30.0)))
-    hand.qtbot.keyClick(dialog.format, Qt.Key.Key_Home)
-    hand.qtbot.keyClick(dialog.format, Qt.Key.Key_Down)
-    assert dialog.space.isVisible()
-    hand.qtbot.keyClick(dialog.space, Qt.Key.Key_Down)
-    assert dialog.order.space == "RAS"
-    dialog.reject()
-
-
-def test_the_order_says_where_coordinates_point(found, hand, tmp_path) -> None:
-    for space in ("LPS", "RAS"):
-        found.session.export(tmp_path / f"{space}.obj", ExportOrder(space=space))
-        hand.wait(lambda space=space: (tmp_path / f"{space}.obj").exists() and found.session.idle)
-    lps, ras = (
-        np.array(
-            [line.split()[1:4] for line in (tmp_path / f"{space}.obj").read_text().splitlines() if line[:2] == "v "]
-        )
-        for space in ("LPS", "RAS")
-    )
-    np.testing.assert_allclose(lps.astype(float) * (-1, -1, 1), ras.astype(float))

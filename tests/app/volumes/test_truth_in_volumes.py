@@ -10,12 +10,11 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
-from app.views.features.files import OpenSaveFeature
 from app.views.features.volumes import SpaceFeature
 from app.views.main_window import MainWindow
 from cpm_core.contours.agreement import TOLERANCE
 from tests.app.conftest import Hand
-from tests.app.volumes.conftest import SHAPE, ball, open_file
+from tests.app.volumes.conftest import SHAPE, ball
 
 pytestmark = pytest.mark.shared_window
 
@@ -104,14 +103,3 @@ def test_space_shows_the_true_surface_while_its_layer_is_shown(compared, hand) -
     assert shown in panel.contents.truth
     compared.actions_by_name["layer_truth"].trigger()
     hand.wait(lambda: panel.contents.truth == ())
-
-
-def test_a_session_brings_the_truth_back(compared, hand, tmp_path, image_file) -> None:
-    dice = figure(compared, "dice")
-    compared.feature(OpenSaveFeature).document_file.save_at_once(tmp_path / "work.cpm")
-    open_file(compared, hand, image_file)
-    assert compared.workspace.truth.truth is None
-    assert compared.panels["truth"].holes.isVisibleTo(compared.panels["truth"])
-    compared.open_image(str(tmp_path / "work.cpm"))
-    hand.wait(lambda: compared.workspace.truth.verified is not None)
-    assert figure(compared, "dice") == dice

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor, QKeySequence
-from PySide6.QtWidgets import QDialogButtonBox, QPushButton
+from PySide6.QtWidgets import QPushButton
 
 from app.model.document import edits
 from app.model.preferences.table import (
@@ -15,8 +15,6 @@ from app.model.preferences.table import (
     CONTOUR_WIDTH,
     INKS,
     PAGES,
-    POINT_SIZE,
-    PREFERENCES,
     SHAPE_WIDTH,
     UNIT,
 )
@@ -44,14 +42,6 @@ def type_into(hand, field, text: str) -> None:
     field.selectAll()
     hand.qtbot.keyClicks(field, text)
     hand.qtbot.keyClick(field, KEY.Key_Return)
-
-
-def colors_seen(window, hand) -> set[str]:
-    hand.canvas.viewport().repaint()
-    picture = hand.canvas.grab().toImage()
-    return {
-        picture.pixelColor(x, y).name() for x in range(0, picture.width(), 2) for y in range(0, picture.height(), 2)
-    }
 
 
 def across(window, color: str) -> int:
@@ -86,19 +76,6 @@ def test_lines_of_shapes_get_wider_at_once(window, dialog, hand) -> None:
     assert across(window, theme.BARRIER) > 2 * before > 0
 
 
-def test_particles_get_larger_and_take_another_color_at_once(ready, hand) -> None:
-    dialog = ready.feature(PreferencesFeature).show()
-    before = across(ready, INKS["moving"].default)
-    dialog.turn_to("appearance")
-    type_into(hand, dialog.rows[POINT_SIZE.label], "20")
-    assert across(ready, INKS["moving"].default) > before > 0
-    ready.preferences.choose(INKS["moving"], "#ff00ff")
-    assert dialog.rows[INKS["moving"].label].text() == "#ff00ff"
-    assert across(ready, "#ff00ff") > before
-    assert across(ready, INKS["moving"].default) == 0
-    dialog.reject()
-
-
 def test_reset_of_a_page_restores_its_defaults_and_no_others(window, dialog, hand) -> None:
     preferences = window.preferences
     preferences.choose(CONTOUR_WIDTH, 4.0)
@@ -110,11 +87,6 @@ def test_reset_of_a_page_restores_its_defaults_and_no_others(window, dialog, han
     assert preferences.value(CONTOUR_WIDTH) == CONTOUR_WIDTH.default
     assert look().color(theme.OPEN) == INKS["open"].default
     assert look().contours == 1.0
-
-
-def test_colors_that_can_be_chosen_are_those_of_the_canvas() -> None:
-    for name, color in INKS.items():
-        assert getattr(theme, name.upper()) == color.default
 
 
 def test_without_autosave_there_is_no_journal(ready, hand) -> None:
@@ -171,12 +143,6 @@ def test_a_key_of_another_action_is_told_and_can_be_taken_over(window, dialog, h
     assert window.actions_by_name["open"].shortcut() == QKeySequence("Ctrl+O")
 
 
-def test_keys_that_the_image_takes_are_refused(window, dialog, hand) -> None:
-    press_as_new_key(hand, dialog, "run", KEY.Key_Home)
-    assert "Home" in dialog.shortcuts.message.text()
-    assert window.actions_by_name["run"].shortcut() == QKeySequence("Space")
-
-
 def test_panels_have_keys_too_and_actions_are_found_by_typing(window, dialog, hand) -> None:
     page = dialog.shortcuts
     press_as_new_key(hand, dialog, "panel_timeline", KEY.Key_F9, CTRL | SHIFT)
@@ -193,17 +159,6 @@ def test_no_two_actions_share_a_key_by_default(window) -> None:
     assert len(held) == len(set(held))
 
 
-def test_tooltips_of_layers_follow_their_keys(window) -> None:
-    box = window.panels["layers"].boxes["contours"]
-    assert box.toolTip().endswith("(Alt+4)")
-    window.shortcuts.choose("layer_contours", "Ctrl+Shift+F9")
-    assert box.toolTip().endswith("(Ctrl+Shift+F9)")
-
-
-def test_all_preferences_have_a_row(window, dialog) -> None:
-    assert {preference.label for preference in PREFERENCES} <= set(dialog.rows)
-
-
 def test_another_unit_is_shown_at_once(window, hand, monkeypatch) -> None:
     session = window.session
     image = replace(session.image, spacing=(0.5, 0.5), unit="µm")
@@ -216,8 +171,3 @@ def test_another_unit_is_shown_at_once(window, hand, monkeypatch) -> None:
     window.preferences.choose(UNIT, "px")
     window.pointer_readout._show((10.0, 20.0))
     assert "µm" not in window.pointer_readout.text()
-
-
-def test_buttons_of_dialogs_have_no_icons_of_another_style(dialog) -> None:
-    for box in dialog.findChildren(QDialogButtonBox):
-        assert all(button.icon().isNull() for button in box.buttons())

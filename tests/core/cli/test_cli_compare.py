@@ -44,14 +44,6 @@ def test_methods_are_told_as_json_in_the_order_in_which_they_are_named(image, ma
         assert row["dice"] > 0.95 and row["f"] > 0.99 and row["hausdorff"] < 2.0 and row["mean_distance"] < 1.0
 
 
-def test_a_person_sees_a_line_for_each_method(image, mask, command):
-    status, out, _ = command("compare", image, *CIRCLE, "--methods", "cpm", "chan_vese", "--truth", mask)
-    head, *lines = out.splitlines()
-    assert status == 0
-    assert head.split() == ["steps", "time", "Dice", "F", "Hausdorff", "mean", "dist.", "contours", "closed", "end"]
-    assert [line[:24].strip() for line in lines] == ["Charged particles", "Chan-Vese"]
-
-
 def test_all_methods_are_compared_unless_some_are_named(image, command):
     rows = json.loads(command("compare", image, *CIRCLE, "--max-steps", 1, "--json")[1])["methods"]
     assert [row["method"] for row in rows] == list(runnable())
@@ -102,22 +94,6 @@ def test_a_start_around_the_object_is_one_when_it_is_said_so(image, mask, comman
         for more in ((), ("--around",))
     )
     assert max(outwards) < 0.1 and min(inwards) > 0.9
-
-
-def test_methods_start_from_the_contours_of_a_file_as_from_the_same_lines(image, command, tmp_path):
-    corners = "17,20,17,40,37,40,37,20"
-    (tmp_path / "box.svg").write_text(
-        '<svg viewBox="0 0 60 56"><polygon points="20.5,17.5 40.5,17.5 40.5,37.5 20.5,37.5"/>'
-        '<polyline points="1,1 9,5 3,9"/></svg>'
-    )
-    told = []
-    for start in (("--polygon", corners), ("--start", tmp_path / "box.svg")):
-        status, out, err = command("compare", image, *start, "--methods", *QUICK, "--json")
-        rows = json.loads(out)["methods"]
-        told.append([{key: value for key, value in row.items() if key != "seconds"} for row in rows])
-        assert status == 0
-    assert told[0] == told[1]
-    assert err.startswith("cpm: box.svg: 1 start without an inside left out") and err.count("\n") == 1
 
 
 def test_a_session_gives_methods_settings_and_the_side_of_the_start(image, mask, command, tmp_path):

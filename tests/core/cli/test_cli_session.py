@@ -22,11 +22,10 @@ from cpm_core.cli.workers import Job, do
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark
 from cpm_core.formats.common.content import fingerprint
-from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
-from cpm_core.shapes import Circle, Everywhere, Region, Sphere
+from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_session
+from cpm_core.shapes import Circle, Everywhere, Region
 
 ROOT = Path(__file__).parents[3]
-SAMPLES = ROOT / "assets" / "samples"
 CENTERS, RADIUS = ((40.0, 30.0), (40.0, 75.0)), 14.0
 
 
@@ -50,15 +49,6 @@ def session(disks, tmp_path):
 
 def facts(out):
     return json.loads(out)
-
-
-def test_a_session_is_run_on_its_own_image_from_any_folder(command, session, tmp_path, monkeypatch):
-    other = tmp_path / "other"
-    other.mkdir()
-    monkeypatch.chdir(other)
-    status, out, err = command("run", "--session", "../left.cpm", "--json")
-    assert (status, err) == (0, "")
-    assert (facts(out)["contours"], facts(out)["closed"]) == (1, 1)
 
 
 def test_a_session_does_what_its_parts_do_as_flags(command, session, disks, tmp_path):
@@ -340,13 +330,3 @@ def test_edits_by_hand_of_a_session_are_carried_out(command, disks, tmp_path):
     out = tmp_path / "out"
     assert command("batch", disks, "--session", session, "--output", out, "--export", ".measures.csv")[0] == 0
     assert (out / "disks_contours.measures.csv").read_text() == (tmp_path / "a.measures.csv").read_text()
-
-
-def test_a_drawing_of_a_volume_is_refused_for_an_image(command, tmp_path):
-    save_session(SessionFile(shapes=(Sphere((8.0, 9.0, 9.0), 4.0),)), tmp_path / "volume.cpm")
-    status, out, err = command("run", SAMPLES / "rings.png", "--session", tmp_path / "volume.cpm")
-    assert (status, out) == (2, "")
-    assert err.startswith("cpm: shape 1 (sphere) is for volumes, but rings.png is taken as an image of ")
-    assert err.count("\n") == 1
-    job = Job(0, str(SAMPLES / "rings.png"), load_session(tmp_path / "volume.cpm"), Parameters(), 5, ())
-    assert do(job).error.startswith("shape 1 (sphere) is for volumes")

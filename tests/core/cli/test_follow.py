@@ -77,21 +77,6 @@ def test_a_page_that_cannot_be_used_is_a_sentence_and_the_tracks_go_on_after_it(
     assert tracks_of(pages) == [[1], [], [], [1]]
 
 
-def test_pages_are_read_one_at_a_time_and_no_image_is_kept():
-    class Counted(list):
-        read = 0
-
-        def __getitem__(self, index):
-            self.read += 1
-            return super().__getitem__(index)
-
-    stack = Counted(MOVING)
-    for number, found in enumerate(cpm.follow(stack, cpm.circle((32, 22), 5.0), numbers=[1, 2]), 1):
-        assert stack.read == number
-        assert found.result.image is None
-        assert not hasattr(found.contours[0].sides, "values")
-
-
 def test_pages_are_followed_in_the_order_that_is_asked_for_and_go_on_from_known_ones():
     backwards = list(cpm.follow(MOVING, cpm.circle((32, 50), 5.0), numbers=[5, 4, 3]))
     assert [page.number for page in backwards] == [5, 4, 3]
@@ -135,11 +120,3 @@ def test_tracks_follow_by_overlap(before, now, numbers, kinds):
     contours, events = tracker.follow(2, now, SHAPE)
     assert [contour.number for contour in contours] == numbers
     assert [event.kind for event in events] == kinds
-
-
-def test_a_number_is_never_given_to_another_track():
-    tracker = Tracker()
-    tracker.follow(1, [box(10, 10, 20, 20), box(40, 60, 10, 10)], SHAPE)
-    tracker.follow(2, [box(10, 10, 20, 20)], SHAPE)
-    contours, _ = tracker.follow(3, [box(10, 10, 20, 20), box(40, 60, 10, 10)], SHAPE)
-    assert [contour.number for contour in contours] == [1, 3]

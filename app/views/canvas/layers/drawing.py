@@ -12,7 +12,7 @@ from PySide6.QtGui import QColor, QPainter, QPainterPath
 from PySide6.QtWidgets import QGraphicsItem, QStyleOptionGraphicsItem, QWidget
 
 from app.model.text.language import tr
-from app.model.volume.shape_sections import ChargeSection, sections
+from app.model.volume.shape_sections import ChargeSection, Section, StartSection, sections
 from app.session.scene import Scene
 from app.views.canvas.items.curves import Curves
 from app.views.canvas.items.discs import NO_POSITIONS, Discs
@@ -33,7 +33,6 @@ from cpm_core.shapes import (
     Points,
     Polygon,
     Region,
-    Shape,
     Sphere,
     Start,
     Stroke,
@@ -53,11 +52,10 @@ _DISC, _STRONGER, _SIGN = 18.0, 2.0, 11.0
 _DIAMETERS: dict[Kind | None, float] = {"grid": 4.0, "gradient": 3.0, "centers": 6.0, None: 3.0}
 """Diameters of computed particles [px of the screen], smaller for kinds with many; None stands for areas."""
 
-_Line = Circle | Ellipse | Polygon | Stroke
+_Line = Circle | Ellipse | Polygon | Stroke | StartSection
 """Starts that are shown as lines with their particles."""
 
-_Area = Grid | Threshold
-"""Starts that are shown as areas with their particles."""
+_AnyCharge = Charge | ChargeSection
 
 # pyqtgraph keeps a picture of a symbol for every brush and pen: the same ones for the same colors
 _brush, _pen = lru_cache(pg.mkBrush), lru_cache(pg.mkPen)
@@ -204,15 +202,13 @@ class DrawingLayer(Layer):
     def follow(self, before: Scene) -> None:
         """Show other shapes, another selection, or the shapes behind a run."""
         scene = self.scene
-        shapes, selected = scene.document.shapes, scene.selected
-        if shapes is not before.document.shapes or (selected, scene.has_particles) != (
-            before.selected,
-            before.has_particles,
-        ):
+        shapes: tuple[Section, ...] = scene.document.shapes
+        selected, started = scene.selected, scene.has_particles
+        if shapes is not before.document.shapes or (selected, started) != (before.selected, before.has_particles):
             chosen = shapes[selected] if selected is not None and selected < len(shapes) else None
-            self._show_starts(shapes, chosen, scene.has_particles)
+            self._show_starts(shapes, chosen, started)
             self._show_limits([shape for shape in shapes if isinstance(shape, Limit)], chosen)
-            self._show_charges([shape for shape in shapes if isinstance(shape, Charge)], chosen)
+            self._show_charges([shape for shape in shapes if isinstance(shape, _AnyCharge)], chosen)
         elif scene.image_seeds is not before.image_seeds:
             self._draw_everywhere()
 
@@ -250,38 +246,39 @@ class DrawingLayer(Layer):
         if self.ringed != other.ringed:
             other.show_ring(*self.ringed)
 
-    def _show_starts(self, shapes: Sequence[Shape], chosen: Shape | None, started: bool) -> None:
+    def _show_starts(self, shapes: Sequence[Section], chosen: Section | None, started: bool) -> None:
         rest = [shape for shape in shapes if shape is not chosen]
-        self._lines.show([shape.outline for shape in rest if isinstance(shape, _Line)])
-        self._areas.show([shape.outline for shape in rest if isinstance(shape, _Area)])
-        self._chosen.show([chosen.outline] if isinstance(chosen, _Line | _Area) else [])
+        self._lines.show([shape.outline for shape in rest if isinstance(shape, _Line) and not _is_area(shape)])
+        self._areas.show([shape.outline for shape in rest if _is_area(shape)])
+        self._chosen.show([chosen.outline] if isinstance(chosen, _Line | Grid | Threshold) else [])
         # During a run, the points that the particles started from would only hide them.
-        placed: list[Points | Grid] = [shape for shape in shapes if isinstance(shape, Grid)]
-        placed += [shape for shape in rest if isinstance(shape, Points)]
-        self._points.show(_particles([] if started else placed))
+        grids = [shape for shape in shapes if isinstance(shape, Grid | StartSection) and _is_area(shape)]
+        points = [shape for shape in rest if isinstance(shape, Points)]
+        self._points.show(_particles([] if started else [*grids, *points]))
         self._chosen_points.show(_particles([chosen] if isinstance(chosen, Points | Stroke) else []))
         # A selected circle shows its handles; a selected stroke is recognized only by its particles.
-        lines = [*rest, *([chosen] if isinstance(chosen, Circle | Ellipse | Polygon) else [])]
-        self._seeds.show(_particles([] if started else [line for line in lines if isinstance(line, _Line)]))
+        lines = [*rest, *([chosen] if isinstance(chosen, Circle | Ellipse | Polygon | StartSection) else [])]
+        seeds = [line for line in lines if isinstance(line, _Line) and not _is_area(line)]
+        self._seeds.show(_particles([] if started else seeds))
         self._image_starts = () if started else self.scene.document.image_starts
         self._draw_everywhere()
         x, y = to_xy(np.array(chosen.handles() if chosen else (), dtype=float).reshape(-1, 2))
         self._handles.setData(x=x, y=y)
-        self._faint = _FAINT if started and not isinstance(chosen, Start) else 1.0
+        self._faint = _FAINT if started and not isinstance(chosen, Start | StartSection) else 1.0
         self._chosen_start = chosen if isinstance(chosen, ImageStart) else None
         self.fade()
 
-    def _show_limits(self, limits: list[Limit], chosen: Shape | None) -> None:
+    def _show_limits(self, limits: list[Limit], chosen: Section | None) -> None:
         regions = [limit for limit in limits if isinstance(limit, Region)]
         self._dim.show(regions)
         self._regions.show(_outlines(regions))
         self._barriers.show(_outlines([limit for limit in limits if isinstance(limit, Barrier)]))
         self._chosen_limit.show(_outlines([chosen] if isinstance(chosen, Limit) else []))
 
-    def _show_charges(self, charges: list[Charge], chosen: Shape | None) -> None:
+    def _show_charges(self, charges: list[_AnyCharge], chosen: Section | None) -> None:
         for sign, curves in self._rings.items():
             curves.show([_ring(charge, RADIUS) for charge in charges if sign * charge.strength > 0.0])
-        self._reach.show([_ring(chosen, REACH)] if isinstance(chosen, Charge) else [])
+        self._reach.show([_ring(chosen, REACH)] if isinstance(chosen, _AnyCharge) else [])
         charges = [charge for charge in charges if not isinstance(charge, ChargeSection) or charge.in_slice]
         x, y = to_xy(np.array([charge.position for charge in charges], dtype=float).reshape(-1, 2))
         attracts = [charge.strength > 0.0 for charge in charges]
@@ -321,12 +318,17 @@ def _shapes(color: str, z: float, width: float, halo: float = 3.6, dashed: bool 
     return Curves(color, z, width, halo, dashed, "shapes")
 
 
+def _is_area(shape: Section) -> bool:
+    """Whether a start is shown as an area with its particles."""
+    return isinstance(shape.line if isinstance(shape, StartSection) else shape, Grid | Threshold)
+
+
 def _outlines(limits: Sequence[Limit]) -> list[Array]:
     """The lines of limits; a region that lies in other slices of a volume has none."""
     return [np.array(limit.outline) for limit in limits if len(limit.outline)]
 
 
-def _ring(charge: Charge, radius: float) -> Array:
+def _ring(charge: _AnyCharge, radius: float) -> Array:
     return charge.ring(radius) if isinstance(charge, ChargeSection) else Circle(charge.position, radius).outline
 
 

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
 from app.model.document import edits
 from app.session.features.other_result import Other
-from app.views.features.volumes import SlicesFeature
 from cpm_core.shapes import Box, Sphere
 
 pytestmark = pytest.mark.shared_window
@@ -24,27 +22,6 @@ def run(volume, hand):
     hand.wait_for_phase("finished")
     hand.wait(lambda: volume.session.idle)
     return volume
-
-
-def test_the_edge_map_and_the_potential_are_shown_slice_by_slice(volume, hand) -> None:
-    canvas, beside = volume.canvas_area.canvas, volume.feature(SlicesFeature).sides
-    for name in ("edge_map", "potential"):
-        layer = canvas.layers[name]
-        assert layer.shades is None
-        layer.set_shown(True)
-        hand.wait(lambda layer=layer: layer.shades is not None)
-        whole = volume.session.scene.overlays[name].shades
-        assert whole.shape == volume.session.image.shape
-        for index in (12, 8):
-            volume.workspace.slices.at(index)
-            np.testing.assert_array_equal(layer.shades, whole[index])
-        for view in beside:
-            np.testing.assert_array_equal(view.layers[name].shades, view.here.of(whole))
-        if name == "edge_map":
-            assert whole.max() == 255
-            ball = np.linalg.norm(np.argwhere(whole > 200) - [11.5, 13.5, 15.5], axis=1)
-            assert np.abs(ball - 7.0).max() < 2.0
-        layer.set_shown(False)
 
 
 def test_shift_f_shows_what_is_selected_in_the_slices_through_its_middle(volume, hand) -> None:
@@ -69,6 +46,6 @@ def test_a_kept_result_and_a_branch_are_compared_in_slices(run, hand) -> None:
     other.choose(kept)
     far = canvas.sections.of(other.far(run.session.scene))
     assert len(far.contours.items) == 1
-    assert far.document.shapes[0].radii != canvas.drawn.document.shapes[0].radii
+    assert far.document.shapes[0].line.radii != canvas.drawn.document.shapes[0].line.radii
     other.choose(Other("image", "Image alone"))
     assert canvas.sections.of(other.far(run.session.scene)).snapshot is None

@@ -60,7 +60,7 @@ def test_the_section_of_a_sphere_lies_on_the_sphere(center, radius, sides, axis,
     if found is None:
         assert abs(index - center[axis]) * sides[axis] >= radius
         return
-    if min(found.radii) > 0.5:  # the least radius that a shape has
+    if min(found.line.radii) > 0.5:  # the least radius that a shape has
         outline = [Slice(axis, index).lifted(tuple(corner)) for corner in found.outline.tolist()]
         assert max(map(sphere.distance, outline)) < 1e-6 * (1 + radius + max(map(abs, center)))
 
@@ -107,7 +107,7 @@ def test_a_slice_shows_of_a_box_the_rectangle_between_its_faces(axis, one, other
         if low[axis] <= index <= high[axis]:
             (cut,) = found
             expected = np.delete([low, high], axis, axis=1)
-            np.testing.assert_allclose([np.min(cut.points, axis=0), np.max(cut.points, axis=0)], expected)
+            np.testing.assert_allclose([np.min(cut.outline, axis=0), np.max(cut.outline, axis=0)], expected)
         elif not low[axis] - 1 <= index <= high[axis] + 1:
             assert all(isinstance(cut, RegionElsewhere) for cut in found)
             assert len(found) == (kind is BoxRegion), "a region that the slice does not cut leaves nothing of it"

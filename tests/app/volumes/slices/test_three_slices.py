@@ -74,4 +74,4 @@ def test_what_is_drawn_in_one_slice_is_seen_in_all_that_cut_it(volume, hand) -> 
     assert isinstance(sphere, Sphere)
     for view in sides(volume):
         (section,) = view.drawn.document.shapes
-        assert section.radii == pytest.approx((sphere.radius,) * 2, abs=0.2)
+        assert section.line.radii == pytest.approx((sphere.radius,) * 2, abs=0.2)

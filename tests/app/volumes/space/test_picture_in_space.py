@@ -74,7 +74,7 @@ def test_enlarging_keeps_the_place_under_the_pointer(camera, right, down, factor
     assert seen[:2] == pytest.approx((MIDDLE[0] + right, MIDDLE[1] + down), abs=1e-2)
 
 
-@settings(max_examples=30)
+@settings(max_examples=10)
 @given(seed=st.integers(0, 10_000), camera=cameras)
 def test_each_pixel_shows_the_nearest_triangle_on_its_line_of_sight(seed, camera) -> None:
     """Beside the intersection of each line with each plane, by a linear system for each."""
@@ -112,7 +112,7 @@ def test_a_cut_lays_the_inside_open() -> None:
 
 
 @given(camera=cameras, seed=st.integers(0, 1000), radius=st.floats(0.5, 6.0))
-@settings(max_examples=30)
+@settings(max_examples=10)
 def test_balls_hide_what_is_behind_them(camera, seed, radius) -> None:
     rng = np.random.default_rng(seed)
     places = camera.seen(camera.center + rng.normal(0.0, 10.0 / camera.scale, (6, 3)), SIZE)
@@ -135,7 +135,7 @@ def straight(center: np.ndarray, axis: int) -> Camera:
     return Camera(center, np.eye(3)[[right, down, axis]], 1.0)
 
 
-@settings(max_examples=30)
+@settings(max_examples=15)
 @given(camera=cameras, axis=st.integers(0, 2), index=st.integers(0, 9))
 def test_a_slice_lies_where_its_voxels_are(camera, axis, index) -> None:
     shape, spacing = (10, 15, 20), np.array([2.0, 2.0, 2.0])

@@ -8,7 +8,6 @@ import numpy as np
 import PIL.Image
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QApplication
 
 from app.views.features.volumes import SpaceFeature
 from app.views.theme import theme
@@ -102,24 +101,3 @@ def test_a_turntable_is_one_full_turn(volume, hand, space, tmp_path, monkeypatch
             frames.append(np.asarray(film.convert("RGB")).astype(int))
     assert max(frames[0].shape) <= 720
     assert all((one != other).any() for one, other in pairwise(frames))
-
-
-def test_the_menu_of_the_view_turns_it_and_chooses_what_is_shown(volume, hand, space) -> None:
-    view, right = space.view, Qt.MouseButton.RightButton
-    view.use(view.camera.turned(1.0, 0.5))
-    hand.qtbot.mouseClick(view, right, pos=view.rect().center())
-    menus = volume.context_menus
-    hand.wait(lambda: QApplication.activePopupWidget() is not None)
-    texts = [action.text().replace("&", "") for action in menus.menu.actions() if action.text()]
-    assert texts[:5] == ["Whole volume", "Along the plane", "Along the row", "Along the column", "Particles"]
-    assert texts[-3:] == ["Copy picture", "Export picture in space…", "Export turntable…"]
-    menus.menu.close()
-    volume.actions_by_name["space_along_1"].trigger()
-    np.testing.assert_array_equal(view.camera.axes, [[0, 0, 1], [1, 0, 0], [0, -1, 0]])
-    space.bar.checks["slices"].setChecked(False)
-    volume.actions_by_name["space_slices"].trigger()
-    assert space.bar.shown.slices
-    assert volume.actions_by_name["space_slices"].isChecked()
-    hand.wait(lambda: view.idle)
-    volume.actions_by_name["copy_space"].trigger()
-    assert QApplication.clipboard().image().size() == view.picture().size()

@@ -16,7 +16,6 @@ from app.model.display.space.view_in_space import Particles, ViewInSpace
 from app.model.display.space.voxels import Shaded
 from app.model.volume.slices import Slices
 from app.session.features.workspace import Workspace
-from app.views.volume import space_view
 from app.views.volume.space_panel import SpacePanel
 from cpm_core.contours.surface import Surface
 from cpm_core.image.image import Image
@@ -174,16 +173,3 @@ def test_controls_show_and_hide_each_part(qtbot, panel) -> None:
     parts["projection"].setChecked(True)
     settle(qtbot, panel)
     assert "#ffffff" in colors(panel)
-
-
-def test_a_slow_picture_is_coarse_while_it_turns_and_whole_when_still(qtbot, panel, monkeypatch) -> None:
-    view, sizes = panel.view, []
-    drawn = space_view._draw
-    monkeypatch.setattr(view, "_seconds", 0.09)
-    monkeypatch.setattr(
-        space_view, "_draw", lambda one, camera, size, *more: (sizes.append(size), drawn(one, camera, size, *more))[1]
-    )
-    drag(qtbot, panel, QPoint(30, 10))
-    full = (view.height(), view.width())
-    assert sizes[0][0] <= full[0] / 2
-    assert sizes[-1] == full

@@ -109,10 +109,10 @@ def test_what_a_file_leaves_out_is_told_before_it_is_written(tmp_path, caplog):
     result = replace(CLOSED, contours=(*CLOSED.contours, *result_of(False).contours * 2))
     told = []
     files = [tmp_path / "a.png", tmp_path / "a.coco.json", tmp_path / "a.svg"]
-    export(result, *files, tell=lambda sentence: told.append((sentence, any(file.exists() for file in files))))
+    export(result, *files, warn=lambda sentence: told.append((sentence, any(file.exists() for file in files))))
     png, coco = f"{files[0]}: 2 of 3 contours are open and not in a mask.", "not in a COCO file."
     assert told == [(png, False), (f"{files[1]}: 2 of 3 contours are open and {coco}", False)]
     export(result, *files[:1])
     assert png in caplog.text
-    export(result, *files[:1], outlines=True, tell=told.append)
+    export(result, *files[:1], outlines=True, warn=told.append)
     assert len(told) == 2

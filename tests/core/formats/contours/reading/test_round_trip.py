@@ -84,7 +84,7 @@ def test_instances_with_something_in_them_come_back_to_a_fraction_of_a_pixel():
 @pytest.mark.parametrize("suffix", [".png", ".tif", ".nii", ".nii.gz"])
 def test_outlines_of_a_label_mask_paint_the_same_mask(tmp_path, suffix):
     file = tmp_path / f"labels{suffix}"
-    export(RESULT, file, tell=lambda sentence: None)
+    export(RESULT, file, warn=lambda sentence: None)
     painted = paint(RESULT.contours, RESULT.shape)
     found = load_contours(file)
     assert all(contour.closed for contour in found)

@@ -6,7 +6,7 @@ import threading
 import numpy as np
 
 from cpm_core import Engine, Parameters, circle
-from cpm_core.objects.warm_up import warm_up
+from cpm_core.warm_up import warm_up
 
 from ..scenes import disk
 
