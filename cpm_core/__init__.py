@@ -11,7 +11,7 @@ The model on one page
    positive charges to edges (`field.electric_field`). Its direction is the **Lorentz force** F_l; across an edge it
    falls linearly through zero (`field.scale_field`).
 3. The **particles** all have the same positive charge and repel each other: the **Coulomb force** F_c, eq. (9)
-   (`particles.coulomb`), scaled by the local spacing and cut at one. In a run with many particles, near pairs are
+   (`model.coulomb`), scaled by the local spacing and cut at one. In a run with many particles, near pairs are
    summed at every step, and a mesh, computed every few steps, carries the rest (`model.plane.repulsion`).
 4. They move by F = w1 F_c + w2 F_l - beta v, eq. (12), the last term being the **damping**; one **step** advances
    them by eq. (14)-(15) (`model.equations`, `model.plane.motion`). Particles that leave the image are removed.

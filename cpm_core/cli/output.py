@@ -20,7 +20,7 @@ from cpm_core.formats.common.printable import printable
 from cpm_core.formats.common.provenance import VERSION
 from cpm_core.image.image import Image
 from cpm_core.model.state import State
-from cpm_core.objects.warm_up import FIRST, is_compiled, warm_up
+from cpm_core.warm_up import FIRST, is_compiled, warm_up
 
 SCHEMA = 1
 """Version of the form of all JSON objects."""

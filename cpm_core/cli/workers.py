@@ -25,10 +25,10 @@ from cpm_core.formats.common.provenance import with_shapes
 from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.formats.sessions.session_file import SessionFile, part_for
 from cpm_core.numerics.parallel import at_most, cores
-from cpm_core.objects.warm_up import is_compiled, warm_up
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.evolve import segment
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on
+from cpm_core.warm_up import is_compiled, warm_up
 
 _LOG = logging.getLogger(__name__)
 

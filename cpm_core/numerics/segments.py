@@ -61,7 +61,10 @@ class SegmentTree:
     def __init__(self, begin: Array, end: Array) -> None:
         import shapely  # noqa: PLC0415 - needed for comparisons only
 
-        self._tree = shapely.STRtree(shapely.linestrings(np.stack([begin, end], axis=1)))
+        # GEOS knows no distance from a line without length
+        short = ((end - begin) ** 2).sum(axis=1) == 0.0
+        lines = shapely.linestrings(np.stack([begin, end], axis=1))
+        self._tree = shapely.STRtree(np.where(short, shapely.points(begin), lines))
 
     def distances(self, points: Array) -> Array:
         """Distance of points, shape (N, 2), from the nearest segment, shape (N,) [px]; infinite when there is none."""

@@ -21,7 +21,7 @@ from PySide6.QtWidgets import (
 from app.model.parameters.controls import controls
 from app.model.text.assets import asset, guide_page
 from app.model.text.keys import key_of
-from app.model.text.language import tr
+from app.model.text.language import from_core, tr
 from app.views.widgets.actions import LAYER, ActionSpec, native
 from app.views.window.docks import PanelAction
 from app.views.window.menus import MENUS
@@ -58,7 +58,7 @@ class Guide(QDialog):
         self.contents = QListWidget()
         self.contents.setObjectName("contents")
         self.contents.setAccessibleName(tr("Pages"))
-        self.contents.addItems([tr(guide_page(name)[0].text) for name in PAGES])
+        self.contents.addItems([from_core(guide_page(name)[0].text) for name in PAGES])
         self.contents.setFixedWidth(self.contents.sizeHintForColumn(0) + 28)
         self.text = QTextBrowser()
         self.text.setOpenLinks(False)
@@ -96,7 +96,7 @@ class Guide(QDialog):
             tag = {"# ": "h2", "1. ": "li", "": "p"}[mark]
             address = QUrl.fromLocalFile(str(asset(f"guide/{picture}"))).toString() if picture else ""
             image = f"<br><img src='{address}' width='{_PICTURE}'><br>" if picture else ""
-            parts.append(f"<{tag}>{self._named(tr(text))}{image}</{tag}>")
+            parts.append(f"<{tag}>{self._named(from_core(text))}{image}</{tag}>")
         whole = re.sub(r"((?:<li>.*?</li>)+)", r"<ol>\1</ol>", "".join(parts), flags=re.DOTALL)
         self.text.setHtml(whole + (self._keys() if self.page == KEYS else ""))
 

@@ -13,8 +13,8 @@ from app.session.features.kept_pages import StackSource, StoredPages
 from app.session.timeline import plain_runs
 from cpm_core.cli import main
 from cpm_core.formats.sessions.session_file import SessionFile, decode, encode, load_session
-from cpm_core.objects.warm_up import warm_up
 from cpm_core.shapes.document_shapes import axes_of
+from cpm_core.warm_up import warm_up
 
 from .inputs.mutations import mutated, mutated_json
 from .inputs.session_samples import IMAGE, PAGES, SAMPLES, SESSION, SHAPES, STACK, write_images

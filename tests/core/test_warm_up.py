@@ -6,9 +6,9 @@ import threading
 import numpy as np
 
 from cpm_core import Engine, Parameters, circle
-from cpm_core.objects.warm_up import warm_up
+from cpm_core.warm_up import warm_up
 
-from ..scenes import disk
+from .scenes import disk
 
 
 def test_warming_up_twice_has_no_side_effects(tmp_path, monkeypatch):
