@@ -32,70 +32,28 @@ def main(argv: Sequence[str] | None = None) -> int:
     int
         Exit status; 2 when the window cannot be opened or the arguments are invalid.
     """
-    _hold_closed_streams()
+    arguments = list(sys.argv[1:] if argv is None else argv)
     try:
-        _end_at_once_if_interrupted()
-        return _run(list(sys.argv[1:] if argv is None else argv))
+        first = arguments[0] if arguments else ""
+        if first in _COMMANDS or first.startswith("-") or "_ARGCOMPLETE" in os.environ:
+            from cpm_core import cli
+
+            return cli.main(arguments)
+        if arguments and not os.path.lexists(first):  # a pattern, or a word that was mistyped, which opens no window
+            from cpm_core.cli.inputs import expanded
+
+            try:
+                arguments = expanded(arguments)
+            except ValueError as error:
+                return _refuse(str(error))
+            if not os.path.lexists(arguments[0]):
+                return _refuse(f"“{first}” is no command and no file; see cpm --help.")
+        if len(arguments) > 1:
+            return _refuse(f"The window opens one image but {len(arguments)} were given; see cpm --help.")
+        return _open_window(arguments[0] if arguments else None)
     except KeyboardInterrupt:
-        print("cpm: interrupted.", file=sys.stderr)  # again, or as the window opens
+        print("cpm: interrupted.", file=sys.stderr)
         return INTERRUPTED
-    finally:
-        _interrupt_as_usual()
-
-
-def _hold_closed_streams() -> None:
-    """Let no file that is opened later take the place of a closed standard stream, where libraries write as well."""
-    for number in range(3):
-        try:
-            os.fstat(number)
-        except OSError:
-            os.open(os.devnull, os.O_RDWR)  # takes the lowest number that is free
-
-
-def _end_at_once_if_interrupted() -> None:
-    """Let Ctrl+C end the program while libraries are loaded: some would make another error of it."""
-    import signal  # loads others: whoever interrupts that is answered already
-
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        try:
-            signal.signal(signal.SIGINT, _end_at_once)
-        except ValueError:  # only the main thread is interrupted
-            return
-
-
-def _end_at_once(*_: object) -> None:
-    os.write(2, b"cpm: interrupted; nothing was written.\n")
-    os._exit(INTERRUPTED)
-
-
-def _interrupt_as_usual() -> None:
-    import signal
-
-    if signal.getsignal(signal.SIGINT) is _end_at_once:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-
-
-def _run(arguments: Sequence[str]) -> int:
-    asked_by_shell = "_ARGCOMPLETE" in os.environ
-    if asked_by_shell or (arguments and (arguments[0] in _COMMANDS or arguments[0].startswith("-"))):
-        from cpm_core import cli
-
-        _interrupt_as_usual()
-        return cli.main(arguments)
-    paths = list(arguments)
-    if arguments and not os.path.lexists(arguments[0]):  # a word that was mistyped opens no window
-        from cpm_core.cli.help import no_command_or_file
-        from cpm_core.cli.inputs import expanded
-
-        try:
-            paths = expanded(arguments)
-        except ValueError as error:
-            return _refuse(str(error))
-        if paths == list(arguments):
-            return _refuse(no_command_or_file(arguments[0], _COMMANDS))
-    if len(paths) > 1:
-        return _refuse(f"The window opens one image but {len(paths)} were given; see cpm --help.")
-    return _open_window(paths[0] if paths else None)
 
 
 def _open_window(path: str | None) -> int:
@@ -119,7 +77,6 @@ def _open_window(path: str | None) -> int:
         if error.name in _QT and isinstance(error, ModuleNotFoundError):
             return _refuse(_NO_QT)
         return _refuse(f"The window cannot be opened because a library cannot be loaded ({error}); see the README.")
-    _interrupt_as_usual()
     return run(path)
 
 

@@ -11,7 +11,7 @@ The model on one page
    positive charges to edges (`field.electric_field`). Its direction is the **Lorentz force** F_l; across an edge it
    falls linearly through zero (`field.scale_field`).
 3. The **particles** all have the same positive charge and repel each other: the **Coulomb force** F_c, eq. (9)
-   (`particles.coulomb`), scaled by the local spacing and cut at one. In a run with many particles, near pairs are
+   (`model.coulomb`), scaled by the local spacing and cut at one. In a run with many particles, near pairs are
    summed at every step, and a mesh, computed every few steps, carries the rest (`model.plane.repulsion`).
 4. They move by F = w1 F_c + w2 F_l - beta v, eq. (12), the last term being the **damping**; one **step** advances
    them by eq. (14)-(15) (`model.equations`, `model.plane.motion`). Particles that leave the image are removed.
@@ -56,7 +56,7 @@ and results, on axes of matplotlib.
 
 The **skeleton** is the middle line of an object with the distance to its boundary, from which the object can be
 reconstructed (`medial_axis`). It needs no seeds. In a volume it is the center lines
-of vessels (`medial_axis.space`). Contours and skeletons both come from a `Method`, which the same loop
+of vessels (`medial_axis.centerlines`). Contours and skeletons both come from a `Method`, which the same loop
 runs step by step; `METHODS` has them by name.
 
 The **classical methods** that the publication argues against, snakes and level sets, stand beside the charged particles
@@ -72,13 +72,12 @@ found; a `ScaleField` holds the fields of one scale.
 
 from cpm_core.contours.agreement import Comparison, compare
 from cpm_core.contours.contour import Bridge, Contour
-from cpm_core.contours.ground_truth import Truth
+from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.contours.measurements import containment, measure
-from cpm_core.contours.measurements.table import Table
+from cpm_core.contours.region_table import Table
 from cpm_core.contours.result import Result
 from cpm_core.contours.surface import Surface
-from cpm_core.contours.surface.agreement import SurfaceComparison, compare_surface
-from cpm_core.contours.surface.ground_truth import VolumeTruth
+from cpm_core.contours.surface_agreement import SurfaceComparison, compare_surface
 from cpm_core.field.edge_map import edge_map
 from cpm_core.field.electric_field import electric_field
 from cpm_core.field.placed_charges import PlacedCharge
@@ -103,9 +102,9 @@ from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import Extrusion, VolumeRegions
+from cpm_core.medial_axis.centerlines import Centerlines, centerlines
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.medial_axis.skeletonize import skeleton
-from cpm_core.medial_axis.space.centerlines import Centerlines, centerlines
+from cpm_core.medial_axis.skeleton_method import skeleton
 from cpm_core.model.coulomb import coulomb_force
 from cpm_core.model.measures import Energies, Forces
 from cpm_core.model.starts import circle, divergence_centers, gradient_threshold, stroke, uniform_grid

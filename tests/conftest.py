@@ -11,7 +11,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from cpm_core.numerics.parallel import cores
-from cpm_core.objects.warm_up import is_compiled, warm_up
+from cpm_core.warm_up import is_compiled, warm_up
 
 _MOST_WORKERS = 4
 """Processes beyond which the memory that each one takes costs more than it saves."""
@@ -42,7 +42,7 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     """Compile the model's loops once, before the processes that share them begin."""
     if getattr(session.config.option, "numprocesses", None) and not is_compiled():
         calls = ("warm_up()", "warm_up_volumes()")
-        code = "from cpm_core.objects.warm_up import warm_up, warm_up_volumes;"
+        code = "from cpm_core.warm_up import warm_up, warm_up_volumes;"
         processes = [subprocess.Popen([sys.executable, "-c", code + call]) for call in calls]
         for process in processes:
             assert process.wait() == 0

@@ -21,14 +21,20 @@ FORBIDDEN = {"cpm_core": QT, "app.model": QT, "app.session": WIDGETS}
 CORE_LIBRARIES = {"numpy", "scipy", "skimage", "numba", "llvmlite", "PIL", "tifffile", "roifile", "argcomplete"}
 
 LATE_LIBRARIES = {
-    "cpm_core.image.drawing.axes": {"matplotlib"},
+    "cpm_core.image.drawing": {"matplotlib"},
+    "cpm_core.contours.surface": {"fast_simplification"},
+    "cpm_core.objects.segmented.areas": {"shapely"},
+    "cpm_core.numerics.segments": {"shapely"},
     "cpm_core.formats.animation": {"imageio_ffmpeg"},
-    "cpm_core.formats.images.medical.nifti": {"nibabel"},
-    "cpm_core.formats.images.medical.nrrd": {"nrrd"},
-    "cpm_core.formats.images.medical.dicom.reader": {"pydicom"},
-    "cpm_core.formats.images.medical.dicom.pixels": {"pydicom", "imagecodecs"},
+    "cpm_core.formats.images.nifti": {"nibabel"},
+    "cpm_core.formats.images.nrrd": {"nrrd"},
+    "cpm_core.formats.images.dicom": {"pydicom", "imagecodecs"},
+    "cpm_core.formats.images.raster": {"imagecodecs"},
     "cpm_core.formats.comparison": {"matplotlib"},
-    "cpm_core.cli.batch.workers": {"distributed"},
+    "cpm_core.cli.workers": {"distributed"},
+    "cpm_core.formats.contours.dxf": {"ezdxf"},
+    "cpm_core.formats.contours.svg": {"svgelements"},
+    "cpm_core.formats.masks.nifti": {"nibabel"},
 }
 """What these modules import as well, and only where it is needed: inside functions, and for types."""
 
@@ -263,6 +269,30 @@ def test_no_module_imports_itself_by_way_of_others_not_even_for_types():
 def test_no_room_imports_itself_by_way_of_others(depth):
     names = {module_name(path) for path in SOURCES if path.name != "__init__.py" or path.parent.parent != ROOT}
     assert circles(arrows_between(names, depth)) == []
+
+
+STILL_AROUND = {
+    ("cpm_core/formats/images", "cpm_core/formats/images/stacks"),
+    ("cpm_core/objects", "cpm_core/objects/candidates"),
+}
+"""Pairs of folders that still import one another; none is added."""
+
+
+def folders_that_import_one_another():
+    """Pairs of folders, a folder's own files taken as the folder."""
+    folders = {module_name(path): path.parent.relative_to(ROOT).as_posix() for path in SOURCES}
+    arrows = set()
+    for path in SOURCES:
+        for other in module(path).imported:
+            known = next((part for part in prefixes(other) if part in folders), None)
+            if known is not None:
+                arrows.add((path.parent.relative_to(ROOT).as_posix(), folders[known]))
+    return {(one, other) for one, other in arrows if one < other and (other, one) in arrows}
+
+
+def test_no_folder_lies_both_above_and_below_another():
+    """So that rooms can be drawn as floors: the files of a folder lie above all its subfolders, or below them."""
+    assert folders_that_import_one_another() - STILL_AROUND == set()
 
 
 def test_circles_are_seen():

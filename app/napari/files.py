@@ -12,7 +12,7 @@ from app.napari.layers import LayerData, contours_of, layer_of_contours, layer_o
 from cpm_core.contours.result import Result
 from cpm_core.contours.surface import Surface
 from cpm_core.formats import CONTOURS_READABLE, export
-from cpm_core.formats.contours.reading.contour_file import read_contours
+from cpm_core.formats.contour_file import read_contours
 
 
 def reader_of(path: str | Sequence[str]) -> Callable[[str | Sequence[str]], list[LayerData]] | None:

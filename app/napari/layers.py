@@ -10,9 +10,8 @@ import numpy as np
 from cpm_core.contours.contour import Contour, numbers_of
 from cpm_core.contours.measurements import measure
 from cpm_core.contours.result import Result
-from cpm_core.formats.contours.appearance import DEFAULT
-from cpm_core.formats.contours.reading.contents import color_of
-from cpm_core.formats.contours.reading.curves import ellipse
+from cpm_core.formats.contours.contents import DEFAULT, color_of
+from cpm_core.formats.contours.curves import ellipse
 from cpm_core.numerics.types import Array
 from cpm_core.shapes import Polygon, Stroke
 

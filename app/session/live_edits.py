@@ -17,7 +17,7 @@ from app.model.document import edits
 from app.model.document.document import Document
 from app.model.text.language import tr
 from app.session.signals import SessionSignals
-from app.session.timeline.run_actions import Erased
+from app.session.timeline.moments import Erased
 from app.session.undo_history import Erasure
 from app.session.updates import Progress
 from app.session.worker.commands import Command, FindSeeds, RunCall
@@ -37,61 +37,59 @@ class Live:
         self._progress = progress
         self._post = post
         self._run = 0
+        self._runs: dict[int, tuple[tuple[object, ...], Counter[Hashable]]] = {}
         self._erasures = 0
-        self._late: tuple[object, ...] = ()
-        self._executed: Counter[Hashable] = Counter()
-        self._others: dict[int, tuple[tuple[object, ...], Counter[Hashable]]] = {}
         self._drawn: Counter[Hashable] = Counter()
         self._last_shapes: tuple[Shape, ...] | None = None
-        self._outdated: tuple[tuple[Shape, ...] | None, Counter[Hashable], bool] = (None, self._executed, False)
+        self._outdated: tuple[tuple[Shape, ...] | None, Counter[Hashable] | None, bool] = (None, None, False)
 
     def begin(self, run: int, document: Document) -> None:
         """The run of this generation starts from a document."""
-        self._put_aside()
         self._run = run
-        self._late = document.late
-        self._executed = self._drawn = document.sources
-        self._last_shapes = document.shapes
+        self._runs[run] = document.late, document.sources
+        self._drawn, self._last_shapes = document.sources, document.shapes
 
     def use(self, run: int) -> None:
         """Another run of the timeline is shown, the one that began as this generation."""
-        if run != self._run and run in self._others:
-            self._put_aside()
+        if run in self._runs:
             self._run = run
-            self._late, self._executed = self._others[run]
 
     @property
     def executed(self) -> dict[int, Counter[Hashable]]:
         """The sources of the particles of each run, by its generation."""
-        self._put_aside()
-        return {run: executed for run, (_, executed) in self._others.items()}
+        return {run: executed for run, (_, executed) in self._runs.items()}
 
     def restore(self, begun: Mapping[int, tuple[Document, Counter[Hashable]]]) -> None:
         """The runs of a session are there: their first documents and the sources of their particles."""
         document = self._session.scene.document
         self._drawn, self._last_shapes = document.sources, document.shapes
         for run, (first, executed) in begun.items():
-            self._others[run] = (replace(first, image=document.image).late, executed)
+            self._runs[run] = (replace(first, image=document.image).late, executed)
 
     def forget(self) -> None:
         """Forget all runs: another image has been opened."""
-        self._others.clear()
+        self._runs.clear()
         self._run = 0
 
-    def _put_aside(self) -> None:
-        self._others[self._run] = (self._late, self._executed)
+    @property
+    def _executed(self) -> Counter[Hashable]:
+        """The sources of the particles of the run that is shown."""
+        return self._runs[self._run][1] if self._run in self._runs else Counter()
+
+    def _execute(self, executed: Counter[Hashable]) -> None:
+        if self._run in self._runs:
+            self._runs[self._run] = self._runs[self._run][0], executed
 
     def outdated(self, document: Document) -> bool:
         """Whether a run from the current document would begin otherwise than the existing one did.
 
         Starts that have only been added join the run.
         """
-        shapes, executed, lost = self._outdated
+        late, executed = self._runs.get(self._run, ((), Counter()))
         # The window asks many times a second, and many thousand points take a while to compare.
-        if shapes is not document.shapes or executed is not self._executed:
-            lost = bool(self._executed - document.sources)
-            self._outdated = (document.shapes, self._executed, lost)
-        return lost or document.late != self._late
+        if document.shapes is not self._outdated[0] or executed is not self._outdated[1]:
+            self._outdated = document.shapes, executed, bool(executed - document.sources)
+        return self._outdated[2] or document.late != late
 
     def follow(self, before: Document, after: Document, complete: bool) -> None:
         """The document has changed; unless `complete`, the gesture that changes it continues."""
@@ -125,7 +123,7 @@ class Live:
             return  # no change, or a start that was moved or reshaped
         new = (drawn - self._executed) & gained
         if new:
-            self._executed = self._executed + new
+            self._execute(self._executed + new)
             self._post(RunCall(self._session.generation, Run.join, _only(document, new)))
 
     def begin_erasure(self) -> Erasure:
@@ -141,7 +139,7 @@ class Live:
         session = self._session
         rest = edits.erase(session.scene.document, path, radius)
         lost = self._executed & (session.scene.document.sources - rest.sources)
-        self._executed = self._executed - lost
+        self._execute(self._executed - lost)
         if not self._progress.status.started:
             return rest, False
         erasure.sources += lost
@@ -151,7 +149,7 @@ class Live:
     def turn(self, erasures: Sequence[Erasure], back: bool) -> None:
         """Particles that were erased come back, or go again, and with them those of the shapes erased."""
         for erasure in erasures:
-            self._executed = self._executed + erasure.sources if back else self._executed - erasure.sources
+            self._execute(self._executed + erasure.sources if back else self._executed - erasure.sources)
 
     def _reached(self, path: tuple[Place, ...], radius: float) -> bool:
         """Whether particles are near a path, as far as the window knows; while they move, some px farther away."""

@@ -17,13 +17,12 @@ from app.model.text.language import tr
 from app.model.volume.slices import Slices
 from app.session.exchange.contour_tracking import TrackedContours
 from app.session.exchange.messages import Drawn, Reconstruction, Snapshot
-from app.session.worker.requests import Compared, Probed, Shaded, WindowFound
+from app.session.worker.requests import Compared, Probed, Shaded
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.ground_truth import Truth
+from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.contours.measurements import Measures
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import Mark, ReviewedContour, reviewed
-from cpm_core.contours.surface.ground_truth import VolumeTruth
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array, Index
@@ -145,8 +144,6 @@ class Scene:
         The image; None while none is open.
     display : DisplayImage or None
         The image with its full range of gray values.
-    window_found : WindowFound or None
-        The last requested range of gray values.
     shaded : Shaded or None
         The image in the last requested intensity window.
     document : Document
@@ -189,7 +186,6 @@ class Scene:
 
     image: Image | None = None
     display: DisplayImage | None = None
-    window_found: WindowFound | None = None
     shaded: Shaded | None = None
     document: Document = field(default_factory=Document)
     selected: int | None = None
@@ -229,6 +225,6 @@ class Scene:
         return found if isinstance(found, Skeleton) and found.contours else None
 
     @property
-    def moved(self) -> bool:
+    def has_particles(self) -> bool:
         """Whether particles are shown; before the very first run the kernels may have to be compiled."""
         return self.snapshot is not None and (self.snapshot.state.step > 0 or len(self.snapshot.position) > 0)

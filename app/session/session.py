@@ -9,12 +9,11 @@ from pathlib import Path
 from PySide6.QtCore import QObject, Qt, QTimer
 
 from app.model.document import edits
-from app.model.document.changes import ChangeInWords
 from app.model.document.document import Document, ImageReference, Mode
 from app.model.document.modes import MODES, fresh_parameters, needs_start, starting
 from app.model.document.samples import sample_at
 from app.model.document.saving import restored
-from app.model.export.order import ExportOrder
+from app.model.export import ExportOrder
 from app.model.state.resolve import FIRST_PACE, PACES, Resolved, resolve
 from app.model.state.situation import RunStatus, Situation, can_step
 from app.model.text.keys import with_keys
@@ -28,13 +27,13 @@ from app.session.scene import ReviewedContours, Scene
 from app.session.signals import EDITING, EXPORTING, OPENING, RUNNING, SessionSignals
 from app.session.tasks.opening import Opener, Wanted
 from app.session.tasks.tasks import Tasks
-from app.session.undo_history import Change, Erasure, History, Turned
+from app.session.undo_history import Change, ChangeInWords, Erasure, History, Turned
 from app.session.updates import Progress
-from app.session.worker.commands import Command, Copy, Export, RestoreRuns, RunCall, RunsRestored, Start, WarmUp
+from app.session.worker.commands import Command, Export, RestoreRuns, RunCall, RunsRestored, Start, WarmUp
 from app.session.worker.run import Run
 from app.session.worker.worker_thread import WorkerThread
+from cpm_core.formats import suffix_of
 from cpm_core.formats.common.content import differ
-from cpm_core.formats.images import resolution
 from cpm_core.formats.images.reading import DEFAULT, Reading
 from cpm_core.image.image import Image
 from cpm_core.parameters import Parameters
@@ -379,14 +378,14 @@ class Session(QObject):
         path = Path(path)
         self.attempt(EXPORTING)
         task = self.tasks.begin(tr("Writing {name}…").format(name=path.name))
-        scene, document = self.scene, self.document
-        self.post(Export(task, scene.reconstruction, document.marks, path, order or ExportOrder(), document))
+        order, suffix = order or ExportOrder(), suffix_of(path)
+        self.post(Export(task, self.scene.reconstruction, self.document, suffix, path, order))
 
     def copy_contours(self, suffix: str) -> None:
         """Prepare the contours that are shown for the clipboard, as a file with this suffix would hold them."""
         self.attempt(EXPORTING)
         task = self.tasks.begin(tr("Copying contours…"))
-        self.post(Copy(task, self.scene.reconstruction, self.document.marks, suffix))
+        self.post(Export(task, self.scene.reconstruction, self.document, suffix))
 
     def warm_up(self) -> None:
         """Compile or load the kernels ahead of the first step."""
@@ -431,10 +430,9 @@ class Session(QObject):
 
     def _follow(self, before: Document, after: Document, complete: bool) -> None:
         """Give the image the size of a pixel that has been set by hand, before all that follows from an edit."""
-        image, wanted = self.scene.image, after.image
-        if image is not None and wanted is not None and (image.spacing, image.unit) != (wanted.spacing, wanted.unit):
-            factor = resolution.factor(image.unit, wanted.unit) if image.unit and wanted.unit else 1.0
-            sized = image.sized(wanted.spacing, wanted.unit, factor)
+        image = self.scene.image
+        if image is not None and after.image is not None and after.image.sized(image) is not image:
+            sized = after.image.sized(image)
             self._signals.scene = replace(self.scene, image=sized)
             self.post(RunCall(None, Run.rescale, sized, after))
         self.live.follow(before, after, complete)
@@ -494,12 +492,15 @@ class Session(QObject):
         self.post(RunCall(None, Run.use, self._signals.generation, opened.method, opened.parameters))
         # With its own document from the first moment: the shapes of the former one may have another number of axes.
         before, document = self.document, _document(opened, self.document.mode)
-        self.show(Scene(opened.image, opened.display, document=document, slices=Slices.of(opened.image.shape)))
+        slices = Slices.of(opened.image.shape)
+        first = next((shape for shape in document.shapes if isinstance(shape, Sphere)), None)
+        if slices is not None and first is not None:
+            slices = slices.through(first.center)
+        self.show(Scene(opened.image, opened.display, document=document, slices=slices))
         self.image_changed.emit()
         self._progress.forget()
         self.live.forget()
         self.begin_document(document, before)
-        self._show_start()
         self.post(RunCall(None, Run.edit_by_hand, self.document.hand_edits))
         self.post(RunCall(None, Run.set_parameters, opened.parameters))
         if opened.image.ndim == 3:
@@ -509,13 +510,6 @@ class Session(QObject):
         if opened.notes:
             self.say(" ".join(map(from_core, opened.notes)))
 
-    def _show_start(self) -> None:
-        """Show the slices through what is drawn first in a volume."""
-        slices = self.scene.slices
-        first = next((shape for shape in self.document.shapes if isinstance(shape, Sphere)), None)
-        if slices is not None and first is not None:
-            self.show(replace(self.scene, slices=slices.through(first.center)))
-
     def _restore_runs(self, opened: Opened) -> None:
         """Bring back the runs of a session if its image is still the same."""
         image = self.document.image
@@ -523,7 +517,7 @@ class Session(QObject):
             return
         known = opened.saved.file.image
         if known is not None and known.sha256 and differ(known.sha256, opened.sha256):
-            return  # the notes tell that the image has changed
+            return  # the notes report that the image has changed
         self._progress.busy("restoring", tr("Bringing back the runs…"))
         self.post(RunCall(None, Run.place, self._signals.image_generation, self.document.charges))
         self.post(RunCall(None, Run.limit, self.document.regions))

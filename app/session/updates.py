@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from app.model.export.order import in_words
+from app.model.export import summary_text
 from app.model.state.situation import Phase, RunStatus
 from app.model.text.language import tr
 from app.session.exchange.messages import (
@@ -25,10 +24,10 @@ from app.session.exchange.messages import (
     WarmedUp,
     WentOn,
 )
-from app.session.scene import NO_CONTOURS, ReviewedContours, Scene
+from app.session.scene import NO_CONTOURS, ReviewedContours
 from app.session.signals import CONTOURS, EDITING, EXPORTING, RUNNING, SessionSignals
 from app.session.worker.commands import RunsRestored
-from app.session.worker.requests import Compared, Probed, Shaded, WindowFound
+from app.session.worker.requests import Compared, Probed, Shaded
 from app.session.worker.worker_thread import WorkerThread
 from cpm_core.contours.result import Result
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -40,17 +39,17 @@ _FIGURES_EVERY = 0.1
 
 
 class Progress:
-    """State of the run as far as the window knows it; `clock` gives seconds."""
+    """State of the run as the window knows it."""
 
-    def __init__(
-        self, session: SessionSignals, worker_thread: WorkerThread, clock: Callable[[], float] = time.perf_counter
-    ) -> None:
+    def __init__(self, session: SessionSignals, worker_thread: WorkerThread) -> None:
         self._session = session
         self._worker_thread = worker_thread
-        self._clock = clock
         self._busy: dict[str, str] = {}
         self._shown_at = 0.0
         self._known = RunStatus()
+        session.listen(Probed, self._take_probed)
+        session.listen(Compared, self._take_compared)
+        session.listen(Shaded, lambda shaded: self._show(shaded=shaded))
 
     @property
     def status(self) -> RunStatus:
@@ -91,7 +90,11 @@ class Progress:
 
     def _take_contours(self, found: Reconstruction | ReconstructionFailed) -> None:
         if isinstance(found, ReconstructionFailed):
-            self._session.trouble(_with_last_contours(found.sentence, self._session.scene), CONTOURS)
+            trouble = found.sentence
+            if self._session.scene.contours.items:
+                last = tr("{trouble} The contours that are shown are those of an earlier step.")
+                trouble = last.format(trouble=trouble)
+            self._session.trouble(trouble, CONTOURS)
             return
         self._session.trouble("", CONTOURS)
         result = found.result
@@ -138,7 +141,7 @@ class Progress:
             steps_per_second=snapshot.steps_per_second,
         )
         self._show(snapshot=snapshot)
-        now = self._clock()
+        now = time.perf_counter()
         if self._known.phase != "running" or before != "running" or now - self._shown_at >= _FIGURES_EVERY:
             self._shown_at = now
             self._session.show_status()
@@ -169,7 +172,7 @@ class Progress:
                     self._show(image_seeds=image_seeds)
             case Exported(path, counts):
                 written = tr("Written: {path}").format(path=path)
-                self._session.say(written if counts is None else f"{written} ({in_words(counts)})", topic=EXPORTING)
+                self._session.say(written if counts is None else f"{written} ({summary_text(counts)})", topic=EXPORTING)
             case CommandFailed(sentence, topic):
                 self._session.say(sentence, True, topic)
             case Compiling(percent):
@@ -177,27 +180,13 @@ class Progress:
                     self._busy["preparing"] = _COMPILING.format(percent=percent)
             case WarmedUp():
                 self._busy.pop("preparing", None)
-        self._show_answer(report)
         self._session.pass_on(report)
         self._session.show_status()
 
-    def _show_answer(self, report: Report) -> None:
-        """Show the answer to a request of a layer."""
-        match report:
-            case Probed():
-                self._session.trouble(report.trouble, "forces")
-                self._show(probed=report)
-            case Compared(generation):
-                if generation == self._session.generation:
-                    self._show(compared=report)
-            case WindowFound():
-                self._show(window_found=report)
-            case Shaded():
-                self._show(shaded=report)
+    def _take_probed(self, probed: Probed) -> None:
+        self._session.trouble(probed.trouble, "forces")
+        self._show(probed=probed)
 
-
-def _with_last_contours(sentence: str, scene: Scene) -> str:
-    """A sentence on trouble with contours, with what is shown instead of them."""
-    if not scene.contours.items:
-        return sentence
-    return tr("{trouble} The contours that are shown are those of an earlier step.").format(trouble=sentence)
+    def _take_compared(self, compared: Compared) -> None:
+        if compared.generation == self._session.generation:
+            self._show(compared=compared)

@@ -18,17 +18,16 @@ from app.model.text.keys import use_names
 from app.model.text.language import tr
 from app.session.features.workspace import Workspace
 from app.session.storage.preferences import Preferences
+from app.session.storage.session_file import DocumentFile
 from app.views.canvas.canvas_area import FIRST_TOOL, CanvasArea
 from app.views.canvas.status_fields import PointerReadout, ZoomField
 from app.views.features import FEATURES
 from app.views.features.exchange import ImportFeature
-from app.views.features.files import FolderFeature, OpenSaveFeature, RecoveryFeature, StartFeature
+from app.views.features.files import OpenSaveFeature, StartFeature
 from app.views.features.run import ParametersFeature, RunControlFeature
 from app.views.features.view import AppearanceFeature
-from app.views.features.volumes import PagesFeature
 from app.views.theme import theme
-from app.views.widgets.action_spec import ActionSpec, Submenu
-from app.views.widgets.actions import Actions
+from app.views.widgets.actions import Actions, ActionSpec, Submenu
 from app.views.widgets.turns import Turns
 from app.views.window.bars import ToolBar, ToolPalette
 from app.views.window.docks import Docks
@@ -43,8 +42,8 @@ P = TypeVar("P", bound=Feature)
 _SIZE, _FRAME = QSize(1400, 880), QSize(16, 40)
 """Preferred size of the window, and space on the screen for its frame."""
 
-_GEOMETRY, _LAYOUT, _HEIGHTS = "window/geometry", "window/panels", "window/heights"
-"""Keys of the preferences for the geometry of the window, the layout of its panels, and the heights of those below."""
+_GEOMETRY, _LAYOUT = "window/geometry", "window/panels"
+"""Keys of the preferences for the geometry of the window and the layout of its panels."""
 
 
 @runtime_checkable
@@ -124,7 +123,6 @@ class MainWindow(QMainWindow):
         """Apply a theme."""
         theme.apply_theme(used)
         self.actions_by_name.use_theme(used)
-        self.docks.use_theme(used)
         for widget in self.findChildren(QWidget):
             if isinstance(widget, Themed):
                 widget.use_theme(used)
@@ -140,7 +138,6 @@ class MainWindow(QMainWindow):
             return
         self.preferences.put(_GEOMETRY, self.saveGeometry())
         self.preferences.put(_LAYOUT, self.saveState(self.docks.version))
-        self.preferences.put(_HEIGHTS, self.docks.heights.chosen)
         self.turns.stop()
         self.docks.leave()
         self.hide()
@@ -164,25 +161,18 @@ class MainWindow(QMainWindow):
         importing = self.feature(ImportFeature)
         files.import_contours = importing.take
         importing.open_files = files.take_dropped
-        importing.open_picture = lambda path: files.take([path])
         files.bring_in = self.feature(ParametersFeature).presets.import_file
-        self.feature(RecoveryFeature).keep(files.document_file)
-        self.feature(FolderFeature).keep(files.document_file)
-        self.feature(PagesFeature).keep(files.document_file)
-        self.feature(StartFeature).keep(files)
+        self.feature(StartFeature).show_files_of(files.recent)
 
     def _keep_tool(self) -> None:
         """Use the first tool in a volume where the tool in use has nothing to draw on."""
-        tool = self.canvas_area.canvas.tool
+        tool = self.canvas_area.canvas.hold.tool
         if self.session.scene.slices is not None and tool is not None and tool.name in NOT_IN_VOLUMES:
             self.refresh()
             self.actions_by_name[FIRST_TOOL].trigger()
 
     def _reveal(self, name: str) -> None:
         self.docks.reveal(name)  # the docks are made after the features
-
-    def _conceal(self, name: str) -> None:
-        self.docks.conceal(name)
 
     def _open_menu(self) -> None:
         self.context_menus.open_by_key()  # and so are the menus
@@ -199,16 +189,18 @@ class MainWindow(QMainWindow):
         return menus
 
     def _make_context(self) -> FeatureContext:
+        canvas, slices, truth = self.canvas_area.canvas, self.workspace.slices, self.workspace.truth
+        document_file = DocumentFile(self.session, lambda: {**canvas.view_state(), **slices.view_state()})
+        document_file.truth = lambda: truth.file
         return FeatureContext(
             window=self,
             workspace=self.workspace,
             canvas_area=self.canvas_area,
             preferences=self.preferences,
+            document_file=document_file,
             action_specs=lambda: self.actions_by_name.specs,
-            preference_rows=lambda: [row for feature in self.features.values() for row in feature.preferences()],
             shortcuts=lambda: self.shortcuts,
             reveal=self._reveal,
-            conceal=self._conceal,
             areas=lambda: self.areas,
             use_theme=self.use_theme,
             refresh=self.refresh,
@@ -248,4 +240,3 @@ class MainWindow(QMainWindow):
         if not geometry.isEmpty():
             self.restoreGeometry(geometry)
             self.restoreState(self.preferences.get(_LAYOUT, QByteArray()), self.docks.version)
-            self.docks.heights.chosen = self.preferences.get(_HEIGHTS, [])

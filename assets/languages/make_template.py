@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
+from app.model.text.assets import guide_page
 from cpm_core.formats import WRITABLE
 from cpm_core.formats.writers import FOR_VOLUMES
 from cpm_core.objects.methods import CONTOUR_METHODS, Settings
@@ -38,6 +39,13 @@ def in_source() -> Iterator[tuple[str, str]]:
                 said = node.args[0]
                 if isinstance(said, ast.Constant) and isinstance(said.value, str):
                     yield said.value, f"{path.relative_to(ROOT)}:{node.lineno}"
+
+
+def in_guide() -> Iterator[tuple[str, str]]:
+    """Headings and paragraphs of the guide."""
+    for path in sorted((ROOT / "assets" / "guide").glob("*.md")):
+        for block in guide_page(path.stem):
+            yield block.text, f"guide {path.name}"
 
 
 def in_tables() -> Iterator[tuple[str, str]]:
@@ -76,7 +84,7 @@ def of_the_core() -> Iterator[tuple[str, str]]:
 def sentences() -> dict[str, list[str]]:
     """All sentences, each with the places where it occurs."""
     places: dict[str, list[str]] = {NAME: ["name of the language in itself"]}
-    for said, place in (*in_source(), *in_tables(), *of_the_core()):
+    for said, place in (*in_source(), *in_guide(), *in_tables(), *of_the_core()):
         if said:
             places.setdefault(said, []).append(place)
     return places

@@ -1,37 +1,21 @@
-"""Command line: each command is a module of this package that adds its arguments and runs. No window."""
+"""Command line: the table of all commands, each a module of this package. No window."""
 
 from __future__ import annotations
 
 import argparse
+import os
 import re
 import sys
 from collections.abc import Callable, Sequence
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
-from cpm_core.cli import bench, help, info
-from cpm_core.cli import compare as compare_command
-from cpm_core.cli import export as export_command
-from cpm_core.cli import skeleton as skeleton_command
-from cpm_core.cli.batch import command as batch_command
-from cpm_core.cli.help import complete, is_examples, text_of, with_suggestion
-from cpm_core.cli.inputs import use_files
-from cpm_core.cli.run import command as run_command
-from cpm_core.cli.terminal import drop_output, say, take_any_character
-from cpm_core.formats.common.atomic import written_files
+import argcomplete
+from argcomplete.shell_integration import shellcode
+
+from cpm_core.cli import batch, bench, compare, export, info, run, skeleton
+from cpm_core.cli.inputs import expanded, only_image
+from cpm_core.cli.output import say
 from cpm_core.formats.common.provenance import VERSION
-from cpm_core.parameters.quotation import counted
-
-_MODULES = (
-    run_command,
-    batch_command,
-    export_command,
-    skeleton_command,
-    compare_command,
-    info,
-    bench,
-    help,
-)
-"""A module for each command, in the order of the help."""
 
 BAD_INPUT = 2
 INTERRUPTED = 130
@@ -39,40 +23,132 @@ NOBODY_READS = 141
 """As the shell reports a program that wrote to a closed pipe."""
 
 
-_NEGATIVE = re.compile(r"-(?:\.?\d|inf|nan)", re.IGNORECASE)
-"""How values begin that are no options: a negative number, or several numbers between commas."""
+class Command(NamedTuple):
+    """A command: what it does in a few words and in a sentence, its arguments, its effect and example lines."""
+
+    help: str
+    description: str
+    add_arguments: Callable[[argparse.ArgumentParser], None]
+    run: Callable[[argparse.Namespace], int | None]
+    examples: tuple[str, ...]
 
 
-class _Help(argparse.HelpFormatter):
-    """Help that keeps the lines of examples."""
+def _add_shell(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("shell", choices=("bash", "zsh", "fish", "powershell"), help="which shell")
 
-    def _fill_text(self, text: str, width: int, indent: str) -> str:
-        return text if is_examples(text) else super()._fill_text(text, width, indent)
+
+COMMANDS = {
+    "run": Command(
+        "find the contours of an image",
+        "Let particles flow from a start to the contours of an image.",
+        run.add_arguments,
+        run.run,
+        (
+            "cpm run cell.png --circle 120,80,30 --export cell.svg",
+            "cpm run stack.tif --pages all --auto grid --export stack.csv",
+            "cpm run cell.png --start cell.roi --save-session cell.cpm",
+        ),
+    ),
+    "batch": Command(
+        "find the contours of many images",
+        "Apply a session file to each image: its start, regions, charges and parameters, and of a file of several "
+        "images the page, channel, point in time and series that the session shows. An image that fails is "
+        "reported, and the others go on. What the summary in the folder says is done already is not done again.",
+        batch.add_arguments,
+        batch.run,
+        (
+            "cpm batch images --session cell.cpm --output found",
+            'cpm batch "images/*.png" --session cell.cpm --output found --workers 2',
+        ),
+    ),
+    "export": Command(
+        "write a session or contours in other formats",
+        "Write the contours or the surface that a session shows, or those of a file, in other formats. A session "
+        "without a recorded run is run first.",
+        export.add_arguments,
+        export.run,
+        (
+            "cpm export cell.cpm --to cell.zip cell.geojson cell.figure.pdf",
+            "cpm export cell.svg --image cell.png --to cell.coco.json",
+            "cpm export tree.ply --image angio.nii --to tree.nii.gz",
+        ),
+    ),
+    "skeleton": Command(
+        "find the skeletons of the objects in an image",
+        "Find the middle lines of the objects in an image, with the distance to the boundary at every point. "
+        "The smoothing is chosen from the image's noise unless it is given. In a volume the lines are written as SWC.",
+        skeleton.add_arguments,
+        skeleton.run,
+        (
+            "cpm skeleton retina.png --of dark --export vessels.svg",
+            "cpm skeleton angio.nii --volume --export tree.swc",
+        ),
+    ),
+    "compare": Command(
+        "compare methods on the same image and start",
+        f"Run the charged particles and classical methods from the same start, one after the other. {compare.ABOUT}",
+        compare.add_arguments,
+        compare.run,
+        (
+            "cpm compare cell.png --circle 120,80,30 --truth cell_mask.png",
+            "cpm compare cell.png --circle 120,80,30 --methods cpm gvf --export table.csv",
+            "cpm compare angio.nii --sphere 20,64,64,4 --truth vessels.nii --export angio.ply",
+        ),
+    ),
+    "info": Command(
+        "show the properties of an image or volume",
+        "Show the size, gray levels, pixel size and place in space of an image or volume, and what reading it changed.",
+        info.add_arguments,
+        info.run,
+        ("cpm info stack.tif", "cpm info images --json"),
+    ),
+    "bench": Command(
+        "measure how fast it is here",
+        "Measure how long whole runs and their parts take on your machine, on a scene of disks. Each time is a median "
+        "of several, without compilation.",
+        bench.add_arguments,
+        bench.run,
+        ("cpm bench", "cpm bench --quick --json"),
+    ),
+    "completion": Command(
+        "complete commands in your shell",
+        "Print a script for a shell, with which the tab key completes commands, options and files.",
+        _add_shell,
+        lambda arguments: print(shellcode(["cpm"], shell=arguments.shell)),
+        ('eval "$(cpm completion bash)"', "cpm completion fish > ~/.config/fish/completions/cpm.fish"),
+    ),
+}
+"""The commands by name, in the order of the help."""
 
 
 class _Parser(argparse.ArgumentParser):
     """Parser that raises ValueError, which `main` reports."""
 
     def __init__(self, **settings: Any) -> None:
-        super().__init__(**{"formatter_class": _Help, **settings})
-        self._negative_number_matcher = _NEGATIVE  # argparse's own takes -50,-50,3 and -1e-3 for options
+        super().__init__(**{"formatter_class": argparse.RawDescriptionHelpFormatter, "allow_abbrev": False, **settings})
+        # argparse takes -50,-50,3 and -1e-3 for options
+        self._negative_number_matcher = re.compile(r"-(?:\.?\d|inf|nan)", re.IGNORECASE)
 
     def error(self, message: str) -> NoReturn:
-        raise ValueError(f"{with_suggestion(message, _options_of(self))} See {self.prog} --help.")
-
-    def _print_message(self, message: str, file: Any = None) -> None:
-        """Print help; argparse's own hides that nothing could be written."""
-        if message:
-            print(message, end="", file=file or sys.stderr)
+        raise ValueError(f"{message}. See {self.prog} --help.")
 
 
-def _options_of(parser: argparse.ArgumentParser) -> set[str]:
-    """All options of a parser and of its commands."""
-    options = set(parser._option_string_actions)
-    for action in parser._actions:
-        for command in action.choices.values() if isinstance(action, argparse._SubParsersAction) else ():
-            options |= set(command._option_string_actions)
-    return options
+def parser() -> argparse.ArgumentParser:
+    """The parser of the whole command line."""
+    whole = _Parser(
+        prog="cpm",
+        description="Find contours in images with charged particles.",
+        epilog="Without a command the window opens, on the image that is named if there is one: cpm [IMAGE].",
+    )
+    whole.add_argument("--version", action="version", version=f"cpm {VERSION}", help="show the version")
+    commands = whole.add_subparsers(metavar="COMMAND", dest="name", required=True)
+    for name, command in COMMANDS.items():
+        examples = "\n  ".join(["Examples:", *command.examples])
+        made = commands.add_parser(name, help=command.help, description=command.description, epilog=examples)
+        command.add_arguments(made)
+        if name != "completion":
+            made.add_argument("--json", action="store_true", help="print one JSON object")
+    return whole
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -87,57 +163,32 @@ def main(argv: Sequence[str] | None = None) -> int:
     -------
     int
         Exit status: 0 on success, 1 when only some of several images, pages or files were done, 2 on bad input (one
-        line on standard error; nothing is written), 130 when interrupted (one line that says what was written), 141
-        when nobody reads the output any more.
+        line on standard error; nothing is written), 130 when interrupted, 141 when nobody reads the output any more.
     """
-    take_any_character()
-    with written_files() as written:
-        try:
-            return _run(argv)
-        except ValueError as error:
-            say(f"cpm: {error}")
-            return BAD_INPUT
-        except MemoryError:
-            say("cpm: there is not enough memory for this: use a smaller image or fewer particles.")
-            return BAD_INPUT
-        except KeyboardInterrupt as interrupt:
-            files = f"{counted(len(written), 'file')} {'was' if len(written) == 1 else 'were'} written before"
-            say(f"cpm: interrupted; {str(interrupt) or (files if written else 'nothing was written')}.")
-            return INTERRUPTED
-        except BrokenPipeError:
-            drop_output()
-            return NOBODY_READS
-        except OSError as error:
-            drop_output()
-            say(f"cpm: the output cannot be written: {error.strerror or error}.")
-            return BAD_INPUT
-
-
-def _run(argv: Sequence[str] | None) -> int:
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="backslashreplace")  # for terminals that cannot show every character
     try:
         whole = parser()
-        complete(whole)
+        if "_ARGCOMPLETE" in os.environ:
+            argcomplete.autocomplete(whole)
         arguments = whole.parse_args(argv)
-        use_files(arguments)
-        command: Callable[[argparse.Namespace], int | None] = arguments.command
-        return command(arguments) or 0
-    finally:
-        if sys.stdout is not None:
-            sys.stdout.flush()
-
-
-def parser() -> argparse.ArgumentParser:
-    """The parser of the whole command line."""
-    whole = _Parser(
-        prog="cpm",
-        description="Find contours in images with charged particles.",
-        epilog="Without a command the window opens, on the image that is named if there is one: cpm [IMAGE].",
-        allow_abbrev=False,
-    )
-    whole.add_argument("--version", action="version", version=f"cpm {VERSION}", help="show the version")
-    commands = whole.add_subparsers(metavar="COMMAND", dest="name", required=True)
-    for module in _MODULES:
-        module.add_to(commands)
-    for name, command in commands.choices.items():
-        command.epilog = text_of(name)
-    return whole
+        if getattr(arguments, "image", None) is not None:
+            arguments.image = only_image(arguments.image)
+        if hasattr(arguments, "images"):
+            arguments.images = expanded(arguments.images)
+        status = COMMANDS[arguments.name].run(arguments) or 0
+        sys.stdout.flush()
+    except ValueError as error:
+        say(str(error))
+        return BAD_INPUT
+    except MemoryError:
+        say("there is not enough memory for this: use a smaller image or fewer particles.")
+        return BAD_INPUT
+    except KeyboardInterrupt as interrupt:
+        say(f"interrupted; {interrupt}." if str(interrupt) else "interrupted.")
+        return INTERRUPTED
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # else Python fails with it when it ends
+        return NOBODY_READS
+    return status

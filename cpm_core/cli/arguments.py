@@ -1,31 +1,83 @@
-"""Arguments of several commands: the image, the session, the parameters, files to write, JSON."""
+"""Options that several commands share, and what their values mean."""
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+import re
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
+from typing import Any
 
-from cpm_core.cli.inputs import CHANNEL_HELP, as_number, check_kept
+import numpy as np
+
 from cpm_core.formats import READABLE, WRITABLE, check_export
 from cpm_core.formats.sessions.session_file import SUFFIX
-from cpm_core.image.colors import LUMINANCE_NOTE
+from cpm_core.image.colors import CONTRAST, LUMINANCE
 from cpm_core.image.geometry import CONVENTIONS
-from cpm_core.image.image import Image
-from cpm_core.image.pyramid import most_scales
-from cpm_core.parameters import DEFAULTS, PARAMETERS, Parameters
-from cpm_core.parameters.choices import CHOICES, ChoiceInfo
+from cpm_core.parameters import DEFAULTS, PARAMETERS, PRESETS, Parameters
+from cpm_core.parameters.choices import CHOICES
+from cpm_core.parameters.quotation import shown
+
+CHANNEL_HELP = (
+    "Or its number in a file that holds several, from 1; or contrast, for the color whose gray levels vary the most."
+)
 
 
-def add_image(parser: argparse.ArgumentParser, optional: bool = False) -> None:
+def as_number(text: str) -> int | float | str:
+    """Convert text to a number if it is one; else the check of the value reports the error."""
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text
+
+
+def whole_number(least: int = 1) -> Callable[[str], int]:
+    """The type of an option that is a whole number of at least `least`."""
+
+    def convert(text: str) -> int:
+        if not re.fullmatch(r"\d{1,15}", text, re.ASCII) or int(text) < least:
+            raise argparse.ArgumentTypeError(f"{shown(text)} must be a whole number of at least {least}")
+        return int(text)
+
+    return convert
+
+
+def numbers_of(flag: str, text: str, form: str) -> tuple[float, ...]:
+    """Numbers between commas, in a form such as ROW,COL,RADIUS, or ROW,COL,... for any number of places."""
+    count = form.replace(",...", "").count(",") + 1
+    try:
+        numbers = tuple(map(float, text.split(",")))
+    except ValueError:
+        numbers = ()
+    fits = len(numbers) % count == 0 if form.endswith("...") else len(numbers) == count
+    if not numbers or not fits or not np.isfinite(numbers).all():
+        raise ValueError(f"{flag} is {shown(text)} but must be numbers between commas, {form}.")
+    return numbers
+
+
+def places_in(numbers: Sequence[float], axes: int) -> tuple[tuple[float, ...], ...]:
+    """Places, of one number for each axis, from numbers in turn."""
+    return tuple(zip(*(numbers[axis::axes] for axis in range(axes)), strict=True))
+
+
+def add_image(parser: argparse.ArgumentParser, *, optional: bool = False) -> None:
     """Add the path of an image, as `image`."""
     parser.add_argument(
         "image", metavar="IMAGE", nargs="?" if optional else None, help=f"image ({', '.join(READABLE)})"
     )
 
 
-def add_session(parser: argparse._ActionsContainer, required: bool = False) -> None:
+def add_images(parser: argparse.ArgumentParser) -> None:
+    """Add the paths of images, as `images`."""
+    parser.add_argument(
+        "images", metavar="IMAGE", nargs="+", help=f"image, folder or pattern such as *.tif ({', '.join(READABLE)})"
+    )
+
+
+def add_session(parser: argparse._ActionsContainer, *, required: bool = False) -> None:
     """Add a session file, as `session`."""
     parser.add_argument(
         "--session",
@@ -35,55 +87,104 @@ def add_session(parser: argparse._ActionsContainer, required: bool = False) -> N
     )
 
 
+def add_part(parser: argparse._ActionsContainer, *, channel: bool = False) -> None:
+    """Add which part of a file is read, and the size of a pixel by hand; see `part_of`.
+
+    With `channel` the channel as well, which commands with a parameter of that name take from there.
+    """
+    parser.add_argument("--page", metavar="N", help="plane, page or frame of a file that holds several, from 1")
+    parser.add_argument("--time", metavar="N", help="point in time of a file that holds several, from 1")
+    if channel:
+        parser.add_argument("--channel", metavar="N", help=CHANNEL_HELP)
+    parser.add_argument(
+        "--series", metavar="N|NAME", help="series of a TIFF or of a folder of DICOM files, or array of an archive"
+    )
+    parser.add_argument(
+        "--pixel-size",
+        metavar="SIZE",
+        help="size of a pixel where the file does not tell, such as 0.25um, of rows and columns 0.5x0.25um, "
+        "of planes, rows and columns 2x0.5x0.5mm",
+    )
+
+
+_SIZE = re.compile(r"(?P<sides>[0-9.eE+-]+(?:x[0-9.eE+-]+){0,2})(?P<unit>nm|um|µm|μm|mm|cm|m)")
+"""Sizes of a pixel and their unit."""
+
+
+def part_of(arguments: argparse.Namespace, *, volume: bool = False, runs: bool = True) -> dict[str, Any]:
+    """What `load_image` or `load_volume` is told in addition to the path.
+
+    A channel that is a number, or that with the largest contrast, is chosen in reading. One that is named is a
+    parameter of a run on an image, and is chosen in reading where the command `runs` nothing, or a volume.
+    """
+    given = {name: getattr(arguments, name) for name in ("page", "time", "series")}
+    part: dict[str, Any] = {name: as_number(text) for name, text in given.items() if text is not None}
+    if volume and "page" in part:
+        raise ValueError(f"--page is {part['page']}, but a volume takes all pages of {arguments.image}: leave it out.")
+    channel, in_reading = arguments.channel, volume or not runs
+    if channel is not None and not isinstance(as_number(channel), str):
+        part["channel"], arguments.channel = as_number(channel), LUMINANCE
+    elif channel == CONTRAST:
+        part["color"], arguments.channel = channel, LUMINANCE
+    elif channel is not None:
+        part["color"] = channel if in_reading else LUMINANCE
+    if in_reading:
+        arguments.channel = None
+    if arguments.pixel_size is not None:
+        size = _SIZE.fullmatch(arguments.pixel_size.replace(" ", ""))
+        try:
+            sides = [] if size is None else [float(side) for side in size["sides"].split("x")]
+        except ValueError:
+            sides = []
+        if size is None or not sides:
+            raise ValueError(
+                f"--pixel-size is {shown(arguments.pixel_size)} but must be one to three sizes and a unit (nm, um, mm, "
+                "cm or m), such as 0.25um or 2x0.5x0.5mm."
+            )
+        part |= {"spacing": sides[0] if len(sides) == 1 else sides, "unit": size["unit"]}
+    return part
+
+
+def add_preset(parser: argparse._ActionsContainer, default: str) -> None:
+    """Add named settings, as `preset`."""
+    parser.add_argument("--preset", choices=tuple(PRESETS), help=f"named settings (default: {default})")
+
+
 def add_parameters(parser: argparse._ActionsContainer, names: Sequence[str] = (*PARAMETERS, *CHOICES)) -> None:
     """Add parameters, each as a flag of its name; see `parameters_of`."""
     for name in names:
         if name in CHOICES:
-            _add_choice(parser, CHOICES[name])
-            continue
-        info = PARAMETERS[name]
+            choice = CHOICES[name]
+            effects = " ".join(f"{value}: {effect}" for value, effect in choice.choices.items())
+            meaning = f"{choice.meaning} {effects} {CHANNEL_HELP if name == 'channel' else ''}".rstrip()
+        else:
+            meaning = f"{PARAMETERS[name].meaning} {PARAMETERS[name].more}"
         parser.add_argument(
             "--" + name.replace("_", "-"),
             metavar=name.upper(),
-            type=as_number,
-            dest=name,
-            help=f"{info.meaning} {info.more} (default: {DEFAULTS[name]})".replace("%", "%%"),
+            type=str if name in CHOICES else as_number,
+            help=f"{meaning} (default: {DEFAULTS[name]})".replace("%", "%%"),
         )
 
 
-def _add_choice(parser: argparse._ActionsContainer, info: ChoiceInfo) -> None:
-    """Add a parameter whose values are names."""
-    more = f"{CHANNEL_HELP} " if info.name == "channel" else ""
-    effects = " ".join(f"{name}: {effect}" for name, effect in info.choices.items())
-    parser.add_argument(
-        f"--{info.name}",
-        metavar=info.name.upper(),
-        dest=info.name,
-        help=f"{info.meaning} {effects} {more}(default: {DEFAULTS[info.name]})",
-    )
+def parameters_of(arguments: argparse.Namespace, base: Parameters) -> Parameters:
+    """The parameters `base`, replaced by those given as flags; ValueError on a bad value."""
+    given = {field.name: getattr(arguments, field.name, None) for field in fields(Parameters)}
+    return replace(base, **{name: value for name, value in given.items() if value is not None})
+
+
+def add_max_steps(parser: argparse._ActionsContainer) -> None:
+    """Add the greatest number of steps, as `max_steps`."""
+    parser.add_argument("--max-steps", metavar="N", type=whole_number(), help="stop each run after so many steps")
 
 
 def add_export(parser: argparse._ActionsContainer, what: str) -> None:
-    """Add the paths to write, as `export`; see `check_exports`."""
-    parser.add_argument(
-        "--export",
-        metavar="PATH",
-        nargs="+",
-        action="extend",
-        default=[],
-        help=f"write the {what} ({', '.join(WRITABLE)})",
-    )
+    """Add the paths to write, as `export`; see `check_targets`."""
+    parser.add_argument("--export", metavar="PATH", nargs="+", action="extend", default=[], help=f"write {what}")
 
 
-def add_close(parser: argparse._ActionsContainer) -> None:
-    """Add whether open contours are closed before they are written, as `close`: None, "edges" or "straight"."""
-    parser.add_argument(
-        "--close",
-        nargs="?",
-        choices=("edges", "straight"),
-        const="edges",
-        help="close open contours whose ends are near each other, along the edges of the image or straight",
-    )
+EXPORTED = f"({', '.join(WRITABLE)})"
+"""Formats of contours, for the help."""
 
 
 def add_space(parser: argparse._ActionsContainer) -> None:
@@ -96,47 +197,28 @@ def add_space(parser: argparse._ActionsContainer) -> None:
     )
 
 
-def add_json(parser: argparse._ActionsContainer) -> None:
-    """Add a flag for JSON instead of sentences, as `json`."""
-    parser.add_argument("--json", action="store_true", help="print one JSON object")
+_READ = ("image", "session", "source", "start", "points", "truth", "within")
+"""Arguments that name files to read."""
 
 
-def parameters_of(arguments: argparse.Namespace, base: Parameters) -> Parameters:
-    """The parameters `base`, replaced by those given as flags; ValueError on a bad value."""
-    given = {field.name: getattr(arguments, field.name, None) for field in fields(Parameters)}
-    return replace(base, **{name: value for name, value in given.items() if value is not None})
-
-
-def with_room(parameters: Parameters, image: Image) -> tuple[Parameters, tuple[str, ...]]:
-    """Parameters with as many scales as an image has room for, and a note where that changes them."""
-    most = most_scales(image.shape)
-    if parameters.scales <= most:
-        return parameters, ()
-    return replace(parameters, scales=most), (f"The image is small: scales is set to {most}.",)
-
-
-def notes_on(image: Image, parameters: Parameters) -> tuple[str, ...]:
-    """What was changed between the file of an image and the gray levels that a run with these parameters takes."""
-    wanted = parameters.channel
-    if wanted == "luminance":
-        return image.notes
-    if image.colors is None:
-        return (*image.notes, f"The image is gray: it has no channel {wanted}.")
-    taken = f"The channel {wanted} of its colors was taken."
-    return tuple(taken if note == LUMINANCE_NOTE else note for note in image.notes)
+def check_targets(
+    paths: Iterable[str | Path], arguments: argparse.Namespace, image: str | Path | None = None, flag: str = "--export"
+) -> None:
+    """Raise ValueError when a file to be written is one that the command reads; `image` is the one of a session."""
+    read: list[str | Path] = [] if image is None else [image]
+    for name in _READ:
+        given = getattr(arguments, name, None)
+        read += [given] if isinstance(given, str) else given or []
+    kept = {Path(path).resolve() for path in read}
+    for path in paths:
+        if Path(path).resolve() in kept:
+            raise ValueError(f"{flag} {path} would overwrite a file that is read: choose another name.")
 
 
 def check_exports(
     paths: Sequence[str], arguments: argparse.Namespace, image: str | Path | None = None, flag: str = "--export"
 ) -> None:
-    """Raise ValueError unless each path can be written and none is a file that is read; see `check_kept`."""
+    """Raise ValueError unless each path can be written and none is a file that is read."""
     for path in paths:
         check_export(path)
-    check_kept(paths, arguments, image, flag)
-
-
-def as_steps(given: int | float | str | None) -> int | None:
-    """The given number of steps; ValueError unless it is a positive whole number."""
-    if given is None or (isinstance(given, int) and given > 0):
-        return given
-    raise ValueError(f"--max-steps is {given} but must be a whole number above 0.")
+    check_targets(paths, arguments, image, flag)

@@ -13,8 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core.cli.arguments import add_json
-from cpm_core.cli.outcome import print_json
+from cpm_core.cli.output import print_json
 from cpm_core.model.starts import circle, uniform_grid
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import PRESETS
@@ -25,19 +24,13 @@ _PITCH = 64
 """Distance between the centers of neighboring disks of the scene [px]."""
 
 
-def add_to(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Add this command to those of the command line."""
-    parser = commands.add_parser("bench", help="measure how fast it is here", allow_abbrev=False)
-    parser.set_defaults(command=_bench)
-    parser.description = (
-        "Measure how long whole runs and their parts take on your machine, on a scene of disks. Each time is a median "
-        "of several, without compilation."
-    )
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
     parser.add_argument("--quick", action="store_true", help="a smaller scene, measured once")
-    add_json(parser)
 
 
-def _bench(arguments: argparse.Namespace) -> None:
+def run(arguments: argparse.Namespace) -> None:
+    """Measure, and print each time as soon as it is known."""
     began = time.perf_counter()
     machine = {
         "cores": os.cpu_count(),

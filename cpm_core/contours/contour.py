@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Literal, Protocol
+from typing import Literal, Protocol
 
 import numpy as np
 
@@ -22,10 +22,6 @@ Reached = Literal["", "flight", "weak", "junction", "launched"]
 """How particles came to a contour: on their own flight from the start, beyond a weak edge, by creeping over a junction,
 or by being launched elsewhere; empty where it is not known."""
 
-FORMER_NAMES: dict[str, str] = {"colour": "color"}
-"""Names of properties of contours in older files -> their present names."""
-
-
 MOST_LETTERS = 1000
 """Letters that a name may have: a name stands in tables and on the image."""
 
@@ -34,11 +30,6 @@ def check_name(what: str, name: str) -> None:
     """Raise a `ValueError` for a name that is too long; `what` is what it names."""
     if len(name) > MOST_LETTERS:
         raise ValueError(f"The name of {what} has {len(name)} letters but may have {MOST_LETTERS} at most: shorten it.")
-
-
-def present_names(properties: Mapping[str, Any]) -> dict[str, Any]:
-    """Properties of a contour as a file has them, under their present names."""
-    return {FORMER_NAMES.get(name, name): value for name, value in properties.items()}
 
 
 class HasContrast(Protocol):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -11,10 +11,11 @@ import scipy
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour, sampled
-from cpm_core.contours.graph.graph import chains
+from cpm_core.contours.graph import chains
 from cpm_core.contours.rasterize import inside, paint
-from cpm_core.image.drawing import raster
-from cpm_core.image.drawing.notebook import Pictured
+from cpm_core.contours.surface import Surface, surface_of_labels
+from cpm_core.image import drawing
+from cpm_core.numerics.real_numbers import real_numbers, voxel_sides
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import counted, described, sized
 
@@ -26,12 +27,9 @@ _MOST_CHANGES = 0.5
 _CLEAR = 0.125
 """Greatest distance from black or white, as a fraction of the range, in a mask from a lossy format."""
 
-_FEW_LEVELS = 2**16
-"""Range of whole gray levels up to which those of a mask are counted one by one."""
-
 
 @dataclass(frozen=True, eq=False)
-class Truth(Pictured):
+class Truth(drawing.Pictured):
     """The true objects and boundaries of an image.
 
     Attributes
@@ -78,8 +76,12 @@ class Truth(Pictured):
     def __repr__(self) -> str:
         return described("Truth", self.source, sized(self.shape), counted(len(self.contours), "contour"))
 
-    def _repr_png_(self) -> bytes:
-        return raster.picture((self.labels > 0).astype(float), self.shape, (1.0, 1.0), self.contours)
+    def plot(self, ax: drawing.Axes | None = None) -> drawing.Axes:
+        """Draw the pixels of the objects and their boundaries by matplotlib."""
+        ax = drawing.axes_for(ax)
+        drawing.show_image(ax, (self.labels > 0).astype(float))
+        drawing.show_curves(ax, self.contours)
+        return ax
 
 
 def truth_of_contours(
@@ -130,7 +132,8 @@ def truth_of_mask(values: NDArray[np.generic], source: str = "ground truth") -> 
 
 def labels_of(values: NDArray[np.generic], source: str) -> Labels:
     """Numbers of the gray levels of a mask, from 0; ValueError when it is none, as for `truth_of_mask`."""
-    levels, labels = _numbered(values)
+    levels, index = np.unique(values, return_inverse=True)
+    labels: Labels = index.reshape(values.shape).astype(np.int32)
     if len(levels) > 2 and values.dtype.kind != "b":
         span = (np.asarray(values, dtype=np.float64) - float(levels[0])) / (float(levels[-1]) - float(levels[0]))
         smeared = np.minimum(span, 1.0 - span)
@@ -147,20 +150,6 @@ def labels_of(values: NDArray[np.generic], source: str) -> Labels:
             "choose an image with one gray level for the background and one for each object."
         )
     return labels
-
-
-def _numbered(values: NDArray[np.generic]) -> tuple[NDArray[np.generic], Labels]:
-    """The gray levels in rising order, and the number of that of each pixel; without sorting all of a large mask."""
-    signed = values.astype(np.int64) if values.dtype.kind == "i" else values  # whose differences may not fit into it
-    given = signed.view(np.uint8) if values.dtype.kind == "b" else signed
-    low, high = given.min(), given.max()
-    if not 0.0 <= float(high) - float(low) < _FEW_LEVELS or (given != np.rint(given)).any():
-        levels, index = np.unique(values, return_inverse=True)
-        return levels, index.reshape(values.shape).astype(np.int32)
-    above = (given - low).astype(np.int32)
-    present = np.zeros(int(high - low) + 1, bool)
-    present[above.ravel()] = True
-    return np.flatnonzero(present) + low, (np.cumsum(present) - 1).astype(np.int32)[above]
 
 
 def _between(labels: Labels) -> tuple[Contour, ...]:
@@ -194,3 +183,96 @@ def _places(numbers: NDArray[np.integer], rows: int, cols: int) -> Array:
     width = np.array([cols - 1, cols, cols - 1])[kind]
     half = np.array([(0.0, 0.5), (0.5, 0.0), (0.5, 0.5)])[kind]
     return np.asarray(np.stack([offset // width, offset % width], axis=1) + half)
+
+
+_MOST_OBJECTS = np.iinfo(np.int32).max
+
+
+@dataclass(frozen=True, eq=False)
+class VolumeTruth:
+    """The true objects of a volume.
+
+    Attributes
+    ----------
+    labels : ndarray of int32, shape (P, R, C)
+        Object of each voxel: 0 for the background, and 1, 2, ... for objects. With 1 alone the connected parts are the
+        objects.
+    spacing : tuple of float
+        Size of a voxel along (plane, row, col), in `unit`.
+    unit : str or None
+        Unit of `spacing`; None when it is not known.
+    source : str
+        Name of the file for the user.
+    boundary : Surface or None
+        The boundaries of the objects, where they are known better than halfway between voxels.
+
+    Raises
+    ------
+    ValueError
+        When the labels are not whole numbers of at least 0 in three axes.
+
+    Examples
+    --------
+    >>> volume = cpm.example("ball")
+    >>> truth = cpm.VolumeTruth(volume.values > volume.values.mean())
+    >>> truth
+    <VolumeTruth ground truth, 31 x 31 x 31 voxels, 1 object>
+    >>> truth.shape, int(truth.objects.max()), truth.surface.closed
+    ((31, 31, 31), 1, True)
+    """
+
+    labels: Labels
+    spacing: tuple[float, ...] = (1.0, 1.0, 1.0)
+    unit: str | None = None
+    source: str = "ground truth"
+    boundary: Surface | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        given = real_numbers(self.labels)
+        if given.ndim != 3 or given.size == 0 or not _are_labels(given):
+            raise ValueError(
+                "the labels of a volume must be whole numbers of at least 0 with three axes, but those of "
+                f"{self.source} have the shape {given.shape} and lie between {given.min(initial=0):g} and "
+                f"{given.max(initial=0):g}."
+            )
+        object.__setattr__(self, "labels", given.astype(np.int32))
+        object.__setattr__(self, "spacing", tuple(voxel_sides("The spacing of labels", self.spacing).tolist()))
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the volume."""
+        return self.labels.shape
+
+    @cached_property
+    def objects(self) -> Labels:
+        """Labels of the single objects, shape (P, R, C): those of a single class are its connected parts."""
+        if self.labels.max(initial=0) > 1:
+            return self.labels
+        return np.asarray(scipy.ndimage.label(self.labels)[0], dtype=np.int32)
+
+    @cached_property
+    def surface(self) -> Surface:
+        """The boundaries of the objects, halfway between voxels unless known; the border of the volume is none."""
+        if self.boundary is not None:
+            return replace(self.boundary, spacing=self.spacing, unit=self.unit)
+        found = surface_of_labels(self.labels, self.spacing, self.unit, open_border=True)
+        return replace(found, numbers=None)
+
+    def __repr__(self) -> str:
+        objects = len(np.unique(self.objects[self.objects > 0]))
+        return described("VolumeTruth", self.source, sized(self.shape, "voxels"), counted(objects, "object"))
+
+
+def _are_labels(values: Array) -> bool:
+    """Whether values are whole numbers of at least 0 that a label can have."""
+    return bool(values.min() >= 0.0 and values.max() <= _MOST_OBJECTS and (values == np.floor(values)).all())
+
+
+def truth_of_volume(
+    values: NDArray[np.generic], spacing: tuple[float, ...], unit: str | None, source: str = "ground truth"
+) -> VolumeTruth:
+    """Ground truth from a label volume: its lowest gray level is the background, each other an object.
+
+    ValueError when all voxels are equal, or so many neighbors differ that it is no label volume.
+    """
+    return VolumeTruth(labels_of(values, source), spacing, unit, source)

@@ -12,13 +12,10 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.measurements import centroid, contour_labels
-from cpm_core.contours.measurements.regions import region_table, volume_table
-from cpm_core.contours.measurements.table import Table
 from cpm_core.contours.rasterize import paint
-from cpm_core.contours.surface import Surface
-from cpm_core.contours.surface.inside import numbered
-from cpm_core.image.drawing import axes, raster
-from cpm_core.image.drawing.notebook import Pictured
+from cpm_core.contours.region_table import Table, region_table, volume_table
+from cpm_core.contours.surface import Surface, numbered
+from cpm_core.image import drawing
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
@@ -32,7 +29,7 @@ _MOST_NAMES = 400
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Result(Pictured):
+class Result(drawing.Pictured):
     """Outcome of a run.
 
     Attributes
@@ -144,14 +141,14 @@ class Result(Pictured):
 
     def plot(
         self,
-        ax: axes.Axes | None = None,
+        ax: drawing.Axes | None = None,
         *,
         image: bool = True,
         contours: bool = True,
         particles: bool = False,
         labels: bool = False,
         scale_bar: bool = True,
-    ) -> axes.Axes:
+    ) -> drawing.Axes:
         """Draw by matplotlib: the image with the contours; of a volume the surface.
 
         Parameters
@@ -174,20 +171,20 @@ class Result(Pictured):
         """
         if self.surface is not None:
             return self.surface.plot(ax)
-        ax = axes.axes_for(ax)
+        ax = drawing.axes_for(ax)
         if image and self.image is not None:
             self.image.plot(ax, scale_bar=False)
         else:
-            axes.frame(ax, self.shape, self.spacing)
+            drawing.frame(ax, self.shape, self.spacing)
         if contours:
-            axes.show_curves(ax, self.contours)
+            drawing.show_curves(ax, self.contours)
         if particles and len(self.particles):
-            axes.show_particles(ax, self.particles)
+            drawing.show_particles(ax, self.particles)
         if labels:
             named = [(one.name or str(n), centroid(one)) for one, n in self._labeled if n][:_MOST_NAMES]
-            axes.show_names(ax, [name for name, _ in named], [place for _, place in named])
+            drawing.show_names(ax, [name for name, _ in named], [place for _, place in named])
         if scale_bar:
-            axes.show_scale_bar(ax, self.shape, self.spacing, self.unit)
+            drawing.show_scale_bar(ax, self.shape, self.spacing, self.unit)
         return ax
 
     @property
@@ -208,14 +205,6 @@ class Result(Pictured):
             if self.steps
             else self.stop_reason,
         )
-
-    def _repr_png_(self) -> bytes:
-        image = self.image
-        colors = None if image is None or image.colors is None else image.colors.samples
-        values = None if image is None else image.values
-        dots = self.particles if len(self.shape) == 3 else None
-        curves = () if len(self.shape) == 3 else self.contours
-        return raster.picture(values, self.shape, self.spacing, curves, dots, colors)
 
     @property
     def geometry(self) -> Geometry | None:

@@ -59,38 +59,24 @@ from functools import reduce
 
 import numpy as np
 import scipy
-from numpy.typing import ArrayLike
 
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
-from cpm_core.numerics.real_numbers import checked_number, grid_of_numbers
 from cpm_core.numerics.types import Array
-
-_LEAST_CUTOFF, _LARGEST_CUTOFF = 5.0, 100.0
-
-_MOST_ITERATIONS = 100_000
 
 _CUTOFFS = {2: 20.0, 3: 10.0}
 """Cut-offs by default [px]; in a volume the time of the direct sums grows with the cube of the cut-off."""
 
 
-def pppm_field(edge_map: ArrayLike, cutoff: float | None = None, iterations: int | None = None) -> Array:
+def pppm_field(f: Array, cutoff: float | None = None, iterations: int | None = None) -> Array:
     r"""Electric field of the fixed charges by the published PPPM method, shape (D, \*shape); an inverse square.
 
-    `edge_map` is the edge strength ``f`` of every pixel, shape (H, W) or (P, H, W); `cutoff` the reach of the direct
-    sums, from 5 to 100 px, five times the cell of the mesh, by default 20 px in the plane and 10 px in a volume;
-    `iterations` the number of sweeps of successive over-relaxation, at least 1, by default 50, and more in a volume of
-    more than some 70 px along each axis.
-    Raises `ValueError` for what is no edge map, or for a cut-off or a number of sweeps out of range.
+    `f` is the edge strength of every pixel, shape (H, W) or (P, H, W); `cutoff` the reach of the direct sums, five
+    times the cell of the mesh, by default 20 px in the plane and 10 px in a volume; `iterations` the number of sweeps
+    of successive over-relaxation, by default 50, and more in a volume of more than some 70 px along each axis.
     """
-    f = grid_of_numbers(edge_map)
     reach = _CUTOFFS[f.ndim] if cutoff is None else cutoff
-    wanted = f"from {_LEAST_CUTOFF:g} to {_LARGEST_CUTOFF:g} px"
-    checked_number("cutoff", reach, lambda number: _LEAST_CUTOFF <= number <= _LARGEST_CUTOFF, wanted)
-    wanted = f"a whole number from 1 to {_MOST_ITERATIONS}"
-    if iterations is not None:
-        checked_number("iterations", iterations, lambda n: 1 <= n <= _MOST_ITERATIONS and n == int(n), wanted)
-    return short_range(f, reach) + mesh_part(f, reach, iterations)
+    return short_range(f, reach) + mesh_field(f, reach / CELLS_A_CUTOFF, iterations)
 
 
 def short_range(f: Array, cutoff: float) -> Array:
@@ -109,11 +95,6 @@ def short_range(f: Array, cutoff: float) -> Array:
     )
     pulls = np.where(distance <= cutoff, slope / away, 0.0) * offsets
     return np.stack([scipy.signal.oaconvolve(f, -pull, "same") for pull in pulls])  # they are odd
-
-
-def mesh_part(f: Array, cutoff: float, iterations: int | None = None) -> Array:
-    r"""Field of the charges spread to Gaussians, shape (D, \*shape), from the mesh for this cut-off."""
-    return mesh_field(f, cutoff / CELLS_A_CUTOFF, iterations)
 
 
 CELLS_A_CUTOFF = 5
@@ -157,9 +138,12 @@ def mesh_field(f: Array, cell: float, iterations: int | None) -> Array:
     density = _spread(charge, flat)
     potential = np.zeros_like(density)
     _charge_faces(potential, charge, flat)
-    radius = _jacobi_radius(potential.shape, flat)
+    angles = [math.pi / (n - 1) for n in potential.shape]
+    angles[0] *= 0.5 if flat else 1.0
+    # the factor by which a Jacobi sweep reduces the slowest error; it sets the over-relaxation
+    radius = sum(map(math.cos, angles)) / 3.0
     usual = max(_SWEEPS, math.ceil(_SWEEPS_A_NODE * math.pi / math.sqrt(2.0 * (1.0 - radius))))
-    sweeps = usual if iterations is None else int(iterations)
+    sweeps = usual if iterations is None else iterations
     _relax(potential, 4.0 * math.pi * density, sweeps, radius, 0 if flat else 1)
     back = [part.T for part in shares]
     there = potential[: len(charge)]
@@ -228,13 +212,6 @@ def _charge_faces(potential: Array, charge: Array, flat: bool) -> None:
     least = _WORTH_A_THREAD // max(len(size), 1) + 1
     share(lambda first, last: _sum_lumps(held, place, size, first, last, values), len(values), least)
     potential[faces] = values
-
-
-def _jacobi_radius(shape: tuple[int, ...], flat: bool) -> float:
-    """Factor by which a Jacobi sweep reduces the slowest error in a mesh; it sets the over-relaxation."""
-    planes, rows, cols = shape
-    angles = ((0.5 if flat else 1.0) * math.pi / (planes - 1), math.pi / (rows - 1), math.pi / (cols - 1))
-    return sum(math.cos(angle) for angle in angles) / 3.0
 
 
 @compiled

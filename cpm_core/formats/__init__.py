@@ -1,10 +1,10 @@
 """Formats: a module reads or writes one kind of file; `readers` and `writers` choose the module for a file."""
 
+from cpm_core.formats.contour_file import CONTOURS_READABLE, load_contours
 from cpm_core.formats.contours.points_csv import load_points
-from cpm_core.formats.contours.reading.contour_file import CONTOURS_READABLE, load_contours
-from cpm_core.formats.meshes.surface_file import SURFACES_READABLE, load_surface
+from cpm_core.formats.images.readers import READABLE, holds_volume, load_image, load_pages, load_volume, open_stack
 from cpm_core.formats.meshes.swc import load_centerlines
-from cpm_core.formats.readers import READABLE, holds_volume, load_image, load_pages, load_volume, open_stack
+from cpm_core.formats.surface_file import SURFACES_READABLE, load_surface
 from cpm_core.formats.writers import (
     FOR_CENTERLINES,
     FOR_SKELETONS,

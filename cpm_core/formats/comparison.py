@@ -18,7 +18,7 @@ from cpm_core.contours.surface import Surface
 from cpm_core.formats.common.atomic import check_place, write_together
 from cpm_core.formats.common.printable import cell
 from cpm_core.formats.writers import FOR_VOLUMES, WRITABLE, check_export, encoded, omission, suffix_of
-from cpm_core.image.drawing.axes import encoded_figure, require_matplotlib, show_curves, show_image
+from cpm_core.image.drawing import encoded_figure, require_matplotlib, show_curves, show_image
 from cpm_core.image.image import Image
 from cpm_core.objects.methods import CONTOUR_METHODS, Facts, Start, result_of
 
@@ -98,7 +98,7 @@ def write_comparison(
     start: Start,
     tiles: Sequence[Tile],
     paths: Sequence[str | os.PathLike[str]],
-    tell: Callable[[str], object] = _LOG.warning,
+    warn: Callable[[str], object] = _LOG.warning,
     truth: Truth | None = None,
     refused: Callable[[Path, str], object] | None = None,
 ) -> tuple[Path, ...]:
@@ -115,7 +115,7 @@ def write_comparison(
     paths : sequence of path-like
         A table, ``.csv``; a picture, ``.png``; or contours in another format, in a volume surfaces: a file for each
         method, whose name is put before the suffix where there are several.
-    tell, refused : callable, optional
+    warn, refused : callable, optional
         Called with a sentence for each file that leaves contours out; with each that would hold none, and why.
     truth : Truth, optional
         What the methods are measured by, for the picture.
@@ -140,7 +140,7 @@ def write_comparison(
             contents.append((path, picture(image, start, tiles, truth)))
         else:
             results = [tile.result(image, start) for tile in tiles]
-            contents += _contour_files(zip(files_of(path, names), results, strict=True), suffix, tell, refused)
+            contents += _contour_files(zip(files_of(path, names), results, strict=True), suffix, warn, refused)
     write_together(contents)
     return tuple(file for file, _ in contents)
 
@@ -175,17 +175,17 @@ def check_comparison(path: str | os.PathLike[str], methods: Sequence[str] = (), 
 def _contour_files(
     wanted: Iterable[tuple[Path, Result]],
     suffix: str,
-    tell: Callable[[str], object],
+    warn: Callable[[str], object],
     refused: Callable[[Path, str], object] | None,
 ) -> Iterator[tuple[Path, bytes]]:
     """The files of some results with their contents, without those that would hold nothing."""
     for file, result in wanted:
         if missing := omission(result, suffix):
-            tell(f"{file}: {missing}")
+            warn(f"{file}: {missing}")
         try:
             yield file, encoded(result, suffix)
         except ValueError as error:
             if refused is None:
-                tell(f"{file} was not written: {error}")
+                warn(f"{file} was not written: {error}")
             else:
                 refused(file, str(error))

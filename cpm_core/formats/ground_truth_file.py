@@ -9,13 +9,12 @@ from pathlib import Path
 import numpy as np
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.ground_truth import Truth, truth_of_contours, truth_of_mask
-from cpm_core.contours.surface.ground_truth import VolumeTruth, truth_of_volume
-from cpm_core.contours.surface.inside import numbered
+from cpm_core.contours.ground_truth import Truth, VolumeTruth, truth_of_contours, truth_of_mask, truth_of_volume
+from cpm_core.contours.surface import numbered
 from cpm_core.formats import SURFACES_READABLE, load_image, load_surface
-from cpm_core.formats.contours.reading.contents import Plane
-from cpm_core.formats.contours.reading.contour_file import CONTOURS_READABLE, read_contours
-from cpm_core.formats.masks.label_volume import labels_like
+from cpm_core.formats.contour_file import CONTOURS_READABLE, read_contours
+from cpm_core.formats.contours.contents import Plane
+from cpm_core.formats.surface_file import labels_like
 from cpm_core.image.image import Image
 
 _BESIDE = 1.0
@@ -90,7 +89,7 @@ def load_volume_truth(path: str | os.PathLike[str], volume: Image) -> VolumeTrut
     Returns
     -------
     VolumeTruth
-        With voxels as large as those of the volume. Where both files tell a place in space, the labels are turned as
+        With voxels as large as those of the volume. Where both files have a place in space, the labels are turned as
         the volume is.
 
     Raises

@@ -78,21 +78,16 @@ def channel_of(luminance: Array, colors: Colors | None, channel: str) -> Array:
         return luminance
     if channel in _PRIMARIES:
         return np.multiply(colors.samples[..., _PRIMARIES.index(channel)], colors.white / 255.0, dtype=np.float64)
-    return _through_stain(colors, _STAINS.index(channel))
+    light = np.empty(colors.samples.shape[:2])
+    for row, line in zip(light, colors.samples, strict=True):  # without three more images of eight bytes a sample
+        row[:] = colors.white * _DARKEST ** skimage.color.rgb2hed(line)[..., _STAINS.index(channel)]
+    return light
 
 
 def most_contrast(colors: Colors) -> str:
     """The channel, red, green or blue, whose gray levels vary the most: their standard deviation is the largest."""
     spread = [float(colors.samples[..., place].std(dtype=np.float64)) for place in range(len(_PRIMARIES))]
     return _PRIMARIES[int(np.argmax(spread))]
-
-
-def _through_stain(colors: Colors, stain: int) -> Array:
-    """Light that a stain alone lets through, from 0 to white."""
-    light = np.empty(colors.samples.shape[:2])
-    for row, line in zip(light, colors.samples, strict=True):  # without three more images of eight bytes a sample
-        row[:] = colors.white * _DARKEST ** skimage.color.rgb2hed(line)[..., stain]
-    return light
 
 
 class Reduced(NamedTuple):
@@ -155,15 +150,12 @@ def reduced(samples: NDArray[Any], alpha: NDArray[Any] | None = None, white: flo
             part = part * opacity + white * (1.0 - opacity)
         gray[place] = part[:, 0] if colors is None else luminance(part)
         if colors is not None:
-            colors[place] = part if part.dtype == np.uint8 else _bytes_of(part, white)
+            if part.dtype != np.uint8:
+                shares = np.asarray(np.clip(part, 0.0, white), np.float64) / white
+                part = np.rint(np.nan_to_num(255.0 * shares))
+            colors[place] = part
     kept = None if colors is None else Colors(colors.reshape(*shape, count), white)
     return Reduced(gray.reshape(shape), kept, tuple(said))
-
-
-def _bytes_of(samples: NDArray[Any], white: float) -> NDArray[np.float64]:
-    """Samples from 0 to white as whole numbers from 0 to 255."""
-    shares = np.asarray(np.clip(samples, 0.0, white), np.float64) / white
-    return np.rint(np.nan_to_num(255.0 * shares))
 
 
 def luminance(channels: NDArray[Any]) -> NDArray[np.float64]:

@@ -12,9 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cpm_core.image import drawing
 from cpm_core.image.colors import LUMINANCE, Colors, channel_of, checked_color, in_color, reduced
-from cpm_core.image.drawing import axes, raster
-from cpm_core.image.drawing.notebook import Pictured
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.gray_levels import NO_DATA, usable
 from cpm_core.numerics.memory import check_room
@@ -31,7 +30,7 @@ _COUNTS = {2: "two", 3: "three"}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Image(Pictured):
+class Image(drawing.Pictured):
     """Gray levels on a regular grid, pixel centers at integers: an image (row, col) or a volume (plane, row, col).
 
     Parameters
@@ -159,11 +158,7 @@ class Image(Pictured):
             "in color" if self.colors is not None else "",
         )  # fmt: skip
 
-    def _repr_png_(self) -> bytes:
-        colors = None if self.colors is None else self.colors.samples
-        return raster.picture(self.values, self.shape, self.spacing, colors=colors)
-
-    def plot(self, ax: axes.Axes | None = None, *, scale_bar: bool = True) -> axes.Axes:
+    def plot(self, ax: drawing.Axes | None = None, *, scale_bar: bool = True) -> drawing.Axes:
         """Draw the image by matplotlib; of a volume its middle plane.
 
         Parameters
@@ -183,12 +178,12 @@ class Image(Pictured):
         ValueError
             When matplotlib is not installed.
         """
-        ax = axes.axes_for(ax)
+        ax = drawing.axes_for(ax)
         plane = self.values if self.ndim == 2 else self.values[self.shape[0] // 2]
         spacing = self.spacing[-2:]
-        axes.show_image(ax, plane, spacing, None if self.colors is None else self.colors.samples)
+        drawing.show_image(ax, plane, spacing, None if self.colors is None else self.colors.samples)
         if scale_bar:
-            axes.show_scale_bar(ax, plane.shape, spacing, self.unit)
+            drawing.show_scale_bar(ax, plane.shape, spacing, self.unit)
         return ax
 
     @cached_property

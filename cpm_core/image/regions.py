@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple, TypeGuard
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from cpm_core.image.pyramid import to_scale
 from cpm_core.numerics import polyline
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.segments import Bands, cut, meet, nearest_distances, segments_of
+from cpm_core.numerics.segments import cut, meet, nearest_distances, segments_of
 from cpm_core.numerics.types import Array, Position
 from cpm_core.parameters.quotation import counted, described, shown
 
@@ -170,7 +170,14 @@ def _rims(interest: tuple[Line, ...]) -> Array:
         return np.zeros((0, 4))
     regions = Regions(interest)
     sides = np.concatenate([segments_of(np.array([*polygon, polygon[0]])) for polygon in interest])
-    pieces = np.concatenate([cut(side, near, _OFF) for side, near in zip(sides, _neighbors(sides), strict=True)])
+    low = np.minimum(sides[:, :2], sides[:, 2:]) - _OFF
+    high = np.maximum(sides[:, :2], sides[:, 2:]) + _OFF
+    pieces = np.concatenate(
+        [
+            cut(side, sides[((low <= end) & (high >= begin)).all(axis=1)], _OFF)  # those whose boxes meet its own
+            for side, begin, end in zip(sides, low, high, strict=True)
+        ]
+    )
     along = pieces[:, 2:] - pieces[:, :2]
     length = np.linalg.norm(along, axis=1)
     off = _OFF * along[:, ::-1] * (1.0, -1.0) / np.maximum(length, 1e-300)[:, None]
@@ -178,16 +185,6 @@ def _rims(interest: tuple[Line, ...]) -> Array:
     rim = regions.contains(middle + off) != regions.contains(middle - off)
     # a piece that is not much longer than the distance of the tests is kept: its sides cannot be tested
     return np.asarray(pieces[rim | (length < 10.0 * _OFF)])
-
-
-def _neighbors(sides: Array) -> Iterator[Array]:
-    """For each side, shape (4,), those that may meet it, shape (S, 4): their boxes do."""
-    low = np.minimum(sides[:, :2], sides[:, 2:]) - _OFF
-    high = np.maximum(sides[:, :2], sides[:, 2:]) + _OFF
-    bands = Bands(low[:, 0], high[:, 0])
-    for begin, end in zip(low, high, strict=True):
-        near = bands.between(begin[0], end[0])
-        yield sides[near[((low[near] <= end) & (high[near] >= begin)).all(axis=1)]]
 
 
 def _line(points: Array) -> Line:

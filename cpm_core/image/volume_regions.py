@@ -1,13 +1,17 @@
-"""The walls of a volume: painted voxels, what is outside the regions of interest, and planes, which nothing crosses.
+"""Regions of interest and barriers of volumes, and the walls that they make, which no particle crosses.
+
+Both are sets of voxels, each a cube around its center. A region of interest is a box, what a line through slices
+encloses, or a mask; particles stay inside the cubes of all regions together. A barrier is the voxels that a plane or a
+line through slices passes through, or a mask; no particle enters them.
 
 Whether a move crosses a wall is decided exactly, by the straight line between its ends; touching counts. A particle is
-never in touch with a wall, so that no speed is too high and no wall too thin. Painted voxels that meet along an edge or
-at a corner are a wall without a gap, since a line between them touches both.
+never in touch with a wall, so that no speed is too high and no wall too thin. Voxels that meet along an edge or at a
+corner are a wall without a gap, since a line between them touches both.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import product
@@ -29,9 +33,6 @@ from cpm_core.parameters.quotation import counted, described, shown
 OFF = 1e-6
 """Distance from a wall within which a position touches it [voxels]."""
 
-_CLOSED = -1
-"""The room of a position in a wall."""
-
 
 @dataclass(frozen=True, eq=False)
 class Walls:
@@ -41,8 +42,6 @@ class Walls:
     ----------
     closed : ndarray of bool, shape (P, R, C)
         Voxels of the volume, at its full size, that no particle enters.
-    planes : ndarray, shape (K, 4)
-        Unit vector across each plane, and its distance from the origin along it [voxels].
     size : ndarray, shape (3,)
         Voxels of the volume in one unit of the positions, along each axis.
     first : ndarray, shape (3,)
@@ -50,7 +49,6 @@ class Walls:
     """
 
     closed: Mask
-    planes: Array
     size: Array
     first: Array
 
@@ -67,7 +65,7 @@ class Walls:
         """Which of the straight moves between positions of the scale, shapes (N, 3), cross or touch a wall."""
         out = np.zeros(len(start), np.bool_)
         if len(start):
-            _crossed(self.closed, self.planes, self.voxels(start), self.voxels(end), out)
+            _crossed(self.closed, self.voxels(start), self.voxels(end), out)
         return out
 
     def rooms(self, positions: Array) -> Index:
@@ -75,11 +73,7 @@ class Walls:
 
         No move leads from one room to another. Parts of a volume that are connected, but not straight, are one room.
         """
-        places = self.voxels(positions)
-        voxels = np.clip(np.rint(places).astype(np.int64), 0, np.array(self.closed.shape) - 1)
-        part = self._open.part_at(voxels)
-        sides = (signed_distances(self.planes, places) > 0.0) @ (1 << np.arange(len(self.planes)))
-        return np.asarray(np.where(part < 0, _CLOSED, (part << len(self.planes)) + sides))
+        return self._open.part_at(self._nearest(positions))
 
     def shut(self, shape: tuple[int, ...], pitch: Vector, positions: Array) -> Mask:
         """Which voxels of the scale, of this shape, are in a wall or in a room without any of the positions."""
@@ -90,16 +84,16 @@ class Walls:
         return found
 
     def filled(self, shape: tuple[int, ...], pitch: Vector) -> Mask:
-        """Which voxels of the scale, of this shape, are in a wall: their centers, or in planes any part of them."""
+        """Which voxels of the scale, of this shape, have their centers in a wall."""
         found = np.empty(shape, np.bool_)
-        thick = 0.5 * np.abs(self.planes[:, :3]) @ np.abs(self.size * pitch)
-        last = np.array(self.closed.shape) - 1
         for plane, part in enumerate(found):
-            places = self.voxels(_centers(plane, shape, pitch))
-            closed = self.closed[tuple(np.clip(np.rint(places).astype(np.int64), 0, last).T)]
-            touched = (np.abs(signed_distances(self.planes, places)) <= thick).any(axis=1)
-            part[:] = (closed | touched).reshape(part.shape)
+            part[:] = self.closed[tuple(self._nearest(_centers(plane, shape, pitch)).T)].reshape(part.shape)
         return found
+
+    def _nearest(self, positions: Array) -> Index:
+        """The voxel of the volume nearest to each position of the scale, shape (N, 3)."""
+        voxels = np.rint(self.voxels(positions)).astype(np.int64)
+        return np.clip(voxels, 0, np.array(self.closed.shape) - 1)
 
     @cached_property
     def _open(self) -> Parts:
@@ -112,27 +106,10 @@ def _centers(plane: int, shape: tuple[int, ...], pitch: Vector) -> Array:
     return np.asarray((np.indices((1, *shape[1:])).reshape(3, -1).T + np.array([plane, 0, 0])) * np.array(pitch))
 
 
-def signed_distances(planes: Array, places: Array) -> Array:
-    """Distance of places, shape (N, 3), from each plane, shape (N, K) [voxels]."""
-    return np.asarray(places @ planes[:, :3].T - planes[:, 3])
-
-
 @compiled
-def _crossed(closed: Mask, planes: Array, start: Array, end: Array, out: Mask) -> None:
+def _crossed(closed: Mask, start: Array, end: Array, out: Mask) -> None:
     for i in range(len(start)):
-        a, b = row_of(start, i), row_of(end, i)
-        out[i] = _meets_plane(planes, a, b) or _meets_voxel(closed, a, b)
-
-
-@compiled
-def _meets_plane(planes: Array, a: Vector, b: Vector) -> bool:
-    """Whether a straight line meets a plane."""
-    for k in range(len(planes)):
-        here = a[0] * planes[k, 0] + a[1] * planes[k, 1] + a[2] * planes[k, 2] - planes[k, 3]
-        there = b[0] * planes[k, 0] + b[1] * planes[k, 1] + b[2] * planes[k, 2] - planes[k, 3]
-        if min(abs(here), abs(there)) <= OFF or (here > 0.0) != (there > 0.0):
-            return True
-    return False
+        out[i] = _meets_voxel(closed, row_of(start, i), row_of(end, i))
 
 
 @compiled
@@ -169,9 +146,6 @@ def _enters(a: Vector, b: Vector, center: Vector) -> bool:
 Place = tuple[float, float, float]
 Pair = tuple[Place, Place]
 """Two opposite corners of a box; a point of a plane and a direction across it."""
-
-MOST_PLANES = 40
-"""Planes that may be barriers."""
 
 _KEPT = 2
 """Regions whose walls are cached: several scales and steps ask for the same."""
@@ -210,22 +184,12 @@ class Voxels:
 
     def fill(self, filled: Mask) -> None:
         """Mark them in a volume."""
-        if self.first is None:
-            filled |= self.mask
-            return
-        begin, end = np.array(self.first), np.array(self.first) + self.mask.shape
+        begin = np.array(self.first or (0, 0, 0))
+        end = begin + self.mask.shape
         low, high = np.clip(begin, 0, filled.shape), np.clip(end, 0, filled.shape)
         there = tuple(slice(a, b) for a, b in zip(low, high, strict=True))
         here = tuple(slice(a, b) for a, b in zip(low - begin, high - begin, strict=True))
         filled[there] |= self.mask[here]
-
-    def hold(self, voxels: Array) -> Mask:
-        """Which of voxels, shape (N, 3), are among them."""
-        voxels = voxels - np.array(self.first or (0, 0, 0))
-        last = np.array(self.mask.shape) - 1
-        within = ((voxels >= 0) & (voxels <= last)).all(axis=1)
-        found: Mask = within & self.mask[tuple(np.clip(voxels, 0, last).astype(np.int64).T)]
-        return found
 
 
 @dataclass(frozen=True, slots=True)
@@ -248,8 +212,8 @@ class Extrusion:
     >>> tube = cpm.Extrusion(((8.0, 8.0), (8.0, 22.0), (22.0, 22.0), (22.0, 8.0)), axis=0, first=4, last=26)
     >>> filled = np.zeros((31, 31, 31), bool)
     >>> tube.fill(filled)
-    >>> int(filled.sum()), tube.hold(np.array([(15.0, 15.0, 15.0), (0.0, 15.0, 15.0)])).tolist()
-    (4508, [True, False])
+    >>> int(filled.sum())
+    4508
     """
 
     line: tuple[Position, ...]
@@ -274,21 +238,6 @@ class Extrusion:
         begin, end = np.clip([np.ceil(self.first), np.floor(self.last) + 1], 0, len(slices)).astype(int)
         slices[begin:end] |= _drawn(self.line, self.closed, slices.shape[1:])
 
-    def hold(self, voxels: Array) -> Mask:
-        """Which of voxels, shape (N, 3), are among its own."""
-        along, places = voxels[:, self.axis], np.delete(voxels, self.axis, axis=1)
-        found = np.asarray((along >= self.first) & (along <= self.last))
-        if self.closed:
-            found[found] = polyline.inside(self.line, places[found])
-        elif found.any():
-            pixels = _passed(self.line)
-            low, sides = pixels.min(axis=0), np.ptp(pixels, axis=0) + 1
-            off = places[found].astype(np.int64) - low
-            near = ((off >= 0) & (off < sides)).all(axis=1)
-            at, on = np.where(near[:, None], off, 0) @ [sides[1], 1], (pixels - low) @ [sides[1], 1]
-            found[found] = near & np.isin(at, on)
-        return found
-
     def __repr__(self) -> str:
         slices = f"slices {self.first:g} to {self.last:g} across axis {self.axis}"
         return described("Extrusion", counted(len(self.line), "corner"), slices, "closed" if self.closed else "open")
@@ -306,20 +255,11 @@ def _drawn(line: Line, closed: bool, shape: tuple[int, ...]) -> Mask:
         centers = np.indices(part.shape).reshape(2, -1).T + low
         part[:] = polyline.inside(line, centers.astype(float)).reshape(part.shape)
     else:
-        pixels = _passed(line)
+        pixels = np.rint(polyline.resampled(polyline.corners_of(line), _FINE)).astype(np.int64)
         pixels = pixels[((pixels >= 0) & (pixels < shape)).all(axis=1)]
         filled[tuple(pixels.T)] = True
     return filled
 
-
-@lru_cache(maxsize=_KEPT)
-def _passed(line: Line) -> Index:
-    """The pixels that a line passes through, shape (N, 2); neighbors have a common side or corner."""
-    return np.unique(np.rint(polyline.resampled(polyline.corners_of(line), _FINE)).astype(np.int64), axis=0)
-
-
-_Painted = Voxels | Extrusion
-"""Limits that are voxels."""
 
 Limit = Pair | Voxels | Extrusion
 
@@ -337,8 +277,8 @@ class VolumeRegions:
         Each is a box, given by two opposite corners (plane, row, col) [voxels], a closed `Extrusion`, or a mask, an
         array of truth values in the shape of the volume. Without any, the whole volume is of interest.
     barriers : sequence of planes and masks
-        Each is a plane, given by one of its points (plane, row, col) [voxels] and the direction across it in voxels, an
-        open `Extrusion`, or a mask of painted voxels.
+        Each is a plane, given by one of its points (plane, row, col) [voxels] and the direction across it in voxels,
+        which closes the voxels that it passes through, an open `Extrusion`, or a mask of painted voxels.
 
     Raises
     ------
@@ -353,8 +293,8 @@ class VolumeRegions:
     >>> half.check((31, 31, 31))
     >>> half.contains(np.array([(15.0, 15.0, 10.0), (15.0, 15.0, 25.0)])).tolist()
     [True, False]
-    >>> half.allows(np.array([(15.0, 15.0, 15.5)])).tolist(), int(half.voxels((31, 31, 31)).sum()), half.planes().shape
-    ([False], 20181, (1, 4))
+    >>> half.allows(np.array([(15.0, 15.0, 15.5)])).tolist(), int(half.voxels((31, 31, 31)).sum())
+    ([False], 20181)
     >>> half.walls((31, 31, 31)).closed.shape
     (31, 31, 31)
     """
@@ -366,15 +306,10 @@ class VolumeRegions:
         object.__setattr__(self, "interest", _limits("region of interest", "box of two corners", self.interest))
         object.__setattr__(self, "barriers", _limits("barrier", "plane of a point and a direction", self.barriers))
         for number, limit in enumerate(self.barriers, start=1):
-            if not isinstance(limit, _Painted) and not np.linalg.norm(limit[1]) > 0.0:
+            if isinstance(limit, tuple) and not np.linalg.norm(limit[1]) > 0.0:
                 raise ValueError(
                     f"the direction across barrier {number} is {shown(limit[1])} but must have a length above 0."
                 )
-        planes = sum(not isinstance(limit, _Painted) for limit in self.barriers)
-        if planes > MOST_PLANES:
-            raise ValueError(
-                f"{planes} planes are barriers but at most {MOST_PLANES} may be: paint them into one mask."
-            )
 
     def check(self, shape: tuple[int, ...]) -> None:
         """Raise a `ValueError` unless masks have this shape and every region of interest holds one of its voxels."""
@@ -389,7 +324,7 @@ class VolumeRegions:
                         f"have those of the volume, {size}."
                     )
         for number, limit in enumerate(self.interest, start=1):
-            if not _filled((limit,), shape).any():
+            if not _filled((limit,), shape, _fill_box).any():
                 raise ValueError(
                     f"region of interest {number} holds no voxel of the volume ({size} voxels): "
                     "place it inside the volume, around an object."
@@ -397,28 +332,25 @@ class VolumeRegions:
 
     def contains(self, points: Array) -> Mask:
         """Which of points, shape (N, 3) [voxels], lie in a region of interest; all of them where there is none."""
-        return _hold(self.interest, np.rint(points)) if self.interest else np.ones(len(points), np.bool_)
+        if not self.interest:
+            return np.ones(len(points), np.bool_)
+        voxels = np.maximum(np.rint(points), 0.0).astype(np.int64)
+        filled = _filled(self.interest, tuple(voxels.max(axis=0, initial=0) + 1), _fill_box)
+        return np.asarray(filled[tuple(voxels.T)])
 
     def allows(self, points: Array) -> Mask:
         """Where of points, shape (N, 3) [voxels], a particle may be: in a region of interest, and on no barrier."""
         allowed = np.ones(len(points), np.bool_)
-        painted = tuple(limit for limit in self.barriers if isinstance(limit, _Painted))
+        last = np.maximum(np.rint(points.max(axis=0, initial=0.0)), 0.0).astype(np.int64) + 1
+        closed = self.walls(tuple((last + 1).tolist())).closed
         for corner in product((-OFF, OFF), repeat=3):  # on the faces between two voxels it must be allowed in both
-            beside = points + corner
-            allowed &= self.contains(beside) & ~_hold(painted, np.rint(beside))
-        away = np.abs(signed_distances(self.planes(), points))
-        return np.asarray(allowed & (away > OFF).all(axis=1))
+            voxels = np.clip(np.rint(points + corner).astype(np.int64), 0, last)
+            allowed &= ~closed[tuple(voxels.T)]
+        return allowed
 
     def voxels(self, shape: tuple[int, ...]) -> Mask | None:
         """Which voxels of a volume of this shape are of interest; None when all of them are."""
-        return _filled(self.interest, shape) if self.interest else None
-
-    def planes(self) -> Array:
-        """The planes among the barriers: unit vector across each, and its distance from the origin, shape (K, 4)."""
-        pairs = [limit for limit in self.barriers if not isinstance(limit, _Painted)]
-        points, across = (np.array([pair[k] for pair in pairs], dtype=float).reshape(-1, 3) for k in (0, 1))
-        normals = across / np.linalg.norm(across, axis=1, keepdims=True)
-        return np.column_stack([normals, np.einsum("ki,ki->k", normals, points)])
+        return _filled(self.interest, shape, _fill_box) if self.interest else None
 
     def walls(self, shape: tuple[int, ...]) -> Walls:
         """What no particle crosses in a volume of this shape, at its full size."""
@@ -434,40 +366,40 @@ AnyRegions = Regions | VolumeRegions
 
 @lru_cache(maxsize=_KEPT)
 def _walls(regions: VolumeRegions, shape: tuple[int, ...]) -> Walls:
-    closed = np.zeros(shape, np.bool_)
-    for limit in regions.barriers:
-        if isinstance(limit, _Painted):
-            limit.fill(closed)
+    closed = _filled(regions.barriers, shape, _fill_plane)
     interest = regions.voxels(shape)
     if interest is not None:
         closed |= ~interest
-    return Walls(closed, regions.planes(), np.ones(3), np.zeros(3))
+    return Walls(closed, np.ones(3), np.zeros(3))
 
 
-def _filled(limits: tuple[Limit, ...], shape: tuple[int, ...]) -> Mask:
-    """Which voxels of a volume lie in boxes and masks."""
+def _filled(limits: tuple[Limit, ...], shape: tuple[int, ...], fill_pair: Callable[[Mask, Pair], None]) -> Mask:
+    """Which voxels of a volume lie in some limits; what a pair of places fills depends on what it is."""
     filled = np.zeros(shape, np.bool_)
     for limit in limits:
-        if isinstance(limit, _Painted):
-            limit.fill(filled)
+        if isinstance(limit, tuple):
+            fill_pair(filled, limit)
         else:
-            low, high = np.sort(limit, axis=0)
-            first = np.clip(np.ceil(low), 0, shape).astype(int)
-            last = np.clip(np.floor(high) + 1, 0, shape).astype(int)
-            filled[tuple(slice(a, b) for a, b in zip(first, last, strict=True))] = True
+            limit.fill(filled)
     return filled
 
 
-def _hold(limits: tuple[Limit, ...], voxels: Array) -> Mask:
-    """Which of voxels, shape (N, 3), lie in boxes and masks."""
-    found = np.zeros(len(voxels), np.bool_)
-    for limit in limits:
-        if isinstance(limit, _Painted):
-            found |= limit.hold(voxels)
-        else:
-            low, high = np.sort(limit, axis=0)
-            found |= ((voxels >= low) & (voxels <= high)).all(axis=1)
-    return found
+def _fill_box(filled: Mask, corners: Pair) -> None:
+    """Mark the voxels whose centers lie in a box."""
+    low, high = np.sort(corners, axis=0)
+    first = np.clip(np.ceil(low), 0, filled.shape).astype(int)
+    last = np.clip(np.floor(high) + 1, 0, filled.shape).astype(int)
+    filled[tuple(slice(a, b) for a, b in zip(first, last, strict=True))] = True
+
+
+def _fill_plane(filled: Mask, plane: Pair) -> None:
+    """Mark the voxels that a plane through a point, across a direction, passes through."""
+    point, normal = np.array(plane)
+    along = np.meshgrid(
+        *(np.arange(n) - at for n, at in zip(filled.shape, point, strict=True)), indexing="ij", sparse=True
+    )
+    distance = sum(size * place for size, place in zip(normal, along, strict=True))
+    filled |= np.abs(distance) <= 0.5 * np.abs(normal).sum()
 
 
 def _limits(noun: str, form: str, given: Any) -> tuple[Limit, ...]:
@@ -478,7 +410,7 @@ def _limits(noun: str, form: str, given: Any) -> tuple[Limit, ...]:
 
 
 def _limit(what: str, form: str, given: ArrayLike | Voxels | Extrusion) -> Limit:
-    if isinstance(given, _Painted):
+    if isinstance(given, Voxels | Extrusion):
         return given
     try:
         array = np.asarray(given)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Position
+from cpm_core.numerics.real_numbers import real_numbers
+from cpm_core.numerics.types import Array, Mask, Position
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +54,16 @@ def outlines_of(within: Sequence[Contour] | ArrayLike, shape: tuple[int, ...]) -
     if not found:
         raise ValueError("there is no closed outline to find the skeleton of: choose an object or a closed contour.")
     return found
+
+
+def mask_of(within: Sequence[Contour] | ArrayLike, shape: tuple[int, ...]) -> Mask:
+    """A given mask of a volume; ValueError when its shape is not that of the volume."""
+    if isinstance(within, Sequence) and any(isinstance(one, Contour) for one in within):
+        raise ValueError("within holds contours, which lie in a plane: give a mask in a volume.")
+    mask = real_numbers(cast("ArrayLike", within)) != 0.0
+    if mask.shape != shape:
+        raise ValueError(f"within has the shape {mask.shape}, but the volume {shape}: give a mask of that shape.")
+    return np.asarray(mask)
 
 
 def inside_outlines(outlines: Sequence[Contour], places: Array) -> NDArray[np.bool_]:

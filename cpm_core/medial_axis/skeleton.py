@@ -13,18 +13,19 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+import skimage
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.graph.graph import Graph
-from cpm_core.image.drawing import axes, raster
-from cpm_core.image.drawing.notebook import Pictured
+from cpm_core.contours.graph import Graph
+from cpm_core.image import drawing
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
-from cpm_core.medial_axis.blur_correction import half_width
 from cpm_core.medial_axis.boundary import Boundary
-from cpm_core.medial_axis.disks import along, covered
+from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.medial_axis import Axis
+from cpm_core.medial_axis.structure import half_width
+from cpm_core.numerics.polyline import lengths_along
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.parameters.quotation import counted, described
@@ -32,9 +33,15 @@ from cpm_core.parameters.quotation import counted, described
 _THICK = 95.0
 """Percentile of the length that `Skeleton.thickness` covers."""
 
+_STRIDE = 0.25
+"""Distance of the disks along an axis [px]: between two disks of radius 1.5 px the outline dips by 0.005 px."""
+
+_RIM = 0.005
+"""Tolerance of a disk's radius [px], so that rounding errors have no effect."""
+
 
 @dataclass(frozen=True, eq=False)
-class Skeleton(Pictured):
+class Skeleton(drawing.Pictured):
     """Center lines of the objects in an image.
 
     Attributes
@@ -65,6 +72,8 @@ class Skeleton(Pictured):
         Where the image lies in space.
     image : Image or None
         The image in which it was found; None for one that was not found in an image.
+    lines : Centerlines or None
+        In a volume the center lines, as files hold them; lengths and radii here are in smallest sides of a voxel.
 
     Examples
     --------
@@ -88,6 +97,7 @@ class Skeleton(Pictured):
     provenance: Provenance = field(default_factory=Provenance, repr=False)
     geometry: Geometry | None = None
     image: Image | None = field(default=None, repr=False)
+    lines: Centerlines | None = field(default=None, repr=False)
 
     @property
     def thickness(self) -> float:
@@ -100,6 +110,8 @@ class Skeleton(Pictured):
     @property
     def length(self) -> float:
         """Length of all branches together [px]."""
+        if self.lines is not None:
+            return float(self.lines.lengths.sum()) / min(self.spacing)
         return sum(contour.length for contour in self.contours)
 
     def rebuilt(self) -> NDArray[np.bool_]:
@@ -115,7 +127,7 @@ class Skeleton(Pictured):
             disks.append(along(contour.path, np.append(radii, radii[0]) if contour.closed else radii))
         return covered(np.concatenate(disks), self.shape)
 
-    def plot(self, ax: axes.Axes | None = None, *, image: bool = False, scale_bar: bool = True) -> axes.Axes:
+    def plot(self, ax: drawing.Axes | None = None, *, image: bool = False, scale_bar: bool = True) -> drawing.Axes:
         """Draw the branches by matplotlib, on the image or on whatever `ax` shows.
 
         Parameters
@@ -125,22 +137,19 @@ class Skeleton(Pictured):
         image, scale_bar : bool
             What is drawn beside them, as in `Result.plot`, which also says what is returned and raised.
         """
-        ax = axes.axes_for(ax)
+        ax = drawing.axes_for(ax)
         if image and self.image is not None:
             self.image.plot(ax, scale_bar=False)
         else:
-            axes.frame(ax, self.shape, self.spacing)
-        axes.show_curves(ax, self.contours)
+            drawing.frame(ax, self.shape, self.spacing)
+        drawing.show_curves(ax, self.contours)
         if scale_bar:
-            axes.show_scale_bar(ax, self.shape, self.spacing, self.unit)
+            drawing.show_scale_bar(ax, self.shape, self.spacing, self.unit)
         return ax
 
     def __repr__(self) -> str:
         branches = counted(len(self.contours), "branch", "branches")
         return described("Skeleton", self.source, branches, f"{self.length:,.1f} px")
-
-    def _repr_png_(self) -> bytes:
-        return raster.picture(self.rebuilt().astype(float), self.shape, self.spacing, self.contours)
 
 
 def branches(axis: Axis, boundary: Boundary, smoothing: float) -> list[tuple[Contour, Array]]:
@@ -155,4 +164,19 @@ def branches(axis: Axis, boundary: Boundary, smoothing: float) -> list[tuple[Con
         strength = float(boundary.strength[axis.nearest[path]].mean())
         contour = Contour(axis.points[path], closed, strength, junctions=forks)
         found.append((contour, half_width(axis.radius[path], smoothing)))
+    return found
+
+
+def along(points: Array, radii: Array) -> Array:
+    """Disks (row, col, radius), shape (M, 3), along a path, shape (K, 2), with interpolated radii, shape (K,) [px]."""
+    way = lengths_along(points)
+    at = np.union1d(way, np.arange(0.0, way[-1], _STRIDE))
+    return np.column_stack([np.interp(at, way, values) for values in (*points.T, radii)])
+
+
+def covered(disks: Array, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    """Pixels whose centers lie in one of the disks (row, col, radius), shape (M, 3) [px]."""
+    found = np.zeros(shape, np.bool_)
+    for row, col, radius in disks.tolist():
+        found[skimage.draw.disk((row, col), radius + _RIM, shape=shape)] = True  # type: ignore[no-untyped-call]
     return found

@@ -1,37 +1,52 @@
-"""The method that finds skeletons, in three steps that a run can show: boundary, medial axis, pruning."""
+"""The method that finds skeletons, in three steps that a run can show: what encloses, the medial axis, pruning.
+
+In a volume the first step finds what is inside, the second its center lines, the third those that remain after pruning.
+"""
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Self, cast
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from cpm_core.contours.contour import Contour
+from cpm_core.contours.packed_surface import PackedSurface
+from cpm_core.contours.surface import inside_of
 from cpm_core.field.placed_charges import PlacedCharge
-from cpm_core.image.image import Image, as_image, as_plane
+from cpm_core.field.volume_field import VolumeField
+from cpm_core.image.image import Image, as_image
 from cpm_core.image.regions import Regions
-from cpm_core.image.volume_regions import AnyRegions
+from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
 from cpm_core.medial_axis.boundary import outlined_boundary
+from cpm_core.medial_axis.centerlines import Centerlines, centerlines
 from cpm_core.medial_axis.medial_axis import Axis, medial_axis
-from cpm_core.medial_axis.outlines import inside_outlines, outlines_of
-from cpm_core.medial_axis.polarity import DARK
+from cpm_core.medial_axis.outlines import inside_outlines, mask_of, outlines_of
 from cpm_core.medial_axis.skeleton import Skeleton, branches
-from cpm_core.medial_axis.structure import Structure, find_structure, with_axis
+from cpm_core.medial_axis.structure import DARK, Structure, find_structure, with_axis
 from cpm_core.model.image_fields import ImageFields
 from cpm_core.model.starts import inside_image
 from cpm_core.model.state import Particles
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters import OF_CHARGES, OF_STARTS, PRESETS, Parameters, invalidating
 from cpm_core.parameters.provenance import Provenance, taken
-from cpm_core.parameters.quotation import described, sized
+from cpm_core.parameters.quotation import described, shown, sized
+from cpm_core.reconstruction.surface.pipeline import find_surface
 
 Within = Sequence[Contour] | ArrayLike
-"""What a skeleton can be of: closed outlines, or a mask, shape (H, W)."""
+"""What a skeleton can be of: closed outlines, or a mask of the shape of the image."""
+
+OF_CENTERLINES = ("smoothing", "gamma", "edge_floor", "polarity", "pruning")
+"""Parameters that the center lines of gray levels in a volume depend on."""
+
+_MOST_SHOWN = 20_000
+"""Voxels of the boundary that are shown at most."""
+
+_POLARITIES = {"dark": -1.0, "light": 1.0, "auto": 0.0}
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -44,14 +59,20 @@ class SkeletonState:
         Number of steps; three of them find a skeleton.
     steering : tuple
         `SkeletonMethod.steering` of the last step; empty before the first.
-    structure : Structure or None
-        The edges that count, found by the first step; with their medial axis from the second step on.
+    structure : Structure, ndarray of bool or None
+        The edges that count, found by the first step; in a volume the voxels inside.
     made_of : tuple
         All that `structure` depends on, besides the image.
-    points : ndarray, shape (N, 2)
+    axis : Axis, Centerlines or None
+        The medial axis, found by the second step; in a volume all center lines.
+    points : ndarray, shape (N, D)
         Points that the next step works on, as far as they lie in the image [px].
+    first : int
+        Identity of the first of the points: those of the axis have others than those of the boundary.
     contours, radii : tuple
         Branches and their radii, found by the third step; until then those of the previous parameters.
+    lines : Centerlines or None
+        The branches in a volume.
     stop_reason : str
         Why the run ended, in words; empty while it goes on.
     converged : bool
@@ -60,11 +81,14 @@ class SkeletonState:
 
     step: int = 0
     steering: tuple[object, ...] = ()
-    structure: Structure | None = None
+    structure: Structure | Mask | None = None
     made_of: tuple[object, ...] = ()
+    axis: Axis | Centerlines | None = None
     points: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    first: int = 0
     contours: tuple[Contour, ...] = ()
     radii: tuple[Array, ...] = ()
+    lines: Centerlines | None = None
     stop_reason: str = ""
     converged: bool = False
 
@@ -80,23 +104,23 @@ class SkeletonState:
 
     @property
     def position(self) -> Array:
-        """Points of the next step, shape (N, 2) [px]: of the boundary, then of the axis, none at the end."""
-        return np.zeros((0, 2)) if self.stop_reason else self.points
+        """Points of the next step, shape (N, D) [px]: of the boundary, then of the axis, none at the end."""
+        return self.points[:0] if self.stop_reason else self.points
 
     @property
     def particles(self) -> Particles:
-        """The points as particles at rest; those of the axis have other identities than those of the boundary."""
-        found = self.structure
-        first = len(found.boundary.points) if found is not None and found.axis is not None else 0
-        return Particles.at_rest(self.position, first)
+        """The points as particles at rest."""
+        return Particles.at_rest(self.position, self.first)
 
     def arrays(self) -> list[NDArray[Any]]:
         """The arrays that take up memory."""
-        found = self.structure
-        parts = [part for part in (found and found.boundary, found and found.axis) if part is not None]
-        held = itertools.chain(*(vars(part).values() for part in parts))
-        kept = [value for value in held if isinstance(value, np.ndarray)]
-        return [*kept, *(contour.points for contour in self.contours), *self.radii]
+        found: list[NDArray[Any]] = [self.points, *(contour.points for contour in self.contours), *self.radii]
+        if isinstance(self.structure, np.ndarray):
+            found.append(self.structure)
+        for part in (getattr(self.structure, "boundary", None), self.axis):
+            if part is not None:
+                found += [value for value in vars(part).values() if isinstance(value, np.ndarray)]
+        return found
 
     def resumed(self) -> SkeletonState:
         """The same state as one of a running run, to continue with other parameters."""
@@ -104,17 +128,17 @@ class SkeletonState:
 
 
 class SkeletonMethod(ImageFields):
-    """Skeletons as a `Method` of three steps: the edges that count, their medial axis, and pruning.
+    """Skeletons as a `Method` of three steps; in a volume the center lines of what is lighter than its surroundings.
 
     It needs no seeds. In regions of interest only edges and branches inside them count; barriers have no effect.
 
     Parameters
     ----------
-    values : array_like, shape (H, W), or Image
-        Image.
+    values : array_like, shape (H, W) or (P, H, W), or Image
+        Image or volume.
     parameters : Parameters, optional
-        For the fields that are prepared first; by default the preset "noisy".
-    regions : Regions, optional
+        For the fields that are prepared first; by default the preset "noisy", or "volume".
+    regions : Regions or VolumeRegions, optional
         Regions of interest.
     within, outside
         See `cpm_core.skeleton`.
@@ -131,33 +155,25 @@ class SkeletonMethod(ImageFields):
         name for name in invalidating("field", "contours") if name not in (*OF_STARTS, *OF_CHARGES)
     )
     seeded: ClassVar[bool] = False
-    _in_volumes: ClassVar[type[SkeletonMethod] | None] = None
-    """The kind of method for volumes, once its module has been imported."""
-
-    def __init_subclass__(cls) -> None:
-        SkeletonMethod._in_volumes = cls
-
-    def __new__(cls, values: ArrayLike | Image | None = None, *_: Any, **__: Any) -> Self:
-        """A method for the image; for a volume one of another kind, with the same name and table entry."""
-        kind = SkeletonMethod._in_volumes
-        if cls is SkeletonMethod and kind is not None and values is not None and as_image(values).ndim == 3:
-            return super().__new__(kind)  # type: ignore[return-value]
-        return super().__new__(cls)
 
     def __init__(
         self,
         values: ArrayLike | Image,
         parameters: Parameters | None = None,
-        regions: Regions | None = None,
+        regions: AnyRegions | None = None,
         *,
         within: Within | None = None,
         outside: bool = False,
     ) -> None:
-        interest = Regions(regions.interest) if isinstance(regions, Regions) and regions.interest else None
-        super().__init__(as_plane(values), replace(parameters or PRESETS["noisy"], scales=1), interest)
+        image = as_image(values)
+        plane = image.ndim == 2
+        chosen = replace(parameters or PRESETS["noisy" if plane else "volume"], scales=1)
+        super().__init__(image, chosen, _in_plane(regions))
         self.regions = regions
-        self._outlines = None if within is None else outlines_of(within, self.image.shape)
         self._outside = outside
+        self._within: tuple[Contour | PackedSurface | Mask, ...] = ()
+        if within is not None:
+            self._within = outlines_of(within, image.shape) if plane else (mask_of(within, image.shape),)
 
     @classmethod
     def steering(cls, parameters: Parameters) -> tuple[object, ...]:
@@ -170,118 +186,246 @@ class SkeletonMethod(ImageFields):
 
     def with_regions(self, regions: AnyRegions | None) -> Self:
         """The same method with other regions of interest."""
-        interest = Regions(regions.interest) if isinstance(regions, Regions) and regions.interest else None
-        other = super().with_regions(interest)
+        other = super().with_regions(_in_plane(regions))
         other.regions = regions
         return other
 
-    def of_outlines(self, outlines: Sequence[Contour] | None) -> Self:
-        """The same method for the skeletons of some outlines, or of what it finds in the image if there are none."""
+    def of_objects(self, objects: Sequence[Contour] | Sequence[PackedSurface]) -> Self:
+        """The same method for some closed outlines, or surfaces in a volume; without any for what it finds itself."""
         other = copy(self)
-        other._outlines = None if outlines is None else outlines_of(outlines, self.image.shape)
+        other._within = tuple(objects)
         return other
 
     def start(self, seeds: ArrayLike = ()) -> SkeletonState:
         """First state of a run; seeds have no effect."""
-        return SkeletonState()
+        return SkeletonState(points=np.zeros((0, self.image.ndim)))
 
     def step(self, state: SkeletonState, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> SkeletonState:
-        """Find the boundary, then its medial axis, then the branches that remain after pruning.
+        """Find what encloses, then the medial axis, then the branches that remain after pruning.
 
-        Values that differ from those of the last step start again with the boundary, but for the pruning, which starts
+        Values that differ from those of the last step start again with the first, except for the pruning, which starts
         with the third step. Charges have no effect. The state of a run that has stopped is returned unchanged.
         """
         if state.stop_reason:
             return state
-        made_of = (*self.steering(replace(parameters, pruning=0.0)), self.regions and self.regions.interest,
-                   self._outlines)  # fmt: skip
+        interest = self.regions and self.regions.interest
+        made_of = (*self.steering(replace(parameters, pruning=0.0)), interest, self._within)
         state = replace(state, step=state.step + 1, steering=self.steering(parameters))
         if state.structure is None or state.made_of != made_of:
-            found = self._structure(parameters)
-            return replace(state, made_of=made_of, structure=found, points=self._inside(found.boundary.points))
-        if state.structure.axis is None:
-            found, axis = self._with_axis(state.structure, parameters)
-            return replace(state, structure=found, points=self._inside(axis.points[np.unique(axis.edges)]))
-        return self._with_branches(state, state.structure, state.structure.axis, parameters.pruning)
+            structure: Structure | Mask
+            if self.image.ndim == 3:
+                structure = self._inside(parameters)
+                points = _shown(structure)
+            else:
+                structure = self._structure(parameters)
+                points = self._in_image(structure.boundary.points)
+            return replace(state, made_of=made_of, structure=structure, axis=None, points=points, first=0)
+        if isinstance(state.structure, Structure):
+            return self._step_in_plane(state, state.structure, parameters)
+        return self._step_in_volume(state, state.structure, parameters.pruning)
 
-    def result(self, state: SkeletonState, parameters: Parameters) -> Skeleton:
-        """The skeleton of a state; without branches until the first is found."""
-        image, found = self.image, state.structure
-        polarity, width = (found.polarity, found.width) if found is not None else (0, 0.0)
-        place = image.shape, image.spacing, image.unit, image.source
-        made = Provenance(
-            self.name, taken(parameters, self.parameters), sha256=image.sha256, of_file=bool(image.file_sha256)
-        )
-        channel = image.channel(parameters.channel)
-        return Skeleton(state.contours, state.radii, *place, polarity, width, channel, made, image.geometry, image)
-
-    def measures(self, state: SkeletonState, parameters: Parameters, thorough: bool = False) -> Mapping[str, float]:
-        """Metrics of a state by name; see `Method.measures`."""
-        length = sum(contour.length for contour in state.contours)
-        return {"count": state.count, "scale": 0.0, "branches": len(state.contours), "length": length}
-
-    def positions(self, state: SkeletonState) -> Array:
-        """Points of the next step, shape (N, 2) [px]."""
-        return state.position
-
-    def _inside(self, points: Array) -> Array:
-        """Those of points that lie in the image; boundary and axis continue beyond it."""
-        return points[inside_image(points, self.image.shape)]
-
-    def _structure(self, parameters: Parameters) -> Structure:
-        """The edges that count."""
-        if self._outlines is None:
-            return find_structure(self.scale_field, parameters)
-        boundary = outlined_boundary(self._outlines, self.scale_field(parameters))
-        return Structure(boundary, 0.0, 0, parameters.max_width)
-
-    def _with_axis(self, found: Structure, parameters: Parameters) -> tuple[Structure, Axis]:
-        """What the skeleton is of with its medial axis, and this axis."""
-        if self._outlines is not None or self._outside:
-            axis = medial_axis(found.boundary, self.image.shape)
-            if self._outlines is not None:
-                middle = axis.points[axis.edges].mean(axis=1)
-                continued = middle.clip(0.0, np.array(self.image.shape) - 1.0)  # objects continue beyond the border
-                axis = axis.chosen(inside_outlines(self._outlines, continued))
-        else:
-            found = with_axis(found, self.image.gray(parameters.channel), parameters)
-            axis = found.axis or medial_axis(found.boundary, self.image.shape)
-        if self.regions is not None:
-            axis = axis.chosen(np.asarray(self.regions.contains(axis.points)[axis.edges].all(axis=1)))
-        return replace(found, axis=axis), axis
-
-    def _with_branches(self, state: SkeletonState, found: Structure, axis: Axis, pruning: float) -> SkeletonState:
-        """The last state, with the branches."""
-        rest = found.pruned(axis, pruning, self.image.shape)
+    def _step_in_plane(self, state: SkeletonState, found: Structure, parameters: Parameters) -> SkeletonState:
+        """The second or third step in an image."""
+        if not isinstance(state.axis, Axis):
+            found, axis = self._with_axis(found, parameters)
+            points = self._in_image(axis.points[np.unique(axis.edges)])
+            return replace(state, structure=found, axis=axis, points=points, first=len(state.points))
+        rest = found.pruned(state.axis, parameters.pruning, self.image.shape)
         drawn = branches(rest, found.boundary, found.smoothing)
         drawn.sort(key=lambda branch: -branch[0].length)
         contours, radii = tuple(contour for contour, _ in drawn), tuple(radii for _, radii in drawn)
         reason = "the skeleton is found" if contours else _nothing(found)
         return replace(state, contours=contours, radii=radii, stop_reason=reason, converged=bool(contours))
 
+    def _step_in_volume(self, state: SkeletonState, inside: Mask, pruning: float) -> SkeletonState:
+        """The second or third step in a volume."""
+        image = self.image
+        if state.axis is None:
+            lines = centerlines(inside, image.spacing, image.unit, 0.0)
+            points = np.concatenate([np.empty((0, 3)), *(branch.points for branch in lines.branches)])
+            return replace(state, axis=lines, points=points, first=len(state.points))
+        lines = centerlines(inside, image.spacing, image.unit, pruning)
+        return replace(
+            state,
+            lines=lines,
+            contours=lines.contours,
+            radii=tuple(radii / min(image.spacing) for radii in lines.radii),
+            stop_reason="the skeleton is found" if lines.branches else "no edge encloses anything; smooth less",
+            converged=bool(lines.branches),
+        )
+
+    def result(self, state: SkeletonState, parameters: Parameters) -> Skeleton:
+        """The skeleton of a state; without branches until the first is found."""
+        image, found, lines, names = self.image, state.structure, None, self.parameters
+        polarity, width, channel = 0, 0.0, image.channel(parameters.channel)
+        if image.ndim == 3:
+            names = ("pruning",) if self._within else OF_CENTERLINES
+            polarity = 0 if self._within else -1 if parameters.polarity < 0.0 else 1
+            channel, lines = "luminance", state.lines or Centerlines((), image.spacing, image.unit)
+        elif isinstance(found, Structure):
+            polarity, width = found.polarity, found.width
+        made = Provenance(self.name, taken(parameters, names), sha256=image.sha256, of_file=bool(image.file_sha256))
+        if lines is not None:
+            lines = replace(lines, source=image.source, geometry=image.geometry, provenance=made)
+        place = image.shape, image.spacing, image.unit, image.source
+        return Skeleton(
+            state.contours, state.radii, *place, polarity, width, channel, made, image.geometry, image, lines
+        )  # fmt: skip
+
+    def measures(self, state: SkeletonState, parameters: Parameters, thorough: bool = False) -> Mapping[str, float]:
+        """Metrics of a state by name; see `Method.measures`."""
+        length = self.result(state, parameters).length
+        return {"count": state.count, "scale": 0.0, "branches": len(state.contours), "length": length}
+
+    def positions(self, state: SkeletonState) -> Array:
+        """Points of the next step, shape (N, D) [px]."""
+        return state.position
+
+    def _in_image(self, points: Array) -> Array:
+        """Those of points that lie in the image; boundary and axis continue beyond it."""
+        return points[inside_image(points, self.image.shape)]
+
+    @property
+    def _outlines(self) -> list[Contour]:
+        return [one for one in self._within if isinstance(one, Contour)]
+
+    def _structure(self, parameters: Parameters) -> Structure:
+        """The edges that count in an image."""
+        if not self._within:
+            return find_structure(self.scale_field, parameters)
+        boundary = outlined_boundary(self._outlines, self.scale_field(parameters))
+        return Structure(boundary, 0.0, 0, parameters.max_width)
+
+    def _with_axis(self, found: Structure, parameters: Parameters) -> tuple[Structure, Axis]:
+        """What the skeleton in an image is of, and its medial axis."""
+        if self._within or self._outside:
+            axis = medial_axis(found.boundary, self.image.shape)
+            if self._within:
+                middle = axis.points[axis.edges].mean(axis=1)
+                continued = middle.clip(0.0, np.array(self.image.shape) - 1.0)  # objects continue beyond the border
+                axis = axis.chosen(inside_outlines(self._outlines, continued))
+        else:
+            found, axis = with_axis(found, self.image.gray(parameters.channel), parameters)
+        if isinstance(self.regions, Regions):
+            axis = axis.chosen(np.asarray(self.regions.contains(axis.points)[axis.edges].all(axis=1)))
+        return found, axis
+
+    def _inside(self, parameters: Parameters) -> Mask:
+        """The voxels of a volume that have center lines."""
+        if self._within:
+            inside = np.zeros(self.image.shape, np.bool_)
+            for one in self._within:
+                if isinstance(one, PackedSurface):
+                    one.voxels.fill(inside)
+                elif isinstance(one, np.ndarray):
+                    inside |= one
+        else:
+            inside = self._inside_edges(parameters, parameters.polarity < 0.0)
+        within = self.regions.voxels(self.image.shape) if isinstance(self.regions, VolumeRegions) else None
+        return inside if within is None else inside & within
+
+    def _inside_edges(self, parameters: Parameters, dark: bool) -> Mask:
+        """The voxels that are lighter than the edges of a volume, or darker; one of two gray levels is a mask."""
+        image = self.image
+        low, high = image.gray_range
+        if ((image.values == low) | (image.values == high)).all():
+            return np.asarray(image.values == (low if dark else high))
+        field = cast("VolumeField", self.scale_field(parameters))
+        smoothed = -field.smoothed if dark else field.smoothed  # inside is what is lighter
+        places = field.ridges.place / field.pitch
+        surface = find_surface(smoothed, field.edge_map, places, image.spacing, image.unit, smoothing=field.smoothing)
+        return inside_of(surface, image.shape)
+
     def __repr__(self) -> str:
         return described("SkeletonMethod", self.image.source, sized(self.image.shape, ""))
 
 
+def _in_plane(regions: AnyRegions | None) -> Regions | None:
+    """The regions of interest in an image, without barriers."""
+    return Regions(regions.interest) if isinstance(regions, Regions) and regions.interest else None
+
+
+def _shown(inside: Mask) -> Array:
+    """Voxels at the boundary of what is inside, shape (N, 3), evenly fewer of them where there are very many."""
+    places = np.argwhere(inside & ~scipy.ndimage.binary_erosion(inside)).astype(float)
+    return np.asarray(places[:: -(-max(len(places), 1) // _MOST_SHOWN)])
+
+
 def _nothing(found: Structure) -> str:
-    """Why there is no skeleton."""
+    """Why there is no skeleton in an image."""
     if found.width:
         kind = "" if not found.polarity else "dark " if found.polarity == DARK else "light "
         return f"nothing {kind}up to {found.width:g} px wide is found; raise the width or lower the edge floor"
     return "no edge encloses anything; smooth less or lower the edge floor"
 
 
-def plane_skeleton(
+def skeleton(
     values: ArrayLike | Image,
-    parameters: Parameters | None = None,
+    params: Parameters | None = None,
     *,
+    of: str | None = None,
+    max_width: float | None = None,
+    pruning: float | None = None,
     within: Within | None = None,
     outside: bool = False,
-) -> Skeleton:
-    """The skeleton of the objects in an image, shape (H, W): all three steps; see `cpm_core.skeleton`."""
-    chosen = parameters or PRESETS["noisy"]
-    method = SkeletonMethod(values, chosen, within=within, outside=outside)
+) -> Skeleton | Centerlines:
+    """Find the skeleton of the objects in a binary or gray image, or the center lines of those in a volume.
+
+    They run midway between the edges, in a volume inside the surface through these, and are shortened from their tips.
+
+    Parameters
+    ----------
+    values : array_like, shape (H, W) or (P, H, W), or Image
+        Image, whose border is no edge: an object continues beyond it. Or volume; one of two gray levels is a mask.
+    params : Parameters, optional
+        For the edges, and what the following do not say; by default the preset "noisy", or "volume".
+    of : {"dark", "light", "auto"}, optional
+        What is darker, or lighter, than its surroundings on both sides; "auto" is what most of the image shares, or, if
+        outlines are closed and nothing is shared, regions unlike the image border; in a volume what is lighter.
+    max_width : float, optional
+        Width above which a part has no skeleton [px]; what remains are strips between two edges, three widths long or
+        more. At 0 any width counts if outlines are closed, else one that the strips themselves tell. Images only.
+    pruning : float, optional
+        How far a part of the shape may extend beyond the disks of the rest for its branch to be left out [px]. At one
+        pixel neither the steps of a binary image nor moderate noise cause short branches (at 0.25 they do). In a
+        volume the length of what is left out, in radii at its junction, by default 1; see `centerlines`.
+    within : sequence of Contour, or array_like of bool, shape of the image, optional
+        Closed outlines of objects and holes, or a mask: the skeleton is theirs, and `of` has no effect.
+    outside : bool, optional
+        Whether to include the skeleton of the background, whatever `of` is. Images only.
+
+    Returns
+    -------
+    Skeleton or Centerlines
+        Branches in `contours` with `radii`; without any branch if no edge encloses anything.
+
+    Raises
+    ------
+    ValueError
+        For an unusable image or value; the message says what to do.
+
+    Examples
+    --------
+    >>> bones = cpm.skeleton(cpm.example("ring"))
+    >>> len(bones.contours), bones.contours[0].closed, round(float(np.median(bones.radii[0])))
+    (1, True, 7)
+    """
+    image = as_image(values)
+    if of is not None and not (isinstance(of, str) and of in _POLARITIES):
+        raise ValueError(f"of is {shown(of)} but must be one of {', '.join(_POLARITIES)}.")
+    params = params or PRESETS["noisy" if image.ndim == 2 else "volume"]
+    params = replace(
+        params,
+        polarity=params.polarity if of is None else _POLARITIES[of],
+        max_width=params.max_width if max_width is None else max_width,
+        pruning=params.pruning if pruning is None else pruning,
+    )
+    for name, value in (("outside", outside), ("max_width", params.max_width)) if image.ndim == 3 else ():
+        if value:
+            raise ValueError(f"{name} is {shown(value)} but has no meaning in a volume: leave it out.")
+    method = SkeletonMethod(image, params, within=within, outside=outside)
     state = method.start()
     while not state.stop_reason:
-        state = method.step(state, chosen)
-    return method.result(state, chosen)
+        state = method.step(state, params)
+    found = method.result(state, params)
+    return found.lines or found

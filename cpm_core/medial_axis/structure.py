@@ -1,7 +1,9 @@
 """What a skeleton is of: the edges that count, the polarity, and the widest part.
 
 Where the outlines in an image are closed, regions are told apart by gray level, and any width counts. Elsewhere, as in
-an angiogram, only strips of one polarity can be told from the background.
+an angiogram, only strips of one polarity can be told from the background: objects and background hang together through
+the gaps, and what lies between two edges is told by these edges alone. In a dark object the image gets lighter across
+each of them, seen from inside.
 """
 
 from __future__ import annotations
@@ -10,17 +12,285 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
+from numpy.typing import NDArray
 
 from cpm_core.field.edge_map import background_strength
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.medial_axis.boundary import Boundary, find_boundary
-from cpm_core.medial_axis.foreground import within_objects
-from cpm_core.medial_axis.medial_axis import Axis, medial_axis
-from cpm_core.medial_axis.polarity import DARK, LIGHT, common_polarity, of_polarity, polarities
-from cpm_core.medial_axis.pruning import prune
-from cpm_core.medial_axis.strips import evidence, own_width, strips
+from cpm_core.medial_axis.medial_axis import Axis, medial_axis, parts, prune
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
+
+_WIDENED = 1.0 / 3.0 + 1.0 / 12.0
+"""Variance that central differences, and the area of the pixels, add to that of the Gaussian [px²]."""
+
+_FINEST, _ISOLATED = 0.05, 6.0
+"""Half widths between which lines are corrected, in widths of the smoothed step: wider ones need no correction."""
+
+
+def step_width(smoothing: float) -> float:
+    """Width of a smoothed step: the standard deviation of its slope, including pixels and differences [px]."""
+    return float(np.sqrt(smoothing**2 + _WIDENED))
+
+
+def step_height(strength: Array, smoothing: float) -> Array:
+    """Height of steps [gray levels] with this edge strength on the ridge [gray levels / px] at this sigma [px]."""
+    return np.asarray(strength * np.sqrt(2.0 * np.pi) * step_width(smoothing))
+
+
+def half_width(distance: Array, smoothing: float) -> Array:
+    """Half width [px] of lines whose ridges lie at a distance [px] from the center line; at most that distance.
+
+    The smoothing pushes the two edges of a thin line apart. With s the width of the smoothed step, the ridge of an edge
+    at h from the center line lies at d where ``(d - h) / (d + h) = exp(-2 d h / s²)``: for a line of 3 px and the usual
+    smoothing of 1 px that is 0.12 px too far out; from 5 px on the difference is negligible.
+    """
+    half = np.geomspace(_FINEST, _ISOLATED, 400)
+    low, high = half.copy(), half + 1.5
+    for _ in range(40):  # the ridge lies above the root of an increasing function
+        middle = 0.5 * (low + high)
+        beyond = (middle - half) > (middle + half) * np.exp(-2.0 * middle * half)
+        low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
+    scale = step_width(smoothing)
+    corrected = scale * np.interp(distance / scale, high, half)
+    return np.where(distance < scale * high[-1], np.minimum(corrected, distance), distance)
+
+
+DARK, LIGHT = -1, 1
+"""Polarity of what is darker, and of what is lighter, than its surroundings; 0 stands for neither."""
+
+_TURNED = 0.3
+"""Least cosine of the angle between the image gradient at an edge and the direction from the axis to it."""
+
+_CLEAR, _PURE = 0.8, 0.05
+"""Share of the objects' length that must have the same polarity, and largest share of all lengths that may lie between
+a darker and a lighter side, or in a region of the other polarity, for an image to have one."""
+
+
+def polarities(axis: Axis, boundary: Boundary) -> NDArray[np.int8]:
+    """Polarity of every edge of an axis with sides, shape (M,): `DARK`, `LIGHT` or 0 between different sides."""
+    middle = axis.points[axis.edges].mean(axis=1)
+    outward = boundary.points[axis.sides] - middle[:, None]
+    gradient = boundary.normals[axis.sides]
+    size = np.linalg.norm(outward, axis=2) * np.linalg.norm(gradient, axis=2)
+    rise = np.einsum("msk,msk->ms", outward, gradient) / np.maximum(size, 1e-300)
+    dark, light = (rise > _TURNED).all(axis=1), (rise < -_TURNED).all(axis=1)
+    return np.where(dark, DARK, np.where(light, LIGHT, 0)).astype(np.int8)
+
+
+def of_polarity(axis: Axis, polarity: NDArray[np.int8], sign: int) -> Axis:
+    """The parts of an axis with one of the `polarities`; a connected part as a whole if nearly all of it has it.
+
+    At the sharp corners of a region, which smoothing rounds, the gradient does not point away from the axis.
+    """
+    length = lengths(axis)
+    count, part = parts(axis)
+    of_part = part[axis.edges[:, 0]]
+    same = polarity == sign
+    whole = np.bincount(of_part, length * same, count) >= (1.0 - _PURE) * np.bincount(of_part, length, count)
+    return axis.chosen(same | whole[of_part])
+
+
+def common_polarity(
+    axis: Axis,
+    boundary: Boundary,
+    polarity: NDArray[np.int8],
+    objects: NDArray[np.bool_],
+    shape: tuple[int, ...],
+) -> int:
+    """Polarity that the objects of an image share; 0 if they do not.
+
+    Parameters
+    ----------
+    axis, boundary
+        Medial axis of all regions, and the edges between them.
+    polarity : ndarray of int8, shape (M,)
+        `polarities` of its edges.
+    objects : ndarray of bool, shape (M,)
+        Which edges lie in objects.
+    shape : tuple of int
+        Shape of the image; what lies outside has no effect.
+    """
+    inside = axis.inside(np.full(2, -0.5), np.array(shape) - 0.5)[axis.edges].all(axis=1)
+    length = np.where(inside, lengths(axis) * _breadth(axis, boundary), 0.0)
+    count, part = parts(axis)
+    of_part = part[axis.edges[:, 0]]
+    dark, light, mixed = (np.bincount(of_part, length * (polarity == sign), count) for sign in (DARK, LIGHT, 0))
+    whole = float(length.sum())
+    if mixed.sum() > _PURE * whole or np.minimum(dark, light).sum() > _PURE * whole:
+        return 0
+    shares = [float(length[objects & (polarity == sign)].sum()) for sign in (DARK, LIGHT)]
+    if max(shares) <= _CLEAR * sum(shares):
+        return 0
+    return DARK if shares[0] > shares[1] else LIGHT
+
+
+def _breadth(axis: Axis, boundary: Boundary) -> Array:
+    """How far apart the sides of each edge of an axis are, from 0 to 1 for opposite ones; small at irregularities."""
+    outward = boundary.points[axis.sides] - axis.points[axis.edges].mean(axis=1)[:, None]
+    across = np.linalg.norm(outward[:, 1] - outward[:, 0], axis=1)
+    return np.asarray((across / np.maximum(np.linalg.norm(outward, axis=2).sum(axis=1), 1e-300)) ** 2)
+
+
+def lengths(axis: Axis) -> Array:
+    """Lengths of the edges of an axis, shape (M,) [px]."""
+    return np.asarray(np.linalg.norm(np.diff(axis.points[axis.edges], axis=1)[:, 0], axis=1))
+
+
+_AWAY, _MIDDLE = 2.5, 0.5
+"""Distance from an edge at which gray levels are compared, in widths of its smoothed step; in narrower parts, the
+fraction of the largest radius."""
+
+_DIFFERENT = 0.25
+"""Fraction of an edge's contrast by which an object must differ from the background."""
+
+_LEAST_SMOOTHING = 1.0
+"""Least smoothing of the compared gray levels [px]."""
+
+
+def within_objects(axis: Axis, boundary: Boundary, values: Array, smoothing: float) -> NDArray[np.bool_]:
+    """Find the edges of an axis that lie in objects.
+
+    The gray level of the background is the median at the image border. A connected part of the axis lies in an object
+    if its gray level, near the surrounding edges as well as away from them, differs from the background by more than a
+    quarter of the contrast of these edges, brighter or darker; so the hole of a ring is background.
+
+    Parameters
+    ----------
+    axis, boundary
+        Medial axis of all regions, and the edges between them.
+    values : ndarray, shape (H, W)
+        Gray values of the image.
+    smoothing : float
+        Sigma of the edge map [px].
+
+    Returns
+    -------
+    ndarray of bool, shape (M,)
+        For every edge of the axis.
+    """
+    if not len(axis.edges):
+        return np.zeros(0, np.bool_)
+    low, high = np.full(2, -0.5), np.array(values.shape) - 0.5
+    clear = _AWAY * step_width(smoothing)
+    # two positions are compared: the vertex itself and one just beside the edge, since beyond a sharp tip the object
+    # is still visible for some distance, and far away there may be something else without edges
+    share = np.minimum(clear / np.maximum(axis.radius, clear), 1.0)
+    edge = boundary.points[axis.nearest]
+    places = edge + share[:, None] * (axis.points - edge)
+    border = np.concatenate([values[0], values[-1], values[:, 0], values[:, -1]])
+    smooth = scipy.ndimage.gaussian_filter(values, max(smoothing, _LEAST_SMOOTHING), mode="nearest")
+    gray = [scipy.ndimage.map_coordinates(smooth, where.T, order=1, mode="nearest") for where in (places, axis.points)]
+    away = np.min(np.abs(np.array(gray) - np.median(border)), axis=0)
+    contrast = step_height(boundary.strength[axis.nearest], smoothing)
+    inside = axis.inside(low, high)
+    count, part = parts(axis)
+    every = np.arange(count)
+    largest = scipy.ndimage.maximum(np.where(inside, axis.radius, 0.0), part, every)
+    reliable = inside & (axis.radius >= np.minimum(clear, _MIDDLE * largest[part]))
+    seen = np.isin(every, part[reliable])
+    difference, height = np.zeros(count), np.ones(count)
+    difference[seen] = scipy.ndimage.median(away[reliable], part[reliable], every[seen])
+    height[seen] = scipy.ndimage.median(contrast[reliable], part[reliable], every[seen])
+    return np.asarray((difference > _DIFFERENT * height)[part[axis.edges[:, 0]]])
+
+
+_OPPOSITE = 0.5
+"""Greatest change of the radius along the axis, per length, between edges that count as opposite: the cosine of the
+angle between the axis and the directions to the two sides."""
+
+_LONG, _MOSTLY = 3.0, 0.3
+"""Least length between opposite sure edges, in mean widths of a part of the axis, and its least share of the part."""
+
+_NEARLY_ALL, _ROOM = 0.95, 1.5
+"""Fraction of the strips, by length and strength, that the image's own width exceeds, and by what factor: forks are
+wider than their arms."""
+
+
+def strips(axis: Axis, boundary: Boundary, width: float, sure: float) -> Axis:
+    """The parts of a pruned axis that lie in strips.
+
+    Parameters
+    ----------
+    axis : Axis
+        Medial axis of regions of one polarity.
+    boundary : Boundary
+        Edges, faint ones included.
+    width : float
+        Largest width of a strip [px].
+    sure : float
+        Least strength of edges that make a strip certain [gray levels / px].
+    """
+    cut = _without_mouths(axis.narrower(width))
+    if not len(cut.edges):
+        return cut
+    count, part = parts(cut)
+    of_part, length = part[cut.edges[:, 0]], lengths(cut)
+    opposite = _slope(cut) <= _OPPOSITE
+    strong = boundary.strength[cut.nearest[cut.edges]].mean(axis=1) >= sure
+    total, between, certain, area = (
+        np.bincount(of_part, weights, count)
+        for weights in (
+            length,
+            length * opposite,
+            length * (opposite & strong),
+            length * 2.0 * cut.radius[cut.edges].mean(axis=1),
+        )
+    )
+    kept = (certain * total >= _LONG * area) & (between >= _MOSTLY * total)
+    return cut.only(cut.edges[kept[of_part]])
+
+
+def evidence(found: Axis, boundary: Boundary) -> float:
+    """How much speaks for strips: their length, in widths, times the strength of their edges [gray levels / px]."""
+    across = 2.0 * found.radius[found.edges].mean(axis=1)
+    return float((_weights(found, boundary) / np.maximum(across, 1e-300)).sum())
+
+
+def own_width(found: Axis, boundary: Boundary) -> float:
+    """Width that nearly all of some strips stay well below [px]; 0 without any."""
+    if not len(found.edges):
+        return 0.0
+    across, weights = 2.0 * found.radius[found.edges].mean(axis=1), _weights(found, boundary)
+    order = np.argsort(across)
+    reached = np.cumsum(weights[order])
+    return _ROOM * float(across[order][np.searchsorted(reached, _NEARLY_ALL * reached[-1])])
+
+
+def _weights(found: Axis, boundary: Boundary) -> Array:
+    """Length of each edge of an axis times the strength of the boundary beside it, shape (M,)."""
+    return np.asarray(lengths(found) * boundary.strength[found.nearest[found.edges]].mean(axis=1))
+
+
+def _slope(axis: Axis) -> Array:
+    """Change of the radius along each edge, per length, shape (M,)."""
+    change = np.abs(np.diff(axis.radius[axis.edges], axis=1)[:, 0])
+    return np.asarray(change / np.maximum(lengths(axis), 1e-300))
+
+
+def _without_mouths(axis: Axis) -> Axis:
+    """Axis without its ends that widen into an open region."""
+    links: list[set[int]] = [set() for _ in axis.points]
+    for a, b in axis.edges.tolist():
+        links[a].add(b)
+        links[b].add(a)
+    tips = [v for v, near in enumerate(links) if len(near) == 1]
+    while tips:
+        tip = tips.pop()
+        if not links[tip]:
+            continue
+        (following,) = links[tip]
+        away = float(np.linalg.norm(axis.points[tip] - axis.points[following]))
+        if axis.radius[tip] - axis.radius[following] <= _OPPOSITE * away:
+            continue
+        links[tip].clear()
+        links[following].discard(tip)
+        if len(links[following]) == 1:
+            tips.append(following)
+    rest = [(v, w) for v, near in enumerate(links) for w in near if v < w]
+    return axis.only(np.array(rest, np.int64).reshape(-1, 2))
+
 
 _MOSTLY_LOOSE = 0.5
 """Share of loose contours above which the outlines of an image do not count as closed."""
@@ -29,7 +299,7 @@ _WIDEST, _USUAL = 0.125, 0.5
 """Largest width considered for strips when none is given, as a fraction of the shorter side of the image, and what
 fraction of it is usual."""
 
-_WIDTH_PER_SIGMA, _FINEST = 15.0, 1.0
+_WIDTH_PER_SIGMA, _LEAST_SIGMA = 15.0, 1.0
 """Width of strips per sigma of the smoothing that keeps their two edges apart, and least such sigma [px]."""
 
 _FAINT, _LEAST = 0.5, 0.04
@@ -52,8 +322,6 @@ class Structure:
         Largest width [px]; 0 for any.
     sure : float or None
         Least strength of the edges of strips [gray levels / px]; None where whole regions count.
-    axis : Axis or None
-        The medial axis of the parts of this polarity, once it has been found.
     """
 
     boundary: Boundary
@@ -61,7 +329,6 @@ class Structure:
     polarity: int
     width: float
     sure: float | None = None
-    axis: Axis | None = None
 
     def pruned(self, axis: Axis, pruning: float, shape: tuple[int, ...]) -> Axis:
         """The part of an axis that remains after pruning in an image of this shape, no wider than allowed."""
@@ -85,7 +352,7 @@ def find_structure(field_of: Callable[[Parameters], ScaleField], parameters: Par
         if boundary.loose <= _MOSTLY_LOOSE:
             return Structure(boundary, usual.smoothing, polarity, 0.0)
         width = _WIDEST * min(usual.shape)
-    finest = max(_FINEST, (1.0 if parameters.max_width else _USUAL) * width / _WIDTH_PER_SIGMA)
+    finest = max(_LEAST_SIGMA, (1.0 if parameters.max_width else _USUAL) * width / _WIDTH_PER_SIGMA)
     if parameters.smoothing == "auto" and usual.smoothing > finest:
         usual = field_of(replace(parameters, smoothing=finest))
     faint, sure = _floors(usual, parameters)
@@ -93,8 +360,8 @@ def find_structure(field_of: Callable[[Parameters], ScaleField], parameters: Par
     return Structure(boundary, usual.smoothing, polarity, width, sure)
 
 
-def with_axis(found: Structure, values: Array, parameters: Parameters) -> Structure:
-    """The structure with its medial axis, its polarity and the width of its strips, in an image, shape (H, W)."""
+def with_axis(found: Structure, values: Array, parameters: Parameters) -> tuple[Structure, Axis]:
+    """The structure with its polarity and the width of its strips, and its medial axis, in an image, shape (H, W)."""
     axis = medial_axis(found.boundary, values.shape)
     sign = polarities(axis, found.boundary)
     if found.sure is None:
@@ -103,14 +370,13 @@ def with_axis(found: Structure, values: Array, parameters: Parameters) -> Struct
         if not polarity:
             polarity = common_polarity(axis, found.boundary, sign, objects, values.shape)
         chosen = of_polarity(axis, sign, polarity) if polarity else axis.chosen(objects)
-        return replace(found, polarity=polarity, axis=chosen)
-    options = [replace(found, polarity=p, axis=of_polarity(axis, sign, p)) for p in (DARK, LIGHT)]
-    if found.polarity:
-        options = [option for option in options if option.polarity == found.polarity]
-    tried = [option.pruned(option.axis or axis, parameters.pruning, values.shape) for option in options]
+        return replace(found, polarity=polarity), chosen
+    options = [(p, of_polarity(axis, sign, p)) for p in (DARK, LIGHT) if found.polarity in (0, p)]
+    tried = [found.pruned(option, parameters.pruning, values.shape) for _, option in options]
     best = int(np.argmax([evidence(one, found.boundary) for one in tried]))
     width = parameters.max_width or own_width(tried[best], found.boundary) or found.width
-    return replace(options[best], width=width)
+    polarity, axis = options[best]
+    return replace(found, polarity=polarity, width=width), axis
 
 
 def _floors(scale_field: ScaleField, parameters: Parameters) -> tuple[float, float]:

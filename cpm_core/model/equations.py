@@ -6,9 +6,11 @@ dimensions.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 
 from cpm_core.model.state import MEMORY, Particles
 from cpm_core.numerics.jit import compiled
@@ -181,9 +183,29 @@ NEAR = 0.5
 """Least distance of two particles, in d_min."""
 
 
-def by_strength(index: Index, strength: Array) -> Index:
-    """Order some particles, shape (M,), from the strongest edge to the weakest; equal ones keep their order."""
-    return index[np.argsort(-strength[index], kind="stable")]
+def first_of(position: Array, distance: float, apart: Callable[[Index, Index], Mask] | None = None) -> Mask:
+    """Which of some places, shape (M, D), stay, so that none has an earlier one that stays nearer than a distance.
+
+    `apart` says of pairs of places, by their indices, which are not in each other's way although they are near.
+    """
+    kept = np.ones(len(position), np.bool_)
+    if len(position):
+        pairs = scipy.spatial.cKDTree(position).query_pairs(distance, output_type="ndarray")
+        pairs = pairs[np.lexsort(pairs.T)]
+        one, other = pairs.T
+        near = np.sqrt(((position[one] - position[other]) ** 2).sum(axis=1)) < distance
+        if apart is not None:
+            near &= ~apart(one, other)
+        _drop_second(pairs[near], kept)
+    return kept
+
+
+@compiled
+def _drop_second(pairs: Index, kept: Mask) -> None:
+    """Drop the second place of each pair whose first one stays, in the order of the second ones."""
+    for n in range(len(pairs)):
+        if kept[pairs[n, 0]]:
+            kept[pairs[n, 1]] = False
 
 
 STRIDE, STRIDE_ROOM = 0.9, 0.8

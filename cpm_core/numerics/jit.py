@@ -28,15 +28,8 @@ _OPTIONS: dict[str, Any] = {
 
 
 def _kernel(**options: Any) -> Callable[[Function], Function]:
-    """Compile on the first call, and store the result where a cache folder can be written."""
-
-    def decorate(function: Function) -> Function:
-        try:
-            return numba.njit(cache=True, **options, **_OPTIONS)(function)  # type: ignore[no-any-return]
-        except RuntimeError:  # neither the program's folder nor the user's can be written, as in some containers
-            return numba.njit(**options, **_OPTIONS)(function)  # type: ignore[no-any-return]
-
-    return decorate
+    """Compile on the first call, and store the result in Numba's cache."""
+    return numba.njit(cache=True, **options, **_OPTIONS)  # type: ignore[no-any-return]
 
 
 compiled = _kernel(fastmath={"nsz"})

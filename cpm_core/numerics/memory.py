@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 from contextlib import suppress
 from pathlib import Path
 
@@ -13,7 +12,7 @@ _GROUP = Path("/sys/fs/cgroup")
 
 def free() -> float:
     """Memory that this process may still take [bytes]; infinite where the system does not say."""
-    return min(_of_the_computer(), _of_the_group(), _of_the_process())
+    return min(_of_the_computer(), _of_the_group())
 
 
 def check_room(shape: tuple[int, ...], each: float, source: str) -> None:
@@ -61,18 +60,4 @@ def _of_the_group() -> float:
         lines = (line.split() for line in (_GROUP / "memory.stat").read_text().splitlines())
         given_back = sum(int(count) for name, count in lines if name in ("inactive_file", "active_file"))
         return float(max(most - taken + given_back, 0))
-    return math.inf
-
-
-def _of_the_process() -> float:
-    if sys.platform == "win32":
-        return math.inf
-    import resource  # noqa: PLC0415  # Windows has none
-
-    most = resource.getrlimit(resource.RLIMIT_AS)[0]
-    if most == resource.RLIM_INFINITY:
-        return math.inf
-    with suppress(OSError, ValueError, IndexError):
-        taken = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
-        return float(max(most - taken, 0))
     return math.inf

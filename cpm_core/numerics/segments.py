@@ -10,20 +10,9 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-import scipy
-from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Mask
-
-_MOST_BANDS = 4096
-"""Largest number of bands into which the sides of a polygon are sorted."""
-
-_FEW = 64
-"""Points up to which all sides of a polygon are tested for each."""
-
-_PIECE = 1.0
-"""Length of the pieces that segments are cut into, so that the nearest can be found by their midpoints [px]."""
+from cpm_core.numerics.types import Array, Index, Mask
 
 
 def segments_of(path: Array) -> Array:
@@ -70,27 +59,21 @@ class SegmentTree:
     """Segments with ends `begin` and `end`, shape (S, 2) [px], for many measurements of distances."""
 
     def __init__(self, begin: Array, end: Array) -> None:
-        pieces = np.maximum(1, np.ceil(np.linalg.norm(end - begin, axis=1) / _PIECE)).astype(int)
-        side = np.repeat(np.arange(len(begin)), pieces)
-        nth = (np.arange(len(side)) - np.repeat(np.cumsum(pieces) - pieces, pieces))[:, None]
-        self._along = ((end - begin) / pieces[:, None])[side]
-        self._begin = begin[side] + nth * self._along
-        self._tree = scipy.spatial.cKDTree(self._begin + 0.5 * self._along) if len(side) else None
+        import shapely  # noqa: PLC0415 - needed for comparisons only
+
+        # GEOS knows no distance from a line without length
+        short = ((end - begin) ** 2).sum(axis=1) == 0.0
+        lines = shapely.linestrings(np.stack([begin, end], axis=1))
+        self._tree = shapely.STRtree(np.where(short, shapely.points(begin), lines))
 
     def distances(self, points: Array) -> Array:
         """Distance of points, shape (N, 2), from the nearest segment, shape (N,) [px]; infinite when there is none."""
+        import shapely  # noqa: PLC0415
+
         least = np.full(len(points), np.inf)
-        if self._tree is None or not len(points):
-            return least
-        left, near = np.arange(len(points)), 4
-        while len(left):
-            near = min(near, self._tree.n)
-            middles, pieces = map(np.asarray, self._tree.query(points[left], k=np.arange(1, near + 1)))
-            away = distances_to_segments(points[left][:, None], self._begin[pieces], self._along[pieces])
-            least[left] = away.min(axis=1)
-            # The midpoint of a piece that was not found is farther than the last one; its end is half a length nearer.
-            left = left[middles[:, -1] - 0.5 * _PIECE < least[left]] if near < self._tree.n else left[:0]
-            near *= 4
+        if len(self._tree):
+            nearest = self._tree.query_nearest(shapely.points(points), return_distance=True, all_matches=False)
+            least[nearest[0][0]] = nearest[1]
         return least
 
 
@@ -159,76 +142,33 @@ def first_crossing(path: Array, segments: Array) -> tuple[int, int]:
     return -1, -1
 
 
-class Bands:
-    """Bands across the plane, at most `most`, with the sides that reach into each, given first and last row of sides.
-
-    Attributes
-    ----------
-    sides : ndarray of int
-        Sides of the first band, then of the second one, and so on.
-    starts : ndarray of int
-        Where in `sides` those of each band begin, and the end of the last one.
-    first, last, height : float
-        Row at which the first band begins, row at which the last one ends, and height of each [px].
-    """
-
-    def __init__(self, low: Array, high: Array, most: int = _MOST_BANDS) -> None:
-        self.first, self.last = float(low.min()), float(high.max())
-        mean = max(float((high - low).mean()), 1e-9)  # so that a side lies in few bands
-        bands = int(min(max((self.last - self.first) / mean, 1.0), len(low), most))
-        self.height = max((self.last - self.first) / bands, 1e-300)
-        self._count = bands
-        lowest, highest = self.of(low), self.of(high)
-        spans = highest - lowest + 1
-        band_of = np.arange(spans.sum()) - np.repeat(np.cumsum(spans) - spans - lowest, spans)
-        self.sides = np.repeat(np.arange(len(low)), spans)[np.argsort(band_of, kind="stable")]
-        self.starts = np.searchsorted(np.sort(band_of), np.arange(bands + 1))
-
-    def between(self, low: float, high: float) -> NDArray[np.int64]:
-        """The sides that may reach rows between two, in their order."""
-        lowest, highest = self.of(np.array([low, high]))
-        return np.unique(self.sides[self.starts[lowest] : self.starts[highest + 1]])
-
-    def of(self, row: Array) -> NDArray[np.int64]:
-        """Number of the band of each row.
-
-        It is no compiled loop: one may multiply by the reciprocal instead of dividing, and then finds another band for
-        a row between two, where the sides that begin at this row are missing.
-        """
-        return np.clip((row - self.first) / self.height, 0, self._count - 1).astype(np.int64)
-
-
 def winds_around(corners: Array, points: Array) -> Mask:
     """Which points, shape (N, 2), a polygon of shape (K, 2) winds around, closed from its last corner to its first.
 
-    The winding number decides, not the parity of crossings: a polygon that crosses itself has no holes. Only the sides
-    at the height of a point are tested.
+    The winding number decides, not the parity of crossings: a polygon that crosses itself has no holes.
     """
-    begin, end = np.roll(corners[:, 0], 1), corners[:, 0]
-    # sorting the sides takes as long as testing a few points against all of them
-    bands = Bands(np.minimum(begin, end), np.maximum(begin, end), 1 if len(points) < _FEW else _MOST_BANDS)
-    near = np.flatnonzero((points[:, 0] >= bands.first) & (points[:, 0] <= bands.last))
-    inside = np.zeros(len(points), np.bool_)
-    places = points[near]
-    inside[near] = _winds_around(corners, places, bands.of(places[:, 0]), bands.sides, bands.starts)
+    order = np.argsort(points[:, 0], kind="stable")
+    rows = points[order, 0]
+    from_, to = np.roll(corners, 1, axis=0), corners
+    first = np.searchsorted(rows, np.minimum(from_[:, 0], to[:, 0]))
+    last = np.searchsorted(rows, np.maximum(from_[:, 0], to[:, 0]))
+    inside = np.empty(len(points), np.bool_)
+    inside[order] = _turns(from_, to, points[order], first, last) != 0
     return inside
 
 
 @compiled
-def _winds_around(corners: Array, points: Array, numbers: Any, sides: Any, starts: Any) -> Mask:
-    """See `winds_around`; `numbers` are the bands of the points, whose `sides` lie between two entries of `starts`."""
-    inside = np.zeros(len(points), np.bool_)
-    for i in range(len(points)):
-        turns = 0
-        for s in range(starts[numbers[i]], starts[numbers[i] + 1]):
-            k = sides[s]
-            before = k - 1 if k else len(corners) - 1
-            below, above = corners[before, 0] <= points[i, 0], corners[k, 0] <= points[i, 0]
-            if below != above:  # true for few sides, which saves most calls
-                left = side(corners[before], corners[k], points[i])
-                if below and left > 0.0:
-                    turns += 1
-                elif above and left < 0.0:
-                    turns -= 1
-        inside[i] = turns != 0
-    return inside
+def _turns(from_: Array, to: Array, points: Array, first: Index, last: Index) -> Index:
+    """Winding number of a polygon around points in ascending order of their rows.
+
+    `first` and `last`, shape (K,), are the points at whose height each side is.
+    """
+    turns = np.zeros(len(points), np.int64)
+    for k in range(len(from_)):
+        for i in range(first[k], last[k]):
+            left = side(from_[k], to[k], points[i])
+            if from_[k, 0] < to[k, 0] and left > 0.0:
+                turns[i] += 1
+            elif from_[k, 0] > to[k, 0] and left < 0.0:
+                turns[i] -= 1
+    return turns

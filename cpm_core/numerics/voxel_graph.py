@@ -26,7 +26,10 @@ def thinned(inside: Mask, depth: Array) -> Mask:
 
 @compiled
 def _thin(lines: Mask, voxels: Index) -> int:
-    """Take simple voxels away, in order; return their number."""
+    """Take simple voxels away, in order; return their number.
+
+    Around a simple one the inside hangs together, and so does the outside at its sides.
+    """
     around, waiting = np.empty(27, np.bool_), np.empty(27, np.int64)
     taken = 0
     for n in range(len(voxels)):
@@ -35,16 +38,10 @@ def _thin(lines: Mask, voxels: Index) -> int:
         for k in range(27):
             around[k] = lines[p + k // 9 - 1, r + k // 3 % 3 - 1, c + k % 3 - 1]
             count += around[k]
-        if count > 2 and _is_simple(around, waiting):
+        if count > 2 and _parts(around, waiting, True) == 1 and _parts(around, waiting, False) == 1:
             lines[p, r, c] = False
             taken += 1
     return taken
-
-
-@compiled
-def _is_simple(around: Mask, waiting: NDArray[np.int64]) -> bool:
-    """Whether the inside around the middle of 27 voxels hangs together, and so does the outside at its sides."""
-    return _parts(around, waiting, True) == 1 and _parts(around, waiting, False) == 1
 
 
 @compiled
@@ -175,9 +172,6 @@ _OFF_GRID = np.array([0.0317, 0.0271, 0.0193])
 _AT_ONCE = 1_000_000
 """Pairs of a segment and a triangle that are tested at once."""
 
-_AHEAD = np.array([step for step in product((-1, 0, 1), repeat=3) if step > (0, 0, 0)])
-"""Half of the steps to the 26 voxels around one."""
-
 
 def loops_of(boundary: Index) -> list[Array]:
     """Loops along the center lines of what a boundary encloses, each of shape (K, 3), closed.
@@ -244,38 +238,20 @@ def _way_up(way: dict[int, tuple[int, Array]], node: int) -> Array:
     return np.concatenate(pieces)
 
 
-def neighbors(voxels: Index) -> Index:
-    """Pairs of voxels, shape (N, 3), that touch each other by a side, an edge or a corner: their indices, (E, 2)."""
-    if not len(voxels):
-        return np.empty((0, 2), np.int64)
-    place = voxels - voxels.min(0) + 1
-    sides = place.max(0) + 2
-    number = np.ravel_multi_index(tuple(place.T), tuple(sides))
-    order = np.argsort(number, kind="stable")
-    number = number[order]
-    pairs = []
-    for step in _AHEAD:
-        wanted = number + (step[0] * sides[1] + step[1]) * sides[2] + step[2]
-        at = np.minimum(np.searchsorted(number, wanted), len(number) - 1)
-        met = number[at] == wanted
-        pairs.append(np.stack([order[met], order[at[met]]], axis=1))
-    return np.concatenate(pairs)
+def linking_number(one: Array, other: Array) -> int:
+    """How often a loop winds around another, both of shape (K, 3) and closed.
 
-
-def passes(start: Array, end: Array, loop: Array) -> Index:
-    """How often segments, shape (N, 3) each, pass through a surface with a loop as its rim, counted by direction.
-
-    The surface is made of triangles around the middle of the loop, which has the shape (K, 3) and is closed.
+    It passes as often through a surface with the other as its rim, counted by direction: triangles around its middle.
     """
-    tip = loop.mean(0)
-    a, b = loop - tip, np.roll(loop, -1, axis=0) - tip
+    tip = other.mean(0)
+    a, b = other - tip, np.roll(other, -1, axis=0) - tip
+    start = one - tip + _OFF_GRID
     step = max(1, _AT_ONCE // len(a))
-    from_, to = start - tip + _OFF_GRID, end - tip + _OFF_GRID
-    found = [_passes(from_[k : k + step], to[k : k + step], a, b) for k in range(0, len(start), step)]
-    return np.concatenate([np.zeros(0, np.int64), *found])
+    parts = (slice(k, k + step) for k in range(0, len(start), step))
+    return sum(_passes(start[part], np.roll(start, -1, axis=0)[part], a, b) for part in parts)
 
 
-def _passes(start: Array, end: Array, a: Array, b: Array) -> Index:
+def _passes(start: Array, end: Array, a: Array, b: Array) -> int:
     """How often segments pass through triangles with one corner at the origin and the others at `a` and `b`."""
     normal = np.cross(a, b)
     from_, to = start @ normal.T, end @ normal.T
@@ -286,34 +262,4 @@ def _passes(start: Array, end: Array, a: Array, b: Array) -> Index:
     inside = np.ones(len(segment), bool)
     for u, v in ((np.zeros_like(n), a[triangle]), (a[triangle], b[triangle]), (b[triangle], np.zeros_like(n))):
         inside &= np.einsum("ij,ij->i", np.cross(v - u, place - u), n) >= 0.0
-    turns = np.where(before < 0.0, 1, -1) * inside
-    return np.bincount(segment, turns, minlength=len(start)).astype(np.int64)
-
-
-def winds(count: int, pairs: Index, turns: Index) -> bool:
-    """Whether a closed way through a graph makes turns: those of its edges, shape (E,), do not add up to zero.
-
-    `pairs`, shape (E, 2), are the edges between `count` places; against their direction they turn the other way.
-    """
-    plain = pairs[turns == 0]
-    graph = scipy.sparse.coo_array((np.ones(len(plain), np.int8), (plain[:, 0], plain[:, 1])), shape=(count, count))
-    _, part = scipy.sparse.csgraph.connected_components(graph, directed=False)
-    turning = turns != 0
-    edges = np.unique(np.column_stack([part[pairs[turning]], turns[turning]]), axis=0).tolist()
-    ways: dict[int, list[tuple[int, int]]] = {}
-    for one, other, turn in edges:
-        ways.setdefault(one, []).append((other, turn))
-        ways.setdefault(other, []).append((one, -turn))
-    height: dict[int, int] = {}
-    for root in ways:
-        waiting = [] if root in height else [root]
-        height.setdefault(root, 0)
-        while waiting:
-            node = waiting.pop()
-            for other, turn in ways[node]:
-                if other not in height:
-                    height[other] = height[node] + turn
-                    waiting.append(other)
-                elif height[other] != height[node] + turn:
-                    return True
-    return False
+    return int((np.where(before < 0.0, 1, -1) * inside).sum())

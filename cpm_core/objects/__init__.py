@@ -3,10 +3,10 @@
 A volume is cut by closed surfaces into bodies, and an object is a set of these (`faces.space`).
 """
 
-from cpm_core.objects.faces.space import VolumePartition, VolumeSelection
 from cpm_core.objects.objects_result import objects_result
 from cpm_core.objects.partition import Partition, partition
 from cpm_core.objects.selection import Selection
 from cpm_core.objects.similar import similar
+from cpm_core.objects.volume_partition import VolumePartition, VolumeSelection
 
 __all__ = ["Partition", "Selection", "VolumePartition", "VolumeSelection", "objects_result", "partition", "similar"]

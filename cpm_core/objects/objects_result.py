@@ -13,7 +13,7 @@ from cpm_core.field.edge_map import edge_map
 from cpm_core.field.interpolation import interpolate
 from cpm_core.image.image import Image
 from cpm_core.numerics import polyline
-from cpm_core.objects.outline.outline import SMOOTHING
+from cpm_core.objects.outline import SMOOTHING
 from cpm_core.objects.selection import Selection
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.parameters.quotation import shown

@@ -18,8 +18,7 @@ from numpy.typing import ArrayLike
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
 from cpm_core.field.edge_map import edge_map
-from cpm_core.image.drawing import raster
-from cpm_core.image.drawing.notebook import Pictured
+from cpm_core.image import drawing
 from cpm_core.image.image import Image, as_image, as_plane
 from cpm_core.image.regions import Regions
 from cpm_core.model.starts import uniform_grid
@@ -31,9 +30,9 @@ from cpm_core.objects.clicks import as_places, clicked
 from cpm_core.objects.faces.basins import Labels
 from cpm_core.objects.faces.closed_regions import ClosedRegions
 from cpm_core.objects.faces.faces import Faces, Ground, find_faces, ground
-from cpm_core.objects.faces.space import VolumePartition
-from cpm_core.objects.outline.outline import SMOOTHING, outlines
+from cpm_core.objects.outline import SMOOTHING, outlines
 from cpm_core.objects.selection import Selection, confidence_of
+from cpm_core.objects.volume_partition import VolumePartition
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.quotation import counted, described, sized
 from cpm_core.segmentation.evolve import segment
@@ -89,7 +88,7 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
 
 
 @dataclass(frozen=True, eq=False)
-class Partition(Pictured):
+class Partition(drawing.Pictured):
     """An image that contours cut into faces.
 
     Attributes
@@ -211,8 +210,12 @@ class Partition(Pictured):
     def __repr__(self) -> str:
         return described("Partition", self.image.source, sized(self.shape), counted(len(self.contours), "contour"))
 
-    def _repr_png_(self) -> bytes:
-        return raster.picture(self.image.values, self.shape, self.image.spacing, self.contours)
+    def plot(self, ax: drawing.Axes | None = None) -> drawing.Axes:
+        """Draw the image with the contours by matplotlib."""
+        ax = drawing.axes_for(ax)
+        drawing.show_image(ax, self.image.values, self.image.spacing)
+        drawing.show_curves(ax, self.contours)
+        return ax
 
 
 def _among(places: Array, others: Array) -> Mask:

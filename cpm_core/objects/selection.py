@@ -9,16 +9,15 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.field.interpolation import interpolate
-from cpm_core.image.drawing import raster
-from cpm_core.image.drawing.notebook import Pictured
+from cpm_core.image import drawing
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.objects.faces.faces import Ground
-from cpm_core.objects.outline.outline import Outline
+from cpm_core.objects.outline import Outline
 from cpm_core.parameters.quotation import counted, described
 
 
 @dataclass(frozen=True, eq=False)
-class Selection(Pictured):
+class Selection(drawing.Pictured):
     """An object: a set of faces with its closed boundary.
 
     Attributes
@@ -80,8 +79,12 @@ class Selection(Pictured):
             "Selection", pixels, contours, counted(len(self.gaps), "gap"), f"confidence {self.confidence:.2f}"
         )
 
-    def _repr_png_(self) -> bytes:
-        return raster.picture(self.mask.astype(float), self.mask.shape, (1.0, 1.0), self.contours)
+    def plot(self, ax: drawing.Axes | None = None) -> drawing.Axes:
+        """Draw the pixels of the object and its boundaries by matplotlib."""
+        ax = drawing.axes_for(ax)
+        drawing.show_image(ax, self.mask.astype(float))
+        drawing.show_curves(ax, self.contours)
+        return ax
 
 
 def confidence_of(outlines: Sequence[Outline], ground: Ground) -> float:

@@ -13,8 +13,7 @@ from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.result import Result
 from cpm_core.contours.surface import Surface
 from cpm_core.field.placed_charges import PlacedCharge
-from cpm_core.image.drawing import axes, raster
-from cpm_core.image.drawing.notebook import Pictured
+from cpm_core.image import drawing
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.image_fields import ImageFields
@@ -28,7 +27,7 @@ from cpm_core.segmentation.engine import Engine
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Evolved(Pictured):
+class Evolved(drawing.Pictured):
     """A moment of a run: its particles, and on demand its contours.
 
     Attributes
@@ -111,12 +110,12 @@ class Evolved(Pictured):
         """The surface that is reconstructed from particles in a volume, at the first access; None in an image."""
         return self.result.surface
 
-    def plot(self, ax: axes.Axes | None = None, *, contours: bool = False, scale_bar: bool = True) -> axes.Axes:
+    def plot(self, ax: drawing.Axes | None = None, *, contours: bool = False, scale_bar: bool = True) -> drawing.Axes:
         """Draw the image with the particles by matplotlib; of a volume the surface. See `Result.plot`."""
         if contours or self.engine.image.ndim == 3:
             return self.result.plot(ax, particles=True, contours=contours, scale_bar=scale_bar)
         ax = self.engine.image.plot(ax, scale_bar=scale_bar)
-        axes.show_particles(ax, self.position)
+        drawing.show_particles(ax, self.position)
         return ax
 
     def __repr__(self) -> str:
@@ -124,11 +123,6 @@ class Evolved(Pictured):
             "Evolved", f"step {self.step}", f"scale {self.scale}", counted(self.count, "particle"),
             self.stop_reason.partition(":")[0],
         )  # fmt: skip
-
-    def _repr_png_(self) -> bytes:
-        image = self.engine.image
-        colors = None if image.colors is None else image.colors.samples
-        return raster.picture(image.values, image.shape, image.spacing, (), self.position, colors)
 
 
 class Evolution(Iterator[Evolved]):

@@ -18,7 +18,6 @@ from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeleton_method import SkeletonMethod
-from cpm_core.medial_axis.space import steps  # noqa: F401 - the kind of it for volumes
 from cpm_core.model.interventions import Chosen
 from cpm_core.model.measures import Forces
 from cpm_core.model.state import Particles

@@ -56,7 +56,7 @@ def contours_of(
 
 def surface_of(state: State, image: Image, field: VolumeField, parameters: Parameters) -> Result:
     """Particles of a state and the surface through those that are seated, in voxels; it ends at walls."""
-    from cpm_core.reconstruction.surface.iso.pipeline import find_surface  # noqa: PLC0415 - loads scipy.spatial
+    from cpm_core.reconstruction.surface.pipeline import find_surface  # noqa: PLC0415 - loads scipy.spatial
 
     particles, scale = state.particles, state.scale
     assert state.space is not None

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import operator
-from collections import deque
 from collections.abc import Iterable
 
 import numpy as np
@@ -92,25 +90,7 @@ def regions_of(shapes: Iterable[Shape], barriers: tuple[Line | Voxels, ...] = ()
     interest = tuple(shape.points for shape in drawn if isinstance(shape, Region))
     given = (barrier for barrier in barriers if not isinstance(barrier, Voxels))
     lines = (*(shape.points for shape in drawn if isinstance(shape, Barrier)), *given)
-    return _regions(interest, lines) if interest or lines else None
-
-
-_made: deque[Regions] = deque(maxlen=2)
-"""The regions that were made last: before a change of the document, and after it."""
-
-
-def _regions(interest: tuple[Line, ...], barriers: tuple[Line, ...]) -> Regions:
-    """Regions of these very lines, which are checked only once: a document is asked for them again and again."""
-    for known in tuple(_made):
-        if _same(interest, known.interest) and _same(barriers, known.barriers):
-            return known
-    made = Regions(interest, barriers)
-    _made.append(made)
-    return made
-
-
-def _same(lines: tuple[Line, ...], others: tuple[Line, ...]) -> bool:
-    return len(lines) == len(others) and all(map(operator.is_, lines, others))
+    return Regions(interest, lines) if interest or lines else None
 
 
 def charges_of(shapes: Iterable[Shape]) -> tuple[PlacedCharge, ...]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.surface import Surface
-from cpm_core.medial_axis.space.centerlines import Centerlines
+from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array
 from cpm_core.shapes import Circle, Ellipse, Points, Polygon, Shape, Stroke

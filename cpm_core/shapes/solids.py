@@ -114,7 +114,7 @@ class Box(Cuboid):
 
     def seeds(self) -> Array:
         """Positions of the particles, shape (N, 3)."""
-        return volume_starts.box(_three(self.first), _three(self.last), self.apart)
+        return volume_starts.box(self.first, self.last, self.apart)
 
     @property
     def apart(self) -> float:
@@ -283,7 +283,7 @@ class Sphere(WithoutOutline):
 
     def seeds(self) -> Array:
         """Positions of the particles, shape (N, 3)."""
-        return volume_starts.sphere(_three(self.center), self.radius, spacing=_three(self.sides))
+        return volume_starts.sphere(self.center, self.radius, spacing=self.sides)
 
     def moved(self, by: Place) -> Sphere:
         """The same sphere displaced by so much along each axis [voxels]."""

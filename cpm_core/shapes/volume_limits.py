@@ -8,7 +8,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from cpm_core.contours.surface.packing import PackedSurface
+from cpm_core.contours.packed_surface import PackedSurface
 from cpm_core.image.volume_regions import Extrusion, Voxels
 from cpm_core.numerics.types import Array, Place, Position
 from cpm_core.shapes.lines import Barrier, Region

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from cpm_core.formats.common.atomic import write_together
-from cpm_core.image.drawing.axes import require_matplotlib
+from cpm_core.image.drawing import require_matplotlib
 from docs.gallery import pictures, recovery, silhouettes, skeletons, studies
 from docs.gallery.pages import Page
 from docs.gallery.plotting import draw

@@ -10,7 +10,13 @@ import PIL.Image
 import scipy
 from numpy.typing import NDArray
 
-from cpm_core.image.drawing.axes import (
+from cpm_core.image.drawing import (
+    CLOSED,
+    FIELD,
+    HALO,
+    JUNCTION,
+    OPEN,
+    PARTICLE,
     require_matplotlib,
     show_curves,
     show_field,
@@ -18,7 +24,6 @@ from cpm_core.image.drawing.axes import (
     show_junctions,
     show_particles,
 )
-from cpm_core.image.drawing.palette import CLOSED, FIELD, HALO, JUNCTION, OPEN, PARTICLE
 from cpm_core.numerics.types import Array
 from docs.gallery.pages import Map, Page, Panel, Picture, Stairs
 

@@ -10,7 +10,7 @@ import numpy as np
 from cpm_core.contours.agreement import agreement
 from cpm_core.contours.contour import Contour
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.medial_axis.skeleton_method import plane_skeleton
+from cpm_core.medial_axis.skeleton_method import skeleton
 from cpm_core.numerics.types import Array
 from docs.gallery.outlines import Distance, Rings, coverage, ellipse, limb, rings, union
 from docs.gallery.pages import Page, Picture
@@ -35,7 +35,7 @@ def skeletons() -> Page:
     """Fig. 14: skeletons of two black and white shapes and two gray ones, and the shapes rebuilt from them."""
     above, below, measured = [], [], []
     for name, shape in shapes().items():
-        found = plane_skeleton(shape.values)
+        found = skeleton(shape.values)
         facts = _measure(shape, found)
         measured.append(facts)
         above.append(Picture(name, shape.values, contours=found.contours, caption=_agreement(facts), facts=facts))

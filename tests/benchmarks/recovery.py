@@ -18,7 +18,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from cpm_core import circle, segment
 from cpm_core.contours.contour import sampled
-from cpm_core.objects.warm_up import warm_up
+from cpm_core.warm_up import warm_up
 from tests.core.scenes import disk, ring, u_shape
 
 CASES = {

@@ -2,8 +2,7 @@
 
 import time
 
-from tests.core.segmentation import reproduced
-
+from . import reproduced
 from .report import Budget, Report, going_on
 
 

@@ -7,7 +7,6 @@ import PIL.Image
 import pytest
 
 import cpm_core as cpm
-from cpm_core.formats.images.reading import Reading
 from cpm_core.image.colors import COLORS
 
 RGB = cpm.example("colors").colors.samples
@@ -38,16 +37,3 @@ def test_arrays_of_floats_and_of_more_bits_keep_their_range():
     assert cpm.Image(RGB / 255.0).values.max() <= 1.0
     deep = cpm.Image(RGB.astype(np.uint16) * 257)
     assert deep.values == pytest.approx(257.0 * cpm.Image(RGB).values)
-
-
-def test_a_gray_image_in_three_equal_channels_is_gray():
-    gray = cpm.Image(np.repeat(RGB[..., :1], 3, axis=2))
-    assert gray.colors is None
-    assert np.array_equal(gray.values, RGB[..., 0])
-
-
-def test_another_word_than_those_of_files_is_refused():
-    with pytest.raises(ValueError, match='color is "purple" but must be one of luminance, red, green, blue, contrast'):
-        cpm.Image(RGB, color="purple")
-    with pytest.raises(ValueError, match="purple"):
-        Reading(color="purple")

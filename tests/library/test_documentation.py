@@ -81,20 +81,6 @@ def test_the_continuous_check_builds_it_by_the_command_of_the_readme():
     assert "-e '.[docs]'" in lines[0]
 
 
-def test_the_first_command_is_that_of_the_readme():
-    readme = (ROOT / "README.md").read_text(encoding="utf-8").splitlines()
-    page = (DOCS / "start.md").read_text(encoding="utf-8")
-    first = [line for line in page.splitlines() if "-m venv" in line]
-    assert len(first) == 2
-    assert set(first) <= set(readme)
-
-
-def test_there_are_37_expectations_each_once():
-    assert len(rows.ROWS) == 37
-    assert len({row.what for row in rows.ROWS}) == len({row.test for row in rows.ROWS}) == 37
-    assert all(f"`{row.test}`" in rows.table() for row in rows.ROWS)
-
-
 def test_every_public_name_is_on_one_page_of_the_reference():
     text = "\n".join(reference.pages().values())
     for name in cpm.__all__:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -60,22 +58,6 @@ def test_a_run_is_stopped_where_it_is_and_says_so(image):
     assert list(run) == []
     run.stop("twice")
     assert run.moment.stop_reason == "seen enough"
-
-
-def test_the_greatest_number_of_steps_ends_a_run(image):
-    run = cpm.evolve(image, SEEDS, max_steps=5)
-    assert [moment.step for moment in run] == [0, 1, 2, 3, 4, 5]
-    assert run.result.stop_reason == "stopped after 5 steps, as asked"
-
-
-@pytest.mark.parametrize(
-    ("given", "words"),
-    [(replace(cpm.Parameters(), scales=2), "scales is 2 but must stay 3"), ({}, "must be Parameters")],
-)
-def test_what_cannot_be_changed_in_a_run_is_refused(image, given, words):
-    run = cpm.evolve(image, SEEDS)
-    with pytest.raises(ValueError, match=words):
-        run.parameters = given
 
 
 def test_a_volume_evolves_too():

@@ -17,29 +17,17 @@ from scipy import ndimage
 
 from cpm_core import Contour, edge_map
 from cpm_core.numerics.polyline import sampled
-from docs.gallery import figures, pictures, recovery, silhouettes, skeletons, studies
-from docs.gallery.__main__ import main
-from docs.gallery.figures import FIGURES, Figure, summary, write_figures
+from docs.gallery import figures, pictures, silhouettes, skeletons
+from docs.gallery.figures import FIGURES, Figure, write_figures
 from docs.gallery.outlines import (
-    blended,
     coverage,
-    curve,
-    disk,
-    ellipse,
-    limb,
     polygon,
-    rings,
-    round_ring,
-    stroke,
-    union,
-    without,
 )
 from docs.gallery.pages import Map, Page, Picture, Stairs
 from docs.gallery.plotting import draw
-from docs.gallery.runs import run
 from docs.gallery.scenes import closed
 
-from ..core.scenes import antialiased, circle_points
+from ..core.scenes import circle_points
 
 ROOT = Path(__file__).parents[2]
 COMMITTED = ROOT / "assets" / "gallery"
@@ -79,12 +67,6 @@ def scene_of(name):
     return SCENES[name]()
 
 
-def test_the_coverage_of_a_disk_is_that_of_points_within_its_pixels():
-    seen = coverage(round_ring((30.3, 40.6), 20.2), (64, 80))
-    inside = antialiased((64, 80), lambda row, col: np.hypot(row - 30.3, col - 40.6) < 20.2)
-    assert np.abs(seen - (inside - 40.0) / 160.0).max() < 0.07  # of 8 x 8 points, one line of eight may differ by half
-
-
 @settings(deadline=None)
 @given(st.lists(st.floats(3.0, 18.0), min_size=3, max_size=12), st.tuples(st.floats(19.0, 25.0), st.floats(19.0, 30.0)))
 def test_coverage_adds_up_to_the_area(radii, center):
@@ -94,64 +76,6 @@ def test_coverage_adds_up_to_the_area(radii, center):
     assert seen.min() >= 0.0
     assert seen.max() <= 1.0
     assert seen.sum() == pytest.approx(Contour(ring, closed=True).area, rel=0.01, abs=0.3)
-
-
-def test_a_point_enclosed_by_two_rings_is_outside():
-    seen = coverage((*round_ring((30, 30), 20.0), *round_ring((30, 30), 8.0)), (60, 60))
-    assert seen.sum() == pytest.approx(np.pi * (400 - 64), rel=1e-3)
-    assert seen[30, 30] == 0.0
-    assert seen[30, 44] == 1.0
-
-
-def test_a_shape_that_reaches_out_of_the_image_is_cut_by_its_border():
-    half = coverage(polygon([(-10.5, -9.5), (-10.5, 4.5), (30.5, 4.5), (30.5, -9.5)]), (20, 10))
-    assert np.array_equal(half, np.repeat([[1.0] * 5 + [0.0] * 5], 20, axis=0))
-
-
-def test_a_limb_is_the_union_of_disks_of_linear_radius():
-    a, b, wide, thin = np.array([20.0, 20.0]), np.array([40.0, 60.0]), 12.0, 4.0
-    points = np.random.default_rng(0).uniform(0.0, 64.0, (300, 2))
-    share = np.linspace(0.0, 1.0, 2001)
-    centers, radii = a + share[:, None] * (b - a), wide + share * (thin - wide)
-    brute = (np.linalg.norm(points[:, None] - centers, axis=2) - radii).min(axis=1)
-    np.testing.assert_allclose(limb(tuple(a), tuple(b), wide, thin)(points), brute, atol=2e-3)
-
-
-SHAPES = {
-    "disk": disk((40, 40), 17.3),
-    "limb": limb((20, 25), (55, 60), 12.0, 5.0),
-    "stroke": stroke([(20, 20), (40, 30), (60, 60)], 9.0),
-    "union": union(disk((30, 30), 15.0), disk((48, 50), 18.0)),
-    "hole": without(disk((40, 40), 30.0), disk((36, 42), 11.0)),
-    "blend": blended(8.0, disk((30, 30), 15.0), limb((30, 30), (64, 60), 7.0)),
-}
-
-
-@pytest.mark.parametrize("name", SHAPES)
-def test_rings_lie_on_the_zero_of_the_signed_distance(name):
-    shape = SHAPES[name]
-    found = rings(shape, (80, 80))
-    assert len(found) == (2 if name == "hole" else 1)
-    assert np.abs(shape(np.concatenate(found))).max() < 1e-6
-    between = np.concatenate([0.5 * (ring + np.roll(ring, -1, axis=0)) for ring in found])
-    assert np.abs(shape(between)).max() < 0.25  # at most where a chord cuts a corner
-    assert np.median(np.abs(shape(between))) < 0.005
-
-
-@pytest.mark.parametrize("shape", [disk((40, 40), 60.0), disk((5, 40), 20.0), disk((40, 40), -1.0)])
-def test_a_shape_that_is_empty_or_too_large_is_refused(shape):
-    with pytest.raises(ValueError, match="empty or reaches out"):
-        rings(shape, (80, 80))
-
-
-def test_curves_have_the_given_distance_from_their_center():
-    (ring,) = ellipse((40, 50), 10.0, 20.0, 0.7)
-    down, right = (ring - (40, 50)).T
-    along, across = right * np.cos(0.7) + down * np.sin(0.7), down * np.cos(0.7) - right * np.sin(0.7)
-    np.testing.assert_allclose(np.hypot(along / 20.0, across / 10.0), 1.0, rtol=1e-9)
-    (star,) = curve((40, 50), lambda angle: 20.0 + 5.0 * np.cos(3.0 * angle))
-    angle = np.arctan2(*(star - (40, 50)).T)
-    np.testing.assert_allclose(np.linalg.norm(star - (40, 50), axis=1), 20.0 + 5.0 * np.cos(3.0 * angle), rtol=1e-9)
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -201,39 +125,6 @@ def test_a_medial_axis_is_equally_far_from_the_outline_on_both_sides(name):
         )
 
 
-def test_noise_changes_the_given_percentage_of_pixels():
-    gray = np.full((120, 100), 100.0)
-    for spoil, levels in ((studies.uniform, 256), (studies.salt_and_pepper, 2)):
-        spoiled = spoil(gray, 60.0, 3)
-        changed = spoiled[spoiled != 100.0]
-        assert len(changed) / gray.size == pytest.approx(0.6, abs=0.004)
-        assert len(np.unique(changed)) <= levels
-        assert (changed.min(), changed.max()) == (0.0, 255.0)
-        assert changed.mean() == pytest.approx(127.5, abs=3.0)
-    assert (studies.gaussian(gray, 20.0, 3) - gray).std() == pytest.approx(20.0, rel=0.02)
-    strong = studies.gaussian(gray, 100.0, 3)
-    assert (strong.min(), strong.max()) == (0.0, 255.0)
-
-
-@pytest.mark.parametrize("contrast", [20.0, 40.0, 60.0])
-def test_more_damping_never_finds_more_objects(contrast):
-    """Without any damping particles swing on, and where they are at the end is chance."""
-    found = recovery.count_over_damping(contrast, (0.2, 0.4, 1.0, 4.0))
-    assert found == sorted(found, reverse=True)
-    assert found[0] == len(silhouettes.ACROSS)
-    assert found[-1] < found[0]
-
-
-def test_a_run_has_snapshots_at_the_requested_steps_and_at_its_end():
-    scene = silhouettes.for_sensitivity()
-    done = run(scene, at=(10, 20, 10**6))
-    assert [moment.step for moment in done.moments] == [10, 20]
-    assert done.moments[0].agreement.recall < done.end.agreement.recall
-    assert done.end.step > 20
-    assert done.end.facts["steps"] == done.end.step
-    assert done.end.facts["particles"] == len(done.end.particles)
-
-
 RESULT = {
     "recall": 1.0,
     "precision": 0.9,
@@ -245,15 +136,6 @@ RESULT = {
     "steps": 10,
     "particles": 20,
 }
-
-
-def test_a_summary_holds_ranges_and_sums():
-    other = {**RESULT, "recall": 0.5, "closed": 2, "steps": 30, "mean_distance_px": None}
-    assert summary([RESULT, other]) == (
-        "recall 0.500 to 1.000 and precision 0.900 within 1.0 px, mean distance 0.100 px, 3 of 4 closed contours, "
-        "10 to 30 steps, 20 particles"
-    )
-    assert summary([]) == ""
 
 
 GRAY = np.add.outer(np.arange(30.0), np.arange(40.0))
@@ -316,55 +198,6 @@ def test_figures_are_written_with_an_index_and_all_measured_values(tiny, tmp_pat
     assert re.findall(r"\]\((.*?)\)", text) == ["fig05.png", "fig06.png"]
     assert [name for name, _ in reported] == ["fig05", "fig06"]
     assert reported[0][1].startswith("so much; recall 1.000")
-
-
-def test_one_figure_made_again_leaves_the_others_in_the_index(tiny, tmp_path):
-    write_figures(tmp_path)
-    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
-    (tmp_path / "fig05.png").write_bytes(b"old")
-    assert [path.name for path in write_figures(tmp_path, ["fig05"])] == ["fig05.png", "figures.json", "README.md"]
-    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
-
-
-def test_a_figure_of_the_gallery_is_made_by_the_command_line(tmp_path, capsys):
-    assert main(["--output", str(tmp_path), "--only", "fig08"]) is None
-    output = capsys.readouterr()
-    assert re.match(r"fig08 +\d+\.\d s  Boundary concavities: recall ", output.out)
-    assert output.out.endswith(f"Wrote 3 files to {tmp_path}\n")
-    assert output.err == ""
-    assert opened((tmp_path / "fig08.png").read_bytes()).width == 2 * 18 + 5 * 290 + 4 * 14
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        ("", "--output"),
-        ("--output new --only fig99", "no figure fig99: choose among fig05"),
-        ("--output file", "file is a file, so file cannot be a folder: name another one"),
-        ("--output damaged", "cannot be read: remove it"),
-        ("--output none/new/in/here", "new is a file, so none/new/in/here cannot be a folder"),
-    ],
-)
-def test_bad_input_is_one_line_and_nothing_is_written(tiny, tmp_path, monkeypatch, capsys, arguments, words):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "file").write_text("a file", encoding="utf-8")
-    (tmp_path / "damaged").mkdir()
-    (tmp_path / "damaged" / "figures.json").write_text("[", encoding="utf-8")
-    (tmp_path / "none").mkdir()
-    (tmp_path / "none" / "new").write_text("a file", encoding="utf-8")
-    before = sorted(tmp_path.rglob("*"))
-    with pytest.raises(SystemExit):
-        main(arguments.split())
-    assert words in capsys.readouterr().err
-    assert sorted(tmp_path.rglob("*")) == before
-
-
-def test_without_matplotlib_a_sentence_says_what_to_install(tiny, tmp_path, monkeypatch, capsys):
-    monkeypatch.setitem(sys.modules, "matplotlib", None)
-    with pytest.raises(SystemExit):
-        main(["--output", str(tmp_path / "new")])
-    assert "pip install matplotlib" in capsys.readouterr().err
-    assert not (tmp_path / "new").exists()
 
 
 def test_matplotlib_is_not_loaded_before_something_is_drawn():

@@ -3,15 +3,10 @@
 from __future__ import annotations
 
 import inspect
-from dataclasses import fields, replace
 
-import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 import cpm_core as cpm
-from cpm_core.parameters import DEFAULTS, PARAMETERS
 
 WIDEST = 120
 ABSTRACT = {"ContourState", "Method"}
@@ -59,26 +54,3 @@ def test_each_is_shown_on_one_line(objects):
         assert type(one).__name__ in text, text
         assert text.isprintable(), text
         assert len(text) <= WIDEST, text
-
-
-@given(st.text(max_size=300))
-def test_names_of_any_length_and_letters_fit(name):
-    text = repr(cpm.Image(np.eye(9), source=name))
-    assert len(text) <= WIDEST
-    assert text.isprintable()
-
-
-@given(st.data())
-def test_parameters_are_shown_by_what_differs_from_the_defaults(data):
-    names = data.draw(st.sets(st.sampled_from([n for n in PARAMETERS if n not in ("w1", "w2", "scales")])))
-    given_ = {n: data.draw(st.floats(PARAMETERS[n].low, min(PARAMETERS[n].high, 1e6))) for n in sorted(names)}
-    shown = repr(cpm.Parameters(**given_))
-    assert len(shown) <= WIDEST
-    if "…" not in shown:
-        assert eval(shown, {"Parameters": cpm.Parameters}) == cpm.Parameters(**given_)
-    assert repr(cpm.Parameters()) == "Parameters()"
-    assert {field.name for field in fields(cpm.Parameters)} == set(DEFAULTS)
-
-
-def test_a_preset_differs_from_another_in_its_line():
-    assert repr(replace(cpm.Parameters(), beta=0.6)) == "Parameters(beta=0.6)"

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import cpm_core as cpm
-from cpm_core.contours.measurements.regions import region_table, volume_table
 from cpm_core.contours.rasterize import paint
+from cpm_core.contours.region_table import region_table, volume_table
 
 SHAPE = (120, 140)
 SAME = (
@@ -93,19 +93,6 @@ def test_large_regions_have_the_measures_that_scikit_image_finds_in_their_label_
         assert table[f"centroid-{axis}"] == pytest.approx(theirs[f"centroid-{axis}"], abs=0.25)
 
 
-@pytest.mark.parametrize("name", ["ring", "disks", "colors"])
-def test_labels_are_those_of_the_table_and_of_the_exported_mask(name, tmp_path):
-    result = cpm.segment(cpm.example(name), cpm.uniform_grid((64, 64)))
-    table = result.table()
-    assert result.labels.shape == result.shape
-    assert np.unique(result.labels).tolist() == [0, *table["label"].tolist()]
-    areas = np.bincount(result.labels.ravel())[1:]
-    assert table["area"] == pytest.approx(areas, rel=0.03)
-    cpm.export(result, tmp_path / "labels.tif")
-    assert np.array_equal(cpm.load_image(tmp_path / "labels.tif").values, result.labels)
-    assert not result.labels.flags.writeable
-
-
 def test_holes_of_chosen_objects_are_kept_out_of_their_labels():
     image = cpm.example("ring")
     chosen = cpm.partition(image).select([(32, 14)], [(32, 32)])
@@ -116,14 +103,6 @@ def test_holes_of_chosen_objects_are_kept_out_of_their_labels():
     assert table["name"].tolist() == ["ring"]
     assert table["area"][0] == pytest.approx(np.pi * (24.0**2 - 10.0**2) * 0.25, rel=0.03)
     assert table.units["area"] == "µm²"
-
-
-def test_open_contours_enclose_nothing_and_leave_an_empty_table():
-    result = cpm.segment(cpm.example("gap"), cpm.circle((32, 32), 8))
-    assert not any(contour.closed for contour in result.contours)
-    assert not result.labels.any()
-    assert result.table().rows == 0
-    assert result.table().keys() >= {"area", "solidity", "intensity_mean"}
 
 
 def test_a_volume_has_a_label_volume_and_its_table():
@@ -150,13 +129,3 @@ def test_objects_in_a_volume_are_measured_in_units_along_each_axis():
     for axis in range(3):
         assert table[f"centroid-{axis}"] == pytest.approx(theirs[f"centroid-{axis}"])
     assert [float(table[f"box-{k}"][0]) for k in range(6)] == [4.0, 3.0, 0.5, 8.0, 7.0, 2.0]
-
-
-def test_a_table_is_a_dictionary_of_columns_and_an_html_table():
-    table = table_of([ellipse((60.0, 70.0), (20.0, 10.0))])
-    assert isinstance(table, dict)
-    assert {len(column) for column in table.values()} == {1}
-    assert table.rows == 1
-    shown = table._repr_html_()
-    assert shown.count("<tr>") == 2
-    assert "area<br>[px²]" in shown

@@ -1,7 +1,6 @@
 """What desktops, hosts and readers are told of the program agrees with the program."""
 
 import importlib
-import re
 import shutil
 import subprocess
 from configparser import ConfigParser
@@ -10,9 +9,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from cpm_core.formats.common.provenance import VERSION
-from cpm_core.formats.sessions.session_file import SUFFIX
-from cpm_core.formats.sessions.session_json import MARK
+from cpm_core.formats.sessions.session_file import MARK, SUFFIX
 from tests.packages.places import ROOT
 
 LINUX = ROOT / "release" / "linux"
@@ -51,13 +48,6 @@ def test_session_files_are_known_by_name_and_content(kind) -> None:
     assert kind.find("m:magic/m:match", NAMESPACE).get("value") == MARK
 
 
-def test_software_centers_are_told_the_same(told, kind) -> None:
-    assert told.findtext("launchable") == "cpm.desktop"
-    assert told.findtext("provides/mediatype") == kind.get("type")
-    assert told.find("releases/release").get("version") == VERSION
-    assert told.findtext("project_license") == "MIT"
-
-
 @pytest.mark.parametrize(
     ("tool", "arguments"),
     [
@@ -70,19 +60,6 @@ def test_the_tools_of_desktops_find_nothing_wrong(tool, arguments) -> None:
         pytest.skip(f"{tool} is not there")
     done = subprocess.run([tool, *arguments], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
-
-
-def test_what_is_cited_is_this_version() -> None:
-    text = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
-    assert re.search(r"^version: (.*)$", text, re.MULTILINE).group(1) == VERSION
-
-
-@pytest.mark.parametrize("file", [".github/workflows/checks.yml", ".gitlab-ci.yml"])
-def test_hosts_run_what_everybody_runs(file) -> None:
-    path = ROOT / file
-    if not path.exists():
-        pytest.skip("an archive of the source has no files of hosts")
-    assert re.search(r"- (run: )?\.ci/run$", path.read_text(encoding="utf-8"), re.MULTILINE)
 
 
 def test_the_licenses_of_all_that_is_handed_out_are_gathered(monkeypatch) -> None:

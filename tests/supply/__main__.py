@@ -28,7 +28,7 @@ def tested(versions: str, arguments: argparse.Namespace) -> bool:
     print(
         f"{versions}: {made.printed('-V')}, {made.printed('-m', 'pip', 'freeze', '--exclude', 'cpm-particles').split()}"
     )
-    made.run("-c", "from cpm_core.objects.warm_up import warm_up; warm_up()")  # no test waits for the compiler
+    made.run("-c", "from cpm_core.warm_up import warm_up; warm_up()")  # no test waits for the compiler
     # what old releases warn of can be mended by nobody; what the newest ones warn of is to be known early
     warnings = ("-W", "default" if versions == "oldest" else "error")
     return made.run("-m", "pytest", "-q", "--timeout", "300", *warnings, *arguments.tests) == 0

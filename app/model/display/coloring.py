@@ -10,7 +10,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from app.model.display.round_numbers import round_up
+from app.model.display.lengths import round_up
 from app.model.text.language import tr
 from cpm_core.model.equations import EPSILON
 from cpm_core.numerics.types import Array

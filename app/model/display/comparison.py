@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from app.model.display.round_numbers import short_text
+from app.model.display.lengths import short_text
 from app.model.document.document import Document
 from app.model.parameters.controls import Control, slider_range, value_of, with_value
 from app.model.text.language import from_core, tr
@@ -17,9 +17,6 @@ from cpm_core.parameters import Parameters
 
 FEWEST, MOST = 2, 6
 """Limits of the number of values of a parameter."""
-
-COUNTS = (3, 4, 5)
-"""Numbers of values that are proposed."""
 
 FIRST_AXES = ("smoothing", "min_strength")
 """Parameters that are proposed: they decide which edges count."""

@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.model.volume.slices import Slice
-from app.model.volume.surface_section import kept_with_surface, prepare, section
+from app.model.volume.surface_section import section
 from cpm_core.contours.agreement import Comparison, distance_to
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.ground_truth import Truth
+from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.contours.surface import Surface
-from cpm_core.contours.surface.agreement import SurfaceComparison
-from cpm_core.contours.surface.ground_truth import VolumeTruth
+from cpm_core.contours.surface_agreement import SurfaceComparison
 from cpm_core.numerics.types import Array, Place
 
 _APART = 0.6
@@ -110,7 +109,6 @@ class Apart:
         far = whole.faces[(away[whole.faces] > tolerance).any(axis=1)]
         used, faces = np.unique(far, return_inverse=True)
         surface = Surface(whole.vertices[used], faces.reshape(-1, 3), whole.spacing, whole.unit)
-        prepare(surface)
         return cls(kind, surface, away[used])
 
     @property
@@ -127,7 +125,6 @@ class Apart:
 
 def apart_from(surface: Surface | None, truth: VolumeTruth, found: SurfaceComparison) -> tuple[Apart, ...]:
     """Where a surface and the true one are apart."""
-    prepare(truth.surface)
     missing = Apart.of("missing", truth.surface, found.missing, found.tolerance)
     return (missing,) if surface is None else (missing, Apart.of("wrong", surface, found.wrong, found.tolerance))
 
@@ -141,7 +138,7 @@ def truth_in(truth: Truth | VolumeTruth | None, here: Slice) -> Truth | None:
     """What a slice shows of the ground truth: its boundaries."""
     if not isinstance(truth, VolumeTruth):
         return truth
-    return Truth(here.of(truth.labels), _lines(truth.surface, here), truth.source)
+    return Truth(here.of(truth.labels), section(truth.surface, here), truth.source)
 
 
 def differences_in(apart: Iterable[Apart], here: Slice) -> tuple[Difference, ...]:
@@ -149,10 +146,5 @@ def differences_in(apart: Iterable[Apart], here: Slice) -> tuple[Difference, ...
     return tuple(
         Difference(each.kind, line.path, 0.0, (float(line.points[0, 0]), float(line.points[0, 1])))
         for each in apart
-        for line in _lines(each.surface, here)
+        for line in section(each.surface, here)
     )
-
-
-@kept_with_surface
-def _lines(surface: Surface, here: Slice) -> tuple[Contour, ...]:
-    return section(surface, here) if len(surface.faces) else ()

@@ -153,26 +153,19 @@ def color_curve(window: IntensityWindow, white: float) -> Shades:
     return curve
 
 
-def pairs_of(curve: Shades) -> NDArray[np.uint16]:
-    """A curve of 256 values as one of all pairs of bytes, by which an image is drawn in half the time."""
-    wide = curve.astype(np.uint16)
-    return np.ravel(256 * wide[:, np.newaxis] + wide).astype(np.uint16)
-
-
-def by_pairs(shades: Shades, pairs: NDArray[np.uint16]) -> Shades:
-    """Shades of any shape by a curve from `pairs_of`."""
-    flat = np.ascontiguousarray(shades).reshape(-1)
-    if flat.size % 2:
-        return pairs[shades].astype(np.uint8)  # a byte is a pair with zero, and the lower byte of the answer is its own
-    return pairs[flat.view(np.uint16)].view(np.uint8).reshape(shades.shape)
+_SAMPLE = 1 << 20
+"""Largest number of gray values of which percentiles are taken; sorting all of them takes longer than a frame."""
 
 
 def percentile_window(values: Array, percent: float) -> tuple[float, float]:
     """Ends of the range of gray values without `percent` per cent of the pixels at either end.
 
-    `percent` is from 0 to less than 50; the result is the whole range where both ends are the same.
+    `percent` is from 0 to less than 50; the result is the whole range where both ends are the same. Of many pixels,
+    every so manieth counts.
     """
-    low, high = np.percentile(values, [percent, 100.0 - percent]) if percent > 0 else (values.min(), values.max())
+    stride = math.ceil((values.size / _SAMPLE) ** (1.0 / values.ndim))
+    some = values[(slice(None, None, stride),) * values.ndim]
+    low, high = np.percentile(some, [percent, 100.0 - percent]) if percent > 0 else (values.min(), values.max())
     if low == high:
         low, high = values.min(), values.max()
     return float(low), float(high)
@@ -181,15 +174,7 @@ def percentile_window(values: Array, percent: float) -> tuple[float, float]:
 def display_of_edge_map(edge_map: Array, strongest: float | None = None) -> Shades:
     """Edge strengths from zero, 0, to the largest, 255; the square root makes weak edges visible."""
     top = float(edge_map.max()) if strongest is None else strongest
-    return _bytes(255.0 * np.sqrt(np.clip(edge_map / max(top, 1e-300), 0.0, 1.0)))
-
-
-def _bytes(values: Array) -> Shades:
-    return np.rint(values).astype(np.uint8)
-
-
-_OUTLIERS = 0.5
-"""Percentage of the pixels at either end that the display image of a potential leaves out."""
+    return np.rint(255.0 * np.sqrt(np.clip(edge_map / max(top, 1e-300), 0.0, 1.0))).astype(np.uint8)
 
 
 def volume_of_edge_map(edge_map: Array) -> DisplayVolume:
@@ -198,17 +183,16 @@ def volume_of_edge_map(edge_map: Array) -> DisplayVolume:
     return DisplayVolume(np.stack([display_of_edge_map(plane, strongest) for plane in edge_map]))
 
 
-_COARSE = 2
-"""Every so manieth voxel along each axis tells the range of a volume."""
-
-
-def volume_of_potential(potential: Array) -> DisplayVolume:
-    """`display_of_potential` of a volume, plane by plane."""
-    some = potential[::_COARSE, ::_COARSE, ::_COARSE]
-    window = IntensityWindow(*percentile_window(some, _OUTLIERS))
-    return DisplayVolume(np.stack([apply_window(plane, window) for plane in potential]))
+_OUTLIERS = 0.5
+"""Percentage of the pixels at either end that the display image of a potential leaves out."""
 
 
 def display_of_potential(potential: Array) -> Shades:
     """Potentials from the lowest, 0, to the highest, 255, without a few pixels at either end."""
     return apply_window(potential, IntensityWindow(*percentile_window(potential, _OUTLIERS)))
+
+
+def volume_of_potential(potential: Array) -> DisplayVolume:
+    """`display_of_potential` of a volume, plane by plane."""
+    window = IntensityWindow(*percentile_window(potential, _OUTLIERS))
+    return DisplayVolume(np.stack([apply_window(plane, window) for plane in potential]))

@@ -1,4 +1,4 @@
-"""Lengths in readable units, and the scale bar.
+"""Lengths in readable units, the scale bar, and round numbers.
 
 One rule holds wherever a length or an area that was measured is shown: `shown_in` gives the size of a pixel in the unit
 that the user prefers. What the user sets, such as parameters, is in px.
@@ -6,11 +6,14 @@ that the user prefers. What the user sets, such as parameters, is in px.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from app.model.text.language import tr, written
-from cpm_core.image.drawing.scale_bar import KNOWN, Bar, longest_bar
+from cpm_core.image.drawing import KNOWN, Bar, longest_bar
 
 _PIXEL = "px"
 _OF_THE_IMAGE = "image"
@@ -84,3 +87,28 @@ def measured(pixels: float, spacing: Sequence[float], unit: str | None, decimals
         return written(f"{pixels:,.{decimals}f} {_PIXEL}")
     length = pixels * size.spacing[0]
     return written(f"{length:,.0f} {size.unit}") if length >= 1000.0 else written(f"{length:.4g} {size.unit}")
+
+
+def round_up(value: float) -> float:
+    """The smallest round number that is not below a positive value."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return next((factor * power for factor in (1.0, 2.0, 5.0) if factor * power >= value), 10.0 * power)
+
+
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def power_text(exponent: int) -> str:
+    """A power of ten as text."""
+    return "1" if exponent == 0 else "10" if exponent == 1 else f"10{str(exponent).translate(_RAISED)}"
+
+
+def scientific_text(value: float) -> str:
+    """A very small or very large number as text, such as 3.1·10⁻⁴."""
+    digits, _, exponent = f"{value:.1e}".partition("e")
+    return f"{digits}·{power_text(int(exponent))}"
+
+
+def short_text(value: float) -> str:
+    """A number with three digits, written out, so that it can also be typed again."""
+    return str(np.format_float_positional(float(f"{value:.3g}"), trim="-"))

@@ -7,15 +7,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-
-from app.model.display.round_numbers import power_text, round_up, scientific_text
+from app.model.display.lengths import scientific_text
 from app.model.text.language import tr, written
 from cpm_core.model.equations import EPSILON
 from cpm_core.numerics.types import Array
-
-_DECADES = 8
-"""Maximum number of powers of ten of a logarithmic axis."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -51,29 +46,6 @@ class RunMetrics:
 
 
 @dataclass(frozen=True, slots=True)
-class Axis:
-    """Scale of the values of a plot; if it is logarithmic, its ends are decimal logarithms."""
-
-    low: float
-    high: float
-    logarithmic: bool = False
-
-    def fractions(self, values: Array) -> Array:
-        """Heights of values, from 0 to 1 inside the axis; not finite where a value is not known."""
-        if self.logarithmic:
-            with np.errstate(divide="ignore", invalid="ignore"):
-                values = np.log10(values)
-        return np.asarray((values - self.low) / (self.high - self.low))
-
-    @property
-    def labels(self) -> tuple[str, str]:
-        """Its ends as text."""
-        if self.logarithmic:
-            return power_text(round(self.low)), power_text(round(self.high))
-        return _figure(self.low), _figure(self.high)
-
-
-@dataclass(frozen=True, slots=True)
 class Series:
     """One curve: its title, its values, and its colors on a light background and on a dark one."""
 
@@ -93,32 +65,6 @@ class Plot:
     kind: Literal["logarithmic", "from zero", "free"] = "from zero"
     line: float | None = None
     first: bool = False
-
-    def axis(self, metrics: RunMetrics | None) -> Axis:
-        """Axis that shows all curves."""
-        pieces = [series.of(metrics) for series in self.series] if metrics is not None else []
-        values = np.concatenate([np.empty(0), *pieces])
-        values = values[np.isfinite(values)]
-        if self.kind == "logarithmic":
-            return self._logarithmic(values[values > 0])
-        if not len(values):
-            return Axis(0.0, 1.0)
-        low, high = float(values.min()), float(values.max())
-        if self.kind == "from zero":
-            return Axis(0.0, round_up(high) if high > 0 else 1.0)
-        room = 0.05 * (high - low) or max(abs(high), 1.0)
-        return Axis(low - room, high + room)
-
-    def _logarithmic(self, values: Array) -> Axis:
-        line = self.line
-        if not len(values):
-            return Axis(-4.0, 0.0, True)
-        low, high = float(values.min()), float(values.max())
-        if line is not None:
-            low, high = min(low, line), max(high, 10.0 * line)
-        top = math.ceil(math.log10(high))
-        bottom = max(math.floor(math.log10(low)), top - _DECADES)
-        return Axis(float(min(bottom, top - 1)), float(top), True)
 
 
 # Hues after Okabe and Ito, each darkened for a light background and lightened for a dark one.
@@ -179,9 +125,3 @@ def figure(value: float) -> str:
     if value == round(value) and abs(value) < 1e6:
         return written(f"{value:.0f}")
     return scientific_text(value) if abs(value) < 1e-3 or abs(value) >= 1e6 else written(f"{value:.4g}")
-
-
-def _figure(value: float) -> str:
-    if abs(value) >= 1e6:
-        return scientific_text(value)
-    return written(f"{value / 1000:g}k") if abs(value) >= 1e4 else written(f"{value:.4g}")

@@ -10,8 +10,7 @@ from app.model.document.document import Document
 from app.model.text.language import tr
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.hand_edits import HandEdit, Kind
-from cpm_core.contours.kept import outline_of
-from cpm_core.contours.review import Mark, Outline, Verdict
+from cpm_core.contours.review import Mark, Outline, Verdict, outline_of
 from cpm_core.numerics.types import Position
 
 NAMES: Mapping[Kind, str] = MappingProxyType(

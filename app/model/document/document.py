@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 
 from app.model.text.language import tr
 from cpm_core.contours.hand_edits import HandEdit
+from cpm_core.contours.packed_surface import PackedSurface
 from cpm_core.contours.review import Mark
-from cpm_core.contours.surface.packing import PackedSurface
 from cpm_core.field.placed_charges import PlacedCharge
+from cpm_core.formats.images import resolution
 from cpm_core.formats.images.reading import DEFAULT, Reading
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import most_scales
@@ -63,6 +64,13 @@ class ImageReference:
         """That of an image which has been read from a file."""
         low, high = image.gray_range
         return cls(path.name, str(path), image.shape, high - low, image.file_sha256, image.spacing, image.unit, reading)
+
+    def sized(self, image: Image) -> Image:
+        """The image with the size of a pixel that is known here."""
+        if (image.spacing, image.unit) == (self.spacing, self.unit):
+            return image
+        factor = resolution.factor(image.unit, self.unit) if image.unit and self.unit else 1.0
+        return image.sized(self.spacing, self.unit, factor)
 
     @property
     def is_volume(self) -> bool:

@@ -1,11 +1,12 @@
-"""Edits: pure functions from a document to the next one."""
+"""Edits: pure functions from a document to the next one, and which shape lies under a place."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from app.model.document.document import Document
 from app.model.parameters import controls
 from cpm_core.numerics import polyline
 from cpm_core.numerics.real_numbers import voxel_sides
-from cpm_core.numerics.types import Array, Place
+from cpm_core.numerics.types import Array, Place, Position
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Everywhere, Kind, Points, Shape
 
@@ -100,7 +101,7 @@ def set_pixel_size(document: Document, spacing: tuple[float, ...], unit: str) ->
 
 
 def use_told_size(document: Document, spacing: tuple[float, ...], unit: str | None) -> Document:
-    """The document with the size of a pixel that the file tells."""
+    """The document with the size of a pixel that the file gives."""
     if document.image is None:
         return document
     reading = replace(document.image.reading, spacing=None, unit=None)
@@ -120,3 +121,39 @@ def use_preset(document: Document, parameters: Parameters) -> Document:
 def set_parameters(document: Document, parameters: Parameters) -> Document:
     """The document with all parameters replaced, and as many scales as the image has room for."""
     return replace(document, parameters=document.fitting(parameters))
+
+
+Part = Literal["handle", "body"]
+
+
+@dataclass(frozen=True, slots=True)
+class Hit:
+    """Index of the shape that was hit, and its part: a handle, which is at a place, reshapes, the body moves."""
+
+    index: int
+    part: Part
+    at: Position | None = field(default=None, compare=False)
+
+
+def hit(shapes: tuple[Shape, ...], position: Position, tolerance: float, selected: int | None = None) -> Hit | None:
+    """The shape under a position (row, col) [px of the image]; the selected one first, then the last drawn.
+
+    `tolerance` is the distance up to which a line, handle or point is hit [px of the image]. Only the selected shape
+    shows handles.
+    """
+    handles = shapes[selected].handles() if selected is not None and selected < len(shapes) else ()
+    near = min(handles, key=lambda handle: math.dist(handle, position), default=None)
+    if selected is not None and near is not None and math.dist(near, position) <= tolerance:
+        return Hit(selected, "handle", near)
+    for index in _front_first(len(shapes), selected):
+        if shapes[index].distance(position) <= tolerance:
+            return Hit(index, "body")
+    for index in _front_first(len(shapes), selected):
+        if shapes[index].encloses(position):
+            return Hit(index, "body")
+    return None
+
+
+def _front_first(count: int, selected: int | None) -> list[int]:
+    order = list(reversed(range(count)))
+    return sorted(order, key=lambda index: index != selected)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from functools import partial, reduce
+from functools import reduce
 
 import numpy as np
 
@@ -12,14 +12,14 @@ from app.model.document import edits
 from app.model.document.document import Document
 from app.model.text.language import tr
 from cpm_core.contours.contour import Bridge, Contour
+from cpm_core.contours.packed_surface import PackedSurface
 from cpm_core.contours.result import Result
 from cpm_core.contours.surface import Surface
-from cpm_core.contours.surface.packing import PackedSurface
 from cpm_core.numerics import polyline
 from cpm_core.numerics.polyline import length, thinned
 from cpm_core.numerics.types import Array, Place, Position
-from cpm_core.objects.faces.space import VolumeSelection
 from cpm_core.objects.objects_result import boundaries_result
+from cpm_core.objects.segmented.areas import lies_on, union
 from cpm_core.objects.segmented.segmented_object import (
     Click,
     Line,
@@ -28,8 +28,8 @@ from cpm_core.objects.segmented.segmented_object import (
     SegmentedObjects,
     contours_of,
 )
-from cpm_core.objects.segmented.union import lies_on, union
 from cpm_core.objects.selection import Selection
+from cpm_core.objects.volume_partition import VolumeSelection
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.shapes import Barrier, EnclosedRegion, EnclosingWall, Points, Polygon, Region
 
@@ -157,19 +157,9 @@ def classify(document: Document, numbers: Iterable[int], category: int) -> Docum
     return _with(changed, category=category)
 
 
-def paint(document: Document, numbers: Iterable[int], color: str) -> Document:
-    """The document in which objects have a color; that of their class when it is empty."""
-    return _amended(document, numbers, lambda item: replace(item, color=color))
-
-
-def freeze(document: Document, numbers: Iterable[int], frozen: bool) -> Document:
-    """The document in which objects keep their boundaries and hold particles back, or do so no longer."""
-    return _amended(document, numbers, lambda item: replace(item, frozen=frozen))
-
-
-def hide(document: Document, numbers: Iterable[int], hidden: bool) -> Document:
-    """The document in which objects are hidden, or shown again."""
-    return _amended(document, numbers, lambda item: replace(item, hidden=hidden))
+def amend(document: Document, numbers: Iterable[int], **parts: str | bool) -> Document:
+    """The document in which objects have another color (empty: that of their class), or are frozen or hidden or not."""
+    return _amended(document, numbers, lambda item: replace(item, **parts))  # type: ignore[arg-type]
 
 
 def merge(document: Document, numbers: Iterable[int]) -> Document:
@@ -178,16 +168,11 @@ def merge(document: Document, numbers: Iterable[int]) -> Document:
         return document
     chosen = frozenset(numbers)
     merged = [item for item in document.objects.items if item.number in chosen]
-    return merge_into(document, merged, union_of(merged, document.image.shape))
-
-
-def union_of(items: Iterable[SegmentedObject], shape: tuple[int, ...]) -> SegmentedObject:
-    """The first of some objects, with the boundary of all; in a volume that may take seconds."""
-    return reduce(partial(union, shape=shape), items)
+    return merge_into(document, merged, reduce(union, merged))
 
 
 def merge_into(document: Document, merged: Iterable[SegmentedObject], whole: SegmentedObject) -> Document:
-    """The document in which one object stands for several, of which it has the number of one."""
+    """The document in which one object replaces several, of which it has the number of one."""
     rest = delete(document, [item.number for item in merged if item.number != whole.number])
     return _amended(rest, (whole.number,), lambda _: whole)
 

@@ -215,7 +215,7 @@ def _of_parameter(name: str) -> Control:
     return Control(
         name=name,
         symbol=info.symbol,
-        unit=from_core(info.unit) if info.unit else "",
+        unit=from_core(info.unit),
         title=from_core(info.title),
         low=info.low,
         high=info.high,
@@ -225,7 +225,7 @@ def _of_parameter(name: str) -> Control:
         default=DEFAULTS[name],
         meaning=from_core(info.meaning),
         more=from_core(info.more),
-        equation=from_core(info.equation) if info.equation else "",
+        equation=from_core(info.equation),
         advanced=info.advanced,
         acts=acts(info.invalidates),
         automatic=name in AUTOMATIC,
@@ -238,8 +238,8 @@ def _of_parameter(name: str) -> Control:
 
 def _ratio() -> Control:
     standard = Parameters()
-    coulomb = PARAMETERS["w1"]
-    return Control(
+    return replace(
+        _of_parameter("w1"),
         name=RATIO,
         symbol="w₁/w₂",
         unit="",
@@ -251,10 +251,7 @@ def _ratio() -> Control:
         step=0.01,
         default=standard.w1 / standard.w2,
         meaning=tr("Repulsion between particles as a fraction of the attraction by edges."),
-        more=from_core(coulomb.more),
-        equation=from_core(coulomb.equation),
         advanced=False,
-        acts=acts(coulomb.invalidates),
         moves=True,
     )
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import cache
-from typing import Any
 
 from app.model.text.language import reason, tr
-from cpm_core.formats.sessions.plain_values import parameters_from_plain
+from cpm_core.formats.sessions.plain import parameters_from_plain
 from cpm_core.parameters import PLANE_PRESETS, Parameters
+from cpm_core.parameters.quotation import shown
 
 SUFFIX = ".cpmpreset"
 
@@ -89,43 +88,23 @@ def written(preset: Preset) -> bytes:
 def read(content: bytes, source: str) -> Preset:
     """The preset in a file, whose name is used in error messages.
 
-    ValueError when it is not a valid preset file.
+    Parameters that the file lacks have their defaults. ValueError when it is not a valid preset file.
     """
-    kept = _opened(content, source)
-    version = kept.get("version")
-    if not isinstance(version, int) or version < 1:
-        raise ValueError(tr("{file} does not give its version: it is damaged.").format(file=source))
-    if version > _VERSION:
-        message = tr("{file} has version {version} but this program reads up to {most}: a newer CPM opens it.")
-        raise ValueError(message.format(file=source, version=version, most=_VERSION))
-    name, about = kept.get("name", ""), kept.get("about", "")
-    if not (isinstance(name, str) and isinstance(about, str)):
-        raise ValueError(tr("{file} is damaged: its name is not text.").format(file=source))
     try:
-        if len(about) > _LONGEST_ABOUT:
-            raise ValueError(tr("its description is too long."))
-        return Preset(checked_name(name), _parameters(kept.get("parameters")), about)
-    except (TypeError, ValueError) as error:
+        kept = json.loads(content.decode("utf-8")) if len(content) <= _LARGEST else {}
+        known = kept["format"] == _FORMAT
+    except (ValueError, TypeError, KeyError, RecursionError):
+        known = False
+    if not known:
+        message = tr("{file} is not a preset of CPM: choose a file that was exported as one.")
+        raise ValueError(message.format(file=source))
+    if kept.get("version") != _VERSION:
+        message = tr("{file} has version {version} but this program reads version {most}.")
+        raise ValueError(message.format(file=source, version=shown(kept.get("version")), most=_VERSION))
+    try:
+        parameters, unknown = parameters_from_plain(kept["parameters"])
+        if unknown:
+            raise ValueError(tr("there is no parameter {name}.").format(name=unknown[0]))
+        return Preset(checked_name(str(kept["name"])), parameters, str(kept.get("about", ""))[:_LONGEST_ABOUT])
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
         raise ValueError(tr("{file} cannot be used: {reason}").format(file=source, reason=reason(error))) from error
-
-
-def _opened(content: bytes, source: str) -> Mapping[str, Any]:
-    try:
-        kept = json.loads(content.decode("utf-8")) if len(content) <= _LARGEST else None
-    except (UnicodeDecodeError, json.JSONDecodeError, RecursionError):
-        kept = None
-    if not isinstance(kept, dict) or kept.get("format") != _FORMAT:
-        raise ValueError(
-            tr("{file} is not a preset of CPM: choose a file that was exported as one.").format(file=source)
-        )
-    return kept
-
-
-def _parameters(kept: object) -> Parameters:
-    """Parameters from a file; missing ones have their defaults."""
-    if not isinstance(kept, dict):
-        raise ValueError(tr("it holds no parameters."))
-    parameters, unknown = parameters_from_plain(kept)
-    if unknown:
-        raise ValueError(tr("there is no parameter {name}.").format(name=unknown[0]))
-    return parameters

@@ -1,1 +1,1 @@
-"""What a person can prefer: each preference with its name, kind, default, limits and words."""
+"""What the user can prefer: each preference with its name, kind, default, limits and words."""

@@ -7,7 +7,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from app.model.text.language import tr
-from cpm_core.parameters.quotation import shown
 
 KEY = "shortcuts"
 """Key of the file of preferences: the chosen keys of all actions, as one line of JSON."""
@@ -33,22 +32,17 @@ Chosen = Mapping[str, tuple[str, ...]]
 """Keys by the names of actions; one that is not there has its default ones."""
 
 
-def read(stored: str) -> tuple[dict[str, tuple[str, ...]], str]:
-    """Chosen keys from the file, and a sentence on what cannot be read and is left out."""
+def read(stored: str) -> dict[str, tuple[str, ...]]:
+    """Chosen keys from the file; what cannot be read is left out."""
     try:
         found = json.loads(stored)
     except (ValueError, RecursionError):
-        found = None
-    if not isinstance(found, dict):
-        return {}, tr("The chosen keys in the preferences cannot be read: the default ones are used.")
-    good = {
+        return {}
+    return {
         name: tuple(keys)
-        for name, keys in found.items()
+        for name, keys in (found.items() if isinstance(found, dict) else ())
         if isinstance(keys, list) and all(isinstance(key, str) for key in keys)
     }
-    bad = ", ".join(sorted(found.keys() - good))
-    text = tr("The chosen keys of {names} cannot be read: the default ones are used.")
-    return good, text.format(names=shown(bad)) if bad else ""
 
 
 def written(chosen: Chosen) -> str:

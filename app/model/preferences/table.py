@@ -16,9 +16,6 @@ from app.model.text.wording import FIRST_WORDING
 
 V = TypeVar("V")
 
-LONGEST_PATH = 4096
-"""Letters that a path may have."""
-
 _COLOR = re.compile(r"#[0-9a-f]{6}")
 
 
@@ -31,15 +28,13 @@ class Preference(ABC, Generic[V]):
     name : str
         Its key in the file of the preferences.
     page : str
-        Name of the page of the dialog that it stands on.
+        Name of the page of the dialog that it is on.
     label : str
         Words before its field.
     default
         Its value until the user chooses another one.
     note : str
         A sentence below the field.
-    needs : tuple, optional
-        Another preference, and the value of it without which this one has no effect.
     """
 
     name: str
@@ -47,7 +42,6 @@ class Preference(ABC, Generic[V]):
     label: str
     default: V
     note: str = ""
-    needs: tuple[Preference[Any], object] | None = None
 
     @abstractmethod
     def taken(self, stored: object) -> V | None:
@@ -56,7 +50,7 @@ class Preference(ABC, Generic[V]):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Flag(Preference[bool]):
-    """Something that is on or off; `text` stands beside the check box."""
+    """Something that is on or off; `text` is next to the check box."""
 
     text: str
 
@@ -104,15 +98,6 @@ class Color(Preference[str]):
     def taken(self, stored: object) -> str | None:
         """A color of six digits."""
         return stored if isinstance(stored, str) and _COLOR.fullmatch(stored) else None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Folder(Preference[str]):
-    """Path of a folder, empty for none."""
-
-    def taken(self, stored: object) -> str | None:
-        """Any path that a system may have; whether the folder exists is asked where it is used."""
-        return stored if isinstance(stored, str) and len(stored) <= LONGEST_PATH else None
 
 
 def _plain(stored: object) -> bool:
@@ -170,32 +155,12 @@ INKS = {
     "moving": Color(name="colors/moving", page="appearance", label=tr("Moving particles"), default="#f0e442"),
     "resting": Color(name="colors/resting", page="appearance", label=tr("Particles at rest"), default="#2bd4a4"),
 }
-"""Colors on the canvas; people who do not tell red from green can distinguish the defaults."""
+"""Colors on the canvas; people who cannot distinguish red and green can distinguish the defaults."""
 
 AUTOSAVE = Flag(
     name="autosave/on", page="files", label=tr("Autosave"), default=True, text=tr("Keep unsaved work for recovery"),
     note=tr("After a crash, the next start offers to restore it."),
 )  # fmt: skip
-AUTOSAVE_EVERY = Number(
-    name="autosave/seconds", page="files", label=tr("Save after changes, every"), default=2.0, low=1.0, high=600.0,
-    step=1.0, suffix=tr(" s"), needs=(AUTOSAVE, True),
-)  # fmt: skip
-
-_BESIDE, FIXED = "beside", "fixed"
-_PLACES = {_BESIDE: tr("Beside the image"), FIXED: tr("In one folder")}
-EXPORT_PLACE = Choice(
-    name="files/exports_go", page="files", label=tr("Exports"), default=_BESIDE, ways=_PLACES,
-    note=tr("Where the dialog starts. Another folder can be chosen there each time."),
-)  # fmt: skip
-EXPORT_FOLDER = Folder(
-    name="files/exports_folder", page="files", label=tr("Folder of exports"), default="", needs=(EXPORT_PLACE, FIXED)
-)
-SESSION_PLACE = Choice(name="files/sessions_go", page="files", label=tr("Sessions"), default=_BESIDE, ways=_PLACES)
-SESSION_FOLDER = Folder(
-    name="files/sessions_folder", page="files", label=tr("Folder of sessions"), default="",
-    needs=(SESSION_PLACE, FIXED),
-)  # fmt: skip
-
 SAVE_IN_FOLDER = Flag(
     name="files/save_in_folder", page="files", label=tr("Next image of the folder"), default=False,
     text=tr("Save without asking"), note=tr("The session is written beside the image, under its name."),
@@ -226,11 +191,6 @@ PREFERENCES: tuple[Preference[Any], ...] = (
     POINT_SIZE,
     *INKS.values(),
     AUTOSAVE,
-    AUTOSAVE_EVERY,
-    EXPORT_PLACE,
-    EXPORT_FOLDER,
-    SESSION_PLACE,
-    SESSION_FOLDER,
     SAVE_IN_FOLDER,
     KEEP_PARAMETERS,
     OFFER_SETTINGS,

@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from app.model.display.lengths import measured
-from app.model.display.round_numbers import scientific_text
+from app.model.display.lengths import measured, scientific_text
 from app.model.document.document import Document, ImageReference
 from app.model.document.modes import MODES, needs_start
 from app.model.state.situation import RunStatus, Situation, has_volume
-from app.model.state.surface_figures import SURFACE, VOLUME, in_words
+from app.model.state.surface_figures import SURFACE, VOLUME, figure_texts
 from app.model.text.keys import with_keys
 from app.model.text.language import from_core, tr, written
 from cpm_core.shapes import (
@@ -215,7 +214,7 @@ def _sentence(text: str) -> str:
 
 def _numbers(status: RunStatus, image: ImageReference | None) -> tuple[tuple[str, str, str], ...]:
     def shown(value: str) -> str:
-        return value if status.moved else "–"
+        return value if status.has_particles else "–"
 
     epsilon = (
         "–"
@@ -240,13 +239,13 @@ def _numbers(status: RunStatus, image: ImageReference | None) -> tuple[tuple[str
             tr("How much the particles still move, eq. (23); small at rest."),
         ),
         (tr("Steps/s"), speed, tr("Speed of the run.")),
-        *(in_words(status.surface) if image is not None and image.is_volume else _of_contours(status, image)),
+        *(figure_texts(status.surface) if image is not None and image.is_volume else _of_contours(status, image)),
     )
 
 
 def _of_contours(status: RunStatus, image: ImageReference | None) -> tuple[tuple[str, str, str], ...]:
     found, bridged = "–", "–"
-    if status.moved:
+    if status.has_particles:
         found = tr("{closed} closed, {open} open").format(closed=status.closed, open=status.open)
         bridged = _bridged(status, image)
     return (

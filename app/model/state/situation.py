@@ -87,7 +87,7 @@ class RunStatus:
         return self.phase in ("running", "paused", "finished")
 
     @property
-    def moved(self) -> bool:
+    def has_particles(self) -> bool:
         """Whether particles have been shown; before the very first run the kernels may have to be compiled."""
         return self.started and (self.step > 0 or self.count > 0)
 
@@ -151,7 +151,7 @@ def is_running(situation: Situation) -> bool:
 
 def has_particles(situation: Situation) -> bool:
     """Particles of a run have been shown."""
-    return situation.status.moved
+    return situation.status.has_particles
 
 
 def has_contours(situation: Situation) -> bool:
@@ -249,7 +249,7 @@ def seconds_left(elapsed: float, fraction: float | None) -> float | None:
     return elapsed * (1.0 - min(fraction, 1.0)) / fraction
 
 
-def in_words(seconds: float | None) -> str:
+def remaining_text(seconds: float | None) -> str:
     """A remaining time as text, empty when it is not known."""
     if seconds is None:
         return ""

@@ -1,4 +1,4 @@
-"""What tells whether to trust the surface that a run in a volume has found, as numbers and in words."""
+"""Figures by which the surface of a run in a volume can be judged, as numbers and as text."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class SurfaceFigures:
         )
 
 
-def in_words(found: SurfaceFigures | None) -> tuple[tuple[str, str, str], ...]:
+def figure_texts(found: SurfaceFigures | None) -> tuple[tuple[str, str, str], ...]:
     """Label, value and explanation of each figure; dashes while there is no surface."""
     texts = ("–",) * 6 if found is None else _texts(found)
     tips = (

@@ -42,7 +42,7 @@ def versions() -> tuple[tuple[str, str], ...]:
     return (*used, (tr("System"), platform.platform()))
 
 
-def about_in_words() -> str:
+def about_text() -> str:
     """All of it as plain text, as for a report of an error."""
     listed = "\n".join(f"{name}: {version}" for name, version in versions())
     return f"CPM {VERSION}\n{PURPOSE}\n\n{PAPER}\n\n{LICENSE}\n\n{listed}\n"

@@ -48,7 +48,7 @@ def key_of(action: str) -> str:
 
 
 def with_keys(said: str, **values: object) -> str:
-    """A sentence with the keys of actions, and with the values of what else stands in braces.
+    """A sentence with the keys of actions, and with the values of what else is in braces.
 
     An action without a key is called by its title; in parentheses, behind its title, it is left out.
     """
@@ -105,6 +105,6 @@ def _others(text: str) -> Iterator[str]:
 
 
 def _without(text: str) -> str:
-    """The text without a mark; ``&&`` stands for the sign itself and stays."""
+    """The text without a mark; ``&&`` is the sign itself and stays."""
     bare = _APART.sub("", text)
     return _MARK.sub(lambda found: found[1] or "&&", bare)

@@ -55,7 +55,7 @@ def tr(said: str) -> str:
 
 
 def from_core(said: str) -> str:
-    """A name or a whole sentence of the core in the language of the window, unchanged where it is not known."""
+    """A text that is no literal here, as a name of the core or a paragraph of the guide; unchanged where not known."""
     return _catalog.gettext(said) if said else said
 
 

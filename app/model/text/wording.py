@@ -1,6 +1,6 @@
 """Labels of the parameters, by name or by symbol first, and their formulas.
 
-The name itself stands in the table of the core, from which all places take it.
+The name itself is in the table of the core.
 """
 
 from __future__ import annotations

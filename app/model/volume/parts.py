@@ -7,7 +7,7 @@ from pathlib import Path
 
 from app.model.text.language import tr
 from cpm_core.formats.images.reading import Reading
-from cpm_core.formats.images.stacks.stack import ONLY_THESE, Stack
+from cpm_core.formats.images.stack import ONLY_THESE, Stack
 from cpm_core.image.image import MINIMUM_SIDE
 
 _WORDS = {

@@ -10,8 +10,7 @@ from itertools import product
 import numpy as np
 
 from app.model.volume.slices import Slice
-from app.model.volume.surface_section import kept_with_surface, section
-from cpm_core.contours.surface import Surface
+from app.model.volume.surface_section import section
 from cpm_core.field.placed_charges import RADIUS
 from cpm_core.numerics.types import Array, Position
 from cpm_core.shapes import (
@@ -37,7 +36,7 @@ from cpm_core.shapes import (
     Wall,
 )
 from cpm_core.shapes.ellipse import Ellipse
-from cpm_core.shapes.path import SMALLEST
+from cpm_core.shapes.path import SMALLEST, WithoutOutline
 from cpm_core.shapes.solids import Cuboid
 from cpm_core.shapes.volume_limits import Extruded
 
@@ -48,59 +47,34 @@ _IN = 0.5
 """Distance from a slice up to which a place lies in it [voxels]."""
 
 
-class _Filled:
-    """Of a start whose particles are placed in space."""
+@dataclass(frozen=True, slots=True)
+class StartSection:
+    """Where a slice cuts a start: a line or an area, with the handles and particles that the start has in the slice."""
 
-    __slots__ = ()
+    line: Ellipse | Polygon | Grid
+    held: tuple[Position, ...]
+    particles: Array = field(compare=False)
 
-    particles: Array
+    @property
+    def outline(self) -> Array:
+        """The line, shape (K, 2)."""
+        return self.line.outline
+
+    def handles(self) -> tuple[Position, ...]:
+        """Those of the start that lie in the slice."""
+        return self.held
 
     def seeds(self) -> Array:
-        """The particles of the shape that lie near the slice, shape (N, 2)."""
+        """The particles of the start that lie near the slice, shape (N, 2)."""
         return self.particles
 
+    def distance(self, position: Position) -> float:
+        """Distance of a position from the line [px]."""
+        return self.line.distance(position)
 
-class _OfBox:
-    """Of a box, whose faces are moved by its handles."""
-
-    __slots__ = ()
-
-    points: tuple[Position, ...]
-
-    def handles(self) -> tuple[Position, ...]:
-        """The corners and the middles of the sides, each on the faces that it moves."""
-        return _on_sides(self.points)
-
-
-@dataclass(frozen=True, slots=True)
-class SphereSection(_Filled, Ellipse):
-    """Where a slice cuts a sphere: round in space, an ellipse in voxels that are no cubes."""
-
-    particles: Array = field(default_factory=lambda: np.empty((0, 2)), compare=False)
-
-    def handles(self) -> tuple[Position, ...]:
-        """The four ends of the axes, for resizing."""
-        (row, col), (along, across) = self.center, self.radii
-        return ((row, col + along), (row + across, col), (row, col - along), (row - across, col))
-
-
-@dataclass(frozen=True, slots=True)
-class BoxSection(_OfBox, _Filled, Polygon):
-    """Where a slice cuts a box."""
-
-    particles: Array = field(default_factory=lambda: np.empty((0, 2)), compare=False)
-
-
-@dataclass(frozen=True, slots=True)
-class GridSection(_OfBox, _Filled, Grid):
-    """Where a slice cuts a box with a grid."""
-
-    particles: Array = field(default_factory=lambda: np.empty((0, 2)), compare=False)
-
-
-@dataclass(frozen=True, slots=True)
-class ThresholdSection(_OfBox, Threshold):
-    """Where a slice cuts a box with a threshold."""
+    def encloses(self, position: Position) -> bool:
+        """Whether a position lies inside."""
+        return self.line.encloses(position)
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,19 +109,25 @@ class RegionElsewhere(Region):
 
 
 @dataclass(frozen=True, slots=True)
-class ChargeSection(Charge):
+class ChargeSection(WithoutOutline):
     """A charge that acts in a slice.
 
     Attributes
     ----------
+    position : tuple of float
+        The nearest position in the slice.
+    strength : float
+        As that of the charge.
     away : float
         Distance of the charge from the slice, in sides of the smallest voxel.
     sides : tuple of float
         Sides of a voxel in the slice, in the smallest side of a voxel.
     """
 
-    away: float = 0.0
-    sides: tuple[float, float] = (1.0, 1.0)
+    position: Position
+    strength: float
+    away: float
+    sides: tuple[float, float]
 
     @property
     def in_slice(self) -> bool:
@@ -163,7 +143,10 @@ class ChargeSection(Charge):
         return math.dist(self.position, position) if self.in_slice else math.inf
 
 
-def sections(shape: Shape, axis: int, index: float, sides: Sequence[float] = (1.0, 1.0, 1.0)) -> tuple[Shape, ...]:
+Section = Shape | StartSection | ChargeSection
+
+
+def sections(shape: Shape, axis: int, index: float, sides: Sequence[float] = (1.0, 1.0, 1.0)) -> tuple[Section, ...]:
     """The sections of a shape by a slice; empty where the slice does not show it.
 
     `index` is the place of the slice along `axis` [voxels], `sides` are those of a voxel in the smallest of them.
@@ -173,7 +156,7 @@ def sections(shape: Shape, axis: int, index: float, sides: Sequence[float] = (1.
     return (RegionElsewhere(),) if not found and isinstance(shape, Interest) else found
 
 
-def _sections(shape: Shape, axis: int, index: float, sides: Sequence[float]) -> Iterator[Shape]:
+def _sections(shape: Shape, axis: int, index: float, sides: Sequence[float]) -> Iterator[Section]:
     if isinstance(shape, Sphere):
         yield from _of_sphere(shape, axis, index)
     elif isinstance(shape, Everywhere):
@@ -193,17 +176,11 @@ def _sections(shape: Shape, axis: int, index: float, sides: Sequence[float]) -> 
         yield from _of_points(shape.positions, axis, index)
 
 
-@kept_with_surface
-def _cut(surface: Surface, here: Slice) -> tuple[tuple[Position, ...], ...]:
-    """Corners of the closed lines in which a slice cuts a surface; asked for again whenever the pointer moves."""
-    closed = (line.points for line in section(surface, here) if line.closed)
-    return tuple(tuple((row, col) for row, col in points.tolist()) for points in closed)
-
-
 def _of_surface(shape: EnclosedRegion | EnclosingWall, here: Slice) -> Iterator[Shape]:
-    """The lines in which a slice cuts a surface."""
-    for corners in _cut(shape.surface.surface, here):
-        if len(set(corners)) > 2:
+    """The closed lines in which a slice cuts a surface."""
+    for line in section(shape.surface.surface, here):
+        corners = tuple((row, col) for row, col in line.points.tolist())
+        if line.closed and len(set(corners)) > 2:
             yield RegionSection(corners) if isinstance(shape, EnclosedRegion) else Barrier((*corners, corners[0]))
 
 
@@ -217,7 +194,7 @@ def _of_points(places: Sequence[Sequence[float]], axis: int, index: float) -> It
         yield Points(near)
 
 
-def _of_sphere(sphere: Sphere, axis: int, index: float) -> Iterator[SphereSection]:
+def _of_sphere(sphere: Sphere, axis: int, index: float) -> Iterator[StartSection]:
     off = (index - sphere.center[axis]) * sphere.sides[axis]
     if abs(off) >= sphere.radius:
         return
@@ -225,14 +202,13 @@ def _of_sphere(sphere: Sphere, axis: int, index: float) -> Iterator[SphereSectio
     center, (down, right) = (_flat(values, axis) for values in (sphere.center, sphere.sides))
     seeds = sphere.seeds()
     near = np.abs(seeds[:, axis] - index) * sphere.sides[axis] <= NEAR
-    yield SphereSection(
-        center,
-        (max(radius / right, SMALLEST), max(radius / down, SMALLEST)),
-        particles=_spread(np.delete(seeds[near], axis, axis=1)),
-    )
+    row, col = center
+    along, across = max(radius / right, SMALLEST), max(radius / down, SMALLEST)
+    held = ((row, col + along), (row + across, col), (row, col - along), (row - across, col))
+    yield StartSection(Ellipse((row, col), (along, across)), held, _spread(np.delete(seeds[near], axis, axis=1)))
 
 
-def _of_box(box: Cuboid, axis: int, index: float) -> Iterator[Shape]:
+def _of_box(box: Cuboid, axis: int, index: float) -> Iterator[Section]:
     if not box.first[axis] - _IN <= index <= box.last[axis] + _IN:
         return
     (top, left), (bottom, right) = _flat(box.first, axis), _flat(box.last, axis)
@@ -240,13 +216,13 @@ def _of_box(box: Cuboid, axis: int, index: float) -> Iterator[Shape]:
     if isinstance(box, Box):
         seeds = box.seeds()
         near = np.abs(seeds[:, axis] - index) <= max(NEAR, 0.6 * box.apart)
-        yield BoxSection(corners, particles=_spread(np.delete(seeds[near], axis, axis=1)))
+        yield StartSection(Polygon(corners), _on_sides(corners), _spread(np.delete(seeds[near], axis, axis=1)))
     elif isinstance(box, BoxGrid):
         seeds = box.seeds()
         near = np.abs(seeds[:, axis] - index) * box.sides[axis] <= max(NEAR, 0.5 * box.spacing)
-        yield GridSection(corners, box.spacing, np.delete(seeds[near], axis, axis=1))
+        yield StartSection(Grid(corners, box.spacing), _on_sides(corners), np.delete(seeds[near], axis, axis=1))
     elif isinstance(box, BoxThreshold):
-        yield ThresholdSection(corners, box.fraction)
+        yield Threshold(corners, box.fraction)
     else:
         yield RegionSection(corners, held=_on_sides(corners))
 

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable
-from dataclasses import dataclass, replace
-from functools import wraps
-from typing import TypeVar
+from collections.abc import Iterable
+from dataclasses import replace
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -18,87 +16,38 @@ from cpm_core.contours.surface import Surface
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Index, Place
-from cpm_core.objects.faces.space import VolumeSelection
 from cpm_core.objects.segmented.segmented_object import Click, Line, SegmentedObject, SegmentedObjects
 from cpm_core.objects.selection import Selection
-
-_Choice = TypeVar("_Choice", bound=Hashable)
-_Made = TypeVar("_Made")
+from cpm_core.objects.volume_partition import VolumeSelection
 
 _MOST = 8
-"""Number of choices for which something is kept beside one surface, such as the slices that cut it."""
+"""Number of slices whose lines are kept with one surface: they are asked for again whenever the pointer moves."""
 
-
-def kept_with_surface(make: Callable[[Surface, _Choice], _Made]) -> Callable[[Surface, _Choice], _Made]:
-    """Keep what a function makes of a surface and of the latest few choices.
-
-    What it makes is never None, and does not refer to the surface, which it would keep otherwise.
-    """
-    kept: WeakKeyDictionary[Surface, dict[_Choice, _Made]] = WeakKeyDictionary()
-
-    @wraps(make)
-    def made(surface: Surface, choice: _Choice) -> _Made:
-        beside = kept.setdefault(surface, {})
-        found = beside.pop(choice, None)
-        if found is None:
-            found = make(surface, choice)
-        for oldest in list(beside)[: max(len(beside) - _MOST + 1, 0)]:
-            beside.pop(oldest, None)
-        beside[choice] = found
-        return found
-
-    return made
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class _Extents:
-    """The triangles of a surface along an axis, in the order in which they begin.
-
-    A slice meets only those that begin before it, by no more than the tallest is tall.
-    """
-
-    order: Index
-    lowest: Array
-    tallest: float
-
-    @classmethod
-    def of(cls, surface: Surface, axis: int) -> _Extents:
-        corners = surface.vertices[:, axis][surface.faces]
-        lowest = corners.min(axis=1)
-        order = np.argsort(lowest)
-        return cls(order, lowest[order], float((corners.max(axis=1) - lowest).max(initial=0.0)))
-
-    def near(self, index: float) -> Index:
-        """Triangles that a slice may cut, in their own order."""
-        begin, end = np.searchsorted(self.lowest, (index - self.tallest, index))
-        return np.sort(self.order[begin:end])
-
-
-_extents: WeakKeyDictionary[Surface, tuple[_Extents, ...]] = WeakKeyDictionary()
-
-
-def prepare(surface: Surface) -> None:
-    """Make ready for slices, which takes a while for large surfaces; call it on any thread."""
-    _extents_of(surface)
-
-
-def _extents_of(surface: Surface) -> tuple[_Extents, ...]:
-    known = _extents.get(surface)
-    if known is None:
-        known = _extents[surface] = tuple(_Extents.of(surface, axis) for axis in range(3))
-    return known
+_sections: WeakKeyDictionary[Surface, dict[Slice, tuple[Contour, ...]]] = WeakKeyDictionary()
 
 
 def section(surface: Surface, cut: Slice) -> tuple[Contour, ...]:
     """Where a slice cuts a surface: closed contours in the slice, and open ones where the surface has a rim."""
-    faces = surface.faces[_extents_of(surface)[cut.axis].near(cut.index)]
+    kept = _sections.setdefault(surface, {})
+    found = kept.get(cut)
+    if found is None:
+        if len(kept) >= _MOST:
+            kept.clear()
+        found = kept[cut] = _section(surface, cut)
+    return found
+
+
+def _section(surface: Surface, cut: Slice) -> tuple[Contour, ...]:
+    faces = surface.faces
     heights = surface.vertices[:, cut.axis] - cut.index
-    sides = heights[faces] >= 0.0  # a vertex in the slice lies on one side, so that each triangle is cut once or never
-    halves = sides.sum(axis=1)
-    crossing = (halves == 1) | (halves == 2)
+    above = heights >= 0.0  # a vertex in the slice lies on one side, so that each triangle is cut once or never
+    one, two, three = (above[faces[:, corner]] for corner in range(3))
+    crossing = (one != two) | (one != three)
     if not crossing.any():
         return ()
-    faces, alone = faces[crossing], np.where(halves[crossing] == 1, sides[crossing].T, ~sides[crossing].T).T
+    faces = faces[crossing]
+    sides = above[faces]
+    alone = sides == (sides.sum(axis=1) == 1)[:, None]
     corner, rows = alone.argmax(axis=1), np.arange(len(faces))
     tip = faces[rows, corner]
     ends = np.stack([tip, faces[rows, (corner + 1) % 3], tip, faces[rows, (corner + 2) % 3]], axis=1).reshape(-1, 2)
@@ -160,7 +109,6 @@ _NEAR = 1.0
 """Distance from a slice up to which it shows a click [voxels]."""
 
 
-@kept_with_surface
 def _closed(surface: Surface, here: Slice) -> tuple[Contour, ...]:
     """The closed lines in which a slice cuts a surface."""
     return tuple(each for each in section(surface, here) if each.closed and len(each.points) > 2)

@@ -9,10 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.kept import with_kept
 from cpm_core.contours.measurements import Measures, measure
 from cpm_core.contours.result import Result
-from cpm_core.contours.review import REACH, Mark, Neighborhood, attached, middle
+from cpm_core.contours.review import REACH, Mark, Neighborhood, attached, middle, with_kept
 from cpm_core.numerics.types import Position
 
 
@@ -45,7 +44,7 @@ class ContourTracker:
         self._numbers = ContourNumbers()
 
     def begin(self, places: Mapping[int, Position] | None = None) -> None:
-        """Another image has been opened: its contours are numbered from one again, or as `places` tells."""
+        """Another image has been opened: its contours are numbered from one again, or as in `places`."""
         self._numbers = ContourNumbers(places)
 
     @property

@@ -14,12 +14,11 @@ from numpy.typing import NDArray
 from app.model.display.display_image import DisplayImage, DisplayVolume
 from app.model.display.plots import RunMetrics
 from app.model.document.document import Document
-from app.model.export.order import Account
+from app.model.export import ExportSummary
 from app.model.state.surface_figures import SurfaceFigures
 from app.model.text.language import reason, tr
 from app.model.volume.parts import Parts
 from app.model.volume.sampled_volumes import SampledForce, SampledValues
-from app.model.volume.surface_section import prepare
 from app.session.exchange.contour_tracking import ContourTracker, TrackedContours
 from app.session.timeline.timeline import Outline
 from cpm_core.contours.result import Result
@@ -119,8 +118,6 @@ class Reconstruction:
             return cls(generation, result, None)
         tracked = tracker.track(result, thorough)
         figures = SurfaceFigures.of(result.surface) if result.surface is not None else None
-        if result.surface is not None:
-            prepare(result.surface)  # slices are cut on the window's thread
         return cls(generation, tracked.result, tracked, figures=figures)
 
 
@@ -251,7 +248,7 @@ class Exported(Report):
     """A file has been written; `counts` says how many contours it holds, if it is a file of contours."""
 
     path: Path
-    counts: Account | None = None
+    counts: ExportSummary | None = None
 
 
 @dataclass(frozen=True, slots=True)

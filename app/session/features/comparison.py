@@ -20,9 +20,8 @@ from app.session.session import Session
 from app.session.tasks.tasks import Task
 from cpm_core.contours.agreement import compare
 from cpm_core.contours.ground_truth import Truth
-from cpm_core.contours.kept import with_kept
 from cpm_core.contours.result import Result
-from cpm_core.contours.review import apply
+from cpm_core.contours.review import apply, with_kept
 from cpm_core.formats import comparison
 from cpm_core.image.image import Image
 from cpm_core.numerics.parallel import cores
@@ -121,7 +120,7 @@ class Comparison(QObject):
         start = self._start_of(document)
 
         def work(task: Task) -> Report:
-            task.go_on()
+            task.check_cancelled()
             notes: list[str] = []
             known = truth if isinstance(truth, Truth) else None
             files = comparison.write_comparison(image, start, tiles, (path,), notes.append, known)
@@ -197,7 +196,7 @@ class Comparison(QObject):
 
         with ThreadPoolExecutor(max(1, cores() - 1), thread_name_prefix="cpm-compare") as pool:
             list(pool.map(work, tiles))
-        task.go_on()
+        task.check_cancelled()
         return ComparisonRun()
 
     def _measured(self, result: Result, facts: Facts) -> Facts:

@@ -10,7 +10,6 @@ from PySide6.QtCore import QObject, Signal
 from app.model.document.contours import NAMES, add_hand_edits, drop_hand_edits
 from app.model.document.document import Document
 from app.model.text.language import tr
-from app.session.exchange.messages import CommandFailed
 from app.session.features.contour_review import ContourReview
 from app.session.scene import Item, ReviewedContours
 from app.session.session import Session
@@ -53,10 +52,8 @@ class HandEditing(QObject):
         self._ends: tuple[list[Contour], Array] | None = None
         self._edges: ScaleField | None = None
         self._asked: tuple[object, ...] = ()
-        self._in_vain = False
         self._told: tuple[int, ...] = ()
         session.listen(EdgesFound, self._take_edges)
-        session.listen(CommandFailed, self._take_edges)
         session.image_changed.connect(self._forget)
         session.scene_changed.connect(self._follow)
 
@@ -67,12 +64,12 @@ class HandEditing(QObject):
         """Fields of the image in which lines follow the edges; None until they are there."""
         return self._edges
 
-    def prepare(self, again: bool = False) -> None:
-        """Ask for the edges of the image, unless they are there or on their way; `again` where that failed before."""
+    def prepare(self) -> None:
+        """Ask for the edges of the image, unless they are there or on their way."""
         document, generation = self._session.document, self._session.image_generation
         wanted = (generation, document.regions, *(getattr(document.parameters, name) for name in invalidating("field")))
-        if document.image is not None and (wanted != self._asked or (again and self._in_vain)):
-            self._asked, self._in_vain = wanted, False
+        if document.image is not None and wanted != self._asked:
+            self._asked = wanted
             self._session.attempt(EDGES)
             self._session.post(FindEdges(generation, document.parameters))
 
@@ -160,7 +157,8 @@ class HandEditing(QObject):
         """Join the selected contours by their nearest ends, to a closed one if `closing`."""
         contours = [item.contour for item in self._review.chosen if not item.contour.closed]
         if self._edges is None:
-            self.prepare(again=True)
+            self._asked = ()  # they may have failed
+            self.prepare()
             self._session.say(tr("The edges of the image are being prepared: try again in a moment."))
             return
         edits = chain(self._edges, contours, closing)
@@ -203,10 +201,8 @@ class HandEditing(QObject):
         seen = (item for item in self._review.items if self._review.rejected_seen or not item.reviewed.rejected)
         return next((item for item in seen if item.contour is contact.line.source), None)
 
-    def _take_edges(self, report: EdgesFound | CommandFailed) -> None:
-        if isinstance(report, CommandFailed):
-            self._in_vain = self._in_vain or report.topic == EDGES
-        elif report.image_generation == self._session.image_generation:
+    def _take_edges(self, report: EdgesFound) -> None:
+        if report.image_generation == self._session.image_generation:
             self._edges = report.scale_field
 
     def _forget(self) -> None:

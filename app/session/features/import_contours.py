@@ -16,9 +16,9 @@ from app.session.session import Session
 from app.session.tasks.tasks import Task
 from cpm_core.formats import CONTOURS_READABLE, FOR_CENTERLINES, load_centerlines, load_points
 from cpm_core.formats.common.atomic import write_together
-from cpm_core.formats.contours.reading.contents import Plane
-from cpm_core.formats.contours.reading.contour_file import decode_contours, plane_of, read_contours
-from cpm_core.formats.meshes.surface_file import read_surface
+from cpm_core.formats.contour_file import decode_contours, plane_of, read_contours
+from cpm_core.formats.contours.contents import Plane
+from cpm_core.formats.surface_file import read_surface
 from cpm_core.image.image import Image
 from cpm_core.shapes import Points
 
@@ -117,7 +117,7 @@ def _in_volume(path: Path, volume: Image) -> Imported:
     if suffix in CONTOURS_READABLE:
         raise ValueError(tr("{name} has contours for an image, but a volume is open.").format(name=path.name))
     if suffix in FOR_CENTERLINES:
-        lines = load_centerlines(path, volume, tell=notes.append)
+        lines = load_centerlines(path, volume, warn=notes.append)
         return Imported.of_lines(lines, tuple(notes))
     surface, assumed = read_surface(path, volume)
     return Imported.of_surface(surface, volume, path.name, assumed)

@@ -1,9 +1,9 @@
-"""Pages of a stack that are not open: the file, what is kept of each, their tracks, their part of a session."""
+"""Pages of a stack that are not open: the file, what is kept of each, their runs, tracks and part of a session."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -11,21 +11,32 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from app.model.document.document import Document
+from app.model.document.document import Document, ImageReference
 from app.model.document.saving import restored
 from app.model.text.language import tr
 from app.model.volume.parts import Parts
-from app.session.undo_history import Change, History
+from app.session.exchange.core_functions import Core
+from app.session.exchange.messages import sentence
+from app.session.tasks.tasks import Cancelled, Task
+from app.session.timeline.moments import RunAction, Stepped
+from app.session.timeline.plain_runs import FIGURES, RunsWriter
+from app.session.timeline.stored_runs import StoredBranch, StoredRun, StoredRuns
+from app.session.undo_history import History
+from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
+from cpm_core.contours.review import apply, middle, with_kept
 from cpm_core.formats import load_pages
-from cpm_core.formats.contours.pages.stack_json import page_from_plain, page_to_plain
+from cpm_core.formats.contours.contour_json import page_from_plain, page_to_plain
 from cpm_core.formats.images.reading import Reading
-from cpm_core.formats.images.stacks.pages import Pages
+from cpm_core.formats.images.stack import Pages
 from cpm_core.formats.sessions.session_file import SessionFile, decode, encode
-from cpm_core.pages.follow import Follower
-from cpm_core.pages.page import Page, StackResult, StartingLine, without_image
+from cpm_core.image.image import Image
+from cpm_core.pages.follow import Follower, fitting, trouble_of
+from cpm_core.pages.page import Page, StackResult, StartingLine
+from cpm_core.segmentation.method import Method, MethodState
 from cpm_core.shapes import Polygon, Shape, Start, Stroke
 from cpm_core.shapes.document_shapes import check_axes, starts_of
+from cpm_core.shapes.image_starts import SeedCache
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +118,7 @@ class KeptPage:
     known : Document or None
         The document that the session file has of it; None where it has another one.
     given : tuple of Start
-        Starts that it was given by what was found on the page before, which a person has not drawn.
+        Starts that it was given by what was found on the page before, which the user has not drawn.
     runs_unsaved : bool
         Whether there are runs that are in no file.
     """
@@ -121,26 +132,13 @@ class KeptPage:
 
     @property
     def own_start(self) -> bool:
-        """Whether a person has drawn where its run starts."""
-        return has_own_start(self.document, self.given)
+        """Whether the user has drawn where its run starts."""
+        return bool(self.document.starts) and self.document.starts != self.given
 
     @property
     def unsaved(self) -> bool:
         """Whether closing would lose something of it."""
         return self.runs_unsaved or self.document != self.known
-
-    def saved(self) -> KeptPage:
-        """The same page after it has been written to a file."""
-        return replace(self, known=self.document, runs_unsaved=False)
-
-    def seen(self, view: Mapping[str, Any]) -> SessionFile:
-        """Its content with the view of another page, so that paging does not move the image."""
-        return replace(self.file, view=dict(view))
-
-
-def has_own_start(document: Document, given: tuple[Start, ...]) -> bool:
-    """Whether a person has drawn where the run of a document starts, which was `given` starts."""
-    return bool(document.starts) and document.starts != given
 
 
 def started_by(document: Document, starts: tuple[Start, ...]) -> Document:
@@ -161,43 +159,18 @@ def bare(document: Document) -> Document:
     return Document(document.image, document.shapes, document.parameters, mode=document.mode)
 
 
-def with_change(history: History, change: Change) -> History:
-    """A history with one more change, unless that changes nothing."""
-    if change.before != change.after:
-        history.push(change)
-    return history
-
-
 Found = Result | str
 """What was found on a page, or why it could not be used."""
 
 
-def linked(
-    source: StackSource, found: Mapping[int, Found], before: Mapping[int, Found], drawn: tuple[Mapping[str, Any], ...]
-) -> StackResult:
-    """Number the contours of all pages by their tracks, page by page.
-
-    `before` is what was known of the pages: where the same contours were found again, it stays.
-    """
+def linked(source: StackSource, found: Mapping[int, Found], drawn: tuple[Mapping[str, Any], ...]) -> StackResult:
+    """Number the contours of all pages by their tracks, page by page."""
     follower, pages = Follower(), []
     for number in sorted(found):
         one = found[number]
-        if isinstance(one, str):
-            pages.append(Page(number, None, trouble=one))
-            continue
-        light, known = without_image(one), before.get(number)
-        same = isinstance(known, Result) and _alike(light, known)
-        pages.append(follower.take(number, known if same and isinstance(known, Result) else light))
+        pages.append(Page(number, None, trouble=one) if isinstance(one, str) else follower.take(number, one))
     stack = source.pages
     return StackResult(stack.name, source.count, tuple(pages), stack.axis, stack.alone, drawn)
-
-
-def _alike(one: Result, other: Result) -> bool:
-    """Whether two results have the same contours, whatever their numbers."""
-    return len(one.contours) == len(other.contours) and all(
-        a.closed == b.closed and a.points.shape == b.points.shape and np.array_equal(a.points, b.points)
-        for a, b in zip(one.contours, other.contours, strict=True)
-    )
 
 
 _MOST = 24 * 2**20
@@ -327,3 +300,114 @@ def _checked(given: object, source: StackSource) -> int:
 def _listed(plain: Mapping[str, Any], name: str) -> list[Any]:
     given = plain.get(name)
     return given if isinstance(given, list) else []
+
+
+_NAME = tr("Run {number}").format(number=1)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class PageOrder:
+    """Which pages are run, and from where.
+
+    Attributes
+    ----------
+    source : StackSource
+        The stack.
+    numbers : sequence of int
+        The pages, from 1.
+    base : Document
+        The document whose parameters, limits, charges and start pages without their own take over.
+    following : bool
+        Whether each page starts from the contours of the one before.
+    kept : mapping of int to KeptPage
+        The pages that have a document already; those whose start the user has drawn keep it.
+    before : tuple of Page
+        What has been found on the pages before the first one.
+    """
+
+    source: StackSource
+    numbers: Sequence[int]
+    base: Document
+    following: bool
+    kept: Mapping[int, KeptPage]
+    before: tuple[Page, ...] = ()
+
+    def document(self, number: int, follower: Follower) -> tuple[Document, tuple[Start, ...]]:
+        """The document that a page is run with, and the starts that it was given by the page before."""
+        kept = self.kept.get(number)
+        document = bare(self.base) if kept is None else replace(kept.document, parameters=self.base.parameters)
+        if kept is not None and kept.own_start:
+            return document, ()
+        lines = follower.starts if self.following else ()
+        given = starts_along(lines) or self.base.starts
+        return started_by(document, given), given
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class PageDone:
+    """A page that has been run: its document with the starts that it was given, its run and what was found."""
+
+    page: Page
+    document: Document
+    given: tuple[Start, ...] = ()
+    runs: Mapping[str, Any] | None = None
+
+
+def run_pages(order: PageOrder, core: Core, task: Task) -> Iterator[PageDone]:
+    """Run the pages of an order, each as soon as the one before is done; `Cancelled` when the task has been."""
+    follower = Follower(order.before)
+    for done, number in enumerate(order.numbers):
+        task.advance(done / len(order.numbers))
+        document, given = order.document(number, follower)
+        try:
+            image = order.source.pages[number - 1]
+            reference = ImageReference.of(Path(order.source.path), image, order.source.reading_of(number))
+            document = replace(document, image=reference, parameters=fitting(document.parameters, image))
+            method, state, scales = _run(document, image, core, task)
+            found = method.result(state, document.parameters)
+            assert isinstance(found, Result)
+            result = apply(with_kept(found, document.marks), document.marks)
+        except Cancelled:
+            raise
+        except Exception as error:  # one page must not end the others
+            known = isinstance(error, ValueError | MemoryError)
+            trouble = trouble_of(error) if known else sentence(error, tr("running page {number}").format(number=number))
+            yield PageDone(Page(number, None, trouble=trouble), document, given)
+            continue
+        page = follower.take(number, result)
+        yield PageDone(page, document, given, _plain_run(document, method, state, scales, page.contours))
+
+
+def _run(
+    document: Document, image: Image, core: Core, task: Task
+) -> tuple[Method[Any], MethodState, tuple[tuple[int, int], ...]]:
+    """Run a document to its end: the method, its last state, and at which step which scale began."""
+    method = core.methods["cpm"](image, document.parameters, document.regions)
+    seeds = SeedCache(image).seeds_for(
+        document.image_starts, document.parameters.smoothing, document.regions, document.parameters.channel
+    )
+    state: MethodState = method.start(document.seeds(seeds))
+    scales = [(0, state.scale)]
+    while not state.stop_reason:
+        task.check_cancelled()
+        state = method.step(state, document.parameters, document.charges)
+        if state.scale != scales[-1][1]:
+            scales.append((state.step, state.scale))
+    return method, state, tuple(scales)
+
+
+def _plain_run(
+    document: Document,
+    method: Method[Any],
+    state: MethodState,
+    scales: tuple[tuple[int, int], ...],
+    contours: Sequence[Contour],
+) -> Mapping[str, Any]:
+    """A run as a session keeps it for the timeline, with its last state and the numbers of its contours."""
+    last = state.step
+    action: RunAction = Stepped(document.parameters, document.charges, method.regions)
+    steps = ((), *(((action,),) * last))
+    branch = StoredBranch(1, _NAME, False, None, 0, steps, scales, np.empty((FIGURES, 0)))
+    run = StoredRun(document, document.sources, (branch,))
+    numbers = {contour.number: middle(contour) for contour in contours}
+    return RunsWriter().to_plain(StoredRuns((run,), (1, last), {(1, last): state}, numbers))

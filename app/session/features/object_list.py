@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from functools import reduce
 
 import numpy as np
 from PySide6.QtCore import QObject, Signal
@@ -13,15 +14,15 @@ from app.model.document import objects
 from app.model.document.document import Document
 from app.model.document.objects import brushed
 from app.model.text.language import tr
-from app.model.volume.surface_section import holds, prepare, size_of
-from app.session.features.latest import Latest
+from app.model.volume.surface_section import holds, size_of
+from app.session.features.background import LatestOnlyWorker
 from app.session.session import Session
 from cpm_core.contours.surface import Surface
 from cpm_core.image.image import Image
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Place, Position
-from cpm_core.objects.segmented.painted_area import PaintedArea
-from cpm_core.objects.segmented.segmented_object import SegmentedObject, SegmentedObjects
+from cpm_core.objects.segmented.areas import painted, union
+from cpm_core.objects.segmented.segmented_object import Line, SegmentedObject, SegmentedObjects
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,27 +46,6 @@ class Figures:
     euler: int = 0
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class AllFigures:
-    """Figures of objects in an image by their numbers, each with the boundary that it had."""
-
-    image: Image
-    known: Mapping[int, tuple[object, Figures]]
-
-    def of(self, item: SegmentedObject) -> Figures | None:
-        """Those of an object; None if they are not known, or it has another boundary by now."""
-        boundary, figures = self.known.get(item.number, (None, None))
-        return figures if boundary is _boundary(item) else None
-
-    def with_all(self, items: Iterable[SegmentedObject]) -> AllFigures:
-        """Those of all these objects."""
-        found = ((item, self.of(item)) for item in items)
-        return AllFigures(
-            self.image,
-            {item.number: (_boundary(item), known or _measured(item, self.image)) for item, known in found},
-        )
-
-
 def _boundary(item: SegmentedObject) -> object:
     return item.surface or item.boundary
 
@@ -75,7 +55,7 @@ def _measured(item: SegmentedObject, image: Image) -> Figures:
     gray = float(image.values[inside].mean()) if inside.any() else float("nan")
     if item.body is None:
         return Figures(gray)
-    prepare(item.body)  # slices are cut on the window's thread, and limits made of it
+    # limits are made of it on the window's thread
     assert all(len(packed.shell.mask) for packed in item.surface)
     surface: Surface = replace(item.body, spacing=image.spacing, unit=image.unit)
     return Figures(gray, surface.volume, surface.area, surface.components, surface.euler)
@@ -92,11 +72,11 @@ class ObjectList(QObject):
     def __init__(self, session: Session) -> None:
         super().__init__(session)
         self._session = session
-        self._known = session.document.objects
-        self._figures: AllFigures | None = None
-        self._latest = Latest(session, "cpm-object-measures", tr("measuring objects"))
+        self._known, self._measured_in = session.document.objects, session.image
+        self._figures: dict[int, tuple[Image, object, Figures]] = {}
+        self._latest = LatestOnlyWorker(session, "cpm-object-measures", tr("measuring objects"))
         self._latest.done.connect(self._use_figures)
-        self._merging = Latest(session, "cpm-merging", tr("merging objects"))
+        self._merging = LatestOnlyWorker(session, "cpm-merging", tr("merging objects"))
         self._merging.done.connect(self._use_merged)
         session.document_changed.connect(self._follow)
         session.image_changed.connect(self._merging.forget)
@@ -118,14 +98,10 @@ class ObjectList(QObject):
         """The chosen objects, in the order in which they were taken."""
         return tuple(item for item in self.objects.items if item.number in self.chosen)
 
-    def gray(self, item: SegmentedObject) -> float | None:
-        """Mean gray value of an object; None while it is not known."""
-        found = self.figures(item)
-        return None if found is None else found.gray
-
     def figures(self, item: SegmentedObject) -> Figures | None:
-        """Figures of an object; None while they are not known."""
-        return self._figures.of(item) if self._figures is not None else None
+        """Figures of an object; None while they are not known for its boundary in the present image."""
+        image, boundary, figures = self._figures.get(item.number, (None, None, None))
+        return figures if image is self._session.image and boundary is _boundary(item) else None
 
     def title(self, item: SegmentedObject) -> str:
         """Name of an object, or its class and number."""
@@ -179,19 +155,19 @@ class ObjectList(QObject):
 
     def paint(self, color: str) -> None:
         """Color objects; an empty color is that of their class."""
-        self._edit_chosen(tr("color {what}"), lambda d, chosen: objects.paint(d, chosen, color))
+        self._edit_chosen(tr("color {what}"), lambda d, chosen: objects.amend(d, chosen, color=color))
 
     def toggle_frozen(self) -> None:
         """Freeze objects, or release them when all are frozen."""
         frozen = not all(item.frozen for item in self.items)
         words = tr("freeze {what}") if frozen else tr("release {what}")
-        self._edit_chosen(words, lambda d, chosen: objects.freeze(d, chosen, frozen))
+        self._edit_chosen(words, lambda d, chosen: objects.amend(d, chosen, frozen=frozen))
 
     def toggle_hidden(self) -> None:
         """Hide objects, or show them again when all are hidden."""
         hidden = not all(item.hidden for item in self.items)
         words = tr("hide {what}") if hidden else tr("show {what}")
-        self._edit_chosen(words, lambda d, chosen: objects.hide(d, chosen, hidden))
+        self._edit_chosen(words, lambda d, chosen: objects.amend(d, chosen, hidden=hidden))
 
     def delete(self) -> None:
         """Remove objects."""
@@ -203,8 +179,7 @@ class ObjectList(QObject):
         if len(items) < 2 or image is None:
             return
         if image.is_volume:
-            shape = image.shape
-            self._merging.ask(lambda: (items, objects.union_of(items, shape)))
+            self._merging.ask(lambda: (items, reduce(union, items)))
             return
         self._edit_chosen(tr("merge {what}"), objects.merge)
         self.choose((items[0].number,))
@@ -239,21 +214,17 @@ class ObjectList(QObject):
         self._session.edit(words.format(what=what), edit)
 
     def _follow(self, document: Document) -> None:
-        image = self._session.image
-        if document.objects is self._known and (self._figures is None or self._figures.image is image):
+        image, items = self._session.image, document.objects.items
+        if image is self._measured_in and document.objects is self._known:
             return
-        self._known = document.objects
-        self.choose(self.chosen & {item.number for item in document.objects.items})
-        self._measure(image, document.objects.items)
+        self._known, self._measured_in = document.objects, image
+        self.choose(self.chosen & {item.number for item in items})
+        missing = [item for item in items if self.figures(item) is None]
+        if image is not None and missing:  # large objects have many pixels
+            self._latest.ask(
+                lambda: {item.number: (image, _boundary(item), _measured(item, image)) for item in missing}
+            )
         self.changed.emit()
-
-    def _measure(self, image: Image | None, items: tuple[SegmentedObject, ...]) -> None:
-        """Measure on another thread: large objects have many pixels."""
-        if image is None:
-            return
-        known = self._figures if self._figures is not None and self._figures.image is image else AllFigures(image, {})
-        if any(known.of(item) is None for item in items):
-            self._latest.ask(lambda: known.with_all(items))
 
     def _use_merged(self, merged: tuple[tuple[SegmentedObject, ...], SegmentedObject]) -> None:
         """Put one object in the place of several, unless they have changed meanwhile."""
@@ -264,10 +235,9 @@ class ObjectList(QObject):
         self._edit(tr("merge {what}"), items, lambda document: objects.merge_into(document, items, whole))
         self.choose((whole.number,))
 
-    def _use_figures(self, figures: AllFigures) -> None:
-        if figures.image is self._session.image:
-            self._figures = figures
-            self.changed.emit()
+    def _use_figures(self, measured: dict[int, tuple[Image, object, Figures]]) -> None:
+        self._figures |= measured
+        self.changed.emit()
 
 
 def _encloses(item: SegmentedObject, at: Place) -> bool:
@@ -288,7 +258,8 @@ class ObjectBrush:
     def __init__(self, session: Session, object_list: ObjectList) -> None:
         self._session = session
         self._list = object_list
-        self._area = PaintedArea((), ())
+        self._boundary: tuple[Line, ...] = ()
+        self._shape: tuple[int, ...] = ()
         self._path: list[Position] = []
         self._before: SegmentedObject | None = None
         self._number, self._radius, self._adds, self._gesture = 0, 0.0, True, ""
@@ -331,7 +302,7 @@ class ObjectBrush:
         elif item is not None or self._adds:
             self._before = item
             self._number = self._session.document.objects.next_number if item is None else item.number
-            self._area = PaintedArea(() if item is None else item.boundary, image.shape)
+            self._boundary, self._shape = () if item is None else item.boundary, image.shape
 
     def _touched(self) -> SegmentedObject | None:
         """The object that the newest stretch of the path touches."""
@@ -346,9 +317,9 @@ class ObjectBrush:
         """Paint the newest stretch of the path."""
         if not self._path or not self._number:
             return
-        self._area = self._area.painted(self._path[-2:], self._radius, self._adds)
+        boundary = painted(self._boundary, self._path[-2:], self._radius, self._adds, self._shape)
         before, number, radius = self._before, self._number, self._radius
-        boundary, path = self._area.boundary, tuple(self._path)
+        self._boundary, path = boundary, tuple(self._path)
         self._session.edit(
             tr("paint object"),
             lambda document: brushed(document, before, number, boundary, path, radius),

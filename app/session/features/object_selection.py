@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from app.model.document.document import Document
 from app.model.document.objects import AnySelection
 from app.model.text.language import tr
 from app.session.exchange.messages import Report
-from app.session.features.latest import Latest
+from app.session.features.background import LatestOnlyWorker
 from app.session.features.selector import AnySelector, Partitions, selector_on
 from app.session.scene import Proposal
 from app.session.session import Session
@@ -23,11 +23,11 @@ from app.session.tasks.tasks import Task
 from cpm_core.contours.result import Result
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array, Place
-from cpm_core.objects.faces.space import VolumeSelection
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.segmented.segmented_object import Click, selection_of
 from cpm_core.objects.selection import Selection
 from cpm_core.objects.similar import similar
+from cpm_core.objects.volume_partition import VolumeSelection
 from cpm_core.shapes import Everywhere
 from cpm_core.shapes.image_starts import ImageStart
 
@@ -35,14 +35,31 @@ MOST_OFFERED = 1 << 23
 """Pixels up to which the objects of the starts are offered; a partition takes some 200 bytes for each, and time."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, slots=True)
 class Question:
-    """What is asked for: the object of some clicks, what one more click would make of it, or the objects of starts."""
+    """What is asked for: the object of some clicks, what one more click would make of it, or the objects of starts.
+
+    Of the starts only their number is compared: those of another run come with another selector.
+    """
 
     selector: AnySelector
     clicks: tuple[Click, ...]
     pointed: Click | None
-    starts: tuple[Array, ...]
+    count: int
+    starts: tuple[Array, ...] = field(compare=False)
+
+    def answer(self) -> Answer:
+        """Select; takes some milliseconds for each click that is new."""
+        selector, clicks = self.selector, self.clicks
+        selection = selector.selection(clicks) if clicks else None
+        if selection is not None:
+            if isinstance(selection, VolumeSelection) and selection.found:
+                _ = selection.packed  # so that it can be taken at once
+            proposals: tuple[Proposal, ...] = (Proposal(selection, clicks, selector.edited),)
+        else:
+            proposals = selector.proposals(self.starts)
+        preview = None if self.pointed is None else selector.selection((*clicks, self.pointed))
+        return Answer(self, proposals, preview)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -52,22 +69,6 @@ class Answer:
     question: Question
     proposals: tuple[Proposal, ...]
     preview: AnySelection | None
-
-
-def answer(question: Question) -> Answer:
-    """Select; takes some milliseconds for each click that is new."""
-    selector, clicks = question.selector, question.clicks
-    selection = selector.selection(clicks) if clicks else None
-    if selection is not None:
-        if isinstance(selection, VolumeSelection) and selection.found:
-            _ = selection.packed  # so that it can be taken at once
-        proposals: tuple[Proposal, ...] = (Proposal(selection, clicks, selector.edited),)
-    else:
-        proposals = selector.proposals(question.starts)
-    preview = None
-    if question.pointed is not None:
-        preview = selector.selection((*clicks, question.pointed))
-    return Answer(question, proposals, preview)
 
 
 class ObjectSelection(QObject):
@@ -87,7 +88,7 @@ class ObjectSelection(QObject):
         self._selector: AnySelector | None = None
         self._asked: Question | None = None
         self._remark, self._was_ready = "", False
-        self._latest = Latest(session, "cpm-objects", tr("selecting objects"))
+        self._latest = LatestOnlyWorker(session, "cpm-objects", tr("selecting objects"))
         self._latest.done.connect(self._use)
         self.partitions = Partitions(session, lambda: self._wanted)
         self.partitions.changed.connect(self._use_partition)
@@ -162,7 +163,7 @@ class ObjectSelection(QObject):
     def dismiss(self) -> None:
         """Offer the objects of the starts no longer, until a run ends again."""
         if self.proposals and not self.selecting:
-            self._dismissed = self._result
+            self._dismissed = self._session.scene.contours.result
             self._follow()
 
     def take(self) -> None:
@@ -187,13 +188,18 @@ class ObjectSelection(QObject):
     # Internal
 
     @property
-    def _result(self) -> Result | None:
-        return self._session.scene.contours.result
-
-    @property
     def _starts(self) -> tuple[Array, ...]:
-        """Seeds of the starts drawn on the image whose objects are offered; none when they were dismissed."""
-        return seeds_of_starts(self._session.document, self._result, self._in_use, self._dismissed, self.offers_for)
+        """Seeds of the starts drawn on the image, once the run from them has ended with a result, unless dismissed.
+
+        On a large image there are none, nor where `offers_for` is False for the document, unless the tool for objects
+        is in use.
+        """
+        document, result = self._session.document, self._session.scene.contours.result
+        if result is None or result is self._dismissed or not result.stop_reason or document.mode != "shape":
+            return ()
+        if not self._in_use and (math.prod(result.shape) > MOST_OFFERED or not self.offers_for(document)):
+            return ()
+        return tuple(start.seeds() for start in document.starts if not isinstance(start, Everywhere | ImageStart))
 
     @property
     def _wanted(self) -> bool:
@@ -221,20 +227,13 @@ class ObjectSelection(QObject):
             self._selector = selector_on(partition, items, edited)
         assert self._selector is not None
         starts = self._starts if not document.objects.clicks else ()
-        question = Question(self._selector, document.objects.clicks, self._pointed, starts)
+        question = Question(self._selector, document.objects.clicks, self._pointed, len(starts), starts)
         last = self._asked
         if last is not None and not question.clicks and (last.clicks or last.selector.items is not items):
             self._offer(())  # what was offered has been taken or dropped
-        if not self._same(question):
+        if question != last:
             self._asked = question
-            self._latest.ask(lambda: answer(question))
-
-    def _same(self, question: Question) -> bool:
-        """Whether this has been asked for last."""
-        last = self._asked
-        if last is None or last.selector is not question.selector or len(last.starts) != len(question.starts):
-            return False
-        return (last.clicks, last.pointed) == (question.clicks, question.pointed)
+            self._latest.ask(question.answer)
 
     def _use(self, found: Answer) -> None:
         question = found.question
@@ -245,7 +244,10 @@ class ObjectSelection(QObject):
         before = self.proposals
         self._offer(proposals)
         remark = proposals[0].selection.remark if question.clicks and proposals else ""
-        self._say_remark(remark or without_effect(before, proposals))
+        remark = remark or without_effect(before, proposals)
+        if remark and remark != self._remark:  # once
+            self._session.say(remark)
+        self._remark = remark
 
     def _offer(self, proposals: tuple[Proposal, ...]) -> None:
         """Show other proposals, or nothing while there is no partition."""
@@ -256,12 +258,6 @@ class ObjectSelection(QObject):
         self._show(proposals=proposals)
         self.changed.emit()
 
-    def _say_remark(self, remark: str) -> None:
-        """Pass on once what was unusual about the clicks."""
-        if remark and remark != self._remark:
-            self._session.say(remark)
-        self._remark = remark
-
     def _show(self, **parts: Any) -> None:
         scene = self._session.scene
         if any(getattr(scene.objects, name) != part for name, part in parts.items()):
@@ -270,26 +266,6 @@ class ObjectSelection(QObject):
     def _forget(self) -> None:
         self._latest.forget()
         self._selector = self._asked = self._pointed = self._dismissed = None
-
-
-def seeds_of_starts(
-    document: Document,
-    result: Result | None,
-    in_use: bool,
-    dismissed: Result | None,
-    offers_for: Callable[[Document], bool],
-) -> tuple[Array, ...]:
-    """Seeds of the starts drawn on the image, once the run from them has ended with a result, unless it was dismissed.
-
-    On a large image there are none, nor where `offers_for` is False for the document, unless the tool for objects is in
-    use.
-    """
-    if not (in_use or offers_for(document)):
-        return ()
-    ended = result is not None and result is not dismissed and bool(result.stop_reason) and document.mode == "shape"
-    if result is None or not ended or (math.prod(result.shape) > MOST_OFFERED and not in_use):
-        return ()
-    return tuple(start.seeds() for start in document.starts if not isinstance(start, Everywhere | ImageStart))
 
 
 def without_effect(before: tuple[Proposal, ...], after: tuple[Proposal, ...]) -> str:

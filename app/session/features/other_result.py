@@ -17,10 +17,9 @@ from app.session.session import Session
 from app.session.worker.requests import Compared
 from app.session.worker.run import RESTING_SPEED
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.ground_truth import Truth
+from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.contours.measurements import measure
 from cpm_core.contours.result import Result
-from cpm_core.contours.surface.ground_truth import VolumeTruth
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.skeleton import Skeleton
 
@@ -123,7 +122,7 @@ class OtherResult(QObject):
     def far(self, scene: Scene) -> Scene:
         """The scene on the right."""
         kind = self._chosen.kind if self._chosen is not None else ""
-        bare = Scene(scene.image, scene.display, scene.window_found, scene.shaded, overlays=scene.overlays)
+        bare = Scene(scene.image, scene.display, scene.shaded, overlays=scene.overlays)
         bare = replace(bare, slices=scene.slices)
         if kind == "kept" and self._kept is not None:
             kept = self._kept

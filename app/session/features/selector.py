@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 
@@ -12,9 +11,8 @@ from PySide6.QtCore import QObject, QTimer, Signal
 from app.model.document.document import Document
 from app.model.document.modes import MODES
 from app.model.text.language import tr
-from app.model.volume.surface_section import prepare
 from app.session.exchange.messages import Report
-from app.session.features.latest import Latest
+from app.session.features.background import LatestOnlyWorker
 from app.session.scene import Proposal
 from app.session.session import Session
 from app.session.tasks.tasks import Task
@@ -23,10 +21,10 @@ from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.starts import uniform_grid
 from cpm_core.numerics.types import Array, Mask
-from cpm_core.objects.faces.space import VolumePartition, VolumeSelection
 from cpm_core.objects.partition import EVERYWHERE, Partition, partition
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, places_of, selection_of
 from cpm_core.objects.selection import Selection
+from cpm_core.objects.volume_partition import VolumePartition, VolumeSelection
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.segmentation.evolve import segment
 
@@ -34,19 +32,13 @@ _QUIET = 250
 """Time without a change to parameters or limits after which a run from everywhere begins again [ms]."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, slots=True)
 class Everywhere:
     """What a run from everywhere depends on."""
 
     image: Image
     parameters: Parameters
     regions: AnyRegions | None
-
-    def same(self, other: object) -> bool:
-        """Whether the run would find the same."""
-        if not isinstance(other, Everywhere) or self.image is not other.image:
-            return False
-        return (self.parameters, self.regions) == (other.parameters, other.regions)
 
 
 AnyPartition = Partition | VolumePartition
@@ -67,7 +59,7 @@ class Prepared(Report):
 class Partitions(QObject):
     """Makes partitions on other threads: of the contours of the run, or without a run, of one from everywhere.
 
-    `wanted` tells whether a partition is needed now; call `look` when its answer may have changed.
+    `wanted` returns whether a partition is needed now; call `look` when its answer may have changed.
     """
 
     changed = Signal()
@@ -82,7 +74,7 @@ class Partitions(QObject):
         self._asked_for: Source | None = None
         self._everywhere: Prepared | None = None
         self._task: Task | None = None
-        self._latest = Latest(session, "cpm-partition", tr("preparing the selection of objects"))
+        self._latest = LatestOnlyWorker(session, "cpm-partition", tr("preparing the selection of objects"))
         self._latest.done.connect(self._take)
         self._quiet = QTimer(self, singleShot=True, interval=_QUIET)
         self._quiet.timeout.connect(self.look)
@@ -105,17 +97,19 @@ class Partitions(QObject):
         """Begin to make the partition that is needed now, if there is another one; `again` where that failed before."""
         if again and self._latest.idle and not self.preparing:
             self._asked_for = self._made_from
-        source = self._source()
+        source, known = self._source(), self._everywhere
         if source is None or self._quiet.isActive() or not self._wanted():
             return
-        if isinstance(source, Result):
-            if source is not self._asked_for:
-                self._ask(source)
-        elif self._everywhere is not None and source.same(self._everywhere.source):
-            if self._made_from is not self._everywhere.source:
-                self._use(self._everywhere)
-        elif not source.same(self._asked_for):
-            self._run(source)
+        if known is not None and source == known.source:
+            if source != self._made_from:
+                self._use(known)
+        elif source != self._asked_for:
+            self._asked_for = source
+            self._end_task()
+            if isinstance(source, Everywhere):
+                self._run(source)
+            else:
+                self._latest.ask(lambda: Prepared(source, _ready(partition(source))))
 
     def close(self) -> None:
         """End the thread."""
@@ -132,18 +126,12 @@ class Partitions(QObject):
             return found
         return Everywhere(scene.image, parameters_everywhere(scene.document), scene.document.regions)
 
-    def _ask(self, source: Result) -> None:
-        self._end_task()
-        self._asked_for = source
-        self._latest.ask(lambda: Prepared(source, _ready(partition(source))))
-
     def _run(self, source: Everywhere) -> None:
-        self._end_task()
-        self._asked_for = source
-
         def work(task: Task) -> Report:
             image, grid = source.image, uniform_grid(source.image.shape)
-            found = segment(image, grid, source.parameters, regions=source.regions, progress=lambda _: task.go_on())
+            found = segment(
+                image, grid, source.parameters, regions=source.regions, progress=lambda _: task.check_cancelled()
+            )
             return Prepared(source, _ready(partition(found)))
 
         name = tr("Finding contours everywhere, to select objects from…")
@@ -155,7 +143,7 @@ class Partitions(QObject):
             return
         if isinstance(prepared.source, Everywhere):
             self._everywhere = prepared
-            if prepared.source is not self._asked_for:
+            if prepared.source != self._asked_for:
                 return
         elif not isinstance(self._source(), Result):
             return  # the run has been reset
@@ -168,14 +156,9 @@ class Partitions(QObject):
         self.look()
 
     def _use_document(self, document: Document) -> None:
-        source = self._source()
-        before = self._asked_for
-        if (
-            isinstance(source, Everywhere)
-            and isinstance(before, Everywhere)
-            and source.image is before.image
-            and not source.same(before)
-        ):
+        """Wait until parameters and limits rest before another run from everywhere."""
+        source, before = self._source(), self._asked_for
+        if isinstance(source, Everywhere) and isinstance(before, Everywhere) and source != before:
             self._quiet.start()
 
     def _end_task(self) -> None:
@@ -212,7 +195,7 @@ _MOST_BODIES = 8
 """Number of answers that are kept: each has a surface."""
 
 _MOST_PLACES = 20
-"""Places of a start that tell which body it lies in."""
+"""Places of a start by which its body is found."""
 
 
 class BodySelector:
@@ -232,7 +215,7 @@ class BodySelector:
         self.partition = partition
         self.items = items
         self.edited = edited
-        self._known: OrderedDict[tuple[bytes, str], VolumeSelection] = OrderedDict()
+        self._known: dict[tuple[bytes, str], VolumeSelection] = {}
 
     def selection(self, clicks: tuple[Click, ...]) -> VolumeSelection | None:
         """The bodies that clicks select; None while none of them is inside."""
@@ -241,12 +224,11 @@ class BodySelector:
             return None
         selection = self.partition.select(inside, places_of(clicks, inside=False))
         key = selection.bodies.tobytes(), selection.remark
+        if key not in self._known and len(self._known) == _MOST_BODIES:
+            self._known.pop(next(iter(self._known)))
         known = self._known.setdefault(key, selection)
-        self._known.move_to_end(key)
-        if len(self._known) > _MOST_BODIES:
-            self._known.popitem(last=False)
         if known.found:
-            prepare(known.surface)
+            _ = known.surface  # made on this thread, not on that of the window
         return known
 
     def proposals(self, starts: Sequence[Array]) -> tuple[Proposal, ...]:
@@ -275,7 +257,7 @@ _UNCHANGED = 0.97
 """Overlap from which a selection is what an object is already."""
 
 _PLACES = 100
-"""About so many pixels tell which object a selection is."""
+"""About so many pixels by which the object of a selection is found."""
 
 _MOST_SELECTIONS = 200
 """Number of selections that are kept."""
@@ -298,28 +280,29 @@ class Selector:
         self.partition = partition
         self.items = items
         self.edited = edited
-        self._known: dict[tuple[Click, ...], Selection] = {}
+        self._known: dict[tuple[Click, ...], Selection | None] = {}
         self._changed = next((item for item in items if item.number == edited), None)
         others = [item for item in items if item.frozen and item.number != edited]
         self._elsewhere = np.concatenate([np.empty((0, 2)), *(_enclosed(item) for item in others)])
 
     def selection(self, clicks: tuple[Click, ...]) -> Selection | None:
         """The object that clicks select; None while none of them is inside."""
+        if clicks not in self._known:
+            if len(self._known) == _MOST_SELECTIONS:
+                self._known.clear()
+            self._known[clicks] = self._select(clicks)
+        return self._known[clicks]
+
+    def _select(self, clicks: tuple[Click, ...]) -> Selection | None:
         inside = places_of(clicks, inside=True)
         if not len(inside):
             return None
-        if clicks not in self._known:
-            if self._changed is not None and clicks == self._changed.clicks:
-                return self._known.setdefault(clicks, selection_of(self._changed, self.partition.shape))
-            outside = places_of(clicks, inside=False)
-            previous = self.selection(clicks[:-1])
-            if previous is None and len(self._elsewhere):  # frozen objects only take away
-                previous = self.partition.select(inside, outside)
-            outside = np.concatenate([outside, self._elsewhere])
-            if len(self._known) > _MOST_SELECTIONS:
-                del self._known[next(reversed(self._known))]  # a preview; those of the clicks came first
-            self._known[clicks] = self.partition.select(inside, outside, previous=previous)
-        return self._known[clicks]
+        if self._changed is not None and clicks == self._changed.clicks:
+            return selection_of(self._changed, self.partition.shape)
+        outside, previous = places_of(clicks, inside=False), self.selection(clicks[:-1])
+        if previous is None and len(self._elsewhere):  # frozen objects only take away
+            previous = self.partition.select(inside, outside)
+        return self.partition.select(inside, np.concatenate([outside, self._elsewhere]), previous=previous)
 
     def proposals(self, starts: Sequence[Array]) -> tuple[Proposal, ...]:
         """The objects in which runs were started, given the seeds of each start; of frozen objects there are none.

@@ -5,22 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numpy as np
 
 from app.model.display.differences import differences_in, truth_in
 from app.model.display.display_image import DisplayImage, DisplayVolume, IntensityWindow, apply_window
-from app.model.display.iso_lines import iso_lines
+from app.model.display.lines import iso_lines
 from app.model.document.document import Document
-from app.model.document.hit_testing import Hit, hit
+from app.model.document.edits import Hit, hit
 from app.model.volume.sampled_volumes import SampledForce, SampledValues
-from app.model.volume.shape_sections import sections
+from app.model.volume.shape_sections import Section, sections
 from app.model.volume.slices import Slice, Slices
 from app.model.volume.surface_section import objects_in, selection_in, skeleton_in, unmeasured
 from app.model.volume.surface_section import section as lines_of
 from app.session.exchange.messages import Reconstruction, Snapshot
-from app.session.features.latest import MadeLater, MadeOnce, Same
+from app.session.features.background import AsyncCache, IdentityCache
 from app.session.scene import NO_CONTOURS, Item, NearParticles, ReviewedContours, Scene, ShownObjects
 from app.session.session import Session
 from app.session.worker.requests import Probed
@@ -46,14 +46,14 @@ class Sections:
     ----------
     axis : int, optional
         The axis across which the view shows its slices; by default that which is worked on.
-    later : MadeLater, optional
+    later : AsyncCache, optional
         Makes what takes long on other threads; without it that is made at once, as a film needs it.
     """
 
-    def __init__(self, axis: int | None = None, later: MadeLater | None = None) -> None:
+    def __init__(self, axis: int | None = None, later: AsyncCache | None = None) -> None:
         self.axis = axis
         self.later = later
-        self._parts = MadeOnce()
+        self._parts = IdentityCache()
 
     def of(self, scene: Scene) -> Scene:
         """The scene of a slice; any other scene is returned as it is."""
@@ -61,7 +61,7 @@ class Sections:
         if volume is None or slices is None or scene.volume is not None:
             return scene
         slices = slices if self.axis is None else slices.turned(self.axis)
-        here, part, reach = slices.current, self._parts.of, scene.document.parameters.d_min
+        here, part, reach = slices.current, self._parts.get, scene.document.parameters.d_min
         image = part(_image, volume, here)
         cut = part(objects_in, scene.document.objects, here)
         document, places = part(_document, scene.document, here, volume, cut)
@@ -70,11 +70,10 @@ class Sections:
         return Scene(
             image,
             self._display(image, IntensityWindow(*volume.gray_range)),
-            scene.window_found,
             scene.shaded,
             document,
             places.get(scene.selected),
-            self._parts.named("seeds", lambda: _seeds(seeds, here, volume, reach), Same(seeds), here, reach),
+            self._parts.named("seeds", lambda: _seeds(seeds, here, volume, reach), seeds, here, reach),
             snapshot=part(_snapshot, scene.snapshot, near, here),
             reconstruction=part(_skeleton, scene.reconstruction, here),
             contours=part(_contours, scene.reconstruction, here),
@@ -111,7 +110,7 @@ class Sections:
                 found[name] = self.later.named(name, lines, lambda: np.empty((0, 2)), drawn, here)
             elif isinstance(drawn, SampledValues):
                 found[name] = self._parts.named(name, partial(_lines, drawn, here), drawn, here)
-        return self._parts.named("overlays", lambda: found, *found, *map(Same, found.values()))
+        return self._parts.named("overlays", lambda: found, *found, *found.values())
 
 
 def _image(volume: Image, here: Slice) -> Image:
@@ -144,7 +143,7 @@ def _probed(probed: Probed | None, here: Slice, volume: Image, reach: float) -> 
     return replace(probed, position=here.within(probed.position), forces=along)
 
 
-def sections_of(shapes: Iterable[Shape], here: Slice, volume: Image) -> Iterator[tuple[int, Shape]]:
+def sections_of(shapes: Iterable[Shape], here: Slice, volume: Image) -> Iterator[tuple[int, Section]]:
     """What a slice shows of shapes, each with the number of its shape."""
     sides = tuple(side / min(volume.spacing) for side in volume.spacing)
     for index, shape in enumerate(shapes):
@@ -157,11 +156,12 @@ def _document(
 ) -> tuple[Document, dict[int | None, int]]:
     """The document with the sections of its shapes and objects, and the place of the first section of each shape."""
     places: dict[int | None, int] = {}
-    shapes: list[Shape] = []
+    shapes: list[Section] = []
     for index, cut in sections_of(document.shapes, here, volume):
         places.setdefault(index, len(shapes))
         shapes.append(cut)
-    return replace(document, shapes=tuple(shapes), objects=objects), places
+    # a layer draws the sections as it draws the shapes of an image
+    return replace(document, shapes=cast("tuple[Shape, ...]", tuple(shapes)), objects=objects), places
 
 
 def _shown(shown: ShownObjects, here: Slice) -> ShownObjects:
@@ -225,7 +225,7 @@ def hit_in(scene: Scene, place: Place, tolerance: float, here: Slice | None = No
     here = scene.slices.current if here is None else here
     seen = list(sections_of(shapes, here, scene.whole))
     chosen: list[int | None] = [number for number, (index, _) in enumerate(seen) if index == selected]
-    cuts = tuple(section for _, section in seen)
+    cuts = cast("tuple[Shape, ...]", tuple(section for _, section in seen))
     found = None
     for number in chosen or [None]:  # a shape may have several sections, each with handles
         found = hit(cuts, here.within(place), tolerance, number)

@@ -17,21 +17,22 @@ from app.model.document.saving import to_file
 from app.model.text.language import tr
 from app.session.exchange.core_functions import Core
 from app.session.exchange.messages import Exported, Opened, Report, Saved
+from app.session.features.background import LatestOnlyWorker
 from app.session.features.contour_review import ContourReview
 from app.session.features.kept_pages import (
     Found,
     KeptPage,
+    PageDone,
+    PageOrder,
     PlainPages,
     StackSource,
     StoredPages,
     bare,
     linked,
+    run_pages,
     started_by,
     starts_along,
-    with_change,
 )
-from app.session.features.latest import Latest
-from app.session.features.page_runs import PageDone, PageOrder, run_pages
 from app.session.scene import Item
 from app.session.session import Session
 from app.session.signals import EXPORTING, OPENING, RUNNING
@@ -43,7 +44,7 @@ from cpm_core.contours.measurements import centroid
 from cpm_core.contours.result import Result
 from cpm_core.contours.review import apply
 from cpm_core.formats.common.provenance import plain_shapes
-from cpm_core.formats.contours.pages.files import export_stack
+from cpm_core.formats.contours.stack import export_stack
 from cpm_core.formats.sessions.session_file import ImageFile
 from cpm_core.pages.page import StackResult, starts_after
 from cpm_core.shapes import Start
@@ -83,7 +84,7 @@ class StackPages(QObject):
         self._core = core
         self._seen: Result | None = None
         self._drawn: tuple[Mapping[str, Any], ...] = ()
-        self._linking = Latest(session, "cpm-pages", tr("following objects through the pages"))
+        self._linking = LatestOnlyWorker(session, "cpm-pages", tr("following objects through the pages"))
         self._linking.done.connect(self._take_linked)
         self._later = QTimer(self, singleShot=True)
         self._later.timeout.connect(self._link)
@@ -93,7 +94,7 @@ class StackPages(QObject):
         session.scene_changed.connect(self._look)
         session.tasks.changed.connect(self._look_at_task)
 
-    def keep(self, document_file: DocumentFile) -> None:
+    def set_session_file(self, document_file: DocumentFile) -> None:
         """Be saved with the session file."""
         self._file = document_file
         document_file.pages = self._plain
@@ -126,7 +127,7 @@ class StackPages(QObject):
         return self._ahead
 
     def is_drawn(self, document: Document) -> bool:
-        """Whether a person has drawn where the run of the open page starts, not the page before."""
+        """Whether the user has drawn where the run of the open page starts, not the page before."""
         return not self._given or document.starts != self._given
 
     def go(self, by: int) -> None:
@@ -157,7 +158,7 @@ class StackPages(QObject):
         if image is None or self._file is None:
             return
         place = ImageFile(image.path, "", image.shape, reading=self._source.reading_of(number))
-        content = replace(page.seen(self._file.file.view), image=place)
+        content = replace(page.file, view=dict(self._file.file.view), image=place)  # so that the image stays in place
         self._coming[number] = page
         saved = Saved(self._file.path, content, turned=True, known=page.known)
         self._session.begin(Wanted(Path(image.path), page.document.parameters, saved=saved))
@@ -193,7 +194,9 @@ class StackPages(QObject):
 
     def _take_written(self, written: Written) -> None:
         if self._file is not None and self._file.is_current(written):
-            self._kept = {number: page.saved() for number, page in self._kept.items()}
+            self._kept = {
+                number: replace(page, known=page.document, runs_unsaved=False) for number, page in self._kept.items()
+            }
 
     # Running all
 
@@ -226,7 +229,7 @@ class StackPages(QObject):
         return None
 
     def _take_page(self, made: tuple[PageOrder, PageDone]) -> None:
-        """Keep a page that has been run, unless a person has changed it since; that which is open is shown anew."""
+        """Keep a page that has been run, unless the user has changed it since; that which is open is shown anew."""
         order, done = made
         number, here = done.page.number, done.page.number == self.number
         if self._file is None or order.source.path != self._source.path:
@@ -268,11 +271,10 @@ class StackPages(QObject):
 
     def _link(self) -> None:
         """Find the tracks again, from what was found on each page."""
-        before = {} if self.result is None else {page.number: page.result or page.trouble for page in self.result.pages}
         source, found, drawn = self._source, dict(self._found), self._drawn
 
         def work() -> tuple[StackSource, StackResult, tuple[PageRow, ...]]:
-            result = linked(source, found, before, drawn)
+            result = linked(source, found, drawn)
             return source, result, page_rows(result)
 
         self._linking.ask(work)
@@ -335,8 +337,9 @@ def _kept(done: PageDone, before: KeptPage | None) -> KeptPage:
     file = replace(to_file(document, {}), runs=done.runs or {})
     if before is None:
         return KeptPage(file, document, History(), None, done.given, runs_unsaved=True)
-    history = with_change(before.history, Change(tr("run all pages"), before.document, document))
-    return KeptPage(file, document, history, before.known, done.given, runs_unsaved=True)
+    if before.document != document:
+        before.history.push(Change(tr("run all pages"), before.document, document))
+    return KeptPage(file, document, before.history, before.known, done.given, runs_unsaved=True)
 
 
 _NEAR, _ALIKE = 1.0, 0.02

@@ -17,7 +17,7 @@ from cpm_core.contours.result import Result
 from cpm_core.parameters import Parameters
 
 _EVERY, _SELDOM, _QUIET = 100, 500, 200
-"""Time between two comparisons while the timeline is scrubbed and during a run, and time without one after which
+"""Time between two comparisons while the timeline is scrubbed and during a run, and time without a change after which
 contours are compared [ms]."""
 
 
@@ -31,73 +31,59 @@ class BranchComparison(QObject):
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
+        self.branch: int | None = None
+        """The branch that is compared."""
         self._session = session
-        self._branch: int | None = None
-        self._snapshot: Snapshot | None = None
-        self._contours: Result | None = None
-        self._compared: Compared | None = None
-        self._look = QTimer(self, singleShot=True)
-        self._look.timeout.connect(lambda: self._compare(None))
+        self._scene = session.scene
+        self._later = QTimer(self, singleShot=True)
+        self._later.timeout.connect(self._ask)
         self._quiet = QTimer(self, singleShot=True, interval=_QUIET)
         self._quiet.timeout.connect(self._compare_contours)
         session.scene_changed.connect(self._follow)
 
     @property
-    def branch(self) -> int | None:
-        """The branch that is compared."""
-        return self._branch
-
-    @property
     def found(self) -> Compared | None:
         """The branch at the step that is shown; None while that is not known."""
-        return self._compared if self._compared is not None and self._compared.branch is not None else None
+        compared = self._session.scene.compared
+        return compared if compared is not None and compared.branch is not None else None
 
     def compare(self, branch: int | None) -> None:
         """Show another branch beside that of the run; None for none."""
-        self._branch = branch
-        self._compare(None)
+        self.branch = branch
+        self._ask()
         self._quiet.start()
         self.changed.emit()
 
     def _follow(self) -> None:
-        scene = self._session.scene
-        if scene.contours.result is not self._contours:
-            self._contours = scene.contours.result
-            if self._branch is not None:
-                self._quiet.start()
-        if scene.snapshot is not self._snapshot:
-            self._snapshot = scene.snapshot
-            self._follow_run(scene.snapshot)
-        if scene.compared is not self._compared:
-            self._compared = scene.compared
+        before, scene = self._scene, self._session.scene
+        self._scene = scene
+        if scene.compared is not before.compared:
             self.found_changed.emit()
-
-    def _follow_run(self, snapshot: Snapshot | None) -> None:
-        if self._branch is None:
+        if self.branch is None:
             return
-        known = {branch.identity for branch in snapshot.timeline.branches} if snapshot is not None else set()
-        if snapshot is None or self._branch not in known or self._branch == snapshot.timeline.branch:
-            self._end()
-        elif not self._look.isActive():
-            running = self._session.status.phase == "running"
-            self._look.start(_SELDOM if running else _EVERY)
+        outline = scene.snapshot.timeline if scene.snapshot is not None else NOTHING
+        known = {branch.identity for branch in outline.branches} - {outline.branch}
+        if self.branch not in known:
+            self._later.stop()
+            self.branch = None
+            self._session.show(replace(scene, compared=None))
+            self.compare(None)
+            return
+        if scene.snapshot is not before.snapshot or scene.contours.result is not before.contours.result:
             self._quiet.start()
-
-    def _end(self) -> None:
-        self._look.stop()
-        self._quiet.stop()
-        self._branch = None
-        self._session.show(replace(self._session.scene, compared=None))
-        self._compare(None)
-        self.changed.emit()
-
-    def _compare(self, against: Result | None) -> None:
-        step = self._snapshot.state.step if self._snapshot is not None else 0
-        self._session.post(Compare(self._session.generation, self._branch, step, against))
+            if not self._later.isActive():
+                self._later.start(_SELDOM if self._session.status.phase == "running" else _EVERY)
 
     def _compare_contours(self) -> None:
-        if self._branch is not None and self._contours is not None and self._session.status.phase != "running":
-            self._compare(self._contours)
+        """Compare the contours, which takes longer, once nothing changes any more."""
+        contours = self._session.scene.contours.result
+        if self.branch is not None and contours is not None and self._session.status.phase != "running":
+            self._ask(contours)
+
+    def _ask(self, against: Result | None = None) -> None:
+        snapshot = self._session.scene.snapshot
+        step = snapshot.state.step if snapshot is not None else 0
+        self._session.post(Compare(self._session.generation, self.branch, step, against))
 
 
 NOTHING = Outline()
@@ -114,7 +100,6 @@ class TimelineNavigation(QObject):
         self._session = session
         self._outline = NOTHING
         self._here = (0, 0)
-        self._count = 0
         self._target: tuple[int, int] | None = None
         self._snapshot: Snapshot | None = None
         self.comparison = BranchComparison(session)
@@ -158,7 +143,7 @@ class TimelineNavigation(QObject):
     @property
     def count(self) -> int:
         """Number of particles shown."""
-        return self._count
+        return 0 if self._snapshot is None else self._snapshot.state.count
 
     def branch(self, identity: int) -> Branch | None:
         """A branch by its number."""
@@ -279,7 +264,6 @@ class TimelineNavigation(QObject):
             return
         self._here = (snapshot.timeline.branch, snapshot.state.step)
         self._take_outline(snapshot.timeline)
-        self._count = snapshot.state.count
         if self._here == self._target:
             self._target = None
         self.changed.emit()

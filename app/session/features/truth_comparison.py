@@ -11,19 +11,17 @@ from PySide6.QtCore import QObject, Signal
 
 from app.model.display.differences import Apart, Difference, apart_from, differences, surface_differences
 from app.model.text.language import tr
-from app.model.volume.surface_section import prepare
 from app.session.exchange.messages import CommandFailed, Report
+from app.session.features.background import LatestOnlyWorker
 from app.session.features.contour_review import ContourReview
-from app.session.features.latest import Latest
 from app.session.session import Session
 from cpm_core.contours.agreement import TOLERANCE, Comparison, compare
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.ground_truth import Truth
+from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.contours.surface import Surface
-from cpm_core.contours.surface.agreement import SurfaceComparison, compare_surface
-from cpm_core.contours.surface.ground_truth import VolumeTruth
+from cpm_core.contours.surface_agreement import SurfaceComparison, compare_surface
 from cpm_core.formats.ground_truth_file import load_truth, load_volume_truth
-from cpm_core.formats.sessions.beside_document import TruthFile
+from cpm_core.formats.sessions.session_file import TruthFile
 from cpm_core.image.image import Image
 
 _TOPIC = "truth"
@@ -66,7 +64,7 @@ class GroundTruth(QObject):
         self._path: Path | None = None
         self._session = session
         self._review = review
-        self._latest = Latest(session, "cpm-comparison", tr("comparing with the ground truth"))
+        self._latest = LatestOnlyWorker(session, "cpm-comparison", tr("comparing with the ground truth"))
         self._latest.done.connect(self._take)
         self._latest.failed.connect(self._give_up)
         session.listen(TruthRead, self._take_truth)
@@ -203,7 +201,7 @@ def _read(file: Path, image: Image, holes: bool) -> Truth | VolumeTruth:
     if image.ndim == 2:
         return load_truth(file, image.shape, holes=holes, spacing=image.spacing, unit=image.unit)
     truth = load_volume_truth(file, image)
-    prepare(truth.surface)
+    _ = truth.surface  # made on this thread, not on that of the window
     return truth
 
 

@@ -6,7 +6,6 @@ from app.session.exchange.core_functions import Core
 from app.session.features.comparison import Comparison
 from app.session.features.contour_review import ContourReview
 from app.session.features.hand_editing import HandEditing
-from app.session.features.image_batch import ImageBatch
 from app.session.features.object_list import ObjectList
 from app.session.features.object_selection import ObjectFitting, ObjectSelection
 from app.session.features.other_result import OtherResult
@@ -35,7 +34,6 @@ class Workspace:
         self.slices = ShownSlices(self.session)
         self.comparison = Comparison(self.session, self.truth)
         self.pages = StackPages(self.session, core or Core())
-        self.batch = ImageBatch(self.session)
         self.object_selection.offers_for = self.pages.is_drawn
 
     def close(self) -> None:

@@ -5,14 +5,14 @@ from __future__ import annotations
 import logging
 import shutil
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import TypeVar
 
 from PySide6.QtCore import QByteArray, QObject, QSettings, Signal
 
 from app.model.preferences.table import Preference
-from app.model.text.language import cause, tr
-from cpm_core.parameters.quotation import shown
+from app.model.text.language import tr
 
 Value = TypeVar("Value", bool, int, float, str, list[str], QByteArray)
 V = TypeVar("V")
@@ -26,12 +26,11 @@ class Preferences(QObject):
     changed = Signal(str)
     """Key of a value that has changed."""
     troubled = Signal(str)
-    """A sentence on what is stored and cannot be used, or cannot be stored."""
+    """A sentence on what is stored and cannot be read."""
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._settings = QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "cpm", "cpm")
-        self._broken: set[str] = set()
         self.troubles: list[str] = []
         """What was said by `troubled` so far; what is stored stays in the file until another value is chosen."""
         self._check_file()
@@ -39,16 +38,8 @@ class Preferences(QObject):
     def value(self, preference: Preference[V]) -> V:
         """The value of a preference; its default when none is stored or the stored one cannot be used."""
         stored = self._settings.value(preference.name)
-        if stored is None:
-            return preference.default
-        taken = preference.taken(stored)
-        if taken is not None:
-            return taken
-        if preference.name not in self._broken:
-            self._broken.add(preference.name)
-            text = tr("The preference {name} cannot be {value}: the default is used.")
-            self.complain(text.format(name=preference.name, value=shown(stored)))
-        return preference.default
+        taken = None if stored is None else preference.taken(stored)
+        return preference.default if taken is None else taken
 
     def choose(self, preference: Preference[V], value: V) -> None:
         """Store a value; the default is not stored."""
@@ -93,17 +84,14 @@ class Preferences(QObject):
 
     def _check_file(self) -> None:
         """Keep a copy of a file that cannot be read, because the next value that is stored replaces the file."""
-        path, status = Path(self._settings.fileName()), self._settings.status()
-        if status == QSettings.Status.NoError:
+        path = Path(self._settings.fileName())
+        if self._settings.status() == QSettings.Status.NoError:
             return
-        try:
-            copy = shutil.copy(path, path.with_name(f"{path.name}.unread"))
-        except OSError as error:
-            text = tr("{path} cannot be read, so that the preferences are the default ones: {reason}.")
-            self.complain(text.format(path=path, reason=cause(error)))
-        else:
-            text = tr("The preferences in {path} cannot be read and are the default ones; that file is kept as {copy}.")
-            self.complain(text.format(path=path, copy=copy))
+        copy = path.with_name(f"{path.name}.unread")
+        with suppress(OSError):
+            shutil.copy(path, copy)
+        text = tr("The preferences in {path} cannot be read and are the default ones; that file is kept as {copy}.")
+        self.complain(text.format(path=path, copy=copy))
 
     def flush(self) -> None:
         """Write to the file now."""

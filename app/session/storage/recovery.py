@@ -1,32 +1,133 @@
-"""Recovery: journals of processes that did not end normally.
+"""Recovery: unsaved work in a small journal file, which is removed when the program ends normally.
 
-A journal is deleted only after it has been read whole, and restored or declined. One that cannot be read is set aside.
+Each window has a journal of its own, with a lock next to it that ends with the process, even after a crash. The next
+start offers the journals whose processes have ended; one is deleted only after it has been restored or declined.
 """
 
 from __future__ import annotations
 
-import itertools
 import logging
+import uuid
 from collections.abc import Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 
-from PySide6.QtCore import QLockFile
+from PySide6.QtCore import QLockFile, QObject, QSettings, QTimer, Signal
 
+from app.model.preferences.table import AUTOSAVE
 from app.model.text.language import tr
 from app.session.exchange.messages import Saved
 from app.session.exchange.messages import sentence as _sentence
-from app.session.storage.autosave import KEY, lock_of
+from app.session.storage.preferences import Preferences
+from app.session.storage.session_file import DocumentFile
 from app.session.tasks.opening import Wanted
 from cpm_core.formats.common.atomic import remove_abandoned
-from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, load_session
+from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, load_session, save_session
 
-ASIDE = "set aside"
-"""Folder for journals that cannot be read, beside the others."""
+KEY = "journal"
+"""Key under which a journal, otherwise a session file, names the file and the work that it belongs to."""
+
+UNREADABLE = ".unreadable"
+"""Suffix of journals that cannot be read."""
+
+_EVERY = 2000
+"""Time from a change until it is written, with further changes in between [ms]."""
 
 _log = logging.getLogger(__name__)
+
+
+def folder_of_journals() -> Path:
+    """The user's folder of journals, next to the preferences."""
+    settings = QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "cpm", "cpm")
+    return Path(settings.fileName()).parent / "journals"
+
+
+def lock_of(journal: Path) -> QLockFile:
+    """The lock of a journal, which lasts as long as the process that has taken it."""
+    lock = QLockFile(str(journal.with_suffix(".lock")))
+    lock.setStaleLockTime(0)  # a lock is never stale by age, because a window may stay open for long
+    return lock
+
+
+class Journal(QObject):
+    """Follows a document and writes its journal, on a separate thread."""
+
+    put = Signal(str)
+    """The journal has been written or removed: nothing, or else a sentence on why it has not."""
+    _worked = Signal(str)
+    """The same, sent by the thread that writes."""
+
+    def __init__(self, document_file: DocumentFile, folder: Path, preferences: Preferences) -> None:
+        super().__init__(document_file)
+        self._document_file = document_file
+        self.path = folder / f"{uuid.uuid4().hex}{SUFFIX}"
+        self._lock = lock_of(self.path)
+        self._writer: ThreadPoolExecutor | None = None
+        self._last: Future[str] | None = None
+        self._closed = False
+        self._timer = QTimer(self, singleShot=True, interval=_EVERY)
+        self._timer.timeout.connect(self.write)
+        self._preferences = preferences
+        self._worked.connect(self._announce)
+        preferences.follow(AUTOSAVE, self._plan)
+        document_file.edited.connect(self._plan)
+        document_file.changed.connect(self._plan)
+
+    def write(self) -> None:
+        """Start to write the unsaved work, or remove the journal when all is saved."""
+        self._timer.stop()
+        file = None
+        if self._document_file.unsaved and self._preferences.value(AUTOSAVE):
+            kept, path = self._document_file.file, self._document_file.path
+            named = {"session": str(path.absolute()) if path else "", "name": self._document_file.name}
+            file = replace(kept, extra={**kept.extra, KEY: named})
+        if self._writer is None and file is not None:
+            self._writer = ThreadPoolExecutor(1, "cpm-journal")
+        if self._writer is not None:
+            self._last = self._writer.submit(self._put, file)
+
+    def flush(self) -> bool:
+        """Wait until everything is on disk; False when it cannot be."""
+        return self._last is not None and not self._last.result()
+
+    def close(self) -> None:
+        """Remove the journal: the program ends normally."""
+        self._closed = True
+        self._timer.stop()
+        if self._writer is not None:
+            self._writer.submit(self._put, None)
+            self._writer.shutdown()
+            self._writer = None
+            self._lock.unlock()
+
+    def _plan(self) -> None:
+        if not (self._closed or self._timer.isActive()) and (self._document_file.unsaved or self._writer is not None):
+            self._timer.start()
+
+    def _put(self, file: SessionFile | None) -> str:
+        """Write or remove the journal; what that failed with."""
+        trouble = ""
+        try:
+            if file is None:
+                self.path.unlink(missing_ok=True)
+            else:
+                self.path.parent.mkdir(parents=True, exist_ok=True)
+                if not (self._lock.isLocked() or self._lock.tryLock(0)):
+                    raise ValueError(tr("Nothing can be written into {folder}.").format(folder=self.path.parent))
+                save_session(file, self.path)
+        except Exception as error:  # the user can still work without a journal
+            if file is not None:
+                reason = _sentence(error, tr("keeping unsaved work"))
+                lost = tr("Unsaved work is not kept for the case of a crash: save the session yourself. {reason}")
+                trouble = lost.format(reason=reason)
+        self._worked.emit(trouble)
+        return trouble
+
+    def _announce(self, trouble: str) -> None:
+        self.put.emit(trouble)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -71,7 +172,11 @@ class Found:
 
 def left_behind(folder: Path) -> Found:
     """Journals in a folder whose processes have ended; those that cannot be read are set aside."""
-    _clear(folder)
+    remove_abandoned(folder)
+    for path in folder.glob("*.lock"):  # locks of killed processes without a journal
+        lock = lock_of(path)
+        if not path.with_suffix(SUFFIX).exists() and lock.tryLock(0):
+            lock.unlock()
     found, troubles = [], []
     for journal in sorted(folder.glob(f"*{SUFFIX}")):
         lock = lock_of(journal)
@@ -80,43 +185,25 @@ def left_behind(folder: Path) -> Found:
         try:
             found.append(_read(journal, lock))
         except (ValueError, OSError) as error:
-            troubles.append(_kept_apart(journal, error))
+            troubles.append(_set_aside(journal, error))
             lock.unlock()
     return Found(sorted(found, key=lambda leftover: leftover.when, reverse=True), troubles)
 
 
-def _clear(folder: Path) -> None:
-    """Remove what killed processes have left that holds no work: drafts, and locks of journals that are not there."""
-    remove_abandoned(folder)
-    for path in folder.glob("*.lock"):
-        journal = path.with_suffix(SUFFIX)
-        lock = lock_of(journal)
-        if not journal.exists() and lock.tryLock(0):  # one that nobody holds
-            lock.unlock()
-
-
-def _kept_apart(journal: Path, error: Exception) -> str:
-    """Set a journal aside that cannot be read, and say where it is; where only reading has failed, it stays."""
+def _set_aside(journal: Path, error: Exception) -> str:
+    """Set a journal aside that cannot be read, and report where it is; where only reading has failed, it stays."""
     reason = _sentence(error, tr("reading unsaved work"))
-    kept = tr("Unsaved work of an earlier session cannot be restored. {reason} It is kept as {path}.")
-    passing = isinstance(error, OSError) or isinstance(error.__cause__, OSError)
-    if passing:
+    if isinstance(error, OSError) or isinstance(error.__cause__, OSError):
         kept = tr("Unsaved work of an earlier session cannot be read. {reason} It stays at {path} for the next start.")
-    return kept.format(reason=reason, path=journal if passing else _set_aside(journal))
-
-
-def _set_aside(journal: Path) -> Path:
-    """Move a journal where it is not looked for, under a name that no other file has; its place then."""
-    apart = journal.parent / ASIDE
+        return kept.format(reason=reason, path=journal)
+    apart = journal.with_suffix(UNREADABLE)
     try:
-        apart.mkdir(exist_ok=True)
-        for number in itertools.count(1):
-            place = apart / (journal.name if number == 1 else f"{journal.stem}-{number}{SUFFIX}")
-            if not place.exists():
-                return journal.rename(place)
-    except OSError as error:
-        _log.warning("%s stays where it is: %s", journal, error)
-    return journal
+        journal.rename(apart)
+    except OSError as failed:
+        _log.warning("%s stays where it is: %s", journal, failed)
+        apart = journal
+    kept = tr("Unsaved work of an earlier session cannot be restored. {reason} It is kept as {path}.")
+    return kept.format(reason=reason, path=apart)
 
 
 def _read(journal: Path, lock: QLockFile) -> Leftover:

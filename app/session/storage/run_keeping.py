@@ -8,7 +8,7 @@ from PySide6.QtCore import QObject, QTimer, Signal
 
 from app.session.exchange.messages import Opened, RunsKept
 from app.session.session import Session
-from app.session.timeline.stored.plain_runs import Plain, RunsWriter
+from app.session.timeline.plain_runs import Plain, RunsWriter
 from app.session.timeline.timeline import Outline
 from app.session.worker.commands import CollectRuns, RunsCollected, RunsRestored
 

@@ -17,9 +17,8 @@ from app.session.exchange.messages import ImageReady, NotOpened, Opened, Report,
 from app.session.tasks.tasks import Task, Tasks
 from cpm_core.formats import READABLE, open_stack
 from cpm_core.formats.images import raster
-from cpm_core.formats.images.choice import UnchosenError
-from cpm_core.formats.images.medical.dicom.reader import dicom_files_beside
-from cpm_core.formats.images.reading import DEFAULT, Reading
+from cpm_core.formats.images.dicom import dicom_files_beside
+from cpm_core.formats.images.reading import DEFAULT, Reading, UnchosenError
 from cpm_core.formats.sessions.session_file import SUFFIX, find_image, load_session
 from cpm_core.image.image import MINIMUM_SIDE, Image
 from cpm_core.image.kind import guessed_kind
@@ -77,7 +76,7 @@ PAGED = frozenset({".tif", ".tiff", *raster.READS})
 def parts_of(path: Path, reading: Reading) -> tuple[Parts | None, Reading]:
     """What a file holds, None where it cannot be read, and how it is read: of several images the first one.
 
-    What is wrong with a file is told when it is read.
+    What is wrong with a file is reported when it is read.
     """
     paged = path.suffix.lower() in PAGED
     try:
@@ -128,11 +127,11 @@ def is_session(path: Path) -> bool:
     return path.suffix.lower() == SUFFIX
 
 
-def prepare(core: Core, wanted: Wanted, go_on: Callable[[], None]) -> Opened:
+def prepare(core: Core, wanted: Wanted, check_cancelled: Callable[[], None]) -> Opened:
     """Read an image and prepare the charged particles for it, with as many scales as it has room for.
 
-    `go_on` is called between the steps, and raises when the task has been cancelled. ValueError when the image or the
-    session cannot be used.
+    `check_cancelled` is called between the steps, and raises when the task has been cancelled. ValueError when the
+    image or the session cannot be used.
     """
     path, parameters, saved, notes = wanted.path, wanted.parameters, wanted.saved, wanted.notes
     beside = None if saved is not None or is_session(path) else session_beside(path)
@@ -144,14 +143,14 @@ def prepare(core: Core, wanted: Wanted, go_on: Callable[[], None]) -> Opened:
         parameters, notes = saved.file.parameters, (*notes, *saved.file.notes)
         if saved.file.image is None:
             raise ValueError(tr("{name} names no image.").format(name=path.name))
-        path, warnings = find_image(saved.file.image, path.absolute().parent, go_on)
+        path, warnings = find_image(saved.file.image, path.absolute().parent, check_cancelled)
         notes = (*notes, *warnings)
     reading = saved.file.image.reading if saved is not None and saved.file.image is not None else wanted.reading
     parts, reading = parts_of(path, reading)
-    go_on()
-    image, refused = _read(core, replace(wanted, path=path, reading=reading, saved=saved), parts, go_on)
+    check_cancelled()
+    image, refused = _read(core, replace(wanted, path=path, reading=reading, saved=saved), parts, check_cancelled)
     notes = (*refused, *notes)
-    go_on()
+    check_cancelled()
     if saved is not None:
         _check(saved, image)
     if saved is None:
@@ -161,11 +160,11 @@ def prepare(core: Core, wanted: Wanted, go_on: Callable[[], None]) -> Opened:
         parameters = replace(parameters, scales=most)
         notes = (*notes, tr("The image is small: the scales are set to {most}.").format(most=most))
     method = core.methods["cpm"](image, parameters, None)
-    go_on()
+    check_cancelled()
     all_notes, sha256 = (*image.notes, *notes), image.file_sha256
     opened = Opened(image, method, None, path, parameters, all_notes, sha256, saved, scales)
     opened = replace(opened, folder=images_beside(path), beside=beside, parts=parts, reading=reading)
-    return opened if image.ndim == 3 else _of_plane(opened, go_on)
+    return opened if image.ndim == 3 else _of_plane(opened, check_cancelled)
 
 
 def _check(saved: Saved, image: Image) -> None:
@@ -179,7 +178,9 @@ def _check(saved: Saved, image: Image) -> None:
         raise ValueError(text.format(name=name, image=image.source))
 
 
-def _read(core: Core, wanted: Wanted, parts: Parts | None, go_on: Callable[[], None]) -> tuple[Image, tuple[str, ...]]:
+def _read(
+    core: Core, wanted: Wanted, parts: Parts | None, check_cancelled: Callable[[], None]
+) -> tuple[Image, tuple[str, ...]]:
     """The image or the volume of a file, of which the range of gray levels is known afterwards.
 
     Where nobody has asked for the volume that a file holds and it cannot be used, one plane of it is read, and the
@@ -192,22 +193,22 @@ def _read(core: Core, wanted: Wanted, parts: Parts | None, go_on: Callable[[], N
     if asked or (asked is None and opens_as_volume(parts)):
         in_volume = {name: given for name, given in chosen.items() if name != "page"}
         try:
-            image = core.load_volume(path, go_on, **in_volume)
+            image = core.load_volume(path, check_cancelled, **in_volume)
         except ValueError as error:
             if asked:
                 raise
             refused = (reason(error),)
     if image is None:
-        image = core.load_image(path, go_on, **chosen)
+        image = core.load_image(path, check_cancelled, **chosen)
     image.gray_range  # noqa: B018 - found here, because the window asks for it
     return image, refused
 
 
-def _of_plane(opened: Opened, go_on: Callable[[], None]) -> Opened:
+def _of_plane(opened: Opened, check_cancelled: Callable[[], None]) -> Opened:
     """What is known of an image that is no volume."""
     values = opened.image.values
     large = large_image_settings(values)
-    go_on()
+    check_cancelled()
     kind = guessed_kind(values) if opened.saved is None else None
     return replace(opened, display=display_of(opened.image), kind=kind, large=large)
 
@@ -234,7 +235,7 @@ class Opener:
         name = wanted.path.name
 
         def work(task: Task) -> Report:
-            return ImageReady(prepare(self._core, wanted, task.go_on))
+            return ImageReady(prepare(self._core, wanted, task.check_cancelled))
 
         self._task = self._tasks.start(
             tr("Opening {name}…").format(name=name),

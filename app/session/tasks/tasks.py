@@ -18,8 +18,6 @@ from app.session.exchange.messages import CommandFailed, Report, sentence
 _SHOWN_EVERY = 0.1
 """Time between two updates of the progress of tasks [s]."""
 
-Clock = Callable[[], float]
-
 
 class Cancelled(Exception):  # noqa: N818  # not an error: the user asked for it
     """The task has been cancelled."""
@@ -28,19 +26,18 @@ class Cancelled(Exception):  # noqa: N818  # not an error: the user asked for it
 class Task:
     """A long task, such as "Opening a.png…"; all of it may be called from any thread."""
 
-    def __init__(self, name: str, cancellable: bool = True, clock: Clock = time.perf_counter) -> None:
+    def __init__(self, name: str, cancellable: bool = True) -> None:
         self.name = name
         self.cancellable = cancellable
         self.fraction: float | None = None
-        self._clock = clock
-        self._began = clock()
+        self._began = time.perf_counter()
         self._cancelled = threading.Event()
         self._ended = threading.Event()
 
     @property
     def seconds(self) -> float:
         """Time since its beginning [s]."""
-        return self._clock() - self._began
+        return time.perf_counter() - self._began
 
     @property
     def seconds_left(self) -> float | None:
@@ -60,9 +57,9 @@ class Task:
     def advance(self, fraction: float) -> None:
         """Set the fraction that is done, from 0 to 1; raise `Cancelled` when the task has been cancelled."""
         self.fraction = fraction
-        self.go_on()
+        self.check_cancelled()
 
-    def go_on(self) -> None:
+    def check_cancelled(self) -> None:
         """Raise `Cancelled` when the task has been cancelled."""
         if self.cancelled:
             raise Cancelled(self.name)

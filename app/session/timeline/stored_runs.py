@@ -7,8 +7,7 @@ from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
 
 from app.model.document.document import Document
-from app.session.timeline.kept_states import Place
-from app.session.timeline.run_actions import RunAction
+from app.session.timeline.moments import BranchStep, RunAction
 from cpm_core.numerics.types import Array, Position
 from cpm_core.segmentation.method import MethodState
 
@@ -48,6 +47,6 @@ class StoredRuns:
     """
 
     runs: tuple[StoredRun, ...] = ()
-    here: Place | None = None
-    states: Mapping[Place, MethodState] = field(default_factory=dict)
+    here: BranchStep | None = None
+    states: Mapping[BranchStep, MethodState] = field(default_factory=dict)
     numbers: Mapping[int, Position] = field(default_factory=dict)

@@ -11,10 +11,9 @@ from bisect import bisect_left
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import takewhile
-from typing import Generic
 
 from app.model.text.language import tr
-from app.session.timeline.kept_states import KeptStates, Moment, Place, RunAction
+from app.session.timeline.moments import BranchStep, KeptStates, Moment, RunAction
 from app.session.timeline.stored_runs import StoredBranch
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.method import MethodState
@@ -97,7 +96,7 @@ class Outline:
 
 
 @dataclass(eq=False, slots=True)
-class _Line(Generic[RunAction]):
+class _Line:
     """A branch with all its moments from the first of its run on, of which others may have the beginning in common.
 
     `scales` are first steps and numbers of its scales; `steered` is whether it was changed between its steps.
@@ -106,7 +105,7 @@ class _Line(Generic[RunAction]):
     identity: int
     name: str
     run: int
-    path: list[Moment[RunAction]]
+    path: list[Moment]
     scales: list[tuple[int, int]]
     steered: bool = False
     renamed: bool = False
@@ -119,7 +118,7 @@ class _Line(Generic[RunAction]):
     def last(self) -> int:
         return self.path[-1].step
 
-    def common(self, other: _Line[RunAction]) -> int:
+    def common(self, other: _Line) -> int:
         """How many moments it has in common with another branch."""
         most = range(min(len(self.path), len(other.path)))
         return bisect_left(most, True, key=lambda at: self.path[at] is not other.path[at])
@@ -128,16 +127,16 @@ class _Line(Generic[RunAction]):
         return [mark for mark in self.scales if mark[0] <= step]
 
 
-class Timeline(Generic[RunAction]):
+class Timeline:
     """The steps of all runs and their branches, and the current one; states take at most `budget` bytes."""
 
-    def __init__(self, apply: Apply[RunAction], budget: int) -> None:
+    def __init__(self, apply: Apply, budget: int) -> None:
         self.edition = 0
         """Changes whenever something is recorded, renamed or removed."""
         self._apply = apply
-        self._kept: KeptStates[RunAction] = KeptStates(budget)
-        self._lines: dict[int, _Line[RunAction]] = {}
-        self._line: _Line[RunAction] | None = None
+        self._kept = KeptStates(budget)
+        self._lines: dict[int, _Line] = {}
+        self._line: _Line | None = None
         self._step = 0
         self._numbered, self._named = 0, [0, 0]
         self._outline: tuple[Branch, ...] | None = None
@@ -182,7 +181,7 @@ class Timeline(Generic[RunAction]):
         return tuple(dict.fromkeys(line.run for line in self._lines.values()))
 
     @property
-    def here(self) -> Place | None:
+    def here(self) -> BranchStep | None:
         """Current branch and step; None before a run has begun."""
         return None if self._line is None else (self._line.identity, self._step)
 
@@ -360,7 +359,7 @@ class Timeline(Generic[RunAction]):
         self,
         branches: Sequence[StoredBranch],
         begun: Mapping[int, MethodState],
-        states: Mapping[Place, MethodState],
+        states: Mapping[BranchStep, MethodState],
     ) -> None:
         """Remove everything and take over branches, with the first states of their runs and others that are known.
 
@@ -377,14 +376,13 @@ class Timeline(Generic[RunAction]):
         """Add a branch as it was."""
         parent = None if branch.parent is None else self._known(branch.parent)
         run = branch.number if parent is None else parent.run
-        path: list[Moment[RunAction]] = [Moment(run, branch.first)]
+        path: list[Moment] = [Moment(run, branch.first)]
         scales = list(branch.scales)
         if parent is not None:
             path, scales = parent.path[: branch.first - parent.first + 1], parent.scales_until(branch.first) + scales
         else:
             self._kept.put(path[0], begun[run])
-        actions: tuple[RunAction, ...]
-        for step, actions in enumerate(branch.steps, branch.first):  # type: ignore[assignment]  # of any kind
+        for step, actions in enumerate(branch.steps, branch.first):
             moment = path[-1] if step > branch.first else path.pop()
             for action in actions:
                 moment = Moment(run, step, moment, action)
@@ -398,24 +396,24 @@ class Timeline(Generic[RunAction]):
 
     # Internal
 
-    def _known(self, branch: int) -> _Line[RunAction]:
+    def _known(self, branch: int) -> _Line:
         if branch not in self._lines:
             raise ValueError(tr("There is no branch {number} (any more).").format(number=branch))
         return self._lines[branch]
 
-    def _here(self) -> tuple[_Line[RunAction], Moment[RunAction]]:
+    def _here(self) -> tuple[_Line, Moment]:
         if self._line is None or self._kept.here is None:
             raise ValueError("the timeline has not begun.")
         return self._line, self._kept.here
 
-    def _branch(self, line: _Line[RunAction]) -> Branch:
+    def _branch(self, line: _Line) -> Branch:
         """A branch as the window shows it."""
         parent, first = self._leaves(line)
         scales = tuple(mark for mark in line.scales if parent is None or mark[0] > first)
         leaves = None if parent is None else parent.identity
         return Branch(line.identity, line.name, leaves, first, line.last, scales, line.run, line.renamed)
 
-    def _leaves(self, line: _Line[RunAction]) -> tuple[_Line[RunAction] | None, int]:
+    def _leaves(self, line: _Line) -> tuple[_Line | None, int]:
         """Of the older branches the one that most of a branch is in common with, None without one; and until when."""
         older = takewhile(lambda other: other is not line, self._lines.values())
         parent = max((other for other in older if other.run == line.run), key=line.common, default=None)
@@ -426,9 +424,7 @@ class Timeline(Generic[RunAction]):
         changed = both and parent.path[at] in _changed(line.path[at])
         return parent, line.path[at if changed else at - 1].step
 
-    def _open(
-        self, path: list[Moment[RunAction]], scales: list[tuple[int, int]], run: int, name: str
-    ) -> _Line[RunAction]:
+    def _open(self, path: list[Moment], scales: list[tuple[int, int]], run: int, name: str) -> _Line:
         """Add a branch; a run has the number of its first one."""
         self._numbered += 1
         branches = run != self._numbered
@@ -438,10 +434,10 @@ class Timeline(Generic[RunAction]):
         self._outline = None
         return line
 
-    def _fork(self, line: _Line[RunAction], path: list[Moment[RunAction]]) -> _Line[RunAction]:
+    def _fork(self, line: _Line, path: list[Moment]) -> _Line:
         return self._open(path, line.scales_until(self._step), line.run, tr("Branch {number}"))
 
-    def _arrive(self, line: _Line[RunAction], state: MethodState) -> None:
+    def _arrive(self, line: _Line, state: MethodState) -> None:
         """Be at the step of a branch that has this state."""
         if line is not self._line:
             self._outline = None
@@ -450,7 +446,7 @@ class Timeline(Generic[RunAction]):
         self._kept.put(moment, state)
         self._make_room()
 
-    def _recover(self, moment: Moment[RunAction], wanted: Callable[[], bool]) -> MethodState | None:
+    def _recover(self, moment: Moment, wanted: Callable[[], bool]) -> MethodState | None:
         missing = []
         while (state := self._kept.get(moment)) is None:
             missing.append(moment)
@@ -488,12 +484,12 @@ class Timeline(Generic[RunAction]):
             self._remove_run(oldest.run)
 
 
-def _moment(line: _Line[RunAction], step: int) -> Moment[RunAction]:
+def _moment(line: _Line, step: int) -> Moment:
     """The moment of a step of a branch, or of its nearest one."""
     return line.path[min(max(step - line.first, 0), len(line.path) - 1)]
 
 
-def _changed(moment: Moment[RunAction]) -> list[Moment[RunAction]]:
+def _changed(moment: Moment) -> list[Moment]:
     """The moments of the same step that a moment has been made of."""
     found = []
     while moment.before is not None and moment.before.step == moment.step:

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Concatenate, ParamSpec
 
 from app.model.document.document import Document, ImageReference
-from app.model.export.order import ExportOrder, account, chosen, closed, source_of
+from app.model.export import ExportOrder, chosen, closed, summarize
 from app.model.text.language import tr
 from app.session.exchange.core_functions import Core
 from app.session.exchange.messages import (
@@ -33,33 +33,16 @@ from app.session.exchange.messages import (
     sentence,
 )
 from app.session.tasks.tasks import Task
-from app.session.timeline.stored.plain_runs import Plain, RunsWriter, from_plain
+from app.session.timeline.plain_runs import Plain, RunsWriter, runs_from_plain
 from app.session.worker.run import Run
 from cpm_core.contours.result import Result
-from cpm_core.contours.review import Mark
-from cpm_core.formats import encoded, suffix_of
+from cpm_core.formats import encoded
 from cpm_core.formats.writers import DRAWN, IN_SPACE
+from cpm_core.image.image import Image
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.shapes.image_starts import NO_SEEDS
 
 P = ParamSpec("P")
-
-_ACTIVITIES: Mapping[Callable[..., object], str] = {
-    Run.use: tr("changing to another image"),
-    Run.set_parameters: tr("changing parameters"),
-    Run.set_overlays: tr("preparing what lies over the image"),
-    Run.place: tr("placing charges"),
-    Run.limit: tr("changing what limits the particles"),
-    Run.join: tr("adding particles"),
-    Run.erase: tr("erasing particles"),
-    Run.turn_erasures: tr("bringing particles back"),
-    Run.edit_by_hand: tr("editing contours"),
-    Run.rename_branch: tr("renaming a branch"),
-    Run.drop_branch: tr("deleting a branch"),
-    Run.set_timeline_budget: tr("making room"),
-}
-"""What methods of the run do, as it stands after "while" in an error message."""
-
 
 _CHANGING_RUNS = (Run.discard, Run.rename_branch, Run.drop_branch, Run.set_timeline_budget)
 
@@ -95,7 +78,7 @@ class Command:
     """Whether only the last of many in a row is worth the work, as while a slider is moved."""
 
     activity: ClassVar[str] = tr("working")
-    """What it does, as it stands after "while" in an error message."""
+    """What it does, as it follows "while" in an error message."""
 
     topic: ClassVar[str] = ""
     """The kind of attempt that its error messages belong to; see `app.session.signals`."""
@@ -159,7 +142,7 @@ class RunCall(Command):
 
     def failure_report(self, error: Exception) -> Report:
         """Nothing has changed."""
-        return CommandFailed(sentence(error, _ACTIVITIES.get(self.method, self.activity)))
+        return CommandFailed(sentence(error, tr("changing the run")))
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,85 +182,6 @@ class FindSeeds(Command):
         return SeedsFound(self.image_generation, NO_SEEDS, sentence(error, tr("looking for places to start from")))
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Deliver(Command):
-    """Write the contours that are seen, without those rejected, to a file or to the clipboard.
-
-    During a run these are the contours `shown` in the window; of a paused run they are those of its last state, which
-    the window shows as soon as they are made.
-    """
-
-    task: Task
-    shown: Reconstruction | None = None
-    marks: tuple[Mark, ...] = ()
-
-    def execute(self, context: CommandContext) -> None:
-        """Write the contours, unless the task has been cancelled."""
-
-        def wanted() -> bool:
-            return not (self.task.over or context.closing())
-
-        try:
-            found = context.run.reconstruction(self.shown, wanted) if wanted() and self.needs_run else None
-            if wanted() and not (self.needs_run and found is None):
-                self.deliver(context, self.chosen(context, None if found is None else context.run.told(found.result)))
-        finally:
-            self.task.end()
-
-    @property
-    def needs_run(self) -> bool:
-        """Whether contours of the run are written."""
-        return True
-
-    def chosen(self, context: CommandContext, result: Result | Skeleton | None) -> Result | Skeleton:
-        """What is written: all but the rejected contours."""
-        return chosen(result, Document(marks=self.marks), ExportOrder())
-
-    def deliver(self, context: CommandContext, result: Result | Skeleton) -> None:
-        """Write the contours."""
-        raise NotImplementedError
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Export(Deliver):
-    """Write the contours to a file; the suffix gives the format."""
-
-    path: Path = Path()
-    order: ExportOrder = field(default_factory=ExportOrder)
-    document: Document | None = None
-
-    @property
-    def needs_run(self) -> bool:
-        """Whether contours of the run are written."""
-        return source_of(self.order).needs_run
-
-    def chosen(self, context: CommandContext, result: Result | Skeleton | None) -> Result | Skeleton:
-        """What was ordered."""
-        method = context.run.method
-        image = None if method is None else method.image
-        return chosen(result, self.document or Document(marks=self.marks), self.order, image)
-
-    def deliver(self, context: CommandContext, result: Result | Skeleton) -> None:
-        """Write the contours, and tell what the file holds and what not."""
-        method = context.run.method
-        whole = result
-        if method is not None:
-            whole = closed(result, self.order, method.image, context.run.parameters)
-            if suffix_of(self.path) in DRAWN and whole.image is None:
-                whole = replace(whole, image=method.image)
-        settings: dict[str, Any] = {"outlines": True} if self.order.outlines else {}
-        if suffix_of(self.path) in IN_SPACE:
-            settings["space"] = self.order.space
-        if self.document is not None and self.document.image is not None:
-            settings["image"] = self.document.image.path
-        context.core.export(whole, self.path, **settings)
-        context.report(Exported(self.path, account(result, whole, suffix_of(self.path), self.order)))
-
-    def failure_report(self, error: Exception) -> Report:
-        """Nothing has been written."""
-        return CommandFailed(sentence(error, tr("writing {name}").format(name=self.path.name)), "exporting")
-
-
 @dataclass(frozen=True, slots=True)
 class Copied(Report):
     """Content for the clipboard, as a file with this suffix would hold it."""
@@ -287,17 +191,62 @@ class Copied(Report):
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Copy(Deliver):
-    """Prepare the contours for the clipboard, as a file with this suffix would hold them."""
+class Export(Command):
+    """Write contours to a file, whose suffix gives the format; without a folder, prepare them for the clipboard.
 
-    suffix: str = ""
+    During a run these are the contours `shown` in the window; of a paused run they are those of its last state, which
+    the window shows as soon as they are made.
+    """
 
-    activity = tr("copying contours")
-    topic = "exporting"
+    task: Task
+    shown: Reconstruction | None
+    document: Document
+    suffix: str
+    path: Path | None = None
+    order: ExportOrder = field(default_factory=ExportOrder)
 
-    def deliver(self, context: CommandContext, result: Result | Skeleton) -> None:
-        """Prepare the contours."""
-        context.report(Copied(self.suffix, encoded(result, self.suffix)))
+    def execute(self, context: CommandContext) -> None:
+        """Write the contours, unless the task has been cancelled."""
+
+        def wanted() -> bool:
+            return not (self.task.over or context.closing())
+
+        run, needs_run = context.run, self.order.source != "objects"
+        try:
+            found = run.reconstruction(self.shown, wanted) if wanted() and needs_run else None
+            if not wanted() or (needs_run and found is None):
+                return
+            image = None if run.method is None else run.method.image
+            result = None if found is None else run.with_provenance(found.result)
+            ordered = chosen(result, self.document, self.order, image)
+            if self.path is None:
+                context.report(Copied(self.suffix, encoded(ordered, self.suffix)))
+            else:
+                self._write(context, ordered, image, self.path)
+        finally:
+            self.task.end()
+
+    def _write(self, context: CommandContext, result: Result | Skeleton, image: Image | None, path: Path) -> None:
+        """Write the contours, and report what the file holds and what not."""
+        whole = result
+        if image is not None:
+            whole = closed(result, self.order, image, context.run.parameters)
+            if self.suffix in DRAWN and whole.image is None:
+                whole = replace(whole, image=image)
+        settings: dict[str, Any] = {"outlines": True} if self.order.outlines else {}
+        if self.suffix in IN_SPACE:
+            settings["space"] = self.order.space
+        if self.document.image is not None:
+            settings["image"] = self.document.image.path
+        context.core.export(whole, path, **settings)
+        context.report(Exported(path, summarize(result, whole, self.suffix, self.order)))
+
+    def failure_report(self, error: Exception) -> Report:
+        """Nothing has been written."""
+        activity = tr("copying contours")
+        if self.path is not None:
+            activity = tr("writing {name}").format(name=self.path.name)
+        return CommandFailed(sentence(error, activity), "exporting")
 
 
 @dataclass(frozen=True, slots=True)
@@ -310,15 +259,15 @@ class WarmUp(Command):
 
     def execute(self, context: CommandContext) -> None:
         """Compile or load them."""
-        told = -1
+        reported = -1
 
-        def tell(done: float) -> None:
-            nonlocal told
-            if (percent := int(100.0 * done)) > told:
-                told = percent
+        def report(done: float) -> None:
+            nonlocal reported
+            if (percent := int(100.0 * done)) > reported:
+                reported = percent
                 context.report(Compiling(percent))
 
-        (context.core.warm_up_volumes if self.volumes else context.core.warm_up)(context.closing, tell)
+        (context.core.warm_up_volumes if self.volumes else context.core.warm_up)(context.closing, report)
         _keep_loaded(self.volumes)
         context.report(WarmedUp())
 
@@ -408,7 +357,7 @@ class RestoreRuns(Command):
         run = context.run
         if run.image_generation != self.generation:
             return
-        stored, fault = from_plain(self.plain, self.image)
+        stored, fault = runs_from_plain(self.plain, self.image)
         failed = run.restore(stored)
         if fault or failed:
             context.report(CommandFailed(fault or failed))

@@ -16,8 +16,8 @@ from app.model.display.display_image import (
     volume_of_edge_map,
     volume_of_potential,
 )
-from app.model.display.iso_lines import iso_lines
-from app.model.document.document import Document, ImageReference
+from app.model.display.lines import iso_lines
+from app.model.document.document import Document
 from app.model.document.modes import MODES
 from app.model.text.language import tr
 from app.model.volume.sampled_volumes import SampledForce, SampledValues
@@ -25,11 +25,9 @@ from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Drawn, Overlays, sentence
 from cpm_core.contours.contour import Contour
 from cpm_core.field.placed_charges import PlacedCharge
-from cpm_core.formats.images import resolution
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.medial_axis.skeleton_method import SkeletonMethod
-from cpm_core.medial_axis.space.steps import VolumeSkeletonMethod
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters, invalidating
 from cpm_core.segmentation.method import METHODS, Method
@@ -63,29 +61,25 @@ class PreparedMethods:
 
     def method(self, document: Document) -> Method[Any]:
         """The method of a document's mode, in its regions, and for the outlines that it has a skeleton of."""
-        assert self._image is not None
         name = MODES[document.mode].method
         image, method = self._sized(document), self._ready.get(name)
-        if method is None or _size(method.image) != _size(image) or not method.suits(document.parameters):
+        other = method is None or (method.image.spacing, method.image.unit) != (image.spacing, image.unit)
+        if method is None or other or not method.suits(document.parameters):
             method = self._makers[name](image, document.parameters, document.regions)
         elif method.regions != document.regions:
             method = method.with_regions(document.regions)
-        if _size(image) == _size(self._image):
+        if image is self._image:
             self.keep(method)
-        if isinstance(method, VolumeSkeletonMethod):
-            return method.of_surfaces(document.outlined_surfaces)
+        if isinstance(method, SkeletonMethod) and image.ndim == 3:
+            return method.of_objects(document.outlined_surfaces)
         if isinstance(method, SkeletonMethod) and document.outlines:
-            return method.of_outlines([Contour(np.array(line), closed=True) for line in document.outlines])
+            return method.of_objects([Contour(np.array(line), closed=True) for line in document.outlines])
         return method
 
     def _sized(self, document: Document) -> Image:
         """The image with the size of a pixel that it has in a document, whose run may have begun before a change."""
-        image, known = self._image, document.image
-        assert image is not None
-        if known is None or _size(known) == _size(image):
-            return image
-        factor = resolution.factor(image.unit, known.unit) if image.unit and known.unit else 1.0
-        return image.sized(known.spacing, known.unit, factor)
+        assert self._image is not None
+        return self._image if document.image is None else document.image.sized(self._image)
 
     def seeds(self, document: Document) -> Array:
         """Seeds of a run of a document, shape (N, 2) [px]; none if its method needs none."""
@@ -100,10 +94,6 @@ class PreparedMethods:
         image, seen = self._sized(document), document.parameters
         cache = self._seed_cache if image is self._image else SeedCache(image)
         return cache.seeds_for(document.image_starts, seen.smoothing, document.regions, seen.channel)
-
-
-def _size(image: Image | ImageReference) -> tuple[object, ...]:
-    return image.spacing, image.unit
 
 
 _MOST_VOXELS = 1 << 26

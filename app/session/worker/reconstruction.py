@@ -59,10 +59,6 @@ class Request:
             result = replace(result, contours=(), bridges=(), surface=None)
         return result
 
-    def same_state(self, other: Request) -> bool:
-        """Whether another request has the same contours but for edits by hand."""
-        return self.method is other.method and self.state is other.state and self.parameters == other.parameters
-
 
 def edited(
     method: Method[Any], found: Result | Skeleton, parameters: Parameters, edits: tuple[HandEdit, ...]
@@ -86,7 +82,7 @@ class Reconstructor:
         self._given: tuple[Image, Mapping[int, Position]] | None = None
         self._requests: Mailbox[Request] = Mailbox()
         self._latest: Reconstruction | ReconstructionFailed | None = None
-        self._unedited: tuple[Request, Result | Skeleton] | None = None
+        self._unedited: tuple[tuple[object, ...], Result | Skeleton] | None = None
         self._working = False
         self._quit = False
         self._thread = threading.Thread(target=self._work, name="cpm-reconstruction", daemon=True)
@@ -162,16 +158,12 @@ class Reconstructor:
 
     def _next(self, rest: float) -> Request | None:
         with self._changed:
-            self._changed.wait_for(lambda: self._quit or self._is_last_waiting(), timeout=rest)
+            self._changed.wait_for(lambda: self._quit or getattr(self._requests.newest, "last", False), timeout=rest)
             self._changed.wait_for(lambda: self._quit or bool(self._requests))
             if self._quit:
                 return None
             self._working = True  # set before the request is taken, so that `idle` is never true in between
             return self._requests.take()
-
-    def _is_last_waiting(self) -> bool:
-        request = self._requests.newest
-        return request is not None and request.last
 
     def _number(self, image: Image) -> None:
         """Number the contours of another image from one, or as given."""
@@ -187,8 +179,9 @@ class Reconstructor:
         found: Reconstruction | ReconstructionFailed
         try:
             self._number(request.method.image)
-            if self._unedited is None or not self._unedited[0].same_state(request):
-                self._unedited = request, request.found()
+            made_of = (request.method, request.state, request.parameters)
+            if self._unedited is None or self._unedited[0] != made_of:
+                self._unedited = made_of, request.found()
             result, missed = edited(request.method, self._unedited[1], request.parameters, request.hand_edits)
             found = Reconstruction.of(request.generation, result, self._tracker, thorough=request.last)
             found = replace(found, missed=missed if request.last else ())

@@ -14,7 +14,7 @@ from app.model.display.plots import RunMetrics
 from app.model.document.document import Document
 from app.model.document.modes import MODES
 from app.model.text.language import reason
-from app.session.timeline.run_actions import RunAction, Stepped
+from app.session.timeline.moments import RunAction, Stepped
 from app.session.timeline.stored_runs import StoredBranch, StoredRun, StoredRuns
 from app.session.timeline.timeline import Branch, Outline, Timeline
 from cpm_core.image.volume_regions import AnyRegions
@@ -110,7 +110,7 @@ class RecordedRun:
     """Timeline and metrics of all runs on an image; `make` gives the method of a run that began with a document."""
 
     def __init__(self, make: Callable[[Document], Method[Any]]) -> None:
-        self.timeline: Timeline[RunAction] = Timeline(self._apply, MEGABYTES * MEGABYTE)
+        self.timeline = Timeline(self._apply, MEGABYTES * MEGABYTE)
         self._make = make
         self._methods: dict[tuple[int, AnyRegions | None], Method[Any]] = {}
         self._records: dict[int, RunRecord] = {}
@@ -164,14 +164,6 @@ class RecordedRun:
         self._keep_method(run, method)
         known = {branch.identity for branch in self.timeline.branches}
         self._records = {branch: kept for branch, kept in self._records.items() if branch in known}
-
-    def method(self, branch: int, regions: AnyRegions | None) -> Method[Any]:
-        """The method of the run of a branch, in these regions."""
-        return self._method(self.timeline.run_of(branch), regions)
-
-    def current_method(self, regions: AnyRegions | None) -> Method[Any]:
-        """The method of the current run, in these regions."""
-        return self._method(self.timeline.run, regions)
 
     def record(self, action: RunAction, state: MethodState, record: RunRecord) -> None:
         """Add a step that the record contains already."""
@@ -251,7 +243,8 @@ class RecordedRun:
         if known is None or len(record) >= len(known):
             self._records[here[0]] = record
 
-    def _method(self, run: int, regions: AnyRegions | None) -> Method[Any]:
+    def method(self, run: int, regions: AnyRegions | None) -> Method[Any]:
+        """The method of a run, in these regions."""
         method = self._methods.pop((run, regions), None)
         if method is None:
             method = next((known for (of, _), known in self._methods.items() if of == run), None)
@@ -267,5 +260,4 @@ class RecordedRun:
             self._methods.pop(next(iter(self._methods)))
 
     def _apply(self, run: int, state: MethodState, action: RunAction) -> MethodState:
-        after: MethodState = action.apply(self._method(run, action.regions), state)
-        return after
+        return action.apply(self.method(run, action.regions), state)  # type: ignore[no-any-return]

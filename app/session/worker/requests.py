@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from app.model.display.display_image import DisplayImage, IntensityWindow, apply_window, percentile_window
+from app.model.display.display_image import DisplayImage, IntensityWindow, apply_window
 from app.model.text.language import tr
 from app.session.exchange.contour_tracking import ContourTracker
 from app.session.exchange.messages import Reconstruction, Report, Snapshot, sentence
@@ -184,17 +184,11 @@ class TakeFrame(Command):
     def execute(self, context: CommandContext) -> None:
         """Recover the step and report it."""
         run = context.run
-        if self.task.over:
-            return
         if self.generation != run.generation:
             context.report(FrameTaken(self.task))
             return
-
-        def wanted() -> bool:
-            return not (self.task.over or context.closing())
-
-        moment = run.moment(self.branch, self.step, wanted)
-        if moment is None or not wanted():
+        moment = run.moment(self.branch, self.step, lambda: not (self.task.over or context.closing()))
+        if moment is None or self.task.over:
             return
         contours = None
         if self.contours and moment.state.step > 0:
@@ -218,16 +212,6 @@ class FrameTaken(Report):
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class WindowFound(Report):
-    """The range of gray values of an image without `percent` per cent of its pixels at either end."""
-
-    image: Image
-    percent: float
-    low: float
-    high: float
-
-
-@dataclass(frozen=True, eq=False, slots=True)
 class Shaded(Report):
     """An image in an intensity window."""
 
@@ -235,22 +219,6 @@ class Shaded(Report):
     window: IntensityWindow
     display: DisplayImage
     channel: str = "luminance"
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class FindWindow(Command):
-    """Find the range of gray values of an image without `percent` per cent of its pixels at either end."""
-
-    image: Image
-    percent: float
-
-    latest_only = True
-    activity = tr("looking for the range of gray values")
-
-    def execute(self, context: CommandContext) -> None:
-        """Find the range."""
-        low, high = percentile_window(self.image.values, self.percent)
-        context.report(WindowFound(self.image, self.percent, low, high))
 
 
 @dataclass(frozen=True, eq=False, slots=True)

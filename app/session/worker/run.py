@@ -13,7 +13,7 @@ import numpy as np
 from app.model.document.document import Document
 from app.session.exchange.mailbox import Mailbox, Pacer
 from app.session.exchange.messages import Overlays, Reconstruction, Snapshot
-from app.session.timeline.run_actions import Erased, Joined, RunAction, Stepped
+from app.session.timeline.moments import Erased, Joined, RunAction, Stepped
 from app.session.timeline.stored_runs import StoredRuns
 from app.session.worker.prepared_methods import OverlayMaker, PreparedMethods
 from app.session.worker.reconstruction import Reconstructor, Request, edited
@@ -283,7 +283,9 @@ class Run:
         """Use and show a state of the timeline; `before` is the number of the run until now."""
         self.state, self._record = state, record
         if self.recorded.timeline.run != before:
-            self.method = self.recorded.current_method(None if self.method is None else self.method.regions)
+            self.method = self.recorded.method(
+                self.recorded.timeline.run, None if self.method is None else self.method.regions
+            )
         self._send(looking_back=True)
 
     def rename_branch(self, branch: int, name: str) -> None:
@@ -316,7 +318,7 @@ class Run:
             raise ValueError("There is nothing to export yet: let the particles run first.")
         return found
 
-    def told(self, result: Result | Skeleton) -> Result | Skeleton:
+    def with_provenance(self, result: Result | Skeleton) -> Result | Skeleton:
         """What the current run has found, with what was drawn for it and whether it was steered, for files."""
         made, image = result.provenance, None if self.method is None else self.method.image
         if image is not None and not made.sha256:  # contours drawn by hand
@@ -329,7 +331,7 @@ class Run:
         """Contours of a state of another branch."""
         if self.method is None:
             raise ValueError("There is no image to run on: open one first.")
-        method = self.recorded.method(branch, self.method.regions)
+        method = self.recorded.method(self.recorded.timeline.run_of(branch), self.method.regions)
         return edited(method, method.result(state, self.parameters), self.parameters, self.hand_edits)[0]
 
     def moment(self, branch: int, step: int, wanted: Callable[[], bool]) -> Snapshot | None:

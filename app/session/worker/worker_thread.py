@@ -83,47 +83,35 @@ class WorkerThread:
 
     def _work(self) -> None:
         while not isinstance(command := self._next(), Quit):
-            if command is None:
-                self._guarded_step()
-            else:
-                self._guarded_execute(command)
-                self._executed += 1
+            try:
+                if command is None:
+                    self._run.step()
+                elif command.kind is None or command is self._newest[command.kind]:
+                    command.execute(self._context)
+            except Exception as error:  # no error may end the thread
+                if command is None:
+                    self._run.halt()
+                    self._reports.append(RunFailed(self._run.generation, sentence(error, tr("taking a step"))))
+                else:
+                    self._reports.append(command.failure_report(error))
+            self._executed += command is not None
 
     def _next(self) -> Command | None:
         """The next command; None when a step is due before one arrives."""
-        if not self._run.stepping:
-            self._waiting = True
-            command = self._await_command()
-            self._waiting = False
-            return command
+        if self._run.stepping:
+            try:
+                wait = self._run.pacer.wait()
+                return self._commands.get(timeout=wait) if wait > 0 else self._commands.get_nowait()
+            except queue.Empty:
+                return None
+        self._waiting = True
         try:
-            wait = self._run.pacer.wait()
-            return self._commands.get(timeout=wait) if wait > 0 else self._commands.get_nowait()
-        except queue.Empty:
-            return None
-
-    def _await_command(self) -> Command:
-        """The next command; when none comes for a while, free memory is given back first."""
-        try:
-            return self._commands.get(timeout=QUIET)
+            command = self._commands.get(timeout=QUIET)
         except queue.Empty:
             give_back()
-            return self._commands.get()
-
-    def _guarded_step(self) -> None:
-        try:
-            self._run.step()
-        except Exception as error:  # no error may end the thread
-            self._run.halt()
-            self._reports.append(RunFailed(self._run.generation, sentence(error, tr("taking a step"))))
-
-    def _guarded_execute(self, command: Command) -> None:
-        if command.kind is not None and command is not self._newest[command.kind]:
-            return
-        try:
-            command.execute(self._context)
-        except Exception as error:  # no error may end the thread
-            self._reports.append(command.failure_report(error))
+            command = self._commands.get()
+        self._waiting = False
+        return command
 
 
 def give_back() -> None:

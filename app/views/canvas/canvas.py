@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QEvent, QPointF, Qt, Signal
-from PySide6.QtGui import QContextMenuEvent, QFocusEvent, QKeyEvent, QMouseEvent, QWheelEvent
+from PySide6.QtGui import QFocusEvent, QKeyEvent, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QApplication
 
 from app.model.text.language import tr
@@ -93,31 +93,12 @@ class Canvas(ImageView):
         self._wheel = Wheel()
         self.view.sigRangeChanged.connect(self.point_again)
 
-    @property
-    def tool(self) -> Tool | None:
-        """The tool in use."""
-        return self.hold.tool
-
-    @property
-    def gesturing(self) -> bool:
-        """Whether a tool has an unfinished gesture or draft."""
-        return self.hold.gesturing
-
-    @property
-    def dragging(self) -> bool:
-        """Whether the button is down for a tool."""
-        return self.hold.dragging
-
     def use_image(self) -> None:
         """Cancel what was begun on another image."""
-        self.cancel()
+        self.hold.cancel()
         self.taken.emit()
         super().use_image()
         self.point_again()
-
-    def cancel(self) -> None:
-        """Cancel the gesture or draft of the tool."""
-        self.hold.cancel()
 
     def use(self, tool: Tool) -> None:
         """Pass the left button to another tool."""
@@ -127,41 +108,27 @@ class Canvas(ImageView):
             tool.hover(self.placed(self._pointer))
         self.viewport().setCursor(tool.cursor(self.placed((-1e9, -1e9)), 0.0))
 
-    # Common to pointer and keys
-
-    def press_at(self, at: Position, reach: float | None = None) -> None:
-        """Press the left button over a position; `reach` is the tolerance for hits [px of the image]."""
-        if self.shape is not None:
-            self.hold.press(self, at, reach)
-
-    def lead_to(self, at: Position) -> None:
-        """Move the pointer to a position."""
+    def move_to(self, at: Position) -> None:
+        """Move the pointer, or the cross-hair, to a position."""
         self._pointer = at
         self.hold.move(self, at)
-        self.tell(at)
-
-    def let_go(self) -> None:
-        """Release the left button."""
-        self.hold.let_go()
-
-    def bend(self, modifiers: Qt.KeyboardModifier) -> None:
-        """Pass the modifier keys that are held to the tool; they may constrain the shape."""
-        self.hold.bend(modifiers)
+        self._report(at)
 
     def leave(self) -> None:
         """Take the pointer off the canvas."""
         self._pointer = self._over = None
         self.hold.leave()
-        self.tell(None)
+        self._report(None)
 
-    def tell(self, at: Position | None) -> None:
-        """Tell over which position the pointer is."""
+    def point_again(self) -> None:
+        """The pointer rests, and another place of the image, of a slice or of another image has moved under it."""
+        if self._over is not None and not self.led_by_keys:
+            self._pointer = self.position(self._over)
+            self._report(self._pointer)
+
+    def _report(self, at: Position | None) -> None:
         self.pointed.emit(at)
         self.placed_at.emit(None if at is None else self.placed(at))
-
-    def grips(self, at: Position) -> bool:
-        """Whether a handle at a position has priority over the tool in use."""
-        return self.hold.at(self, at) is not self.tool
 
     # Called by Qt
 
@@ -169,9 +136,9 @@ class Canvas(ImageView):
         """Begin a gesture or a pan."""
         event.accept()
         self.taken.emit()
-        if event.button() == Qt.MouseButton.LeftButton:
-            self.bend(event.modifiers())
-            self.press_at(self.position(event.position()))
+        if event.button() == Qt.MouseButton.LeftButton and self.shape is not None:
+            self.hold.set_modifiers(event.modifiers())
+            self.hold.press(self, self.position(event.position()))
         elif event.button() in (Qt.MouseButton.MiddleButton, Qt.MouseButton.RightButton):
             self._panning.begin(event.position(), at_once=event.button() == Qt.MouseButton.MiddleButton)
 
@@ -185,18 +152,18 @@ class Canvas(ImageView):
             if not moved.isNull():
                 self.viewport().setCursor(Qt.CursorShape.ClosedHandCursor)
                 self.pan(moved.x(), moved.y())
-                self.tell(at)
+                self._report(at)
         elif not self.led_by_keys:
-            self.bend(event.modifiers())
-            self.lead_to(at)
+            self.hold.set_modifiers(event.modifiers())
+            self.move_to(at)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """End it."""
         event.accept()
-        if event.button() == Qt.MouseButton.LeftButton and self.dragging:
-            self.let_go()
+        if event.button() == Qt.MouseButton.LeftButton and self.hold.dragging:
+            self.hold.release()
         elif self._panning.active:
-            if self._panning.end() and event.button() == Qt.MouseButton.RightButton and not self.dragging:
+            if self._panning.end() and event.button() == Qt.MouseButton.RightButton and not self.hold.dragging:
                 self.menu_wanted.emit(event.globalPosition().toPoint())
             self.hold.show_cursor(self, self.position(event.position()))
 
@@ -209,8 +176,8 @@ class Canvas(ImageView):
         event.accept()
         if event.modifiers() & Qt.KeyboardModifier.ShiftModifier and self._scene.slices is not None:
             self.slice_wanted.emit(self._wheel.notches(event))
-            return
-        self.zoom(ZOOM ** (event.angleDelta().y() / 120.0), event.position())
+        else:
+            self.zoom(ZOOM ** (event.angleDelta().y() / 120.0), event.position())
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Leave keys to the window."""
@@ -220,10 +187,6 @@ class Canvas(ImageView):
         """Leave keys to the window."""
         event.ignore()
 
-    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
-        """Leave the menu by keys to the window; the right button opens it when it is released without a drag."""
-        event.setAccepted(event.reason() == QContextMenuEvent.Reason.Mouse)
-
     def leaveEvent(self, event: QEvent) -> None:
         """Report that the pointer has left."""
         if not self.led_by_keys:
@@ -232,12 +195,6 @@ class Canvas(ImageView):
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
         """Cancel the drag when the window loses the focus."""
-        if self.dragging and event.reason() == Qt.FocusReason.ActiveWindowFocusReason:
-            self.cancel()
+        if self.hold.dragging and event.reason() == Qt.FocusReason.ActiveWindowFocusReason:
+            self.hold.cancel()
         super().focusOutEvent(event)
-
-    def point_again(self) -> None:
-        """The pointer rests, and another place of the image, of a slice or of another image has moved under it."""
-        if self._over is not None and not self.led_by_keys:
-            self._pointer = self.position(self._over)
-            self.tell(self._pointer)

@@ -18,8 +18,7 @@ from app.views.canvas.crosshair import Crosshair
 from app.views.canvas.image_view import ImageView
 from app.views.canvas.layers.image_layer import LevelDrag
 from app.views.canvas.legend import Strip
-from app.views.canvas.pointed import Pointed
-from app.views.canvas.selected_places import part_around, selected_places
+from app.views.canvas.pointed import Pointed, part_around, selected_places
 from app.views.canvas.tools import TOOLS
 from app.views.canvas.tools.select import SelectTool
 from app.views.canvas.tools.tool import Tool, ToolContext
@@ -87,7 +86,7 @@ class CanvasArea(QWidget):
         session.attempted.connect(self.messages.attempt)
         session.image_changed.connect(lambda: self.messages.keep_only(OPENING, *OF_THE_PROGRAM))
         for layer in self.canvas.layers:
-            layer.changed.connect(self.strip.refresh_legend)
+            layer.changed.connect(self.strip.legend.refresh)
         session.status_changed.connect(self.refresh)
         session.scene_changed.connect(self._draw)
         workspace.other_result.changed.connect(self._draw)
@@ -127,8 +126,8 @@ class CanvasArea(QWidget):
 
     def escape(self) -> None:
         """Cancel the draft or hide the cross-hair; otherwise dismiss the message and deselect everything."""
-        if self.canvas.gesturing:
-            self.canvas.cancel()
+        if self.canvas.hold.gesturing:
+            self.canvas.hold.cancel()
         elif self.crosshair.at is not None:
             self.crosshair.hide()
         elif self._workspace.other_result.chosen is not None:
@@ -146,7 +145,7 @@ class CanvasArea(QWidget):
     def show_hint(self, text: str) -> None:
         """Show what to do next below the canvas; advice of the tool has priority."""
         self._hint = text
-        tool = self.canvas.tool
+        tool = self.canvas.hold.tool
         if tool is not None and self._session.document.image is not None:
             offered = with_keys(OFFERED) if self._selection.proposals and not self._selection.selecting else ""
             text = self.crosshair.advice or tool.advice or offered or text
@@ -184,7 +183,7 @@ class CanvasArea(QWidget):
 
     def _draw(self) -> None:
         self.canvas.draw(self._workspace.other_result.near(self._session.scene))
-        self.strip.refresh_legend()
+        self.strip.legend.refresh()
 
     def _follow_contours(self) -> None:
         """Contours that are not visible cannot be selected."""
@@ -192,7 +191,7 @@ class CanvasArea(QWidget):
 
     def _wants(self, event: QKeyEvent) -> bool:
         """Whether a key that is also a shortcut of the window belongs to the draft or changes a size."""
-        tool = self.canvas.tool
+        tool = self.canvas.hold.tool
         if tool is None:
             return False
         if event.key() in _SIZES:
@@ -201,14 +200,14 @@ class CanvasArea(QWidget):
 
     def _take_key(self, event: QKeyEvent) -> bool:
         key = Qt.Key(event.key())
-        tool = self.canvas.tool
+        tool = self.canvas.hold.tool
         keyed, held = self.crosshair.at is not None, event.modifiers()
         ends = not keyed or held & Qt.KeyboardModifier.ControlModifier or key == Qt.Key.Key_Backspace
         if tool is not None and tool.drafting and key in _DRAFT_KEYS and ends:
             (tool.take_back if key == Qt.Key.Key_Backspace else tool.finish)()
             return True
         if key in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
-            self.canvas.bend(held)
+            self.canvas.hold.set_modifiers(held)
             (self.crosshair.enter if keyed else self.crosshair.show)()
             return True
         factor = 10.0 if held & Qt.KeyboardModifier.ShiftModifier else 1.0

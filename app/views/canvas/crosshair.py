@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QCursor
@@ -12,13 +11,13 @@ from PySide6.QtGui import QCursor
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.views.canvas.canvas import Canvas
-from app.views.canvas.items.item import line_pen, to_xy
+from app.views.canvas.items.item import Markers
 from app.views.theme import theme
 from cpm_core.numerics.types import Position
 
 _Z = 9.0
-_ARM, _GAP = 18.0, 4.0
-"""Distances from its center at which its lines end and begin [px of the screen]."""
+_SIZE = 36.0
+"""From end to end [px of the screen]."""
 
 _FINE = 0.5
 """Tolerance for hits of tools that work by clicks [px of the image]; keys are more precise than a pointer."""
@@ -34,13 +33,13 @@ class Crosshair:
         self._canvas = canvas
         self._changed = changed
         self._at: Position | None = None
-        self._halo = pg.PlotCurveItem(pen=line_pen(theme.HALO, 4.0), antialias=False)
-        self._lines = pg.PlotCurveItem(pen=line_pen(theme.CHOSEN, 1.6), antialias=False)
-        for index, item in enumerate((self._halo, self._lines)):
+        self._items = [
+            Markers(size=_SIZE, symbol="crosshair", brush=None, pen=pg.mkPen(color, width=width))
+            for color, width in ((theme.HALO, 4.0), (theme.CHOSEN, 1.6))
+        ]
+        for index, item in enumerate(self._items):
             item.setZValue(_Z + 0.1 * index)
-            item.setVisible(False)
             canvas.view.addItem(item, ignoreBounds=True)
-        canvas.view.sigRangeChanged.connect(self._draw)
         canvas.taken.connect(self.hide)
 
     @property
@@ -51,7 +50,7 @@ class Crosshair:
     @property
     def advice(self) -> str:
         """One sentence on what keys do with the tool in use."""
-        tool = self._canvas.tool
+        tool = self._canvas.hold.tool
         if self._at is None or tool is None:
             return ""
         text = tr("Arrow keys move the cross-hair, with Shift by 10 px. {what} {key:escape} puts it away.")
@@ -80,8 +79,8 @@ class Crosshair:
     def hide(self) -> None:
         """Hide it."""
         if self._at is not None:
-            if self._canvas.dragging:
-                self._canvas.cancel()
+            if self._canvas.hold.dragging:
+                self._canvas.hold.cancel()
             self._at = None
             self._canvas.led_by_keys = False
             self._canvas.leave()
@@ -96,16 +95,16 @@ class Crosshair:
     def enter(self) -> None:
         """Press, release, or click, depending on the tool."""
         canvas, at = self._canvas, self._at
-        tool = canvas.tool
+        tool = canvas.hold.tool
         if at is None or tool is None:
             return
-        if canvas.dragging:
-            canvas.let_go()
-        elif tool.clicks and not canvas.grips(at):
-            canvas.press_at(at, _FINE)
-            canvas.let_go()
+        if canvas.hold.dragging:
+            canvas.hold.release()
+        elif tool.clicks and canvas.hold.at(canvas, at) is tool:
+            canvas.hold.press(canvas, at, _FINE)
+            canvas.hold.release()
         else:
-            canvas.press_at(at)
+            canvas.hold.press(canvas, at)
         self._changed()
 
     def _place(self, at: Position) -> None:
@@ -116,22 +115,15 @@ class Crosshair:
             _beyond(point.x(), seen.left() + _MARGIN, seen.right() - _MARGIN),
             _beyond(point.y(), seen.top() + _MARGIN, seen.bottom() - _MARGIN),
         )
-        canvas.bend(Qt.KeyboardModifier.NoModifier)
-        canvas.lead_to(at)
+        canvas.hold.set_modifiers(Qt.KeyboardModifier.NoModifier)
+        canvas.move_to(at)
         self._draw()
         self._changed()
 
-    def _draw(self, *_: object) -> None:
-        for item in (self._halo, self._lines):
-            item.setVisible(self._at is not None)
-        if self._at is None:
-            return
-        size = self._canvas.view.viewPixelSize()
-        directions = np.array([(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)])
-        ends = np.array([_GAP, _ARM])[None, :, None] * directions[:, None] * (size[1], size[0])
-        x, y = to_xy((np.array(self._at) + ends).reshape(-1, 2))
-        for item in (self._halo, self._lines):
-            item.setData(x, y, connect="pairs")
+    def _draw(self) -> None:
+        x, y = ([], []) if self._at is None else ([self._at[1]], [self._at[0]])
+        for item in self._items:
+            item.setData(x=x, y=y)
 
 
 def _beyond(place: float, first: float, last: float) -> float:

@@ -8,14 +8,14 @@ from typing import Any
 
 import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF, Qt
-from PySide6.QtGui import QResizeEvent
+from PySide6.QtGui import QContextMenuEvent, QResizeEvent
 
 from app.model.volume.slices import Slice, flips_of
 from app.session.features.slices import Sections
 from app.session.scene import Scene
 from app.views.canvas.items.item import image_rectangle, to_position
 from app.views.canvas.layers import Layers
-from app.views.canvas.layers.layer import Requests
+from app.views.canvas.layers.layer import NoRequests, Requests
 from app.views.theme import theme
 from cpm_core.numerics.types import Place, Position
 
@@ -34,20 +34,28 @@ _AROUND, _SMALLEST = 0.15, 12.0
 class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hints
     """Shows the `layers` of a scene in the box `view`, and zooms and pans; `requests` asks the worker for data.
 
-    Of a volume it shows a slice, as `sections` makes it; positions are (row, col) in what is shown.
+    Of a volume it shows a slice, as `sections` makes it; positions are (row, col) in what is shown. One with an
+    `original` follows the settings of its layers, which have asked for all data.
     """
 
-    def __init__(self, requests: Requests) -> None:
+    def __init__(self, requests: Requests | None = None, original: ImageView | None = None) -> None:
         super().__init__(background=theme.CANVAS)
         self.view = pg.ViewBox(enableMenu=False, invertY=True, lockAspect=True, enableMouse=False, defaultPadding=0.0)
         self.view.disableAutoRange()
         # It fills itself: else the window and all panels around it would be drawn below it in every frame.
         self.viewport().setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
         self.setCentralItem(self.view)
-        self.layers = Layers(self.view, requests)
+        self.layers = Layers(self.view, requests or NoRequests())
         self.sections = Sections()
         self._given = self._scene = Scene()
         self._fitted = True
+        self._original = original
+        if original is not None:
+            self.setMinimumSize(1, 1)
+            self.setFrameStyle(0)
+            for layer in original.layers:
+                # Qt disconnects a method with its view; a function it would keep, and with it the view.
+                layer.changed.connect(self._copy_settings)
 
     @property
     def shape(self) -> tuple[int, ...] | None:
@@ -56,6 +64,18 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
 
     def draw(self, scene: Scene) -> None:
         """Draw a scene; another image, or slices across another axis, are shown as a whole."""
+        if self._original is not None and scene.whole is not self._scene.whole:
+            # a new image resets the options of its layer
+            self._draw(Scene(scene.image, scene.display, document=scene.document, slices=scene.slices))
+            self._copy_settings()
+        self._draw(scene)
+
+    def _copy_settings(self) -> None:
+        assert self._original is not None
+        for layer in self._original.layers:
+            self.layers[layer.name].use_view_state(layer.view_state())
+
+    def _draw(self, scene: Scene) -> None:
         self._given = scene
         before, self._scene = self._scene, self.sections.of(scene)
         if self._scene.ground != before.ground:
@@ -154,6 +174,10 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
         super().resizeEvent(event)
         if getattr(self, "_fitted", False):
             self.fit()
+
+    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
+        """Leave the menu by keys to the window; the right button opens it when it is released without a drag."""
+        event.setAccepted(event.reason() == QContextMenuEvent.Reason.Mouse)
 
     @property
     def here(self) -> Slice | None:

@@ -9,7 +9,7 @@ from PySide6.QtGui import QFocusEvent, QKeyEvent
 from PySide6.QtWidgets import QLineEdit
 
 from app.views.canvas.canvas import Canvas
-from app.views.widgets.own_escape import keep_escape
+from app.views.widgets.containers import keep_escape
 from cpm_core.numerics.types import Position
 
 _WIDTH = 170

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pyqtgraph as pg
 from PySide6.QtCore import QEvent, QPointF, Qt, Signal
-from PySide6.QtGui import QContextMenuEvent, QMouseEvent, QWheelEvent
+from PySide6.QtGui import QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QApplication, QWidget
 
 from app.model.text.language import tr
@@ -14,7 +14,6 @@ from app.session.scene import Scene
 from app.views.canvas.canvas import ZOOM, Canvas, Panning, Wheel
 from app.views.canvas.image_view import ImageView
 from app.views.canvas.items.item import image_rectangle, line_pen
-from app.views.canvas.wipe import Mirror
 from app.views.theme import theme
 
 _Z = 8.5
@@ -42,7 +41,7 @@ class Cross:
                 line.setValue(at)
 
 
-class SideView(Mirror):
+class SideView(ImageView):
     """Shows the slice across one axis, at first as a whole, and takes the tool in use.
 
     The right button moves the cross, and a click of it on something opens its menu; the wheel goes through the slices,
@@ -57,12 +56,12 @@ class SideView(Mirror):
     """The user wants the slice so many further along an axis: axis, number."""
 
     def __init__(self, canvas: Canvas, parent: QWidget) -> None:
-        super().__init__(canvas, parent)
-        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents, False)
+        super().__init__(original=canvas)
+        self.setParent(parent)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.setMinimumSize(_SMALLEST, _SMALLEST)
         self.cross = Cross(self)
         self._main = canvas
-        self._fitted = True
         self._wheel = Wheel()
         self._panning = Panning()
         self._pressed = QPointF()
@@ -76,10 +75,6 @@ class SideView(Mirror):
         self.draw(scene)
         self.cross.show(self.drawn.slices)
 
-    def fit(self) -> None:
-        """Show the whole slice: it has a place of its own."""
-        ImageView.fit(self)
-
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Begin a gesture of the tool in use, or move the cross."""
         event.accept()
@@ -88,7 +83,7 @@ class SideView(Mirror):
         at = self.position(event.position())
         self._pressed = event.position()
         if event.button() == Qt.MouseButton.LeftButton:
-            self._main.bend(event.modifiers())
+            self._main.hold.set_modifiers(event.modifiers())
             self._main.hold.press(self, at)
         elif event.button() == Qt.MouseButton.MiddleButton:
             self._panning.begin(event.position(), at_once=True)
@@ -105,7 +100,7 @@ class SideView(Mirror):
         elif event.buttons() & Qt.MouseButton.RightButton:
             self.went.emit(self.placed(at))
         elif not self._main.led_by_keys:
-            self._main.bend(event.modifiers())
+            self._main.hold.set_modifiers(event.modifiers())
             self._main.hold.move(self, at)
         self._main.placed_at.emit(self.placed(at))
 
@@ -113,10 +108,10 @@ class SideView(Mirror):
         """End it."""
         event.accept()
         if event.button() == Qt.MouseButton.LeftButton:
-            self._main.let_go()
+            self._main.hold.release()
         elif self._panning.active:
             self._panning.end()
-        elif event.button() == Qt.MouseButton.RightButton and not self._main.dragging:
+        elif event.button() == Qt.MouseButton.RightButton and not self._main.hold.dragging:
             moved = (event.position() - self._pressed).manhattanLength()
             if moved < QApplication.startDragDistance():
                 self.asked.emit(event.globalPosition().toPoint())
@@ -125,13 +120,9 @@ class SideView(Mirror):
         """Treat the second click like any other."""
         self.mousePressEvent(event)
 
-    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
-        """The right button opens the menu when it is released without a drag."""
-        event.setAccepted(event.reason() == QContextMenuEvent.Reason.Mouse)
-
     def leaveEvent(self, event: QEvent) -> None:
         """The pointer has left."""
-        if not self._main.led_by_keys and not self._main.dragging:
+        if not self._main.led_by_keys and not self._main.hold.dragging:
             self._main.leave()
         super().leaveEvent(event)
 

@@ -11,7 +11,7 @@ from app.model.text.language import tr
 from app.session.session import Session
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.image_view import ImageView
-from app.views.widgets.own_escape import keep_escape
+from app.views.widgets.containers import keep_escape
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Place
 

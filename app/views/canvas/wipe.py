@@ -3,57 +3,14 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QEvent, QObject, QPointF, QRectF, Qt, Signal
-from PySide6.QtGui import QColor, QFocusEvent, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QPolygonF
+from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QLabel, QWidget
 
 from app.model.text.language import tr
 from app.session.scene import Scene
-from app.session.worker.commands import Command
 from app.views.canvas.image_view import ImageView
 from app.views.theme import theme
-from app.views.widgets.own_escape import keep_escape
-
-
-class _NoRequests:
-    """Ignores requests: the layers of the canvas have already made them."""
-
-    def post(self, command: Command) -> None:
-        """Do nothing."""
-
-    def want_overlay(self, name: str, wanted: bool) -> None:
-        """Do nothing."""
-
-
-class Mirror(ImageView):
-    """Follows the settings of all layers of a canvas; the pointer goes through it."""
-
-    def __init__(self, canvas: ImageView, parent: QWidget) -> None:
-        super().__init__(_NoRequests())
-        self.setParent(parent)
-        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
-        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        self.setMinimumSize(1, 1)
-        self.setFrameStyle(0)
-        self._canvas = canvas
-        self._fitted = False
-        for layer in canvas.layers:
-            # Qt disconnects a method with its view; a function it would keep, and with it the view.
-            layer.changed.connect(self._copy)
-
-    def draw(self, scene: Scene) -> None:
-        """Draw a scene, with the settings of the canvas where the image is another one."""
-        if scene.whole is not self._scene.whole:
-            super().draw(Scene(scene.image, scene.display, document=scene.document, slices=scene.slices))
-            self._copy()
-        super().draw(scene)
-
-    def fit(self) -> None:
-        """Do nothing: the place is that of the canvas."""
-
-    def _copy(self) -> None:
-        for layer in self._canvas.layers:
-            self.layers[layer.name].use_view_state(layer.view_state())
-
+from app.views.widgets.containers import keep_escape
 
 _REACH, _GRIP = 9, 15.0
 """Half the width in which the divider can be taken, and radius of its grip [px]."""
@@ -76,7 +33,7 @@ class Wipe(QObject):
         self._canvas = canvas
         self._far = QWidget(canvas)
         self._far.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
-        self._mirror: Mirror | None = None
+        self._mirror: ImageView | None = None
         self.divider = Divider(canvas)
         self.names = (_name(canvas), _name(canvas))
         self.share = 0.5
@@ -88,7 +45,7 @@ class Wipe(QObject):
         self._show(False)
 
     @property
-    def mirror(self) -> Mirror | None:
+    def mirror(self) -> ImageView | None:
         """The view on the right; None while there is none."""
         return self._mirror
 
@@ -98,7 +55,9 @@ class Wipe(QObject):
             label.setText(name)
             label.adjustSize()
         if self._mirror is None:
-            self._mirror = Mirror(self._canvas, self._far)
+            self._mirror = ImageView(original=self._canvas)
+            self._mirror.setParent(self._far)
+            self._mirror.setFocusPolicy(Qt.FocusPolicy.NoFocus)
             self._mirror.show()
             if self._canvas.hasFocus():
                 self.divider.setFocus()
@@ -203,16 +162,6 @@ class Divider(QWidget):
         else:
             super().keyPressEvent(event)
 
-    def focusInEvent(self, event: QFocusEvent) -> None:
-        """Show the focus."""
-        super().focusInEvent(event)
-        self.update()
-
-    def focusOutEvent(self, event: QFocusEvent) -> None:
-        """Show that the focus has gone."""
-        super().focusOutEvent(event)
-        self.update()
-
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw the line and its grip."""
         painter = QPainter(self)
@@ -222,15 +171,10 @@ class Divider(QWidget):
         for color, width in ((theme.HALO, 4.0), (theme.CHOSEN, 2.0)):
             painter.setPen(QPen(QColor(color), width))
             painter.drawLine(top, bottom)
-        grip = QRectF(0.5, middle.y() - _GRIP, self.width() - 1.0, 2 * _GRIP)
         painter.setPen(QPen(QColor(theme.HALO), 1.0))
         painter.setBrush(QColor(theme.CLOSED if self.hasFocus() else theme.CHOSEN))
-        painter.drawRoundedRect(grip, 6.0, 6.0)
-        painter.setBrush(QColor(theme.HALO))
-        for side in (-1.0, 1.0):
-            tip = middle + QPointF(6.0 * side, 0.0)
-            back = QPointF(2.0 * side, 0.0)
-            painter.drawPolygon(QPolygonF([tip, middle + back + QPointF(0, -4), middle + back + QPointF(0, 4)]))
+        painter.drawRoundedRect(QRectF(0.5, middle.y() - _GRIP, self.width() - 1.0, 2 * _GRIP), 6.0, 6.0)
+        painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, "↔")
         painter.end()
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import partial
 
@@ -23,7 +23,6 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.display.comparison import (
-    COUNTS,
     FIRST_AXES,
     Axis,
     Tile,
@@ -37,9 +36,11 @@ from app.model.document.modes import acting_in
 from app.model.parameters.controls import Control, controls
 from app.model.text.language import from_core, tr
 from app.session.session import Session
-from app.views.widgets.fields.decimal_field import DecimalField
+from app.views.widgets.fields import DecimalField
 from cpm_core.objects.methods import CONTOUR_METHODS, Compared, Settings
-from cpm_core.parameters import Parameters
+
+_VALUES = 3
+"""Number of values of a parameter that are suggested."""
 
 
 class ParameterChoice(QWidget):
@@ -49,51 +50,38 @@ class ParameterChoice(QWidget):
         super().__init__()
         self._session = session
         offered = tuple(control for control in controls() if control.name in acting_in("shape"))
-        self.down = AxisRow(tr("Rows"), offered, FIRST_AXES[0])
-        self.across = AxisRow(tr("Columns"), offered, FIRST_AXES[1], may_lack=True)
-        self.count = QComboBox()
-        for number in COUNTS:
-            self.count.addItem(tr("{count} values each").format(count=number), number)
-        self.count.setAccessibleName(tr("Number of values"))
+        self.down, self.across = AxisRow(tr("Rows"), offered), AxisRow(tr("Columns"), (*offered, None))
         layout = QVBoxLayout(self)
         layout.setAlignment(Qt.AlignmentFlag.AlignTop)
-        for widget in (self.down, self.across, self.count):
-            layout.addWidget(widget)
-        self.count.currentIndexChanged.connect(self._suggest)
-        for row in (self.down, self.across):
-            row.choice.currentIndexChanged.connect(lambda _, row=row: self._suggest_for(row))
-        self._suggest()
+        for row, first in zip((self.down, self.across), FIRST_AXES, strict=True):
+            layout.addWidget(row)
+            row.choice.currentIndexChanged.connect(lambda _, row=row: self._suggest(row))
+            row.choice.setCurrentIndex([control.name for control in offered].index(first))
+            self._suggest(row)
 
     def tiles(self) -> tuple[Tile, ...]:
         """The runs; ValueError where values are not valid."""
         axes = [axis for axis in (self.down.axis(), self.across.axis()) if axis is not None]
         return parameter_tiles(self._session.document.parameters, axes)
 
-    def _suggest(self) -> None:
-        for row in (self.down, self.across):
-            self._suggest_for(row)
-
-    def _suggest_for(self, row: AxisRow) -> None:
-        document = self._session.document
+    def _suggest(self, row: AxisRow) -> None:
+        """Suggest values around the present one."""
+        document, control = self._session.document, row.control
         contrast = document.image.contrast if document.image else 255.0
-        row.suggest(document.parameters, contrast, self.count.currentData())
+        values = () if control is None else sensible_values(control, document.parameters, contrast, _VALUES)
+        row.values.setText(in_text(values))
+        row.values.setEnabled(control is not None)
 
 
 class AxisRow(QWidget):
-    """A choice among all parameters (`first` is the name of the initial one), and a line for its values."""
+    """A choice among parameters, of which None stands for no parameter, and a line for its values."""
 
-    def __init__(self, title: str, controls: tuple[Control, ...], first: str, may_lack: bool = False) -> None:
+    def __init__(self, title: str, offered: Iterable[Control | None]) -> None:
         super().__init__()
-        self.choice = QComboBox()
-        for control in controls:
-            self.choice.addItem(f"{control.title}  {control.symbol}", control)
-            if control.name == first:
-                self.choice.setCurrentIndex(self.choice.count() - 1)
-        if may_lack:
-            self.choice.addItem(tr("None"), None)
+        self.choice, self.values = QComboBox(), QLineEdit()
+        for control in offered:
+            self.choice.addItem(tr("None") if control is None else f"{control.title}  {control.symbol}", control)
         self.choice.setAccessibleName(title)
-        self._suggested: tuple[float, ...] = ()
-        self.values = QLineEdit()
         self.values.setAccessibleName(tr("Values"))
         self.values.setToolTip(tr("Values of the parameter, separated by commas."))
         layout = QVBoxLayout(self)
@@ -107,20 +95,9 @@ class AxisRow(QWidget):
         chosen: Control | None = self.choice.currentData()
         return chosen
 
-    def suggest(self, parameters: Parameters, contrast: float, count: int) -> None:
-        """Suggest values around the present one."""
-        control = self.control
-        self._suggested = () if control is None else sensible_values(control, parameters, contrast, count)
-        self.values.setText(in_text(self._suggested))
-        self.values.setEnabled(control is not None)
-
     def axis(self) -> Axis | None:
         """The chosen parameter and values; raises `ValueError` if the values are not valid."""
-        if self.control is None:
-            return None
-        if len(self._suggested) > 1 and self.values.text() == in_text(self._suggested):  # the text has fewer digits
-            return Axis(self.control, self._suggested)
-        return Axis(self.control, read_values(self.control, self.values.text()))
+        return None if self.control is None else Axis(self.control, read_values(self.control, self.values.text()))
 
 
 class MethodChoice(QWidget):

@@ -1,30 +1,149 @@
-"""The dialog of the comparison."""
+"""The dialog of the comparison: a picture of each run with its figures, and what is run."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from PySide6.QtCore import QRectF, QSize, Qt
-from PySide6.QtGui import QCloseEvent, QKeyEvent
-from PySide6.QtWidgets import QDialog, QHBoxLayout, QLabel, QProgressBar, QPushButton, QTabWidget, QVBoxLayout, QWidget
+import numpy as np
+from PySide6.QtCore import QRectF, QSize, Qt, Signal
+from PySide6.QtGui import QCloseEvent, QIcon, QKeyEvent
+from PySide6.QtWidgets import (
+    QButtonGroup,
+    QDialog,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QProgressBar,
+    QPushButton,
+    QScrollArea,
+    QTabWidget,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
 
 from app.model.display.comparison import Tile, pick
 from app.model.display.display_image import DisplayImage
 from app.model.document.objects import add_region
-from app.model.state.situation import in_words
+from app.model.state.situation import remaining_text
 from app.model.text.keys import with_keys
-from app.model.text.language import reason, tr
+from app.model.text.language import from_core, reason, tr, written
 from app.session.features.comparison import Comparison, Done
 from app.session.session import Session
-from app.views.comparison.board import Board, Lines, Picture
 from app.views.comparison.choices import MethodChoice, ParameterChoice
+from app.views.export.picture import Line, Picture
 from app.views.theme import theme
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.shapes.outlines import outlines_of
 
 _SIDE = 290
+_LEAST_WIDTH, _MOST_WIDTH = 130, 420
+"""Limits of the width of a tile [px]."""
+_PALE = 0.35
+"""Opacity of the image of a run that has not ended."""
+
+
+class TileView(QToolButton):
+    """One run: its picture, and below it what it is, how far it has come, and what it has found."""
+
+    def __init__(self, tile: Tile, picture: Picture, below: Sequence[Line], width: int) -> None:
+        super().__init__()
+        self.tile = tile
+        self.done: Done | None = None
+        self._picture, self._below = picture, below
+        self.setCheckable(True)
+        self.setAutoRaise(True)
+        self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
+        self.setIconSize(QSize(width, width))
+        self.setAccessibleName(tile.caption)
+        self.show_state(tr("waiting"))
+
+    def show_state(self, state: str) -> None:
+        """Show how far the run has come."""
+        self.state = state
+        found = self.done.result if self.done else None
+        lines = [*self._below, *map(Line, found.contours if found else ())]
+        opacity = _PALE if found is None else 1.0
+        self.setIcon(QIcon(self._picture.drawn(self.iconSize(), self.devicePixelRatioF(), lines, opacity)))
+        width = max(self.iconSize().width(), _LEAST_WIDTH)
+        texts = [self.tile.caption, *state.splitlines(), "", ""][:3]
+        shown = (self.fontMetrics().elidedText(text, Qt.TextElideMode.ElideRight, width) for text in texts)
+        # An ampersand in a text of a button would mark a key.
+        self.setText("\n".join(shown).replace("&", "&&"))
+        self.setAccessibleDescription(state)
+
+    def finish(self, done: Done) -> None:
+        """Show a finished run."""
+        self.done = done
+        self.setToolTip(_details(done))
+        self.show_state(figures_text(done))
+
+
+def figures_text(done: Done) -> str:
+    """Number of contours and steps, and on a second line the agreement with the ground truth, if any."""
+    facts = done.facts
+    if facts is None:
+        return done.trouble
+    found = tr("1 contour") if facts.contours == 1 else tr("{count} contours").format(count=facts.contours)
+    text = tr("{found}, {steps} steps").format(found=found, steps=facts.steps)
+    return text if facts.dice is None else "\n".join((text, tr("Dice {dice:.4f}").format(dice=facts.dice)))
+
+
+def _details(done: Done) -> str:
+    """All figures of a run, one in each line."""
+    facts = done.facts
+    if facts is None:
+        return done.trouble
+    figures: tuple[tuple[str, float | None, str], ...] = (
+        (tr("Time [s]"), facts.seconds, ".2f"),
+        (tr("Closed"), facts.closed, "d"),
+        ("F", facts.f, ".3f"),
+        (tr("Hausdorff") + " [px]", facts.hausdorff, ".1f"),
+        (tr("Mean distance") + " [px]", facts.mean_distance, ".2f"),
+    )
+    known = ((title, value, form) for title, value, form in figures if value is not None and np.isfinite(value))
+    lines = [f"{title}: {written(format(value, form))}" for title, value, form in known]
+    return "\n".join([from_core(facts.stop_reason), *lines])
+
+
+class Board(QScrollArea):
+    """The tiles of the present comparison in rows and columns."""
+
+    selected = Signal()
+    """Another tile has been selected."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.tiles: tuple[TileView, ...] = ()
+        self.setWidgetResizable(True)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+
+    @property
+    def current(self) -> TileView | None:
+        """The selected tile."""
+        return next((view for view in self.tiles if view.isChecked()), None)
+
+    def show_tiles(self, tiles: Sequence[Tile], picture: Picture, below: Sequence[Line]) -> None:
+        """Replace the tiles."""
+        body = QWidget()
+        grid, group = QGridLayout(body), QButtonGroup(body)
+        across = 1 + max(tile.col for tile in tiles)
+        width = min(max((self.width() - 40) // across - 16, _LEAST_WIDTH), _MOST_WIDTH)
+        self.tiles = tuple(TileView(tile, picture, below, width) for tile in tiles)
+        for view in self.tiles:
+            group.addButton(view)
+            grid.addWidget(view, view.tile.row, view.tile.col)
+            view.toggled.connect(self.selected)
+        grid.setAlignment(Qt.AlignmentFlag.AlignTop | Qt.AlignmentFlag.AlignLeft)
+        self.setWidget(body)
+        self.tiles[0].setChecked(True)
+        self.tiles[0].setFocus()
+
+    def view_of(self, tile: Tile) -> TileView | None:
+        """The view of a tile; None if the tile belongs to a previous comparison."""
+        return next((view for view in self.tiles if view.tile is tile), None)
 
 
 class CompareDialog(QDialog):
@@ -48,21 +167,38 @@ class CompareDialog(QDialog):
         self.setWindowFlag(Qt.WindowType.WindowMaximizeButtonHint)  # to be shown to many on a wall
         self.setWindowTitle(tr("Compare runs"))
         self._session, self._comparison, self._ask = session, comparison, ask
-        self._display, self._crop = display, crop
+        self._picture = Picture(display, crop)
         self.parameters, self.methods = ParameterChoice(session), MethodChoice(session)
         self.choices = QTabWidget()
         self.choices.addTab(self.parameters, tr("Parameters"))
         self.choices.addTab(self.methods, tr("Methods"))
         self.choices.setFixedWidth(_SIDE)
         self.board, self.words, self.bar = Board(), QLabel(), QProgressBar()
-        self.start_button, self.cancel_button = QPushButton(tr("Run")), QPushButton(tr("Cancel"))
-        self.take_button, self.enlarge_button = QPushButton(tr("Use these values")), QPushButton(tr("Enlarge"))
-        self.export_button = QPushButton(tr("Export…"))
+        self.bar.setMaximumWidth(160)
+        self.bar.setTextVisible(False)
+        self.words.setMinimumWidth(120)
+        self.words.setWordWrap(True)
+        upper, self._foot, layout = QHBoxLayout(), QHBoxLayout(), QVBoxLayout(self)
+        upper.addWidget(self.board, 1)
+        upper.addWidget(self.choices)
+        self._foot.addWidget(self.words, 1)
+        self._foot.addWidget(self.bar)
+        self.take_button = self._button(tr("Use these values"), self._take)
+        self.export_button = self._button(tr("Export…"), self._export)
         self.export_button.setToolTip(
             tr("Write the figures as a table, a picture of the methods side by side, or the contours of each method.")
         )
-        self._lay_out()
-        self._connect()
+        self.cancel_button = self._button(tr("Cancel"), comparison.cancel)
+        self.start_button = self._button(tr("Run"), self._start)
+        layout.addLayout(upper, 1)
+        layout.addLayout(self._foot)
+        self.start_button.setDefault(True)
+        self.board.selected.connect(self._select)
+        comparison.began.connect(self._begin)  # a partial would keep the dialog when it is closed
+        comparison.finished.connect(self._finish)
+        comparison.ended.connect(self._end)
+        session.tasks.advanced.connect(self._refresh)
+        session.image_changed.connect(self.close)
         self._refresh()
         self.resize(QSize(1180, 860).boundedTo(self.screen().availableSize() - QSize(40, 60)))
 
@@ -82,39 +218,12 @@ class CompareDialog(QDialog):
 
     # Internal
 
-    def _lay_out(self) -> None:
-        upper, foot, layout = QHBoxLayout(), QHBoxLayout(), QVBoxLayout(self)
-        upper.addWidget(self.board, 1)
-        upper.addWidget(self.choices)
-        self.words.setMinimumWidth(120)
-        self.words.setWordWrap(True)
-        foot.addWidget(self.words, 1)
-        self.bar.setMaximumWidth(160)
-        self.bar.setTextVisible(False)
-        foot.addWidget(self.bar)
-        for button in (self.enlarge_button, self.take_button, self.export_button, self.cancel_button):
-            button.setAutoDefault(False)
-            foot.addWidget(button)
-        self.start_button.setDefault(True)
-        foot.addWidget(self.start_button)
-        layout.addLayout(upper, 1)
-        layout.addLayout(foot)
-
-    def _connect(self) -> None:
-        comparison = self._comparison
-        self.start_button.clicked.connect(self._start)
-        self.cancel_button.clicked.connect(comparison.cancel)
-        self.take_button.clicked.connect(self._take)
-        self.enlarge_button.clicked.connect(self._enlarge)
-        self.export_button.clicked.connect(self._export)
-        self.board.taken.connect(self._take)
-        self.board.selected.connect(self._select)
-        comparison.began.connect(self._begin)  # a partial would keep the dialog when it is closed
-        comparison.finished.connect(self._finish)
-        comparison.ended.connect(self._end)
-        self._session.tasks.advanced.connect(self._refresh)
-        self._session.document_changed.connect(self._mark)
-        self._session.image_changed.connect(self.close)
+    def _button(self, text: str, do: Callable[[], None]) -> QPushButton:
+        button = QPushButton(text)
+        button.setAutoDefault(False)
+        button.clicked.connect(do)
+        self._foot.addWidget(button)
+        return button
 
     def _start(self) -> None:
         try:
@@ -124,33 +233,31 @@ class CompareDialog(QDialog):
         except ValueError as error:
             self._say(reason(error))
             return
-        self.board.lay(tiles, Picture(self._display, self._crop, self._below() if of_methods else ()))
-        self._mark()
+        self.board.show_tiles(tiles, self._picture, self._below() if of_methods else ())
         self._refresh()
 
-    def _below(self) -> Lines:
+    def _below(self) -> list[Line]:
         """The boundaries of the ground truth, and the start."""
         truth = self._session.scene.truth
         true = truth.contours if isinstance(truth, Truth) else ()
         starts = (Contour(outline, closed=True) for outline in outlines_of(self._session.document.shapes))
-        return [*((contour, theme.TRUTH) for contour in true), *((start, theme.MOVING) for start in starts)]
-
-    def _show_state(self, tile: Tile, state: str) -> None:
-        view = self.board.view_of(tile)
-        if view is not None and view.done is None:
-            view.show_state(state)
+        return [*(Line(one, theme.TRUTH) for one in true), *(Line(start, theme.MOVING) for start in starts)]
 
     def _begin(self, tile: Tile) -> None:
-        self._show_state(tile, tr("running…"))
+        view = self.board.view_of(tile)
+        if view is not None:
+            view.show_state(tr("running…"))
 
     def _finish(self, done: Done) -> None:
-        self.board.finish(done)
-        self._mark()
+        view = self.board.view_of(done.tile)
+        if view is not None:
+            view.finish(done)
         self._refresh()
 
     def _end(self) -> None:
         for view in self.board.tiles:
-            self._show_state(view.tile, tr("canceled"))
+            if view.done is None:
+                view.show_state(tr("canceled"))
         self._refresh()
 
     def _select(self) -> None:
@@ -167,38 +274,17 @@ class CompareDialog(QDialog):
         caption, tile, result = view.tile.caption, view.tile, view.done.result if view.done else None
         if not tile.method:
             self._session.edit(tr("use {values}").format(values=caption), lambda document: pick(document, tile))
-            self._say(
-                with_keys(
-                    tr("Now using {values}. Undo ({key:undo}) in the window restores the previous values."),
-                    values=caption,
-                )
-            )
+            text = tr("Now using {values}. Undo ({key:undo}) in the window restores the previous values.")
+            self._say(with_keys(text, values=caption))
         elif result is not None:
             self._session.edit(tr("keep what {method} has found").format(method=caption),
                                lambda document: add_region(document, result.contours, caption))  # fmt: skip
             self._say(tr("{method} is an object of the window now.").format(method=caption))
 
-    def _enlarge(self) -> None:
-        view = self.board.current
-        if view is not None and view.done is not None and view.done.result is not None:
-            large, label = QDialog(self), QLabel()
-            large.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-            large.setWindowTitle(", ".join((view.tile.caption, *view.state.splitlines())))
-            room = self.screen().availableSize() * 0.8
-            label.setPixmap(view.picture.drawn(room, self.devicePixelRatioF(), view.done.result.contours))
-            QVBoxLayout(large).addWidget(label)
-            large.open()
-
     def _export(self) -> None:
         path = self._ask(self)
         if path is not None:
             self._comparison.write([view.done for view in self.board.tiles if view.done is not None], path)
-
-    def _mark(self) -> None:
-        """Mark the tile whose parameters are those of the document, if any."""
-        document = self._session.document
-        for view in self.board.tiles:
-            view.mark(not view.tile.method and pick(document, view.tile) == document)
 
     def _refresh(self) -> None:
         task, tiles, current = self._comparison.task, self.board.tiles, self.board.current
@@ -209,13 +295,12 @@ class CompareDialog(QDialog):
         self.bar.setValue(done)
         self.cancel_button.setEnabled(task is not None)
         found = current is not None and current.done is not None and current.done.result is not None
-        self.enlarge_button.setEnabled(found)
         self.take_button.setEnabled(found or (current is not None and not of_methods))
         self.take_button.setText(tr("Keep as object") if of_methods else tr("Use these values"))
         self.export_button.setEnabled(task is None and of_methods and done > 0)
         if task is not None:
             progress = tr("{done} of {count} tiles").format(done=done, count=len(tiles))
-            self._say(", ".join(filter(None, (progress, in_words(task.seconds_left)))))
+            self._say(", ".join(filter(None, (progress, remaining_text(task.seconds_left)))))
         elif tiles and done < len(tiles):
             self._say(tr("Canceled after {done} of {count} tiles.").format(done=done, count=len(tiles)))
         elif tiles:

@@ -1,271 +1,282 @@
-"""The export dialog: what is written, in which format, where to, and what the format leaves out."""
+"""The export dialog: what is written and in which format; it asks for the file at last."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
 from pathlib import Path
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtGui import QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import (
-    QButtonGroup,
     QComboBox,
     QDialog,
     QDialogButtonBox,
     QFormLayout,
     QHBoxLayout,
     QLabel,
-    QRadioButton,
     QVBoxLayout,
     QWidget,
 )
 
-from app.model.export.order import SOURCES, Account, Closing, ExportOrder, Given, account, chosen, closed, in_words
+from app.model.export import SOURCES, ExportOrder, chosen, closed, formats, listed, summarize, summary_text
+from app.model.state.surface_figures import figure_texts
 from app.model.text.language import tr
-from app.session.exchange.messages import Report
+from app.session.features.skeleton import description_of
 from app.session.session import Session
-from app.session.tasks.tasks import Task
-from app.views.export.fields import FileFields, FormatField, PixelSizeField
-from app.views.export.preview import Preview
+from app.views.canvas.items.item import image_rectangle
+from app.views.export.picture import Line, Picture
+from app.views.theme import theme
+from app.views.theme.theme import look
 from cpm_core.contours.result import Result
-from cpm_core.formats import FOR_SKELETONS, OUTLINABLE, WRITABLE
+from cpm_core.formats import FOR_CENTERLINES, FOR_SKELETONS, FOR_VOLUMES, OUTLINABLE, WRITABLE
+from cpm_core.formats.masks.labels import palette
+from cpm_core.formats.writers import IN_SPACE
+from cpm_core.image.geometry import CONVENTIONS
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.reconstruction.curve.closing import can_be_closed
 
 _WIDTH = 330
-"""Width of the fields [px]."""
+"""Width of the sentences [px]."""
 
+_SLIGHTLY = 0.3
+"""Opacity of the image, on which filled contours stand out."""
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Closed(Report):
-    """Open contours have been closed for the preview of an order, or what that failed with."""
-
-    dialog: ExportDialog
-    order: ExportOrder
-    result: Result | Skeleton | None
-    trouble: str = ""
+_SPACES = {
+    "LPS": tr("To the left, back and head of the patient (LPS), as in DICOM"),
+    "RAS": tr("To the right, front and head of the patient (RAS), as in NIfTI"),
+}
 
 
 class ExportDialog(QDialog):
-    """Asks what to export and where to, and shows it; `folder` and `stem` are where the file goes by default."""
+    """Asks what to export and as what, and shows it.
+
+    Parameters
+    ----------
+    parent : QWidget
+        The window.
+    session : Session
+        What is exported.
+    selected : frozenset of int
+        Numbers of the selected contours.
+    suffix : str
+        Suffix of the format that is suggested.
+    ask : callable
+        Asks for a file with a suffix; None when the user cancels.
+    """
 
     ordered = Signal(object, object)
     """Path of the file and the order for it."""
 
-    def __init__(self, parent: QWidget, session: Session, selected: frozenset[int], place: Path, suffix: str) -> None:
+    def __init__(
+        self,
+        parent: QWidget,
+        session: Session,
+        selected: frozenset[int],
+        suffix: str,
+        ask: Callable[[QWidget, str], Path | None],
+    ) -> None:
         super().__init__(parent)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self._session = session
-        self._selected = selected
-        self._task: Task | None = None
-        image = session.image
-        assert image is not None and session.document.image is not None
-        self._whole = session.scene.contours.result or getattr(session.scene.reconstruction, "result", None)
-        self.setWindowTitle(tr("Export skeleton") if isinstance(self._whole, Skeleton) else tr("Export contours"))
-        self.sources = {source.name: QRadioButton(source.title) for source in SOURCES}
-        skeleton = isinstance(self._whole, Skeleton)
-        self.format = FormatField(FOR_SKELETONS if skeleton else WRITABLE)
-        self.drawn = {"filled": QRadioButton(tr("Filled")), "outlines": QRadioButton(tr("Outlines"))}
-        self.closing = QComboBox()
-        self.pixel_size = PixelSizeField(image.spacing, image.unit)
-        self.file = FileFields(place.parent, place.name, Path(session.document.image.path))
-        self.counts, self.note = QLabel(), QLabel()
-        self.preview = Preview(session.scene.display, image.shape)
-        self._form = QFormLayout()
+        self._session, self._selected, self._ask = session, selected, ask
+        image, scene = session.image, session.scene
+        assert image is not None
+        self._image = image
+        self._volume = scene.slices is not None
+        self._whole = scene.skeleton or scene.contours.result or getattr(scene.reconstruction, "result", None)
+        self.setWindowTitle(self._title())
+        self.source, self.format, self.regions, self.closing, self.space = (QComboBox() for _ in range(5))
+        self.summary = QLabel()
+        self.summary.setWordWrap(True)
+        self.summary.setMinimumSize(_WIDTH, 3 * self.summary.fontMetrics().lineSpacing())
+        self.summary.setAlignment(Qt.AlignmentFlag.AlignTop)
+        self._fill(suffix)
         self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Cancel)
-        self.export_button = self.buttons.addButton(tr("&Export"), QDialogButtonBox.ButtonRole.AcceptRole)
-        self._lay_out()
+        self.export_button = self.buttons.addButton(tr("&Export…"), QDialogButtonBox.ButtonRole.AcceptRole)
+        self._form = QFormLayout()
+        rows = (tr("What"), tr("Format"), tr("Regions"), tr("Open contours"), tr("Coordinates"))
+        for title, field in zip(rows, (self.source, self.format, self.regions, self.closing, self.space), strict=True):
+            field.setAccessibleName(title)
+            field.activated.connect(self._follow)
+            self._form.addRow(title, field)
+        self._form.addRow("", self.summary)
+        left, layout = QVBoxLayout(), QHBoxLayout(self)
+        left.addLayout(self._form)
+        left.addStretch(1)
+        left.addWidget(self.buttons)
+        layout.addLayout(left)
+        self.preview = None if self._volume else Preview(Picture(scene.display, image_rectangle(image.shape)))
+        if self.preview is not None:
+            layout.addWidget(self.preview, 1)
         self.export_button.setDefault(True)  # once it is in the dialog, else Tab makes another button the default
-        self._fill()
-        self.format.choose(suffix)
-        self.file.use_suffix(self.format.suffix)
-        self._connect()
-        self._follow_format()
+        self.buttons.accepted.connect(self.accept)
+        self.buttons.rejected.connect(self.reject)
+        self._follow()
+
+    @property
+    def suffix(self) -> str:
+        """Suffix of the chosen format."""
+        return str(self.format.currentData())
 
     @property
     def order(self) -> ExportOrder:
         """What is chosen."""
-        source = next(name for name, button in self.sources.items() if button.isChecked())
-        outlines = self.drawn["outlines"].isChecked() and self.format.suffix in OUTLINABLE
-        spacing, unit = self.pixel_size.changed
-        closing: Closing = self.closing.currentData() or ""
-        selected = self._selected if source == "selected" else frozenset()
-        return ExportOrder(source, selected, closing, outlines, spacing, unit)
+        source = self.source.currentData()
+        return ExportOrder(
+            source,
+            self._selected if source == "selected" else frozenset(),
+            self.closing.currentData() or "",
+            outlines=bool(self.regions.currentData()) and self.suffix in OUTLINABLE,
+            space=self.space.currentData(),
+        )
 
     def accept(self) -> None:
-        """Order the export."""
-        if not self.export_button.isEnabled():
-            return
-        self.ordered.emit(self.file.path, self.order)
-        super().accept()
-
-    def done(self, result: int) -> None:
-        """Stop the preview."""
-        self._session.stop_listening(Closed, self._show_closed)
-        if self._task is not None:
-            self._task.cancel()
-        super().done(result)
+        """Ask for the file and order the export."""
+        path, image = self._ask(self, self.suffix), self._session.document.image
+        if path is not None and image is not None and path.resolve() == Path(image.path).resolve():
+            text = tr("{name} is the image itself: choose another name.")
+            self.summary.setText(text.format(name=path.name))
+        elif path is not None:
+            self.ordered.emit(path, self.order)
+            super().accept()
 
     # Internal
 
-    def _lay_out(self) -> None:
-        what = QVBoxLayout()
-        what.setSpacing(2)
-        group = QButtonGroup(self)
-        for button in self.sources.values():
-            group.addButton(button)
-            what.addWidget(button)
-        drawn, kinds = QHBoxLayout(), QButtonGroup(self)
-        for button in self.drawn.values():
-            kinds.addButton(button)
-            drawn.addWidget(button)
-        self.drawn["filled"].setChecked(True)
-        self.closing.setAccessibleName(tr("Open contours"))
-        _make_room_for_sentences(self.counts, self.note)
-        self._form.addRow(tr("What"), what)
-        self._form.addRow(tr("Format"), self.format)
-        self._form.addRow(tr("Regions"), drawn)
-        self._form.addRow(tr("Open contours"), self.closing)
-        self._form.addRow("", self.counts)
-        self._form.addRow(tr("Pixel size"), self.pixel_size)
-        self._form.addRow(tr("File"), self.file)
-        self._form.addRow("", self.note)
-        left = QVBoxLayout()
-        left.addLayout(self._form)
-        left.addStretch(1)
-        left.addWidget(self.buttons)
-        layout = QHBoxLayout(self)
-        layout.addLayout(left)
-        layout.addWidget(self.preview, 1)
+    def _title(self) -> str:
+        if isinstance(self._whole, Skeleton):
+            return tr("Export center lines") if self._volume else tr("Export skeleton")
+        return tr("Export surface") if self._volume else tr("Export contours")
 
-    def _fill(self) -> None:
-        """Offer what there is, with counts."""
-        result, session = self._whole if isinstance(self._whole, Result) else None, self._session
-        given = Given(result, session.document, self._selected, session.image)
-        for source in SOURCES:
-            found, button = source.of(given), self.sources[source.name]
-            count = _count(found, source.name)
-            button.setText(f"{source.title} ({count})")
-            button.setEnabled(count > 0)
-        self._form.setRowVisible(0, not isinstance(self._whole, Skeleton))
-        usable = [button for button in self.sources.values() if button.isEnabled()]
-        (usable or list(self.sources.values()))[0].setChecked(True)
+    def _fill(self, suffix: str) -> None:
+        skeleton = isinstance(self._whole, Skeleton)
+        if skeleton:
+            self.source.addItem(tr("The center lines"), "all")
+        for source in () if skeleton else SOURCES:
+            count = self._count(source)
+            if count and self._volume and source == "all":
+                self.source.addItem(tr("The surface of the run"), source)
+            elif count and (not self._volume or source == "objects"):
+                self.source.addItem(f"{SOURCES[source]} ({count})", source)
+        writable = FOR_VOLUMES if self._volume else WRITABLE
+        if skeleton:
+            writable = FOR_CENTERLINES if self._volume else FOR_SKELETONS
+        for known, name in formats(of_volumes=self._volume).items():
+            if known in writable:
+                self.format.addItem(f"{name}  (*{known})", known)
+        self.format.setMaxVisibleItems(24)
+        self.format.setCurrentIndex(max(0, self.format.findData(listed(suffix))))
+        self.regions.addItem(tr("Filled"), False)
+        self.regions.addItem(tr("Outlines"), True)
+        for space in CONVENTIONS:
+            self.space.addItem(_SPACES[space], space)
 
-    def _connect(self) -> None:
-        for button in (*self.sources.values(), *self.drawn.values()):
-            button.clicked.connect(self._follow)
-        self.format.activated.connect(lambda _: self._use_format())
-        self.file.edited.connect(self._follow_name)
-        self.closing.activated.connect(lambda _: self._follow())
-        self.pixel_size.edited.connect(self._follow)
-        self.buttons.accepted.connect(self.accept)
-        self.buttons.rejected.connect(self.reject)
-        self._session.listen(Closed, self._show_closed)
-
-    def _use_format(self) -> None:
-        self.file.use_suffix(self.format.suffix)
-        self._follow_format()
-
-    def _follow_name(self) -> None:
-        if self.file.suffix and self.file.suffix != self.format.suffix:
-            self.format.choose(self.file.suffix)
-            self._follow_format()
-        else:
-            self._follow()
-
-    def _follow_format(self) -> None:
-        """Show what concerns the format."""
-        self._form.setRowVisible(2, self.format.suffix in OUTLINABLE and not isinstance(self._whole, Skeleton))
-        self._follow()
+    def _count(self, source: str) -> int:
+        """How many contours or objects of a source there are to write."""
+        document = self._session.document
+        if source == "objects" and self._volume:
+            return sum(not item.hidden for item in document.objects.items)
+        try:
+            found = chosen(self._whole, document, ExportOrder(source, self._selected))
+        except ValueError:
+            return 0
+        if self._volume:
+            return int(isinstance(found, Result) and found.surface is not None)
+        return len({one.group for one in found.contours} if source == "objects" else found.contours)
 
     def _follow(self) -> None:
-        """Show what the present choice writes."""
-        order = self.order
-        result = self._chosen(order)
-        self._offer_closing(result, order)
-        order = self.order
-        if not order.closing:
-            self._show(result, result, order)
+        """Show what concerns the present choice, and what it writes."""
+        skeleton = isinstance(self._whole, Skeleton)
+        self._form.setRowVisible(self.source, not skeleton)
+        self._form.setRowVisible(self.regions, self.suffix in OUTLINABLE and not skeleton and not self._volume)
+        placed = self._volume and self._image.geometry is not None
+        self._form.setRowVisible(self.space, placed and self.suffix in IN_SPACE)
+        self._form.setRowVisible(self.closing, False)
+        if self._volume:
+            self.summary.setText(self._volume_text())
             return
-        self.counts.setText(tr("Closing contours…"))
-        self._enable(tr("Closing contours…"))
-        if self._task is not None:
-            self._task.cancel()
-        image, parameters = self._session.image, self._session.document.parameters
-        assert image is not None
-        self._task = self._session.tasks.start(
-            tr("Closing contours…"),
-            lambda task: Closed(self, order, closed(result, order, image, parameters)),
-            tr("closing contours"),
-            lambda trouble: Closed(self, order, None, trouble),
-        )
+        document = self._session.document
+        before = chosen(self._whole, document, self.order, self._image)
+        self._offer_closing(before)
+        order = self.order
+        # In the preview contours are closed straight, which takes no time.
+        straight = ExportOrder(order.source, closing="straight") if order.closing else ExportOrder(order.source)
+        after = closed(before, straight, self._image, document.parameters)
+        self._show(before, after, order)
 
-    def _chosen(self, order: ExportOrder) -> Result | Skeleton:
-        return chosen(self._whole, self._session.document, order, self._session.image)
-
-    def _offer_closing(self, result: Result | Skeleton, order: ExportOrder) -> None:
+    def _offer_closing(self, result: Result | Skeleton) -> None:
         """Offer to close open contours, where there are any that can be closed."""
         opened = [contour for contour in result.contours if not contour.closed]
+        self._form.setRowVisible(self.closing, bool(opened) and isinstance(result, Result))
         closable = sum(map(can_be_closed, opened)) if isinstance(result, Result) else 0
-        self._form.setRowVisible(3, bool(opened) and isinstance(result, Result))
-        lost = account(result, result, self.format.suffix, order).left_out
-        choices = (
-            ("", tr("Leave {count} out").format(count=lost) if lost else tr("Leave them open")),
-            ("edges", tr("Close {count} along the edges").format(count=closable)),
-            ("straight", tr("Close {count} by straight lines").format(count=closable)),
-        )
+        lost = summarize(result, result, self.suffix, self.order).left_out
         present = self.closing.currentData() or ""
         self.closing.clear()
-        for closing, text in choices if closable else choices[:1]:
-            self.closing.addItem(text, closing)
+        self.closing.addItem(tr("Leave {count} out").format(count=lost) if lost else tr("Leave them open"), "")
+        if closable:
+            self.closing.addItem(tr("Close {count} along the edges").format(count=closable), "edges")
+            self.closing.addItem(tr("Close {count} by straight lines").format(count=closable), "straight")
         self.closing.setCurrentIndex(max(0, self.closing.findData(present)))
 
-    def _show_closed(self, report: Closed) -> None:
-        if report.dialog is self and report.order == self.order:
-            if report.result is not None:
-                self._show(self._chosen(report.order), report.result, report.order)
-            else:
-                self._enable(report.trouble)
-
     def _show(self, before: Result | Skeleton, after: Result | Skeleton, order: ExportOrder) -> None:
-        counts = account(before, after, self.format.suffix, order)
-        masked = counts.left_out > 0
-        written = [one for one in after.contours if one.closed or not masked]
-        left = [one for one in after.contours if not one.closed and masked]
-        bridges = [one.points for one in after.bridges] if isinstance(after, Result) else []
-        filled = self.format.suffix in OUTLINABLE and not order.outlines and isinstance(after, Result)
-        self.preview.show_export(written, left, bridges, filled)
-        self.counts.setText(_words(after, counts, order))
-        self._enable(tr("There is nothing to write in this format.") if not counts.written else "")
+        summary = summarize(before, after, self.suffix, order)
+        words = tr("Writes {what}.").format(what=summary_text(summary))
+        if summary.left_out and order.closing:
+            words += " " + tr("Their ends are too far apart to be closed.")
+        elif summary.left_out:
+            words += " " + tr("This format holds closed contours only.")
+        elif isinstance(after, Result) and (opened := sum(not contour.closed for contour in after.contours)):
+            words += " " + tr("{count} are open.").format(count=opened)
+        self.summary.setText(words if summary.written else tr("There is nothing to write in this format."))
+        self.export_button.setEnabled(summary.written > 0)
+        filled = self.suffix in OUTLINABLE and not order.outlines and isinstance(after, Result)
+        colors = [f"#{red:02x}{green:02x}{blue:02x}" for red, green, blue in palette(255)[1:].tolist()]
+        lines = [
+            Line(contour, colors[index % len(colors)] if filled else "", filled)
+            if contour.closed or not summary.left_out
+            else Line(contour, look().color(theme.REJECTED), pale=True)
+            for index, contour in enumerate(after.contours)
+        ]
+        assert self.preview is not None
+        if filled:
+            lines.sort(key=lambda line: -line.contour.area)
+        self.preview.show_lines(lines, _SLIGHTLY if filled else 1.0)
 
-    def _enable(self, trouble: str) -> None:
-        trouble = self.file.trouble or trouble
-        self.export_button.setEnabled(not trouble)
-        if not trouble and self.file.path.exists():
-            trouble = tr("{name} is there already and will be replaced.").format(name=self.file.path.name)
-        self.note.setText(trouble)
+    def _volume_text(self) -> str:
+        """The figures of what is written of a volume, one in each line."""
+        if isinstance(self._whole, Skeleton):
+            return description_of(self._whole, self._image)
+        if self.source.currentData() == "objects":
+            return tr("In a label volume each voxel has the number of its object.")
+        return "\n".join(f"{label}: {value}" for label, value, _ in figure_texts(self._session.status.surface))
 
 
-def _make_room_for_sentences(*labels: QLabel) -> None:
-    for label in labels:
-        label.setWordWrap(True)
-        label.setMinimumSize(_WIDTH, 3 * label.fontMetrics().lineSpacing())
-        label.setAlignment(Qt.AlignmentFlag.AlignTop)
+class Preview(QWidget):
+    """What the file will hold on the image, and, pale, what it will not."""
 
+    def __init__(self, picture: Picture) -> None:
+        super().__init__()
+        self._picture = picture
+        self._lines: tuple[Line, ...] = ()
+        self._opacity = 1.0
+        self.setMinimumSize(300, 260)
+        self.setAccessibleName(tr("Preview of the export"))
 
-def _count(found: Result | None, source: str) -> int:
-    """How many objects, or contours, there are to write."""
-    contours = found.contours if found is not None else ()
-    return len({one.group for one in contours} if source == "objects" else contours)
+    def sizeHint(self) -> QSize:
+        """Large enough to see single contours."""
+        return QSize(460, 460)
 
+    def show_lines(self, lines: list[Line], opacity: float) -> None:
+        """Show lines on the image of some opacity."""
+        self._lines, self._opacity = tuple(lines), opacity
+        self._pixels = self._picture.drawn(self.size(), self.devicePixelRatioF(), lines, opacity)
+        self.update()
 
-def _words(result: Result | Skeleton, counts: Account, order: ExportOrder) -> str:
-    """What is written, and why not everything is."""
-    words = tr("Writes {what}.").format(what=in_words(counts))
-    opened = sum(not contour.closed for contour in result.contours) if isinstance(result, Result) else 0
-    if counts.left_out and order.closing:
-        words += " " + tr("Their ends are too far apart to be closed.")
-    elif counts.left_out:
-        words += " " + tr("This format holds closed contours only.")
-    elif opened:
-        words += " " + tr("{count} are open.").format(count=opened)
-    return words
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Draw the picture in its new size."""
+        self.show_lines(list(self._lines), self._opacity)
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Show the picture in the middle."""
+        size = self._pixels.deviceIndependentSize().toSize()
+        QPainter(self).drawPixmap(
+            (self.width() - size.width()) // 2, (self.height() - size.height()) // 2, self._pixels
+        )

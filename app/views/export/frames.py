@@ -15,7 +15,6 @@ from app.session.scene import ReviewedContours, Scene
 from app.session.session import Session
 from app.session.signals import FILMING
 from app.session.tasks.tasks import Task
-from app.session.worker.commands import Command
 from app.session.worker.requests import FrameTaken, TakeFrame
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.image_view import ImageView
@@ -42,16 +41,6 @@ def frame_size(part: QRectF, width: int) -> tuple[int, int]:
     return max(2 * round(width / 2), 2), min(max(2 * round(height / 2), 2), 2 * WIDEST)
 
 
-class NoRequests:
-    """Ignores requests: the layers of the window have already made them."""
-
-    def post(self, command: Command) -> None:
-        """Do nothing."""
-
-    def want_overlay(self, name: str, wanted: bool) -> None:
-        """Do nothing."""
-
-
 class FrameRenderer:
     """An off-screen view with the present settings of the layers of a canvas.
 
@@ -71,7 +60,7 @@ class FrameRenderer:
         self._size = size
         # selection and differences belong to the present contours, not to those of other moments
         self._scene = replace(scene, selected_contours=frozenset(), hovered_contour=None, differences=())
-        self._view = ImageView(NoRequests())
+        self._view = ImageView()
         self._view.setAttribute(Qt.WidgetAttribute.WA_DontShowOnScreen)
         self._view.setMinimumSize(1, 1)
         self._view.setFrameStyle(0)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QRectF
 
-from app.model.export.provenance import comment_on
+from app.model.export import provenance_comment
 from app.model.state.situation import has_particles
 from app.model.text.language import reason, tr
 from app.session.exchange.messages import Exported, Report
@@ -17,7 +17,7 @@ from app.session.signals import FILMING
 from app.session.tasks.tasks import Task
 from app.views.export.animation_dialog import AnimationDialog, AnimationPlan
 from app.views.export.frames import FrameRecorder, FrameRenderer, seen_part
-from app.views.widgets.action_spec import ActionSpec
+from app.views.widgets.actions import ActionSpec
 from app.views.window.dialogs import Files
 from app.views.window.feature import Feature, FeatureContext
 from cpm_core.formats.animation import ANIMATED, check_animation, write_animation
@@ -119,7 +119,7 @@ class AnimationFeature(Feature):
     @property
     def _comment(self) -> str:
         """How the pictures came about, for their file."""
-        return comment_on(self.context.session.document, steered=self.context.session.status.steered)
+        return provenance_comment(self.context.session.document, steered=self.context.session.status.steered)
 
     def _part(self, zoomed: bool) -> QRectF:
         canvas = self.context.canvas_area.canvas
@@ -134,7 +134,7 @@ class AnimationFeature(Feature):
 def _taken(frames: queue.Queue[Pixels | None], task: Task) -> Iterator[Pixels]:
     """Frames as they arrive, until there are no more; raises when the task is canceled."""
     while True:
-        task.go_on()
+        task.check_cancelled()
         try:
             frame = frames.get(timeout=_TIMEOUT)
         except queue.Empty:

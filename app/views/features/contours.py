@@ -14,17 +14,17 @@ from app.model.preferences.table import UNIT
 from app.model.state.situation import Situation, has_image
 from app.model.text.language import tr
 from app.views.canvas.naming import NameField
-from app.views.panels.contour_table import ContourPanel
-from app.views.panels.contour_table.truth_panel import TruthPanel
-from app.views.theme.contour_colors import fill_colors
-from app.views.widgets.action_spec import ActionSpec, Submenu
+from app.views.panels.contours import ContourPanel
+from app.views.panels.truth import TruthPanel
+from app.views.theme.icons import fill_colors
+from app.views.widgets.actions import ActionSpec, Submenu
 from app.views.window.dialogs import Files, all_files
 from app.views.window.feature import Feature, FeatureContext, Panel
 from app.views.window.keyboard import Keys
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.review import middle
 from cpm_core.formats import READABLE, SURFACES_READABLE
-from cpm_core.formats.contours.reading.contour_file import CONTOURS_READABLE
+from cpm_core.formats.contour_file import CONTOURS_READABLE
 from cpm_core.medial_axis.outlines import Outlined
 
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
@@ -47,9 +47,6 @@ class ContoursFeature(Feature):
         self.panel.table.zoom_wanted.connect(context.canvas_area.zoom_to_selection)
         canvas.pointed.connect(lambda at: self._review.hover(None) if at is None else None)
         self._review.selection_changed.connect(context.refresh)
-        self.panel.buttons["keep"].clicked.connect(lambda: self._review.judge("kept"))
-        self.panel.buttons["reject"].clicked.connect(lambda: self._review.judge("rejected"))
-        self.panel.buttons["name"].clicked.connect(self.panel.table.name_selected)
 
     def action_specs(self) -> Sequence[ActionSpec | Submenu]:
         """Table, selection, verdicts, names, colors."""
@@ -87,7 +84,7 @@ class ContoursFeature(Feature):
         """The table."""
         return (
             Panel(name="contours", title=tr("Contours"), widget=self.panel, area="bottom", tab="below", shown=False,
-                  height=250, shortcut="F11"),
+                  height=160, shortcut="F11"),
         )  # fmt: skip
 
     def ask_name(self) -> None:
@@ -111,7 +108,7 @@ class ContoursFeature(Feature):
 
     @property
     def _selecting(self) -> bool:
-        tool = self.context.canvas_area.canvas.tool
+        tool = self.context.canvas_area.canvas.hold.tool
         return tool is not None and tool.name == "contours" and bool(self._review.selected)
 
     def _any(self, situation: Situation) -> bool:

@@ -14,7 +14,7 @@ from app.model.text.language import from_core, tr
 from app.views.canvas.canvas_area import FIRST_TOOL
 from app.views.canvas.tools import TOOLS
 from app.views.panels.history import HistoryPanel
-from app.views.widgets.action_spec import ActionSpec
+from app.views.widgets.actions import ActionSpec
 from app.views.window.feature import Feature, FeatureContext, Panel
 from cpm_core.shapes import Everywhere, Kind
 

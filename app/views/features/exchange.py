@@ -8,16 +8,16 @@ from pathlib import Path
 
 from PySide6.QtCore import QMimeData, QUrl
 from PySide6.QtGui import QImage
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QApplication, QWidget
 
 from app.model.document import edits, imported
 from app.model.document.imported import Imported
 from app.model.document.modes import needs_start
-from app.model.export.order import ExportOrder, can_be_exported
+from app.model.export import ExportOrder, formats, has_objects
 from app.model.state.situation import Situation, has_contours, has_image, has_volume
 from app.model.text.language import from_core, tr
 from app.session.exchange.messages import Exported, Opened
-from app.session.features.image_batch import TOPIC, BatchDone
+from app.session.features.image_batch import TOPIC, BatchDone, apply_to_folder
 from app.session.features.import_contours import (
     ContoursRead,
     PictureKept,
@@ -26,22 +26,18 @@ from app.session.features.import_contours import (
     read_file,
     read_pasted,
 )
-from app.session.features.skeleton import description_of
 from app.session.signals import EXPORTING, OPENING
+from app.session.tasks.tasks import Task
 from app.session.worker.commands import Copied
-from app.views.export.batch.dialog import BatchDialog
 from app.views.export.dialog import ExportDialog
-from app.views.export.surface import SurfaceDialog
-from app.views.widgets.action_spec import ActionSpec
-from app.views.window.dialogs import Button, Files, Question, all_files
-from app.views.window.feature import Feature, FeatureContext, OneDialog
+from app.views.widgets.actions import ActionSpec
+from app.views.window.dialogs import Button, Files, Question, all_files, ask_for_folder
+from app.views.window.feature import Feature, FeatureContext
 from cpm_core.formats import (
     CONTOURS_READABLE,
     FOR_CENTERLINES,
-    FOR_SKELETONS,
     READABLE,
     SURFACES_READABLE,
-    WRITABLE,
     suffix_of,
 )
 
@@ -56,7 +52,7 @@ class ExportFeature(Feature):
         super().__init__(context)
         self._exported: Path | None = None
         self._order = ExportOrder()
-        self.dialog: ExportDialog | SurfaceDialog | None = None
+        self.dialog: ExportDialog | None = None
         context.session.listen(Opened, self._forget)
         context.session.listen(Exported, self._remember)
 
@@ -78,44 +74,27 @@ class ExportFeature(Feature):
         return tr("Export a&gain to {name}").format(name=self._exported.name.replace("&", "&&"))
 
     def _export(self) -> None:
-        session, review = self.context.session, self.context.workspace.review
-        image, preferences = session.document.image, self.context.preferences
-        if image is None or self.dialog is not None:
-            return
-        if session.scene.slices is not None:
-            self._export_surface(Path(image.path))
+        session, preferences = self.context.session, self.context.preferences
+        if session.document.image is None or self.dialog is not None:
             return
         suffix = suffix_of(self._exported) if self._exported else preferences.get(_SUFFIX, ".svg")
-        suffix = suffix if suffix in WRITABLE else ".svg"
-        kind = "contours"
-        if session.scene.skeleton is not None:
-            kind, suffix = "skeleton", suffix if suffix in FOR_SKELETONS else ".svg"
-        place = self.context.files.begin("export") / f"{Path(image.name).stem}_{kind}"
-        selected = frozenset(item.measures.number for item in review.chosen)
-        self._open(ExportDialog(self.context.window, session, selected, place, suffix))
+        selected = frozenset(item.measures.number for item in self.context.workspace.review.chosen)
+        self.dialog = ExportDialog(self.context.window, session, selected, suffix, self._ask)
+        self.dialog.ordered.connect(self._write)
+        self.dialog.finished.connect(self._end)
+        self.dialog.open()
 
-    def _export_surface(self, image: Path) -> None:
-        """Ask where and as what to write the surface of a volume."""
+    def _ask(self, dialog: QWidget, suffix: str) -> Path | None:
+        """Ask for a file."""
         session = self.context.session
-        figures = session.status.surface
-        objects = sum(not item.hidden for item in session.document.objects.items)
-        volume = session.image
-        if volume is not None and session.scene.skeleton is not None:
-            lines = description_of(session.scene.skeleton, volume)
-            place = self.context.files.begin("export") / f"{image.name.partition('.')[0]}_lines"
-            self._open(SurfaceDialog(self.context.window, None, 0, volume, image, place, ".swc", lines))
-            return
-        if volume is None or (figures is None and not objects):
-            return
-        place = self.context.files.begin("export") / f"{image.name.partition('.')[0]}_surface"
-        suffix = suffix_of(self._exported) if self._exported else ".ply"
-        self._open(SurfaceDialog(self.context.window, figures, objects, volume, image, place, suffix))
-
-    def _open(self, dialog: ExportDialog | SurfaceDialog) -> None:
-        self.dialog = dialog
-        dialog.ordered.connect(self._write)
-        dialog.finished.connect(self._end)
-        dialog.open()
+        image, in_volume = session.document.image, session.scene.slices is not None
+        assert image is not None
+        kind = "surface" if in_volume else "contours"
+        if session.scene.skeleton is not None:
+            kind = "lines" if in_volume else "skeleton"
+        name = f"{image.name.partition('.')[0] if in_volume else Path(image.name).stem}_{kind}{suffix}"
+        files = [Files(formats(of_volumes=in_volume)[suffix], (suffix,))]
+        return self.context.files.ask_where_to_save("export", tr("Export"), name, files, parent=dialog)
 
     def _write(self, path: Path, order: ExportOrder) -> None:
         self._order = order
@@ -143,7 +122,7 @@ class ExportFeature(Feature):
 
 
 def _can_export(situation: Situation) -> bool:
-    return has_contours(situation) or situation.status.surface is not None or can_be_exported(situation.document)
+    return has_contours(situation) or situation.status.surface is not None or has_objects(situation.document)
 
 
 def _export_text(situation: Situation) -> str:
@@ -212,11 +191,9 @@ class ImportFeature(Feature):
         super().__init__(context)
         self.open_files: Callable[[Sequence[QUrl]], None] = lambda urls: None
         """Opens files that were pasted; set by the window."""
-        self.open_picture: Callable[[Path], None] = lambda path: None
-        """Opens a picture that was pasted; set by the window."""
         context.session.listen(ContoursRead, self._ask)
         context.session.listen(PointsRead, self._draw_points)
-        context.session.listen(PictureKept, lambda kept: self.open_picture(kept.path))
+        context.session.listen(PictureKept, lambda kept: context.open_file(kept.path, False))
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """Import contours, and paste."""
@@ -275,7 +252,7 @@ class ImportFeature(Feature):
             return
         found = read.imported
         of_file = read.path is not None
-        words = _TITLES[found.kind], _question(found), _explained(found, of_file)
+        words = _TITLES[found.kind], _question(found), _explained(found)
         answer = Question(self.context.window, *words, _buttons(found, of_file)).ask()
         if answer == "start":
             name = tr("start from {name}").format(name=found.name)
@@ -302,25 +279,15 @@ def _contours_on(data: QMimeData) -> bytes:
 
 
 def _question(found: Imported) -> str:
-    if found.kind == "surface":
-        return tr("What is the surface of {name} for?").format(name=found.name)
-    if found.kind == "center lines":
-        return tr("Use the center lines of {name} as a start?").format(name=found.name)
-    if not found.count:
-        return tr("Use the points of {name} as a start?").format(name=found.name)
-    if found.count == 1:
-        return tr("What is the contour of {name} for?").format(name=found.name)
-    return tr("What are the {count} contours of {name} for?").format(count=found.count, name=found.name)
+    if found.kind == "center lines" or not found.count:
+        return tr("Use {name} as a start?").format(name=found.name)
+    return tr("What is {name} for?").format(name=found.name)
 
 
-def _explained(found: Imported, of_file: bool) -> str:
+def _explained(found: Imported) -> str:
     sentences = [tr("Particles of a start flow to the edges; objects stay as they are.")]
-    if found.kind == "surface" and found.objects:
-        sentences.append(tr("A ground truth is what the surface of the run is compared with."))
-    elif found.kind == "surface":
+    if found.kind == "surface" and not found.objects:
         sentences.append(tr("The surface is not closed, so that it encloses no object."))
-    elif found.kind == "contours" and found.count and of_file:
-        sentences.append(tr("A ground truth is what the contours of the run are compared with."))
     if found.open and found.objects:
         sentences.append(tr("Open contours are no objects."))
     return " ".join([*sentences, *map(from_core, found.notes)])
@@ -337,30 +304,35 @@ def _buttons(found: Imported, of_file: bool) -> Sequence[Button]:
 
 
 class BatchFeature(Feature):
-    """Opens the dialog, and says when all images are done."""
+    """Applies the session to the images of a folder, one folder at a time."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
-        self.dialog = OneDialog(self._made)
-        context.session.listen(BatchDone, self._tell)
+        self._task: Task | None = None
+        context.session.listen(BatchDone, self._report)
 
     def action_specs(self) -> Sequence[ActionSpec]:
-        """Open it."""
+        """The action."""
         return (
             ActionSpec("apply_to_folder", "File", tr("Apply this session to a &folder…"),
-                       tr("Run every image of a folder with what is drawn and set here."), self.dialog.open,
-                       "Ctrl+Alt+E", when=has_image),
+                       tr("Run every image of a folder with what is drawn and set here, and write the contours."),
+                       self._apply, "Ctrl+Alt+E", when=self._can_apply),
         )  # fmt: skip
 
-    def close(self) -> bool:
-        """Close the dialog."""
-        return self.dialog.close()
+    def _can_apply(self, situation: Situation) -> bool:
+        return has_image(situation) and (self._task is None or self._task.over)
 
-    def _made(self) -> BatchDialog:
-        """The dialog, on the folder of the image."""
+    def _apply(self) -> None:
         context = self.context
-        return BatchDialog(context.window, context.session, context.workspace.batch, context.files.begin("open"))
+        folder = ask_for_folder(context.window, tr("Folder of the images"), str(context.files.begin("open")))
+        if folder:
+            self._task = apply_to_folder(context.session, Path(folder))
+            context.refresh()
 
-    def _tell(self, _: BatchDone) -> None:
-        batch = self.context.workspace.batch
-        self.context.session.say(batch.in_words, batch.failed > 0, TOPIC)
+    def _report(self, done: BatchDone) -> None:
+        text = tr("{done} of {count} images are done.").format(done=done.images - done.failed, count=done.images)
+        more = tr("{failed} could not be used.").format(failed=done.failed)
+        table = tr("The table is {path}.").format(path=done.table)
+        words = " ".join((text, more, table) if done.failed else (text, table))
+        self.context.session.say(words, done.failed > 0, TOPIC)
+        self.context.refresh()

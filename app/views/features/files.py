@@ -19,16 +19,15 @@ from app.model.state.situation import Situation, has_image
 from app.model.text.language import shortened, tr
 from app.session.exchange.messages import ImageReady, NotOpened, Opened
 from app.session.signals import JOURNAL, OF_THE_PROGRAM, OPENING, RECOVERY
-from app.session.storage.autosave import Journal, folder_of_journals
 from app.session.storage.pictures import SIZE, Pictures, folder_of_pictures, middle
-from app.session.storage.recovery import Leftover, left_behind
-from app.session.storage.session_file import DocumentFile, Written
+from app.session.storage.recovery import Journal, Leftover, folder_of_journals, left_behind
+from app.session.storage.session_file import Written
 from app.session.tasks.opening import Wanted
 from app.views.files.folder_bar import FolderBar
 from app.views.files.recent_files import RecentFiles
 from app.views.files.start_screen import Entry, StartScreen
-from app.views.widgets.action_spec import ActionSpec, Submenu
-from app.views.widgets.offer_bar import OfferBar
+from app.views.widgets.actions import ActionSpec, Submenu
+from app.views.widgets.containers import OfferBar
 from app.views.window import dialogs
 from app.views.window.dialogs import Button, Question, images_and_sessions, sessions
 from app.views.window.feature import Feature, FeatureContext
@@ -45,7 +44,7 @@ class OpenSaveFeature(Feature):
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
-        self.document_file = DocumentFile(context.session, self._view_state)
+        self.document_file = context.document_file
         self.recent = RecentFiles(context.preferences, lambda path: self.take([path]))
         self.bring_in: Callable[[Path], None] | None = None
         """Imports the file of a preset; set by the window."""
@@ -53,7 +52,6 @@ class OpenSaveFeature(Feature):
         """Reads a file of contours or points; set by the window."""
         self._left: tuple[Document, int] | None = None
         context.session.may_replace = self._may_replace
-        self.document_file.truth = lambda: context.workspace.truth.file
         self.document_file.changed.connect(self._name_window)
         self.document_file.restored.connect(self._use_view_state)
         context.session.document_changed.connect(lambda _: self._name_window())
@@ -150,11 +148,6 @@ class OpenSaveFeature(Feature):
 
     # Internal
 
-    def _view_state(self) -> dict[str, Any]:
-        """What is shown and how, as plain JSON."""
-        context = self.context
-        return {**context.canvas_area.canvas.view_state(), **context.workspace.slices.view_state()}
-
     def _use_view_state(self, state: Mapping[str, Any]) -> None:
         self.context.workspace.slices.use_view_state(state)  # the place on the canvas lies in the slice
         self.context.canvas_area.canvas.use_view_state(state)
@@ -232,7 +225,8 @@ class StartFeature(Feature):
         super().__init__(context)
         self.pictures = Pictures(folder_of_pictures())
         self.screen = StartScreen(context.canvas_area)
-        self._files: OpenSaveFeature | None = None
+        self._recent: RecentFiles | None = None
+        self.screen.asked.connect(lambda: context.do("open"))
         self.screen.chosen.connect(lambda path: self.context.open_file(path, False))
         self.screen.left.connect(self.leave)
         context.session.image_changed.connect(self.leave)
@@ -240,11 +234,10 @@ class StartFeature(Feature):
         context.session.listen(Written, lambda _: self._keep_picture())
         context.session.listen(NotOpened, self._stay)
 
-    def keep(self, files: OpenSaveFeature) -> None:
-        """Show the files that have been open, and open others."""
-        self._files = files
-        self.screen.asked.connect(files.ask_for_file)
-        files.recent.cleared.append(self.pictures.clear)
+    def show_files_of(self, recent: RecentFiles) -> None:
+        """Show the files that have been open."""
+        self._recent = recent
+        recent.cleared.append(self.pictures.clear)
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """The start screen."""
@@ -260,8 +253,7 @@ class StartFeature(Feature):
 
     def show(self) -> None:
         """Show the start screen in place of the image."""
-        files = self._files.recent.paths if self._files is not None else []
-        recent = [self._entry(path) for path in files if path.is_file()]
+        recent = [self._entry(path) for path in self._paths]
         self.screen.show_entries(recent, _samples(), leaves=self.context.session.document.image is not None)
 
     def leave(self) -> None:
@@ -283,7 +275,7 @@ class StartFeature(Feature):
 
         def offer(opened: Opened) -> None:
             session.stop_listening(Opened, offer)
-            newest = next((path for path in self._files.recent.paths if path.is_file()), None) if self._files else None
+            newest = next(iter(self._paths), None)
             if newest is not None and opened.saved is None:
                 bar.offer(
                     tr("Continue with {name}?").format(name=newest.name),
@@ -292,6 +284,11 @@ class StartFeature(Feature):
                 )
 
         session.listen(Opened, offer)
+
+    @property
+    def _paths(self) -> list[Path]:
+        """Recent files that are still there."""
+        return [path for path in self._recent.paths if path.is_file()] if self._recent is not None else []
 
     def _stay(self, refused: NotOpened) -> None:
         """With nothing open and nothing else to open, show what could be opened."""
@@ -306,9 +303,9 @@ class StartFeature(Feature):
     def _keep_picture(self) -> None:
         """Keep what the canvas shows as the picture of the image, and of its session if there is one."""
         image = self.context.session.document.image
-        if image is None or self._files is None:
+        if image is None:
             return
-        session = self._files.document_file.path
+        session = self.context.document_file.path
         canvas = self.context.canvas_area.canvas
         picture = canvas.grab().toImage()
         for path in (Path(image.path), session):
@@ -333,13 +330,8 @@ class FolderFeature(Feature):
         context.window.statusBar().addPermanentWidget(self.bar)
         self._images: tuple[Path, ...] = ()
         self._here = self._ahead = 0
-        self._document_file: DocumentFile | None = None
         context.session.listen(Opened, self._take)
         context.session.listen(NotOpened, self._stay)
-
-    def keep(self, document_file: DocumentFile) -> None:
-        """Save the open document to its file, where the user wants that."""
-        self._document_file = document_file
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """Previous and next."""
@@ -363,8 +355,8 @@ class FolderFeature(Feature):
 
     def _saved(self) -> bool:
         """Save without a question, where the user wants that and nothing is overwritten; False when it fails."""
-        file, image = self._document_file, self.context.session.document.image
-        if file is None or image is None or not file.unsaved or not self.context.preferences.value(SAVE_IN_FOLDER):
+        file, image = self.context.document_file, self.context.session.document.image
+        if image is None or not file.unsaved or not self.context.preferences.value(SAVE_IN_FOLDER):
             return True
         beside = Path(image.path).with_suffix(SUFFIX)
         if file.path is None and beside.exists():
@@ -395,21 +387,15 @@ class RecoveryFeature(Feature):
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
         self._folder = folder_of_journals()
-        self.journal: Journal | None = None
+        self.journal = Journal(context.document_file, self._folder, context.preferences)
+        self.journal.put.connect(lambda trouble: context.session.trouble(trouble, JOURNAL))
         self.box: Question | None = None
         self._waiting: list[Leftover] = []
         self._restoring: Leftover | None = None
         self._wanted: Wanted | None = None
         self._restored = False
-        self._document_file: DocumentFile | None = None
-
-    def keep(self, document_file: DocumentFile) -> None:
-        """Keep a journal of the open document."""
-        self._document_file = document_file
-        self.journal = Journal(document_file, self._folder, self.context.preferences)
-        self.journal.put.connect(lambda trouble: self.context.session.trouble(trouble, JOURNAL))
-        self.context.session.listen(Opened, self._use_opened)
-        self.context.session.listen(Written, self._use_written)
+        context.session.listen(Opened, self._use_opened)
+        context.session.listen(Written, self._use_written)
 
     def offer(self) -> None:
         """Offer to restore the unsaved work of earlier windows, and say what of it cannot be read."""
@@ -428,8 +414,7 @@ class RecoveryFeature(Feature):
         self._waiting, self._restoring = [], None
         if self.box is not None:
             self.box.close()
-        if self.journal is not None:
-            self.journal.close()
+        self.journal.close()
         return True
 
     def _ask(self) -> None:
@@ -461,14 +446,14 @@ class RecoveryFeature(Feature):
     def _use_opened(self, opened: Opened) -> None:
         """Write a restored document to the new journal, and delete the old one only when that is on the disk."""
         self._restored = self._wanted is not None and opened.saved is self._wanted.saved
-        if self._restored and self.journal is not None:
+        if self._restored:
             self.journal.write()
             if self.journal.flush() and self.journal.path.exists():
                 self._end_restoring()
 
     def _use_written(self, written: Written) -> None:
         """A restored document that no journal could take is in a session file now."""
-        if self._restored and self._document_file is not None and self._document_file.is_current(written):
+        if self._restored and self.context.document_file.is_current(written):
             self._end_restoring()
 
     def _end_restoring(self) -> None:

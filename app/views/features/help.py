@@ -5,26 +5,21 @@ from __future__ import annotations
 import html
 from collections.abc import Sequence
 
-from PySide6.QtCore import Qt, QTimer
-from PySide6.QtWidgets import QApplication, QMessageBox, QPushButton
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QApplication, QMessageBox
 
 from app.model.document.samples import sample_called
-from app.model.text.about import LICENSE, PAPER, PURPOSE, about_in_words, versions
+from app.model.text.about import LICENSE, PAPER, PURPOSE, about_text, versions
 from app.model.text.language import tr
 from app.session.signals import PREFERENCES
-from app.views.help.guide import KEYS, Guide
-from app.views.help.tour import Tour, stops
 from app.views.theme.icons import program_icon
-from app.views.widgets.action_spec import ActionSpec
-from app.views.widgets.preference_row import PreferenceRow
+from app.views.widgets.actions import ActionSpec
 from app.views.window.feature import Feature, FeatureContext
+from app.views.window.guide import KEYS, Guide
 from app.views.window.preferences import PreferencesDialog, ShortcutsPage
 
-SEEN = "tour/seen"
-"""Preference: whether the tour has been shown."""
-
-_AGAIN = 300
-"""Time after which the tour looks again whether a dialog is open [ms]."""
+SEEN = "guide/seen"
+"""Preference: whether the guide has been shown."""
 
 
 class HelpFeature(Feature):
@@ -33,48 +28,29 @@ class HelpFeature(Feature):
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
         self.guide: Guide | None = None
-        self.tour: Tour | None = None
 
     def action_specs(self) -> Sequence[ActionSpec]:
-        """Keys, guide, tour and about."""
+        """Keys, guide and about."""
         return (
             ActionSpec(KEYS, "Help", tr("&Keys"), tr("Show all keys."), self._show_keys, "?"),
             ActionSpec("guide", "Help", tr("&Guide"),
                        tr("First steps, examples step by step, and the use of the canvas."), self.show_guide, "F1",
                        icon="guide"),
-            ActionSpec("tour", "Help", tr("&Tour of the window"), tr("Five steps to a first result."), self.begin_tour),
             ActionSpec("about", "Help", tr("&About CPM"),
                        tr("Version, license, the paper, and the versions of what the program works with."),
                        self._show_about, gap=True),
         )  # fmt: skip
 
-    def preferences(self) -> Sequence[PreferenceRow]:
-        """The tour, once more."""
-        return (PreferenceRow(page="general", label=tr("Tour"), make=self._tour_button),)
-
     def welcome(self) -> None:
-        """Begin the tour at the first start of the program, after all dialogs have been answered."""
-        if self.context.preferences.get(SEEN, False):
-            return
-        if QApplication.activeModalWidget() is not None:
-            QTimer.singleShot(_AGAIN, self.context.window, self.welcome)
-        else:
-            self.begin_tour()
-
-    def begin_tour(self) -> None:
-        """Begin the tour."""
-        if self.tour is None:
-            context = self.context
-            self.tour = Tour(
-                context.window, context.canvas_area.canvas, stops(context.window, context.session, context.reveal)
-            )
-            self.tour.ended.connect(self._end_tour)
-        self.tour.begin()
+        """Open the guide at the first start of the program, unless a dialog asks something."""
+        if not self.context.preferences.get(SEEN, False) and QApplication.activeModalWidget() is None:
+            self.show_guide()
 
     def show_guide(self, page: str = "") -> None:
         """Open the guide, at a named page if given, or bring it to the front."""
+        self.context.preferences.put(SEEN, True)
         if self.guide is None:
-            self.guide = Guide(self.context.window, list(self.context.action_specs()), self._open_sample)
+            self.guide = Guide(self.context.window, self.context.action_specs(), self._open_sample)
             self.guide.destroyed.connect(self._forget_guide)
         if page:
             self.guide.turn_to(page)
@@ -86,21 +62,12 @@ class HelpFeature(Feature):
         """Name the keys as they are now."""
         if self.guide is not None:
             self.guide.use_actions(self.context.action_specs())
-        if self.tour is not None:
-            self.tour.show_keys()
 
     def close(self) -> bool:
         """Close the guide."""
         if self.guide is not None:
             self.guide.close()
         return True
-
-    def _tour_button(self) -> QPushButton:
-        button = QPushButton(tr("Show it again"))
-        button.setAutoDefault(False)
-        button.clicked.connect(lambda: button.window().close())
-        button.clicked.connect(self.begin_tour)
-        return button
 
     def _show_keys(self) -> None:
         if self.guide is not None and self.guide.page == KEYS:
@@ -122,7 +89,7 @@ class HelpFeature(Feature):
         copy = box.addButton(tr("&Copy this text"), QMessageBox.ButtonRole.ActionRole)
         copy.setToolTip(tr("Copy it to the clipboard, as for a report of an error."))
         copy.clicked.disconnect()  # it does not close the box
-        copy.clicked.connect(lambda: QApplication.clipboard().setText(about_in_words()))
+        copy.clicked.connect(lambda: QApplication.clipboard().setText(about_text()))
         box.addButton(QMessageBox.StandardButton.Close)
         box.open()
 
@@ -133,11 +100,6 @@ class HelpFeature(Feature):
 
     def _forget_guide(self) -> None:
         self.guide = None
-
-    def _end_tour(self) -> None:
-        self.tour = None
-        self.context.preferences.put(SEEN, True)
-        self.context.canvas_area.canvas.setFocus()
 
 
 class PreferencesFeature(Feature):
@@ -160,7 +122,7 @@ class PreferencesFeature(Feature):
         """Open the dialog; the window stays usable."""
         context = self.context
         page = ShortcutsPage(context.shortcuts())
-        dialog = PreferencesDialog(context.window, context.preferences, context.preference_rows(), page)
+        dialog = PreferencesDialog(context.window, context.preferences, page)
         dialog.finished.connect(dialog.deleteLater)
         dialog.open()
         return dialog

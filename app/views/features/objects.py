@@ -14,10 +14,9 @@ from app.model.preferences.table import UNIT
 from app.model.state.situation import Situation
 from app.model.text.language import tr
 from app.views.canvas.naming import NameField
-from app.views.panels.object_table import ObjectPanel
-from app.views.theme.contour_colors import fill_colors
-from app.views.theme.icons import swatch
-from app.views.widgets.action_spec import ActionSpec, Submenu
+from app.views.panels.objects import ObjectPanel
+from app.views.theme.icons import fill_colors, swatch
+from app.views.widgets.actions import ActionSpec, Submenu
 from app.views.window.dialogs import ask_for_text
 from app.views.window.feature import Feature, FeatureContext, Panel
 from app.views.window.keyboard import Keys
@@ -117,7 +116,7 @@ class ObjectsFeature(Feature):
         """The table."""
         return (
             Panel(name="objects", title=tr("Objects"), widget=self.panel, area="bottom", tab="below", shown=False,
-                  height=250, shortcut="F10"),
+                  height=160, shortcut="F10"),
         )  # fmt: skip
 
     def use_keys(self) -> None:
@@ -145,7 +144,7 @@ class ObjectsFeature(Feature):
 
     def take_key(self, event: QKeyEvent) -> bool:
         """Handle the keys for chosen objects on the canvas; return whether the key was one of them."""
-        tool, crosshair = self.context.canvas_area.canvas.tool, self.context.canvas_area.crosshair
+        tool, crosshair = self.context.canvas_area.canvas.hold.tool, self.context.canvas_area.crosshair
         if tool is None or event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier:
             return False
         key, digit = event.key(), event.key() - Qt.Key.Key_0

@@ -17,12 +17,12 @@ from app.model.state.situation import Situation, has_image, has_volume
 from app.model.text.language import from_core, tr, written
 from app.model.volume.parts import Parts
 from app.session.exchange.messages import Opened
-from app.session.features.latest import Latest
+from app.session.features.background import LatestOnlyWorker
 from app.session.tasks.opening import parts_of
 from app.views.files.part_dialog import PartDialog
 from app.views.files.pixel_size_dialog import PixelSizeDialog
-from app.views.widgets.action_spec import ActionSpec
-from app.views.widgets.offer_bar import OfferBar
+from app.views.widgets.actions import ActionSpec
+from app.views.widgets.containers import OfferBar
 from app.views.window.feature import Feature, FeatureContext
 from cpm_core.formats.images.reading import Reading
 from cpm_core.segmentation.large_images import LargeImageSettings
@@ -138,7 +138,7 @@ class StackFeature(Feature):
         self.bar = offering(context, self.offer)
         self.dialog: PartDialog | None = None
         self._opened: Opened | None = None
-        self._looking = Latest(context.session, "cpm-parts", tr("looking into the file"))
+        self._looking = LatestOnlyWorker(context.session, "cpm-parts", tr("looking into the file"))
         self._looking.done.connect(self._show_parts)
 
     def action_specs(self) -> Sequence[ActionSpec]:

@@ -8,15 +8,15 @@ from pathlib import Path
 
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QLabel, QMenu, QWidget
+from PySide6.QtWidgets import QMenu, QWidget
 
-from app.model.export.formats import formats
+from app.model.export import formats
 from app.model.parameters.controls import CHANNEL
 from app.model.preferences.table import TIMELINE_MEMORY, UNIT, WORDING
 from app.model.state.resolve import resolve
-from app.model.state.situation import Situation, can_step, has_image, has_particles, is_running, is_started
+from app.model.state.situation import can_step, has_image, has_particles, is_running, is_started
 from app.model.text.language import from_core, tr, written
-from app.model.text.wording import Wording, wording_called
+from app.model.text.wording import wording_called
 from app.session.features.comparison import ComparisonWritten
 from app.session.features.timeline import TimelineNavigation
 from app.session.storage.presets import PresetStore
@@ -24,14 +24,13 @@ from app.session.worker.commands import RunCall
 from app.session.worker.recorded_run import MEGABYTE
 from app.session.worker.run import Run
 from app.views.canvas.items.item import image_rectangle
-from app.views.comparison import CompareDialog
-from app.views.panels.parameters.parameters import ParametersPanel
+from app.views.comparison.dialog import CompareDialog
+from app.views.panels.parameters import ParametersPanel
 from app.views.panels.presets import Presets
-from app.views.panels.run.run_panel import RunPanel
-from app.views.panels.timeline.timeline_panel import TimelinePanel
-from app.views.widgets.action_spec import ActionSpec, Submenu
-from app.views.widgets.preference_row import PreferenceRow
-from app.views.widgets.speed import SpeedControl
+from app.views.panels.run import RunPanel
+from app.views.panels.timeline import TimelinePanel
+from app.views.widgets.actions import ActionSpec, Submenu
+from app.views.widgets.fields import SpeedControl
 from app.views.window.bars import TaskBar
 from app.views.window.dialogs import Files
 from app.views.window.feature import Feature, FeatureContext, OneDialog, Panel
@@ -83,7 +82,7 @@ class RunControlFeature(Feature):
 
     def panels(self) -> Sequence[Panel]:
         """The panel of the run."""
-        return (Panel(name="run", title=tr("Run"), widget=self.panel, fitted=True, shortcut="F5"),)
+        return (Panel(name="run", title=tr("Run"), widget=self.panel, height=140, shortcut="F5"),)
 
     def close(self) -> bool:
         """Stop the updates."""
@@ -167,12 +166,16 @@ class TimelineFeature(Feature):
     def panels(self) -> Sequence[Panel]:
         """The timeline, below the canvas."""
         return (
-            Panel(name="timeline", title=tr("Timeline"), widget=self.panel, area="bottom", tab="below", shortcut="F9"),
+            Panel(
+                name="timeline",
+                title=tr("Timeline"),
+                widget=self.panel,
+                area="bottom",
+                tab="below",
+                height=40,
+                shortcut="F9",
+            ),
         )
-
-    def preferences(self) -> Sequence[PreferenceRow]:
-        """The memory that the timeline uses."""
-        return (PreferenceRow(page="run", label=tr("In use now"), make=self._memory_label),)
 
     def use_keys(self) -> None:
         """Name the keys as they are now."""
@@ -184,20 +187,6 @@ class TimelineFeature(Feature):
             return False
         (self.navigation.to_first if event.key() == Qt.Key.Key_Home else self.navigation.to_last)()
         return True
-
-    def _memory_label(self) -> QLabel:
-        label = QLabel()
-        navigation = self.navigation
-
-        def show() -> None:
-            outline = navigation.outline
-            words = tr("{used} MB for {count} steps")
-            label.setText(words.format(used=written(f"{outline.used / MEGABYTE:.1f}"), count=outline.kept))
-
-        show()
-        navigation.changed.connect(show)
-        label.destroyed.connect(lambda: navigation.changed.disconnect(show))
-        return label
 
     def _use_budget(self) -> None:
         megabytes = int(self.context.preferences.value(TIMELINE_MEMORY))
@@ -222,31 +211,23 @@ class TasksFeature(Feature):
         )  # fmt: skip
 
 
-_WORDINGS: tuple[tuple[Wording, str, str], ...] = (
-    ("name", tr("&Names of parameters first"), tr("Label parameters by name and symbol.")),
-    ("symbol", tr("S&ymbols of parameters first"), tr("Label parameters by symbol and name, as in the formulas.")),
-)
-
-
 class ParametersFeature(Feature):
     """Parameters and presets."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
         store = PresetStore(parent=context.window)
-        for trouble in store.troubles:
-            context.preferences.complain(trouble)
         self.presets = Presets(context, store)
         self.panel = ParametersPanel(context.session, self.presets.button)
-        context.preferences.follow(WORDING, lambda: self.panel.use_wording(self._wording))
-        # The actions must show the preferences.
-        context.preferences.changed.connect(self._refresh)
+        context.preferences.follow(
+            WORDING, lambda: self.panel.use_wording(wording_called(context.preferences.value(WORDING)))
+        )
 
     def action_specs(self) -> Sequence[ActionSpec | Submenu]:
-        """Presets, channels, and labels of parameters."""
+        """Presets and channels."""
         presets = Submenu(name="presets", menu="Run", text=tr("&Preset"), fill=self.presets.fill, gap=True)
         channels = Submenu(name="channels", menu="Run", text=tr("C&hannel"), fill=self.fill_channels)
-        return (presets, channels, *self._wordings())
+        return (presets, channels)
 
     def panels(self) -> Sequence[Panel]:
         """The sliders."""
@@ -263,25 +244,6 @@ class ParametersFeature(Feature):
             action.setEnabled(colored)
             action.setStatusTip(about)
             action.triggered.connect(lambda _=False, value=value: self.panel.change(CHANNEL, value))
-
-    @property
-    def _wording(self) -> Wording:
-        return wording_called(self.context.preferences.value(WORDING))
-
-    def _wordings(self) -> list[ActionSpec]:
-        choose = self.context.preferences.choose
-        return [
-            ActionSpec(f"wording_{name}", "View", text, tip, partial(choose, WORDING, name),
-                       holds=partial(self._holds, name), gap=index == 0)
-            for index, (name, text, tip) in enumerate(_WORDINGS)
-        ]  # fmt: skip
-
-    def _holds(self, name: Wording, situation: Situation) -> bool:
-        return name == self._wording
-
-    def _refresh(self, key: str) -> None:
-        if key == WORDING.name:
-            self.context.refresh()
 
 
 _LEAST_SEEN = 0.02
@@ -329,9 +291,9 @@ class ComparisonFeature(Feature):
 
     def _ask(self, parent: QWidget) -> Path | None:
         together = (Files(tr("Table of all methods"), (TABLE,)), Files(tr("Picture of all methods"), (PICTURE,)))
-        apart = (one for one in formats() if one.suffix not in (TABLE, PICTURE))
+        apart = {suffix: name for suffix, name in formats().items() if suffix not in (TABLE, PICTURE)}
         each = tr("Contours of each method: {format}")
-        kinds = (*together, *(Files(each.format(format=one.name), (one.suffix,)) for one in apart))
+        kinds = (*together, *(Files(each.format(format=name), (suffix,)) for suffix, name in apart.items()))
         image = self.context.session.scene.image
         name = f"{Path(image.source).stem if image else ''}.methods.csv"
         return self.context.files.ask_where_to_save("export", tr("Export the comparison"), name, kinds, parent=parent)

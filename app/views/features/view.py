@@ -18,13 +18,12 @@ from app.views.canvas.canvas import ZOOM
 from app.views.canvas.layers.image_layer import AUTOMATIC, WHOLE
 from app.views.canvas.layers.layer import Layer
 from app.views.canvas.layers.particles import ParticleLayer
-from app.views.canvas.selected_places import selected_places
+from app.views.canvas.pointed import selected_places
 from app.views.canvas.wipe import Wipe
 from app.views.panels.layer_list import LayersPanel
 from app.views.theme import theme
-from app.views.theme.look import Look, use_look
-from app.views.theme.theme import Theme
-from app.views.widgets.action_spec import LAYER, ActionSpec, Submenu
+from app.views.theme.theme import Look, Theme, use_look
+from app.views.widgets.actions import LAYER, ActionSpec, Submenu
 from app.views.window.feature import Feature, FeatureContext, Panel
 from cpm_core.contours.result import Result
 
@@ -250,11 +249,7 @@ class KeyboardFeature(Feature):
         )  # fmt: skip
 
 
-_CHOICES: tuple[tuple[str, str, str, theme.Theme | None], ...] = (
-    ("system", tr("Colors of the &desktop"), tr("Light or dark colors, as on the desktop."), None),
-    ("light", tr("&Light colors"), tr("Light background."), theme.LIGHT),
-    ("dark", tr("Dar&k colors"), tr("Dark background."), theme.DARK),
-)
+_THEMES = {"light": theme.LIGHT, "dark": theme.DARK}
 _OF_LOOK = {CONTOUR_WIDTH.name, SHAPE_WIDTH.name, POINT_SIZE.name, *(color.name for color in INKS.values())}
 
 
@@ -268,18 +263,9 @@ class AppearanceFeature(Feature):
         context.preferences.changed.connect(self._follow)
         QGuiApplication.styleHints().colorSchemeChanged.connect(self._follow_desktop)
 
-    def action_specs(self) -> Sequence[ActionSpec]:
-        """The choices."""
-        return [
-            ActionSpec(f"theme_{name}", "View", text, tip, partial(self._choose, name),
-                       holds=partial(self._holds, name), gap=index == 0)
-            for index, (name, text, tip, _) in enumerate(_CHOICES)
-        ]  # fmt: skip
-
     def theme(self) -> theme.Theme:
         """The chosen theme, or that of the desktop."""
-        chosen = {name: made for name, _, _, made in _CHOICES}.get(self._chosen)
-        return chosen or theme.system_theme()
+        return _THEMES.get(self.context.preferences.value(THEME)) or theme.system_theme()
 
     def close(self) -> bool:
         """Stop following the desktop."""
@@ -288,18 +274,9 @@ class AppearanceFeature(Feature):
             QGuiApplication.styleHints().colorSchemeChanged.disconnect(self._follow_desktop)
         return True
 
-    @property
-    def _chosen(self) -> str:
-        return self.context.preferences.value(THEME)
-
-    def _choose(self, name: str) -> None:
-        self.context.preferences.choose(THEME, name)
-
     def _follow(self, key: str) -> None:
         if key == THEME.name:
             self.context.use_theme(self.theme())
-            # The actions must show the new choice.
-            self.context.refresh()
         elif key in _OF_LOOK:
             self._use_look()
             for item in self.context.canvas_area.canvas.scene().items():
@@ -320,9 +297,6 @@ class AppearanceFeature(Feature):
             )
         )
 
-    def _holds(self, name: str, situation: Situation) -> bool:
-        return name == self._chosen
-
     def _follow_desktop(self) -> None:
-        if self._chosen == "system":
+        if self.context.preferences.value(THEME) == "system":
             self.context.use_theme(self.theme())

@@ -7,33 +7,32 @@ from functools import partial
 from pathlib import Path
 
 from PySide6.QtCore import QPoint
+from PySide6.QtWidgets import QDockWidget
 
 from app.model.display.space.view_in_space import ViewInSpace
-from app.model.export.provenance import comment_on
+from app.model.export import provenance_comment
 from app.model.preferences.table import UNIT
 from app.model.state.situation import Condition, Situation, has_volume
 from app.model.text.language import tr
 from app.model.volume.slices import AXES, Slices
 from app.session.exchange.messages import Exported, Report
-from app.session.features.latest import MadeLater
+from app.session.features.background import AsyncCache
 from app.session.features.stack_pages import WantedContour
 from app.session.scene import Scene
-from app.session.storage.session_file import DocumentFile
 from app.session.tasks.tasks import Task
 from app.views.canvas.image_view import ImageView
 from app.views.canvas.side_view import Cross, SideView
 from app.views.canvas.slice_bar import SliceBar
-from app.views.panels.pages.page_bar import PageBar
-from app.views.panels.pages.panel import PagePanel
+from app.views.panels.pages import PageBar, PagePanel
 from app.views.volume.seen_in_space import SeenInSpace
-from app.views.volume.space_hand import SpaceHand
+from app.views.volume.space_clicks import draw_at, select_at
 from app.views.volume.space_marks import FRAMES, FRAMES_PER_SECOND, animation_size, picture_of, turn
 from app.views.volume.space_panel import SpacePanel, specs
-from app.views.widgets.action_spec import ActionSpec
+from app.views.widgets.actions import ActionSpec
 from app.views.window.dialogs import Files
 from app.views.window.feature import Feature, FeatureContext, Panel
 from cpm_core.formats.animation import ANIMATED, write_animation, write_picture
-from cpm_core.formats.contours.pages.files import FOR_STACKS, stack_suffix_of
+from cpm_core.formats.contours.stack import FOR_STACKS, stack_suffix_of
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Place
 
@@ -61,7 +60,7 @@ class SlicesFeature(Feature):
         """Views of the slices across the other axes, made when they are first shown."""
         self._wanted = bool(context.preferences.get(_SIDES, True))
         self._cross = Cross(context.canvas_area.canvas)
-        self._later: list[MadeLater] = []
+        self._later: list[AsyncCache] = []
         self._draw_later(context.canvas_area.canvas)
         context.canvas_area.canvas.slice_wanted.connect(slices.go)
         context.session.scene_changed.connect(self._show)
@@ -106,7 +105,7 @@ class SlicesFeature(Feature):
 
     def _draw_later(self, view: ImageView) -> None:
         """Draw what takes long of the slices of a view when it has been made on another thread."""
-        view.sections.later = later = MadeLater(self.context.session)
+        view.sections.later = later = AsyncCache(self.context.session)
         later.completed.connect(view.draw_again)
         self._later.append(later)
 
@@ -200,14 +199,11 @@ class PagesFeature(Feature):
         self.bar.followed.connect(self._follow)
         self.panel.export.clicked.connect(self.export)
         context.canvas_area.controls.addWidget(self.bar)
+        pages.set_session_file(context.document_file)
         pages.changed.connect(self._show)
         pages.found.connect(context.refresh)
         context.session.document_changed.connect(lambda _: self._show_bar())
         context.preferences.follow(UNIT, self.panel.show_rows)
-
-    def keep(self, document_file: DocumentFile) -> None:
-        """Save the pages with the session file."""
-        self._pages.keep(document_file)
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """Run all pages, or those from this one on; follow; export."""
@@ -232,7 +228,7 @@ class PagesFeature(Feature):
         """The table of all pages."""
         return (
             Panel(name="pages", title=tr("Pages"), widget=self.panel, area="bottom", tab="below", shown=False,
-                  height=250, shortcut="Shift+F11"),
+                  height=160, shortcut="Shift+F11"),
         )  # fmt: skip
 
     def use_keys(self) -> None:
@@ -293,7 +289,6 @@ class SpaceFeature(Feature):
         self._layers = layers = context.canvas_area.canvas.layers
         context.session.scene_changed.connect(self._show)
         context.session.image_changed.connect(lambda: context.turns.ask(self._reveal))
-        self._hand = SpaceHand(context.session, self.panel.view)
         self.panel.view.picked.connect(self._pick)
         self.panel.bar.changed.connect(context.refresh)
         context.canvas_area.level_drag.watch(self.panel.view)
@@ -302,9 +297,7 @@ class SpaceFeature(Feature):
 
     def panels(self) -> Sequence[Panel]:
         """The view."""
-        return (
-            Panel(name=_NAME, title=tr("In space"), widget=self.panel, shown=False, share=1.5, shortcut="Shift+F9"),
-        )
+        return (Panel(name=_NAME, title=tr("In space"), widget=self.panel, shown=False, shortcut="Shift+F9"),)
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """What the menu of the view offers, and both exports."""
@@ -376,12 +369,12 @@ class SpaceFeature(Feature):
 
     @property
     def _view(self) -> ViewInSpace | None:
-        return None if self.panel.contents is None else self.panel.contents.view(self.panel.bar.shown)
+        return self.panel.contents
 
     @property
     def _comment(self) -> str:
         """How the pictures came about, for their file."""
-        return comment_on(self.context.session.document, steered=self.context.session.status.steered)
+        return provenance_comment(self.context.session.document, steered=self.context.session.status.steered)
 
     def _ask(self, title: str, ending: str, kinds: Sequence[Files]) -> Path | None:
         image = self.context.session.document.image
@@ -391,18 +384,19 @@ class SpaceFeature(Feature):
     def _pick(self, place: Place) -> None:
         """Move the slices there, and draw there what the tool in use draws without a slice."""
         self.context.workspace.slices.through(place)
-        tool = self.context.canvas_area.canvas.tool
-        if tool is not None and tool.name == "objects":
-            self._hand.select(self.context.workspace.object_selection, place)
+        tool = self.context.canvas_area.canvas.hold.tool
+        camera, image = self.panel.view.camera, self.context.session.image
+        if tool is not None and tool.name == "objects" and camera is not None and image is not None:
+            select_at(self.context.workspace.object_selection, camera, image.spacing, place)
         elif tool is not None:
-            self._hand.put(tool.name, place)
+            draw_at(self.context.session, tool.name, place)
 
     def _reveal(self) -> None:
         """A volume is seen in space from the start; an image has no space."""
         if self.context.session.scene.slices is not None:
             self.context.reveal(_NAME)
-        else:
-            self.context.conceal(_NAME)
+        elif isinstance(dock := self.panel.parentWidget(), QDockWidget):
+            dock.hide()
 
     def _show(self, *_: object) -> None:
         self.panel.show_contents(self._seen.of(self.context.session.scene, self._layers))

@@ -15,7 +15,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.text.language import tr
-from app.views.widgets.fields.decimal_field import DecimalField
+from app.views.widgets.fields import DecimalField
 
 UNITS = ("nm", "µm", "mm", "cm", "m")
 _SIDES = (tr("Distance of planes"), tr("Distance of rows"), tr("Distance of columns"))

@@ -10,7 +10,6 @@ from typing import Any
 
 from PySide6.QtWidgets import QMenu
 
-from app.model.preferences.table import LONGEST_PATH
 from app.model.text.language import tr
 from app.session.exchange.messages import Opened
 from app.session.storage.preferences import Preferences
@@ -20,6 +19,9 @@ MOST = 12
 """Largest number of files in the list."""
 
 _KEY = "files/recent"
+_LONGEST_PATH = 4096
+"""Letters that a path may have."""
+
 _PARTS = "files/parts"
 """For each file of which a part was chosen the path, whether it is a volume, and the reading, as JSON."""
 
@@ -36,7 +38,7 @@ class RecentFiles:
     @property
     def paths(self) -> list[Path]:
         """The files."""
-        return [Path(path) for path in self._preferences.get(_KEY, [""]) if 0 < len(path) <= LONGEST_PATH]
+        return [Path(path) for path in self._preferences.get(_KEY, [""]) if 0 < len(path) <= _LONGEST_PATH]
 
     def add(self, path: Path) -> None:
         """Put a file first that has been opened or saved."""

@@ -12,8 +12,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QListWidgetItem, QPushButton,
 
 from app.model.text.language import tr
 from app.views.theme.theme import Theme
-from app.views.widgets.own_escape import keep_escape
-from app.views.widgets.picture_grid import PictureGrid
+from app.views.widgets.containers import PictureGrid, keep_escape
 
 _PICTURE, _CELL = QSize(192, 120), QSize(212, 172)
 _MARGIN = 32

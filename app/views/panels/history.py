@@ -8,8 +8,8 @@ from PySide6.QtCore import QPoint
 from PySide6.QtGui import QAction, QIcon, QPalette
 from PySide6.QtWidgets import QAbstractItemView, QFrame, QListWidget, QListWidgetItem, QVBoxLayout, QWidget
 
-from app.model.document.changes import ChangeInWords
 from app.model.text.language import tr
+from app.session.undo_history import ChangeInWords
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
 
@@ -65,15 +65,9 @@ class HistoryPanel(QWidget):
         shown = (tuple(changes), done)
         if shown == self._shown:
             return
-        lines = [tr("Beginning"), *(change.text for change in changes)]
-        for row, line in enumerate(lines):
-            if row == self._list.count():
-                self._list.addItem(line)
-            elif self._list.item(row).text() != line:
-                self._list.item(row).setText(line)
-        while self._list.count() > len(lines):
-            self._list.takeItem(self._list.count() - 1)
         self._shown = shown
+        self._list.clear()
+        self._list.addItems([tr("Beginning"), *(change.text for change in changes)])
         self.mark()
 
     def use_theme(self, theme: Theme) -> None:

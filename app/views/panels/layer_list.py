@@ -6,15 +6,15 @@ from collections.abc import Mapping, Sequence
 
 from PySide6.QtCore import QPoint, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QCheckBox, QFrame, QHBoxLayout, QScrollArea, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QScrollArea, QToolButton, QVBoxLayout, QWidget
 
 from app.model.text.language import tr
-from app.views.canvas.layers import Layers, form_of
+from app.views.canvas.layers import Layers
 from app.views.canvas.layers.layer import Layer
+from app.views.canvas.layers.layer_form import LayerForm
 from app.views.theme.icons import swatch
-from app.views.widgets.action_spec import LAYER
-from app.views.widgets.fields.marked_slider import MarkedSlider
-from app.views.widgets.key_text import native
+from app.views.widgets.actions import LAYER, native
+from app.views.widgets.fields import MarkedSlider
 
 _FOLD, _OPACITY = 18, 84
 """Widths [px]."""
@@ -32,10 +32,9 @@ class LayersPanel(QWidget):
         scrolled = QWidget()
         scrolled.setObjectName("scrolled")
         self.setFocusProxy(next(iter(self.boxes.values())))
-        self._area = area = QScrollArea()
-        area.setWidget(scrolled)  # while it is empty: it lays out its content at once, and again in the window
-        area.setWidgetResizable(True)
-        area.setFrameShape(QFrame.Shape.NoFrame)
+        self._area = QScrollArea()
+        self._area.setWidget(scrolled)
+        self._area.setWidgetResizable(True)
         column = QVBoxLayout(scrolled)
         column.setContentsMargins(0, 0, 8, 0)
         column.setSpacing(3)
@@ -45,7 +44,7 @@ class LayersPanel(QWidget):
         column.addStretch(1)
         outer = QVBoxLayout(self)
         outer.setContentsMargins(6, 8, 4, 4)
-        outer.addWidget(area)
+        outer.addWidget(self._area)
 
     def show_colors(self) -> None:
         """Show the colors in use, which the preferences change."""
@@ -145,7 +144,7 @@ class LayerRow(QWidget):
     def _unfold(self, unfolded: bool) -> None:
         self.fold.setArrowType(Qt.ArrowType.DownArrow if unfolded else Qt.ArrowType.RightArrow)
         if unfolded and self.settings is None:
-            self.settings = form_of(self.layer)
+            self.settings = LayerForm(self.layer)
             self.settings.setContentsMargins(_FOLD + 4, 0, 0, 8)
             self._column.addWidget(self.settings)
         if self.settings is not None:

@@ -1,15 +1,18 @@
-"""Icons from the SVG files of the program, in the color of the text around them."""
+"""Icons from the SVG files of the program, in the color of the text around them, swatches, and a menu of colors."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 
 from PySide6.QtCore import QByteArray, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QIcon, QPainter, QPixmap
 from PySide6.QtSvg import QSvgRenderer
+from PySide6.QtWidgets import QColorDialog, QMenu, QWidget
 
 from app.model.text.assets import asset
-from app.views.theme.look import look
+from app.model.text.language import tr
+from app.views.theme.theme import look
 
 _SIZES = (16, 20, 24, 32, 40, 48)
 
@@ -77,3 +80,31 @@ def _pixmap(renderer: QSvgRenderer, size: int) -> QPixmap:
     renderer.render(painter)
     painter.end()
     return pixmap.copy()  # what has been painted on keeps its painter's memory, more than its pixels take
+
+
+PALETTE: tuple[tuple[str, str], ...] = (
+    (tr("Orange"), "#e69f00"),
+    (tr("Sky blue"), "#56b4e9"),
+    (tr("Bluish green"), "#009e73"),
+    (tr("Yellow"), "#f0e442"),
+    (tr("Blue"), "#0072b2"),
+    (tr("Vermilion"), "#d55e00"),
+    (tr("Reddish purple"), "#cc79a7"),
+    (tr("White"), "#ffffff"),
+)
+"""Hues after Okabe and Ito, with white instead of black because the canvas is dark."""
+
+
+def fill_colors(menu: QMenu, parent: QWidget, choose: Callable[[str], None]) -> None:
+    """Fill a menu with colors; `choose` is called with ``"#rrggbb"``, or with an empty text for none."""
+    for title, color in PALETTE:
+        menu.addAction(swatch(color), title).triggered.connect(lambda _=False, color=color: choose(color))
+    menu.addSeparator()
+    menu.addAction(tr("Other color…")).triggered.connect(lambda: _ask(parent, choose))
+    menu.addAction(tr("Color of its kind")).triggered.connect(lambda: choose(""))
+
+
+def _ask(parent: QWidget, choose: Callable[[str], None]) -> None:
+    color = QColorDialog.getColor(parent=parent, title=tr("Color of the contours"))
+    if color.isValid():
+        choose(color.name())

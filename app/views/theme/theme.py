@@ -1,15 +1,69 @@
-"""Colors: a light and a dark theme for the window, and colors on the canvas that color-blind people can distinguish."""
+"""Colors: a light and a dark theme for the window, and the look of the canvas, which color-blind people can read.
+
+Items of the canvas read the look when they paint, so that layers need not know of it; all canvases share it.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor, QGuiApplication, QPalette
 from PySide6.QtWidgets import QApplication
 
 from app.model.preferences.table import INKS
-from app.views.theme.look import Ink
+
+Kind = Literal["contours", "shapes", "fixed"]
+"""What a line belongs to; the width of fixed ones cannot be chosen."""
+
+
+class Ink(str):
+    """A color that the user can choose, by its name; as a text it is the default."""
+
+    __slots__ = ("name",)
+
+    def __new__(cls, name: str, default: str) -> Ink:
+        """Make the color."""
+        made = super().__new__(cls, default)
+        made.name = name
+        return made
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """Factors for the widths of lines and the size of points, and the colors that were chosen, by name."""
+
+    contours: float = 1.0
+    shapes: float = 1.0
+    points: float = 1.0
+    colors: Mapping[str, str] = field(default_factory=dict)
+
+    def width(self, kind: Kind) -> float:
+        """Factor for the width of lines."""
+        return {"contours": self.contours, "shapes": self.shapes, "fixed": 1.0}[kind]
+
+    def color(self, color: str) -> str:
+        """The chosen color in place of a default one; any other color is unchanged."""
+        return self.colors.get(color.name, str(color)) if isinstance(color, Ink) else color
+
+
+_look = Look()
+
+
+def look() -> Look:
+    """The look in use."""
+    return _look
+
+
+def use_look(wanted: Look) -> None:
+    """Set the look; canvases must be painted again."""
+    global _look  # noqa: PLW0603  # one for all canvases, as the style sheet is one for all widgets
+    _look = wanted
+
 
 # The canvas is dark in both themes, so that the image is the brightest object. Hues after Okabe and Ito.
 CANVAS = "#14161a"
@@ -185,8 +239,7 @@ def _panels(theme: Theme) -> str:
     return f"""
     QMainWindow::separator {{ width: 1px; height: 1px; margin: 1px; background: {theme.line}; }}
     QMainWindow::separator:hover {{ background: {theme.accent}; }}
-    QWidget#title {{ background: {theme.window}; border-bottom: 1px solid {theme.line}; }}
-    QWidget#upright {{ background: {theme.window}; border-right: 1px solid {theme.line}; }}
+    QDockWidget {{ color: {theme.dim}; font-weight: 600; }}
     QToolButton#quiet {{ border: 1px solid transparent; border-radius: 4px; padding: 1px; }}
     QToolButton#quiet:hover {{ background: {theme.button}; }}
     QToolButton#quiet:focus {{ border-color: {theme.accent}; }}

@@ -2,80 +2,95 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 from PySide6.QtGui import QColor
 
 from app.model.display.coloring import QUANTITIES, SHADES, InsertionTimes, colored
+from app.model.display.display_image import IntensityWindow
 from app.model.display.space.picture import Colors
 from app.model.display.space.triangles import Mesh
-from app.model.display.space.view_in_space import ColoredMesh, Contents, Particles, Wires
+from app.model.display.space.view_in_space import ColoredMesh, Particles, ViewInSpace, Wires
 from app.model.display.space.voxels import Shaded
 from app.model.volume.shape_sections import wires
-from app.model.volume.surface_section import kept_with_surface
+from app.model.volume.slices import Slices
 from app.session.exchange.messages import Reconstruction, Snapshot
-from app.session.features.latest import MadeOnce
+from app.session.features.background import IdentityCache
 from app.session.scene import Proposal, Scene
 from app.views.canvas.layers import Layers
-from app.views.canvas.layers.particles import BEGIN, UNKNOWN, ParticleLayer
+from app.views.canvas.layers.particles import BEGIN, UNKNOWN
 from app.views.canvas.layers.skeleton import banded
 from app.views.theme import color_maps, theme
-from app.views.theme.look import Ink, look
-from cpm_core.contours.ground_truth import Truth
+from app.views.theme.theme import Ink, look
+from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.contours.surface import Surface
-from cpm_core.contours.surface.ground_truth import VolumeTruth
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.objects.faces.space import VolumeSelection
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects
+from cpm_core.objects.volume_partition import VolumeSelection
 from cpm_core.shapes import Charge, Interest, Limit, Shape
 
 
 class SeenInSpace:
-    """Makes the contents of the view in space of the scenes of a session."""
+    """Makes the view in space of the scenes of a session."""
 
     def __init__(self) -> None:
-        self._parts = MadeOnce()
+        self._parts = IdentityCache()
 
-    def of(self, scene: Scene, layers: Layers) -> Contents | None:
+    def of(self, scene: Scene, layers: Layers) -> ViewInSpace | None:
         """What a scene shows; particles, gray values and what is drawn as their layers show them on the canvas."""
         image, slices, snapshot, found = scene.image, scene.slices, scene.snapshot, scene.reconstruction
         if image is None or slices is None:
             self._parts.forget()
             return None
-        layer, window = layers.particles, layers.image.shown_window
-        inks = tuple(look().color(ink) for ink in (theme.MOVING, theme.RESTING))
-        given = snapshot, layer.word("colour"), layer.word("map"), layer.word("done"), inks
-        shaded = self._parts.named("shaded", lambda: Shaded(image.values, window), image, window)
-        particles = self._parts.named("particles", lambda: _particles(snapshot, layer), *given)
-        mesh = self._parts.of(_mesh, found)
-        drawn = (scene.document.shapes if layers.drawing.shown else (), scene.selected, image)
-        skeleton = scene.skeleton if layers["skeleton"].shown else None
-        lines = self._parts.of(_wires, *drawn, skeleton)
-        of, offered = scene.document.objects, scene.objects.proposals
-        selected = (of, offered, image.spacing) if layers["objects"].shown else None
-        objects = self._parts.named("objects", lambda: () if selected is None else tuple(_objects(*selected)), selected)
-        known = (scene.truth if layers["truth"].shown else None, image.spacing)
-        truth = self._parts.of(_truth, *known)
-        return self._parts.named(
-            "contents",
-            lambda: Contents(image, shaded, slices, particles, mesh, lines, layers.image.table, objects, truth),
-            *(image, slices, shaded, particles, mesh, lines, layers.image.word("map"), objects, truth),
+        get, layer, spacing = self._parts.get, layers.particles, image.spacing
+        size = 1.0 if snapshot is None else layer.size_of(snapshot)
+        inks = look().color(theme.MOVING), look().color(theme.RESTING)
+        objects = scene.document.objects if layers["objects"].shown else None
+        drawn = scene.document.shapes if layers.drawing.shown else ()
+        parts = (
+            image,
+            get(_shaded, image, layers.image.shown_window),
+            slices,
+            get(_particles, snapshot, size, layer.word("colour"), layer.word("map"), inks),
+            get(_mesh, found),
+            get(_wires, drawn, scene.selected, image, scene.skeleton if layers["skeleton"].shown else None),
+            layers.image.word("map"),
+            get(_objects, objects, scene.objects.proposals, spacing),
+            get(_truth, scene.truth if layers["truth"].shown else None, spacing),
         )
+        return get(_view, *parts)
 
 
-def _particles(snapshot: Snapshot | None, layer: ParticleLayer) -> Particles | None:
-    size = 1.0 if snapshot is None else layer.size_of(snapshot)
+def _view(
+    image: Image,
+    shaded: Shaded,
+    slices: Slices,
+    particles: Particles | None,
+    mesh: Mesh | None,
+    drawn: Wires | None,
+    map_name: str,
+    objects: tuple[ColoredMesh, ...],
+    truth: tuple[ColoredMesh, ...],
+) -> ViewInSpace:
+    return ViewInSpace(image, shaded, slices, particles, mesh, drawn, color_maps.table(map_name), objects, truth)
+
+
+def _shaded(image: Image, window: IntensityWindow) -> Shaded:
+    return Shaded(image.values, window)
+
+
+def _particles(
+    snapshot: Snapshot | None, size: float, quantity: str, map_name: str, inks: tuple[str, str]
+) -> Particles | None:
     if snapshot is None or size == 0.0:
         return None
-    if layer.word("colour") not in QUANTITIES:
-        inks = np.array([_rgb(theme.MOVING), _rgb(theme.RESTING)], np.uint8)
-        return Particles(snapshot.position, inks[snapshot.resting.astype(np.intp)], size)
+    if quantity not in QUANTITIES:
+        return Particles(snapshot.position, np.array(list(map(_rgb, inks)))[snapshot.resting.astype(np.intp)], size)
     times = InsertionTimes(snapshot.metrics.step, snapshot.metrics.numbered)
-    marks = colored(QUANTITIES[layer.word("colour")], snapshot.state, times).marks
-    palette = np.vstack([color_maps.table(layer.word("map"), SHADES, BEGIN), _rgb(UNKNOWN)]).astype(np.uint8)
+    marks = colored(QUANTITIES[quantity], snapshot.state, times).marks
+    palette = np.vstack([color_maps.table(map_name, SHADES, BEGIN), _rgb(UNKNOWN)]).astype(np.uint8)
     return Particles(snapshot.position, palette[marks], size)
 
 
@@ -85,29 +100,26 @@ def _mesh(found: Reconstruction | None) -> Mesh | None:
 
 
 def _objects(
-    objects: SegmentedObjects, offered: tuple[Proposal, ...], spacing: tuple[float, ...]
-) -> Iterator[ColoredMesh]:
-    """The objects but hidden ones and the one that is being changed, and those that are offered."""
-    for item in objects.items:
-        if item.body is not None and not item.hidden and item.number != objects.edited:
-            yield _colored(item.body, spacing, objects.color(item))
-    for each in offered:
-        if isinstance(each.selection, VolumeSelection) and each.selection.found:
-            yield _colored(each.selection.surface, spacing, theme.CHOSEN)
+    objects: SegmentedObjects | None, offered: tuple[Proposal, ...], spacing: tuple[float, ...]
+) -> tuple[ColoredMesh, ...]:
+    """The objects except hidden ones and the one that is being changed, and those that are offered."""
+    if objects is None:
+        return ()
+    seen = [item for item in objects.items if not item.hidden and item.number != objects.edited]
+    found = [each.selection for each in offered if isinstance(each.selection, VolumeSelection) and each.selection.found]
+    return (
+        *(_colored(item.body, spacing, objects.color(item)) for item in seen if item.body is not None),
+        *(_colored(selection.surface, spacing, theme.CHOSEN) for selection in found),
+    )
 
 
 def _truth(truth: Truth | VolumeTruth | None, spacing: tuple[float, ...]) -> tuple[ColoredMesh, ...]:
     return (_colored(truth.surface, spacing, theme.TRUTH),) if isinstance(truth, VolumeTruth) else ()
 
 
-@kept_with_surface
-def _mesh_of(surface: Surface, spacing: tuple[float, ...]) -> Mesh:
-    return Mesh(replace(surface, spacing=spacing))
-
-
 def _colored(surface: Surface, spacing: tuple[float, ...], ink: Ink | str) -> ColoredMesh:
     red, green, blue = _rgb(ink).tolist()
-    return ColoredMesh(_mesh_of(surface, spacing), (red, green, blue))
+    return ColoredMesh(Mesh(replace(surface, spacing=spacing)), (red, green, blue))
 
 
 def _wires(

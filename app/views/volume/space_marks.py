@@ -36,7 +36,7 @@ class SpaceMarks:
     def draw(self, painter: QPainter, view: ViewInSpace, camera: Camera, size: QSize) -> None:
         """Draw over a picture of this size that the camera has taken."""
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        if view.box:
+        if view.shown.box:
             self._draw_names(painter, view, camera, size)
         self._draw_bar(painter, camera, size)
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from math import pi, radians
 
 import numpy as np
 from PySide6.QtCore import QPointF, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import (
+    QColor,
     QContextMenuEvent,
     QImage,
     QKeyEvent,
@@ -26,19 +26,14 @@ from app.model.display.space.camera import Camera
 from app.model.display.space.picture import FAR, Picture
 from app.model.display.space.view_in_space import Look, ViewInSpace
 from app.model.text.language import tr
-from app.session.features.latest import Latest
+from app.model.volume.slices import directions_of, first_seen
+from app.session.features.background import LatestOnlyWorker
 from app.session.session import Session
 from app.views.theme import theme
 from app.views.volume.space_marks import SpaceMarks
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Place
 
-Gesture = Callable[[Camera, float, float, int], Camera]
-"""Follows the pointer, which moves to the right and down [px], in a picture whose shorter side is given [px]."""
-
-WHOLE = (Qt.Key.Key_0, Qt.Key.Key_Home)
-"""Keys that show everything."""
-
-_STEP, _KEY_ZOOM = radians(5.0), 1.2
+_STEP, _ZOOM = radians(5.0), 1.2
 """What a press of a key turns and enlarges."""
 
 _TURNS = {
@@ -47,45 +42,9 @@ _TURNS = {
     Qt.Key.Key_Up: (0.0, -_STEP),
     Qt.Key.Key_Down: (0.0, _STEP),
 }
-
-
-def turn(camera: Camera, right: float, down: float, side: int) -> Camera:
-    """Turn: a drag across the picture by half a turn."""
-    return camera.turned(pi * right / side, pi * down / side)
-
-
-def move(camera: Camera, right: float, down: float, side: int) -> Camera:
-    """Move with the pointer."""
-    return camera.moved(right, down)
-
-
-def roll(camera: Camera, right: float, down: float, side: int) -> Camera:
-    """Roll: a drag across the picture by half a turn."""
-    return camera.rolled(pi * right / side)
-
-
-def gesture(button: Qt.MouseButton, keys: Qt.KeyboardModifier) -> Gesture:
-    """What a drag with this button and these keys does."""
-    if button != Qt.MouseButton.LeftButton or keys & Qt.KeyboardModifier.ShiftModifier:
-        return move
-    return roll if keys & Qt.KeyboardModifier.ControlModifier else turn
-
-
-def by_key(camera: Camera, key: int, directions: Sequence[Array]) -> Camera | None:
-    """The camera after a press of a key: turned, enlarged, or along an axis; None for any other key.
-
-    `directions` are the axes of cameras that look along those of the volume.
-    """
-    if key in _TURNS:
-        return camera.turned(*_TURNS[Qt.Key(key)])
-    if key in (Qt.Key.Key_Plus, Qt.Key.Key_Equal):
-        return camera.zoomed(_KEY_ZOOM)
-    if key == Qt.Key.Key_Minus:
-        return camera.zoomed(1.0 / _KEY_ZOOM)
-    if key in (Qt.Key.Key_1, Qt.Key.Key_2, Qt.Key.Key_3):
-        return camera.along(directions[key - Qt.Key.Key_1])
-    return None
-
+_ZOOMS = {Qt.Key.Key_Plus: _ZOOM, Qt.Key.Key_Equal: _ZOOM, Qt.Key.Key_Minus: 1.0 / _ZOOM}
+_AXES = {Qt.Key.Key_1: 0, Qt.Key.Key_2: 1, Qt.Key.Key_3: 2}
+_WHOLE = (Qt.Key.Key_0, Qt.Key.Key_Home)
 
 _STILL = 150
 """Time without a change after which the picture is drawn at full size [ms]."""
@@ -112,17 +71,6 @@ class _Frame:
     number: int
     seconds: float
 
-    def position(self, spacing: tuple[float, ...], right: float, down: float) -> tuple[float, float, float] | None:
-        """Position [voxels] of what is seen at fractions of width and height, None where nothing is."""
-        rows, cols = self.picture.size
-        row, col = min(max(int(down * rows), 0), rows - 1), min(max(int(right * cols), 0), cols - 1)
-        depth = float(self.picture.depths[row, col])
-        if depth >= float(FAR):
-            return None
-        place = self.camera.corner((rows, cols)) + np.array([col, row, depth]) @ self.camera.axes / self.camera.scale
-        plane, along_rows, along_cols = (place / np.array(spacing)).tolist()
-        return plane, along_rows, along_cols
-
 
 class SpaceView(QWidget):
     """Draws a view on a thread of its own, the newest first; coarser while something moves, in full once it is still.
@@ -147,13 +95,13 @@ class SpaceView(QWidget):
         self.camera: Camera | None = None
         self._view: ViewInSpace | None = None
         self._frame: _Frame | None = None
-        self._image = QImage()
-        self.look = Look(background=_rgb(theme.CANVAS))
+        canvas = QColor(theme.CANVAS)
+        self.look = Look(background=(canvas.red(), canvas.green(), canvas.blue()))
         self._seconds, self._asked = 0.0, 0
         self._pressed: QPointF | None = None
         self._last = QPointF()
-        self._gesture: Gesture = turn
-        self._painter = Latest(session, "cpm-space", tr("drawing the view in space"))
+        self._drag = (Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier)
+        self._painter = LatestOnlyWorker(session, "cpm-space", tr("drawing the view in space"))
         self._painter.done.connect(self._take)
         self._still = QTimer(self, interval=_STILL, singleShot=True)
         self._still.timeout.connect(partial(self._ask, 1))
@@ -168,8 +116,7 @@ class SpaceView(QWidget):
         if view is None:
             self._frame, self.camera = None, None
             self.update()
-            return
-        if before is None or self.camera is None or before.lengths != view.lengths:
+        elif before is None or self.camera is None or before.lengths != view.lengths:
             self.show_all()
         else:
             self._changed()
@@ -189,12 +136,13 @@ class SpaceView(QWidget):
     def show_all(self) -> None:
         """See the whole volume from where it is seen first."""
         if self._view is not None:
-            self.use(Camera.on(self._view.lengths, self.room, self._view.directions[self._view.front]))
+            image = self._view.image
+            self.use(Camera.on(self._view.lengths, self.room, directions_of(image)[first_seen(image)]))
 
     def look_along(self, axis: int) -> None:
         """See the volume as its slices across an axis lie."""
         if self._view is not None and self.camera is not None:
-            self.use(self.camera.along(self._view.directions[axis]))
+            self.use(replace(self.camera, axes=directions_of(self._view.image)[axis]))
 
     def use(self, camera: Camera) -> None:
         """See the volume from elsewhere."""
@@ -214,13 +162,14 @@ class SpaceView(QWidget):
 
     def paintEvent(self, event: QPaintEvent) -> None:
         """Show the picture that was drawn last."""
-        painter = QPainter(self)
+        painter, frame = QPainter(self), self._frame
         painter.fillRect(self.rect(), theme.CANVAS)
-        if self._frame is not None and self._view is not None:
-            painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform, self._frame.coarseness > 1)
-            painter.drawImage(self.rect(), self._image)
-            camera = self._frame.camera.enlarged(self.width() / self._frame.picture.size[1])
-            self.marks.draw(painter, self._view, camera, self.size())
+        if frame is not None and self._view is not None:
+            painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform, frame.coarseness > 1)
+            colors = frame.picture.colors
+            rows, cols = frame.picture.size
+            painter.drawImage(self.rect(), QImage(colors.data, cols, rows, 3 * cols, QImage.Format.Format_RGB888))
+            self.marks.draw(painter, self._view, frame.camera.enlarged(self.width() / cols), self.size())
         elif self._view is not None:
             self.marks.wait(painter, self.size())
         painter.end()
@@ -236,15 +185,23 @@ class SpaceView(QWidget):
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Begin to turn, move or roll, until the button is released."""
-        self._gesture = gesture(event.button(), event.modifiers())
+        self._drag = event.button(), event.modifiers()
         self._pressed = self._last = event.position()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Turn, move or roll."""
-        if self._pressed is not None and self.camera is not None:
-            way, self._last = event.position() - self._last, event.position()
-            ratio = self.devicePixelRatioF()
-            self.use(self._gesture(self.camera, way.x() * ratio, way.y() * ratio, min(self.room)))
+        """Turn, move or roll; a drag across the picture is half a turn."""
+        camera = self.camera
+        if self._pressed is None or camera is None:
+            return
+        way, self._last = (event.position() - self._last) * self.devicePixelRatioF(), event.position()
+        button, keys = self._drag
+        half_turn = pi / min(self.room)
+        if button != Qt.MouseButton.LeftButton or keys & Qt.KeyboardModifier.ShiftModifier:
+            self.use(camera.moved(way.x(), way.y()))
+        elif keys & Qt.KeyboardModifier.ControlModifier:
+            self.use(camera.rolled(half_turn * way.x()))
+        else:
+            self.use(camera.turned(half_turn * way.x(), half_turn * way.y()))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """Pick what was clicked; a click of the right button opens the menu."""
@@ -275,15 +232,22 @@ class SpaceView(QWidget):
         event.accept()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Turn, enlarge, or look along an axis."""
-        view, now = self._view, self.camera
-        camera = None if view is None or now is None else by_key(now, event.key(), view.directions)
-        if camera is not None:
-            self.use(camera)
-        elif event.key() in WHOLE:
+        """Turn, enlarge, look along an axis, or see everything."""
+        key, camera = Qt.Key(event.key()), self.camera
+        if camera is not None and key in _TURNS:
+            self.use(camera.turned(*_TURNS[key]))
+        elif camera is not None and key in _ZOOMS:
+            self.use(camera.zoomed(_ZOOMS[key]))
+        elif key in _AXES:
+            self.look_along(_AXES[key])
+        elif key in _WHOLE:
             self.show_all()
         else:
             super().keyPressEvent(event)
+
+    def showEvent(self, event: object) -> None:
+        """Draw what was not drawn while it was hidden."""
+        self._ask(1)
 
     def _changed(self) -> None:
         self._ask(min(_COARSEST, max(1, round((self._seconds / _SMOOTH) ** 0.5))))
@@ -296,10 +260,11 @@ class SpaceView(QWidget):
             self._still.start()
         else:
             self._still.stop()
-        size = self.room
-        coarse = max(1, size[0] // coarseness), max(1, size[1] // coarseness)
+        rows, cols = (max(1, side // coarseness) for side in self.room)
         self._asked += 1
-        self._painter.ask(partial(_draw, self._view, self.camera, coarse, coarseness, self.look, self._asked))
+        look = replace(self.look, radius=max(self.look.radius / coarseness, 0.6))
+        camera = self.camera.enlarged(1.0 / coarseness)
+        self._painter.ask(partial(_draw, self._view, camera, (rows, cols), coarseness, look, self._asked))
 
     def _take(self, frame: _Frame) -> None:
         """Show a picture that has been drawn."""
@@ -308,31 +273,26 @@ class SpaceView(QWidget):
         self._frame = frame
         if frame.coarseness == 1:
             self._seconds = frame.seconds
-        colors = frame.picture.colors
-        self._image = QImage(
-            colors.data, colors.shape[1], colors.shape[0], 3 * colors.shape[1], QImage.Format.Format_RGB888
-        )
         self.update()
         self.drawn.emit()
 
-    def showEvent(self, event: object) -> None:
-        """Draw what was not drawn while it was hidden."""
-        self._ask(1)
-
-    def _at(self, point: QPointF) -> tuple[float, float, float] | None:
+    def _at(self, point: QPointF) -> Place | None:
         """Position [voxels] of what is seen at a point, None where nothing is."""
-        if self._frame is None or self._view is None:
+        frame, view = self._frame, self._view
+        if frame is None or view is None:
             return None
-        return self._frame.position(self._view.spacing, point.x() / self.width(), point.y() / self.height())
+        rows, cols = frame.picture.size
+        row = min(max(int(point.y() / self.height() * rows), 0), rows - 1)
+        col = min(max(int(point.x() / self.width() * cols), 0), cols - 1)
+        depth = float(frame.picture.depths[row, col])
+        if depth >= float(FAR):
+            return None
+        camera = frame.camera
+        place = camera.corner((rows, cols)) + np.array([col, row, depth]) @ camera.axes / camera.scale
+        return tuple((place / np.array(view.image.spacing)).tolist())
 
 
 def _draw(view: ViewInSpace, camera: Camera, size: tuple[int, int], coarseness: int, look: Look, number: int) -> _Frame:
     """Draw on the thread."""
     begin = time.perf_counter()
-    seen = camera.enlarged(1.0 / coarseness)
-    finer = Look(look.background, look.edges, look.outside, look.inside, max(look.radius / coarseness, 0.6))
-    return _Frame(view.drawn(seen, size, finer), seen, coarseness, number, time.perf_counter() - begin)
-
-
-def _rgb(color: str) -> tuple[int, int, int]:
-    return int(color[1:3], 16), int(color[3:5], 16), int(color[5:7], 16)
+    return _Frame(view.drawn(camera, size, look), camera, coarseness, number, time.perf_counter() - begin)

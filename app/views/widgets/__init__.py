@@ -1,1 +1,1 @@
-"""Small widgets for panels, and specifications of actions."""
+"""Small widgets for panels, and actions."""

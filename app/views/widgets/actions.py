@@ -1,25 +1,128 @@
-"""The Qt actions made from their specifications; their state follows the situation."""
+"""Actions: their specifications, the Qt actions made from them, keys as text, and what menus need of widgets."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol, runtime_checkable
 
+from PySide6.QtCore import QPoint
 from PySide6.QtGui import QAction, QActionGroup, QKeySequence
-from PySide6.QtWidgets import QWidget
+from PySide6.QtWidgets import QMenu, QWidget
 
 from app.model.state.situation import (
     ICONS_IN_VOLUMES,
     NOT_IN_VOLUMES,
     OTHERWISE_IN_VOLUMES,
+    Condition,
     Situation,
     always,
     has_volume,
 )
+from app.model.text.keys import with_keys
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
-from app.views.widgets.action_spec import ActionSpec
-from app.views.widgets.key_text import native
+
+
+def portable(key: str) -> str:
+    """A key in the notation that is the same on all systems."""
+    return QKeySequence(key).toString(QKeySequence.SequenceFormat.PortableText)
+
+
+def native(key: str) -> str:
+    """A key as people call it here."""
+    return QKeySequence(key).toString(QKeySequence.SequenceFormat.NativeText)
+
+
+def natives(keys: Sequence[str]) -> str:
+    """Keys, separated by commas."""
+    return ", ".join(native(key) for key in keys)
+
+
+LAYER = "layer_"
+"""What the names of the actions that show or hide a layer begin with."""
+
+
+@dataclass(frozen=True, slots=True)
+class ActionSpec:
+    """One action.
+
+    Attributes
+    ----------
+    name : str
+        Name in code.
+    menu : str
+        Its menu; ``"File>Open sample"`` names a submenu.
+    text : str
+        Text in the menu.
+    tip : str
+        One sentence for the tooltip and the status bar; it may name keys of actions (see `with_keys`).
+    do : callable
+        Its effect.
+    keys : str
+        Keys with spaces between them; the first one is shown.
+    icon : str
+        Name of the icon, empty for none.
+    group : str
+        Actions of the same group are alternatives; empty for none.
+    checked : bool
+        Whether it is the initial one of its group.
+    gap : bool
+        Whether a separator is drawn above it.
+    when : callable
+        Situations in which it is enabled.
+    holds : callable, optional
+        Situations in which it has a check mark.
+    worded : callable, optional
+        Its text in a situation, where it changes.
+    pictured : callable, optional
+        Its icon in a situation, where it changes.
+    short : str
+        Text on a tool button where that of the menu is too long.
+    """
+
+    name: str
+    menu: str
+    text: str
+    tip: str
+    do: Callable[[], object]
+    keys: str = ""
+    icon: str = ""
+    group: str = ""
+    checked: bool = False
+    gap: bool = False
+    when: Condition = always
+    holds: Condition | None = None
+    worded: Callable[[Situation], str] | None = None
+    pictured: Callable[[Situation], str] | None = None
+    short: str = ""
+
+    @property
+    def shortcuts(self) -> tuple[str, ...]:
+        """Its keys, one by one."""
+        return tuple(self.keys.split())
+
+    @property
+    def title(self) -> str:
+        """Its text without the marks of menus."""
+        return self.text.replace("&", "").rstrip("…")
+
+    @property
+    def said(self) -> str:
+        """Its tip with the keys of actions as they are now."""
+        return with_keys(self.tip)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Submenu:
+    """A submenu that `fill` fills each time before it opens; the rest is as in `ActionSpec`."""
+
+    name: str
+    menu: str
+    text: str
+    fill: Callable[[QMenu], None]
+    gap: bool = False
+
 
 PRIMARY = "run"
 """The action whose button has the accent color."""
@@ -145,3 +248,15 @@ def tooltip(text: str, spec: ActionSpec) -> str:
     """Name, key and tip of an action in one line."""
     keys = f" ({native(spec.shortcuts[0])})" if spec.shortcuts else ""
     return f"{_plain(text).rstrip('…')}{keys}: {spec.said}"
+
+
+@runtime_checkable
+class MenuOwner(Protocol):
+    """A widget with a menu; its own actions (`QWidget.actions`) come first in it."""
+
+    def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
+        """Choose what lies at a point of the widget, or tell what is chosen for None, as keys ask.
+
+        Returns the name of the thing, of which the menu knows the actions, or an empty text for nothing; and where
+        the menu opens.
+        """

@@ -20,14 +20,14 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.document.modes import MODES
-from app.model.state.situation import in_words
+from app.model.state.situation import remaining_text
 from app.model.text.language import tr
 from app.session.tasks.tasks import Task, Tasks
 from app.views.canvas.tools import OBJECT, START, TOOLS
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
 from app.views.widgets.actions import PRIMARY, Actions
-from app.views.widgets.scrolled import Scrolled
+from app.views.widgets.containers import Scrolled
 from cpm_core.shapes import KINDS
 
 _FILES, _EDITS, _RUN, _AFTER = ("open", "save"), ("undo", "redo"), ("run", "step", "reset"), ("fit", "export")
@@ -247,7 +247,7 @@ class TaskBar(QWidget):
         task, others = self._task, len(current) - 1
         more = tr("{name} (and {others} more)").format(name=task.name, others=others)
         _set(self._name, more if others else task.name)
-        _set(self._left, in_words(task.seconds_left))
+        _set(self._left, remaining_text(task.seconds_left))
         self._left.setVisible(bool(self._left.text()))
         self._button.setVisible(task.cancellable)
         self._button.setToolTip(tr("Cancel: {name}").format(name=task.name))

@@ -203,15 +203,16 @@ class FileDialogs:
         `name` is suggested, its suffix is added to a name without one, and `folder` is where the dialog begins, by
         default beside the image.
         """
-        parent, suffix = parent or self._window, Path(name).suffix
+        parent = parent or self._window
+        known = [known for kind in kinds for known in kind.suffixes]
+        suffix = max((known for known in known if name.endswith(known)), key=len, default=Path(name).suffix)
         first = next((kind.filter for kind in kinds if suffix in kind.suffixes), "")
         begin, filters = str((folder or self.begin(purpose)) / name), ";;".join(kind.filter for kind in kinds)
         chosen, _ = QFileDialog.getSaveFileName(parent, title, begin, filters, first, _SHORT)
         if not chosen:
             return None
         path = Path(chosen)
-        known = [known for kind in kinds for known in kind.suffixes]
-        if path.suffix.lower() not in known and (not path.suffix or len(known) == 1):
+        if not path.name.lower().endswith(tuple(known)) and (not path.suffix or len(known) == 1):
             path = path.with_name(path.name + suffix)
             # The desktop has asked only about the name as it was typed.
             if path.exists() and not ask_to_replace(parent, path.name):
@@ -229,9 +230,3 @@ class FileDialogs:
 def ask_for_folder(parent: QWidget, title: str, folder: str) -> str:
     """A folder, empty when the user cancels."""
     return QFileDialog.getExistingDirectory(parent, title, folder)
-
-
-def ask_for_images(parent: QWidget, title: str, folder: str) -> list[Path]:
-    """Images that exist, none when the user cancels."""
-    chosen, _ = QFileDialog.getOpenFileNames(parent, title, folder, images().filter, "", _SHORT)
-    return [Path(name) for name in chosen]

@@ -15,10 +15,10 @@ from PySide6.QtWidgets import QDialog, QMainWindow, QWidget
 from app.session.features.workspace import Workspace
 from app.session.session import Session
 from app.session.storage.preferences import Preferences
+from app.session.storage.session_file import DocumentFile
 from app.views.canvas.canvas_area import CanvasArea
 from app.views.theme.theme import Theme
-from app.views.widgets.action_spec import ActionSpec, Submenu
-from app.views.widgets.preference_row import PreferenceRow
+from app.views.widgets.actions import ActionSpec, Submenu
 from app.views.widgets.turns import Turns
 from app.views.window.dialogs import FileDialogs
 from app.views.window.keyboard import Areas
@@ -42,16 +42,14 @@ class FeatureContext:
         Canvas, layers and tools.
     preferences : Preferences
         Settings that are stored between sessions.
+    document_file : DocumentFile
+        The session file of what is open.
     action_specs : callable
         Returns all actions, once the window is built.
-    preference_rows : callable
-        Returns the rows of the preferences dialog that are more than a value, once the window is built.
     shortcuts : callable
         Returns the keys of all actions, once the window is built.
     reveal : callable
         Opens a panel by name and brings it to the front.
-    conceal : callable
-        Closes a panel by name.
     areas : callable
         Returns what gives the keyboard to panels, once the window is built.
     use_theme : callable
@@ -74,11 +72,10 @@ class FeatureContext:
     workspace: Workspace
     canvas_area: CanvasArea
     preferences: Preferences
+    document_file: DocumentFile
     action_specs: Callable[[], Iterable[ActionSpec]]
-    preference_rows: Callable[[], Iterable[PreferenceRow]]
     shortcuts: Callable[[], Shortcuts]
     reveal: Callable[[str], None]
-    conceal: Callable[[str], None]
     areas: Callable[[], Areas]
     use_theme: Callable[[Theme], None]
     refresh: Callable[[], None]
@@ -117,12 +114,8 @@ class Panel:
         Panels of one area with the same value are tabbed; empty for a panel without tab.
     shown : bool
         Whether it is initially open.
-    fitted : bool
-        Whether its height follows what it shows, as far as there is room.
     height : int
-        Initial height of the area below the canvas while it is in front; 0 for the least [px].
-    share : float
-        How much it gets of the height that is left in its area, against the others there.
+        Initial height, as far as there is room; those of an area keep their proportions [px].
     shortcut : str
         Key that opens or closes it.
     """
@@ -133,9 +126,7 @@ class Panel:
     area: Area = "right"
     tab: str = ""
     shown: bool = True
-    fitted: bool = False
-    height: int = 0
-    share: float = 1.0
+    height: int = 400
     shortcut: str = ""
 
 
@@ -151,10 +142,6 @@ class Feature:
 
     def panels(self) -> Sequence[Panel]:
         """Its panels."""
-        return ()
-
-    def preferences(self) -> Sequence[PreferenceRow]:
-        """Its rows of the preferences dialog that are more than the value of a preference."""
         return ()
 
     def use_theme(self, theme: Theme) -> None:

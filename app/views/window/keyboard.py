@@ -30,7 +30,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.views.widgets.own_escape import has_own_escape
+from app.views.widgets.containers import has_own_escape
 
 Text = Callable[[str], bool]
 
@@ -125,7 +125,6 @@ def put_back(widget: QWidget, value: Any) -> None:
 
 
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
-_ALONG = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}
 
 
 class Keyboard(QObject):
@@ -135,7 +134,6 @@ class Keyboard(QObject):
       tools.
     - Enter enters the value of a field and gives the keyboard back to the canvas; it presses a button.
     - Escape restores the value from before the first key, and gives the keyboard back.
-    - The up and down keys go from slider to slider.
 
     Tables keep Enter, which names a row. It watches only the widget that has the focus.
     """
@@ -217,9 +215,6 @@ class Keyboard(QObject):
         if event.key() in _ENTER:
             self._enter(widget, event)
             return True
-        if isinstance(widget, QSlider) and event.key() in _ALONG:
-            go_along(widget, _ALONG[Qt.Key(event.key())])
-            return True
         if types(event) and is_field(widget) and not takes(widget, event):
             event.ignore()  # its action cannot be done now; the field must not take it instead
             return True
@@ -239,19 +234,6 @@ def sliders_of(panel: QWidget) -> list[QSlider]:
     found = [slider for slider in panel.findChildren(QSlider) if slider.isVisibleTo(panel) and slider.isEnabled()]
     places = {slider: slider.mapTo(panel, slider.rect().topLeft()) for slider in found}
     return sorted(found, key=lambda slider: (places[slider].y(), places[slider].x()))
-
-
-def go_along(slider: QSlider, by: int) -> None:
-    """Give the keyboard to the next or previous slider of a panel, and scroll it into view."""
-    panel = slider.parentWidget()
-    while panel is not None and not isinstance(panel.parentWidget(), QDockWidget | QMainWindow):
-        panel = panel.parentWidget()
-    if panel is None:
-        return
-    column = sliders_of(panel)
-    place = column.index(slider) + by
-    if 0 <= place < len(column):
-        take_keyboard(column[place])
 
 
 def take_keyboard(widget: QWidget) -> None:

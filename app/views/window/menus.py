@@ -11,9 +11,7 @@ from PySide6.QtWidgets import QApplication, QMenu, QMenuBar, QWidget
 
 from app.model.text.keys import distinct
 from app.model.text.language import tr
-from app.views.widgets.action_spec import ActionSpec, Submenu
-from app.views.widgets.actions import Actions
-from app.views.widgets.menu_owner import MenuOwner
+from app.views.widgets.actions import Actions, ActionSpec, MenuOwner, Submenu
 
 
 def keep_apart(menu: QMenu) -> None:

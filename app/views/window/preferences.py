@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -33,20 +33,18 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.preferences.shortcuts import refusal
-from app.model.preferences.table import PAGES, PREFERENCES, Choice, Color, Flag, Folder, Number, Preference
+from app.model.preferences.table import PAGES, PREFERENCES, Choice, Color, Flag, Number, Preference
 from app.model.text.language import tr
 from app.session.storage.preferences import Preferences
 from app.views.theme.icons import swatch
-from app.views.widgets.fields.decimal_field import DecimalField
-from app.views.widgets.key_text import native, natives
-from app.views.widgets.preference_row import PreferenceRow
-from app.views.window.dialogs import ask_for_folder
+from app.views.widgets.actions import native, natives
+from app.views.widgets.fields import DecimalField
 from app.views.window.shortcuts import Shortcuts
 
 _WIDTH, _HEIGHT, _MARGIN = 720, 540, 80
 """Size of the dialog, and space that it leaves free on the screen [px]."""
 
-_FOLDER_WIDTH, _COLOR_WIDTH = 220, 110
+_COLOR_WIDTH = 110
 """Least widths of fields [px]."""
 
 _NAME = Qt.ItemDataRole.UserRole
@@ -61,9 +59,7 @@ class PreferencesDialog(QDialog):
         Widgets by their labels.
     """
 
-    def __init__(
-        self, parent: QWidget, preferences: Preferences, rows: Iterable[PreferenceRow], shortcuts: ShortcutsPage
-    ) -> None:
+    def __init__(self, parent: QWidget, preferences: Preferences, shortcuts: ShortcutsPage) -> None:
         super().__init__(parent)
         self.setWindowTitle(tr("Preferences"))
         self.shortcuts = shortcuts
@@ -82,9 +78,6 @@ class PreferencesDialog(QDialog):
         self.rows = {
             preference.label: self._add_field(forms[preference.page], preference) for preference in PREFERENCES
         }
-        for row in rows:
-            self.rows[row.label] = row.make()
-            _add_row(forms[row.page], row.label, self.rows[row.label], row.note)
         preferences.changed.connect(self._follow)
         self.contents.currentRowChanged.connect(pages.setCurrentIndex)
         self.contents.setCurrentRow(0)
@@ -124,19 +117,13 @@ class PreferencesDialog(QDialog):
         widget.setAccessibleName(preference.label)
         widget.setAccessibleDescription(preference.note)
         _add_row(form, preference.label, widget, preference.note)
-        if preference.needs is not None:
-            other, value = preference.needs
-            widget.setEnabled(self._preferences.value(other) == value)
         return widget
 
     def _follow(self, key: str) -> None:
-        """Show a value that has changed, and enable what depends on it."""
+        """Show a value that has changed."""
         for preference in PREFERENCES:
             if preference.name == key:
                 self._show[key](self._preferences.value(preference))
-            elif preference.needs is not None and preference.needs[0].name == key:
-                other, value = preference.needs
-                self.rows[preference.label].setEnabled(self._preferences.value(other) == value)
 
 
 def _form() -> tuple[QScrollArea, QFormLayout]:
@@ -195,8 +182,6 @@ def field_for(preference: Preference[Any], preferences: Preferences) -> tuple[QW
             return combo, lambda shown: combo.setCurrentIndex(combo.findData(shown))
         case Color():
             return _color_field(preference, preferences)
-        case Folder():
-            return _folder_field(preference, preferences)
     raise TypeError(f"{type(preference).__name__} has no field.")
 
 
@@ -219,34 +204,6 @@ def _color_field(color: Color, preferences: Preferences) -> tuple[QWidget, Calla
     show(preferences.value(color))
     button.clicked.connect(ask)
     return button, show
-
-
-def _folder_field(folder: Folder, preferences: Preferences) -> tuple[QWidget, Callable[[str], None]]:
-    """The path of a folder, and a button that asks for another one."""
-    both, path, button = QWidget(), QLineEdit(), QPushButton(tr("Choose…"))
-    path.setReadOnly(True)
-    path.setMinimumWidth(_FOLDER_WIDTH)
-    path.setPlaceholderText(tr("None chosen yet"))
-    path.setAccessibleName(folder.label)
-    button.setAutoDefault(False)
-    both.setFocusProxy(button)
-    row = QHBoxLayout(both)
-    row.setContentsMargins(0, 0, 0, 0)
-    row.addWidget(path, 1)
-    row.addWidget(button)
-
-    def show(value: str) -> None:
-        path.setText(value)
-        path.setToolTip(value)
-
-    def ask() -> None:
-        chosen = ask_for_folder(button, folder.label, preferences.value(folder))
-        if chosen:
-            preferences.choose(folder, chosen)
-
-    show(preferences.value(folder))
-    button.clicked.connect(ask)
-    return both, show
 
 
 class ShortcutsPage(QWidget):

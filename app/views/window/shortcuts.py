@@ -11,7 +11,7 @@ from app.model.preferences import shortcuts
 from app.model.preferences.shortcuts import Keyed
 from app.model.text.keys import Named
 from app.session.storage.preferences import Preferences
-from app.views.widgets.key_text import native, portable
+from app.views.widgets.actions import native, portable
 
 Apply = Callable[[tuple[str, ...]], None]
 """Gives an action its keys."""
@@ -79,10 +79,7 @@ class Shortcuts(QObject):
         self._preferences.put(shortcuts.KEY, shortcuts.written(chosen))
 
     def _read(self) -> dict[str, tuple[str, ...]]:
-        chosen, trouble = shortcuts.read(self._preferences.get(shortcuts.KEY, "{}"))
-        if trouble:
-            self._preferences.complain(trouble)
-        return chosen
+        return shortcuts.read(self._preferences.get(shortcuts.KEY, "{}"))
 
     def _follow(self, key: str) -> None:
         if key == shortcuts.KEY:

@@ -1,6 +1,6 @@
 """Provenance in files: the version of the program, the image and its hash, the method, what it was given, and the end.
 
-The same result always gives the same text: no file tells a time. Of the image it tells the name of its file alone,
+The same result always gives the same text: no file holds a time. Of the image it holds the name of its file alone,
 never a folder.
 """
 
@@ -29,7 +29,7 @@ ENTRY = "provenance"
 """Name of the entry of files in JSON."""
 
 _MOST_PLACES = 32
-"""Positions of a shape that are told one by one; of more only the number is."""
+"""Positions of a shape that are listed one by one; of more only the number is."""
 
 
 def facts_of(result: Result | Skeleton) -> dict[str, Any]:
@@ -41,7 +41,7 @@ def facts_of(result: Result | Skeleton) -> dict[str, Any]:
 
 
 def facts_on(source: str, made: Provenance, shapes: Iterable[Mapping[str, Any]] = ()) -> dict[str, Any]:
-    """The same for an image by its name; those of `shapes` are told that the provenance does not have already."""
+    """The same for an image by its name; those of `shapes` are added that the provenance does not have already."""
     image = {"name": printable(PurePosixPath(PureWindowsPath(source).name).name)}
     if made.sha256:
         image["sha256" if made.of_file else "array_sha256"] = made.sha256

@@ -1,21 +1,34 @@
-"""CSV: contours as tables for spreadsheets and statistics, one row a vertex or one row a contour."""
+"""CSV: contours as tables for spreadsheets and statistics, one row a vertex or one row a contour, and shapes of napari.
+
+Provenance (`provenance.entries_of`) is in the last columns: ``program``, ``image``, its hash and so on; a line of its
+own would break programs that read tables.
+"""
 
 from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from itertools import groupby
 
 import numpy as np
 
 from cpm_core.contours.contour import numbers_of
-from cpm_core.contours.measurements import contour_labels, measure
+from cpm_core.contours.measurements import centroid, contour_labels, measure
 from cpm_core.contours.result import Result
-from cpm_core.formats.common.printable import cell
+from cpm_core.formats.common.printable import cell, text_of_cell
 from cpm_core.formats.common.provenance import entries_of, facts_of
+from cpm_core.formats.contours.contents import Contents
+from cpm_core.formats.contours.curves import ellipse
+from cpm_core.formats.images.decoded import UnreadableError
 from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.pages.page import StackResult
 
-_ASCII_UNIT = {"µm": "um"}  # spreadsheets often take a header with other letters for a wrong encoding
+Row = dict[str, object]
+"""The cells of a row by the names of their columns."""
+
+_OWN = {"closed", "row", "col"}
+_NAPARI = {"index", "shape-type", "vertex-index"}
 
 
 def encode(result: Result | Skeleton) -> bytes:
@@ -27,45 +40,39 @@ def encode(result: Result | Skeleton) -> bytes:
     from the center of the first pixel along columns and rows, ``contrast`` (mean contrast of both sides, empty where
     there is no image to measure it in), where any contour has one, ``name`` and ``color``, and where any was edited by
     hand, ``by_hand`` (the length that was drawn by hand [px]). Of a skeleton each branch is a contour, has a label in
-    the branch mask, no contrast, and a column ``radius``: the distance to the boundary [px]. How they were found is in
-    the last columns (`provenance.entries_of`): ``program``, ``image``, its hash and so on. They are filled in the first
+    the branch mask, no contrast, and a column ``radius``: the distance to the boundary [px]. Provenance is in the first
     row only, because a table may have a hundred thousand.
     """
-    branched = isinstance(result, Skeleton)
-    header = ["contour", "closed", "label", "strength", "vertex", "row", "col", *_in_unit(result, "x_{}", "y_{}")]
-    if not branched:
-        header.append("contrast")
+    return table(_vertices(result), ("contour", "closed", "label", "strength", "vertex", "row", "col"))
+
+
+def _vertices(result: Result | Skeleton) -> list[Row]:
     named = any(contour.name or contour.color for contour in result.contours)
-    if named:
-        header += ["name", "color"]
     edited = any(contour.by_hand for contour in result.contours)
-    if edited:
-        header.append("by_hand")
-    if branched:
-        header.append("radius")
-    lines: list[list[object]] = []
-    labels = range(1, len(result.contours) + 1) if branched else contour_labels(result.contours)
-    each = zip(numbers_of(result.contours), result.contours, labels, strict=True)
-    for index, (number, contour, label) in enumerate(each):
-        fixed = [number, str(contour.closed).upper(), label, f"{contour.strength:.6g}"]
-        contrast = f"{contour.contrast:.4f}" if contour.sides else ""
-        for vertex, (row, col) in enumerate(contour.points, start=1):
-            line = [*fixed, vertex, f"{row:.4f}", f"{col:.4f}"]
+    radii = result.radii if isinstance(result, Skeleton) else None
+    labels = range(1, len(result.contours) + 1) if radii is not None else contour_labels(result.contours)
+    rows: list[Row] = []
+    for index, (number, contour) in enumerate(zip(numbers_of(result.contours), result.contours, strict=True)):
+        fixed: Row = {"contour": number, "closed": str(contour.closed).upper(), "label": labels[index]}
+        fixed["strength"] = f"{contour.strength:.6g}"
+        common: Row = {}
+        if radii is None:
+            common["contrast"] = f"{contour.contrast:.4f}" if contour.sides else ""
+        if named:
+            common |= {"name": cell(contour.name), "color": contour.color}
+        if edited:
+            common["by_hand"] = f"{contour.length_by_hand:.4f}"
+        for vertex, (row, col) in enumerate(contour.points):
+            place: Row = {"vertex": vertex + 1, "row": f"{row:.4f}", "col": f"{col:.4f}"}
             if result.unit:
-                line += [f"{col * result.spacing[1]:.7g}", f"{row * result.spacing[0]:.7g}"]
-            if not branched:
-                line.append(contrast)
-            if named:
-                line += [cell(contour.name), contour.color]
-            if edited:
-                line.append(f"{contour.length_by_hand:.4f}")
-            if isinstance(result, Skeleton):
-                line.append(f"{result.radii[index][vertex - 1]:.4f}")
-            lines.append(line)
-    origin = _provenance(result)
-    empty = [""] * len(origin)
-    told = [[*line, *(empty if number else origin.values())] for number, line in enumerate(lines)]
-    return _table([*header, *origin], told)
+                place[_in_unit("x_{}", result)] = f"{col * result.spacing[1]:.7g}"
+                place[_in_unit("y_{}", result)] = f"{row * result.spacing[0]:.7g}"
+            rows.append(fixed | place | common)
+            if radii is not None:
+                rows[-1]["radius"] = f"{radii[index][vertex]:.4f}"
+    if rows:
+        rows[0] |= provenance_cells(result)
+    return rows
 
 
 def encode_measures(result: Result | Skeleton) -> bytes:
@@ -81,59 +88,140 @@ def encode_measures(result: Result | Skeleton) -> bytes:
     ``bridged_px`` (length without an edge that was found). For a skeleton also ``thickness_min_px``,
     ``thickness_median_px`` and ``thickness_max_px``.
     Where it is known of any contour, ``reached``: how particles came to it (`Contour.reached`).
-    How they were found is in the last columns of each row (`provenance.entries_of`), so that tables of several images
-    can be joined; a line of its own would break programs that read tables.
     """
-    header = ["contour", "label", "name", "color", "closed", "junctions", "inside", "strength", "contrast"]
-    header += ["length_px", "gross_area_px2", "net_area_px2"]
-    header += _in_unit(result, "length_{}", "gross_area_{}2", "net_area_{}2")
+    return table(_measures(result), ("contour", "label", "closed", "length_px"))
+
+
+def _measures(result: Result | Skeleton) -> list[Row]:
     edited = any(contour.by_hand for contour in result.contours)
-    header += ["by_hand_px"] if edited else []
     objects = any(contour.group for contour in result.contours)
-    if objects:
-        header += ["object", "hole", "bridged_px"]
-    told = any(contour.reached for contour in result.contours)
-    if told:
-        header.append("reached")
-    lines: list[list[object]] = []
-    for contour, row in zip(result.contours, measure(result.contours, result.spacing), strict=True):
-        contrast = "" if row.contrast is None else f"{row.contrast:.4f}"
-        line = [row.number, row.label, cell(row.name), row.color, str(row.closed).upper(), row.junctions, row.inside]
-        line += [f"{row.strength:.6g}", contrast, f"{row.length:.4f}"]
-        line += [f"{area:.4f}" if row.closed else "" for area in (row.area, row.net_area)]
+    reached = any(contour.reached for contour in result.contours)
+    origin = provenance_cells(result)
+    rows: list[Row] = []
+    for index, (contour, one) in enumerate(zip(result.contours, measure(result.contours, result.spacing), strict=True)):
+        row: Row = {"contour": one.number, "label": one.label, "name": cell(one.name), "color": one.color}
+        row |= {"closed": str(one.closed).upper(), "junctions": one.junctions, "inside": one.inside}
+        row |= {"strength": f"{one.strength:.6g}", "contrast": "" if one.contrast is None else f"{one.contrast:.4f}"}
+        row["length_px"] = f"{one.length:.4f}"
+        row["gross_area_px2"] = f"{one.area:.4f}" if one.closed else ""
+        row["net_area_px2"] = f"{one.net_area:.4f}" if one.closed else ""
         if result.unit:
-            line.append(f"{row.length_in_units:.7g}")
-            line += [f"{area:.7g}" if row.closed else "" for area in (row.area_in_units, row.net_area_in_units)]
+            row[_in_unit("length_{}", result)] = f"{one.length_in_units:.7g}"
+            row[_in_unit("gross_area_{}2", result)] = f"{one.area_in_units:.7g}" if one.closed else ""
+            row[_in_unit("net_area_{}2", result)] = f"{one.net_area_in_units:.7g}" if one.closed else ""
         if edited:
-            line.append(f"{row.by_hand:.4f}")
+            row["by_hand_px"] = f"{one.by_hand:.4f}"
         if objects:
-            line += [contour.group, str(contour.hole).upper(), f"{contour.bridged:.4f}"]
-        if told:
-            line.append(contour.reached)
-        lines.append(line)
-    if isinstance(result, Skeleton):
-        header += ["thickness_min_px", "thickness_median_px", "thickness_max_px"]
-        for line, radii in zip(lines, result.radii, strict=True):
-            line += [f"{2.0 * of(radii):.4f}" for of in (np.min, np.median, np.max)]
-    origin = _provenance(result)
-    return _table([*header, *origin], ([*line, *origin.values()] for line in lines))
+            row |= {"object": contour.group, "hole": str(contour.hole).upper(), "bridged_px": f"{contour.bridged:.4f}"}
+        if reached:
+            row["reached"] = contour.reached
+        if isinstance(result, Skeleton):
+            for name, value in (("min", np.min), ("median", np.median), ("max", np.max)):
+                row[f"thickness_{name}_px"] = f"{2.0 * value(result.radii[index]):.4f}"
+        rows.append(row | origin)
+    return rows
 
 
-def _provenance(result: Result | Skeleton) -> dict[str, str]:
+def encode_pages(found: StackResult) -> bytes:
+    """Tabulate the vertices of the contours on all pages of a stack, one a row.
+
+    Columns: ``page`` (from 1), ``track`` (the number that an object keeps from page to page), and those of `encode` for
+    each page, without ``contour``; ``label`` is that in the label stack, the track, or 0 when open.
+    """
+    return table(_on_pages(found, _vertices), ("page", "track"))
+
+
+def encode_measures_of_pages(found: StackResult) -> bytes:
+    """Tabulate the measures of the contours on all pages of a stack, one contour a row.
+
+    Columns: ``page``, ``track``, ``centroid_row`` and ``centroid_col`` (the center of the enclosed area, of an open
+    contour that of its length [px]), and those of `encode_measures`, without ``contour``; ``label`` is that in the
+    label stack, and ``inside`` the track of the contour around it.
+    """
+
+    def with_centroids(result: Result | Skeleton) -> list[Row]:
+        rows = []
+        for contour, row in zip(result.contours, _measures(result), strict=True):
+            center = centroid(contour)
+            rows.append({"centroid_row": f"{center[0]:.4f}", "centroid_col": f"{center[1]:.4f}"} | row)
+        return rows
+
+    return table(_on_pages(found, with_centroids), ("page", "track"))
+
+
+def _on_pages(found: StackResult, tabulated: Callable[[Result | Skeleton], list[Row]]) -> list[Row]:
+    rows: list[Row] = []
+    for page, result in found.results:
+        for row in tabulated(result):
+            track = row.pop("contour")
+            rows.append({"page": page, "track": track} | row | {"label": track if row["label"] else 0})
+    return rows
+
+
+def provenance_cells(result: Result | Skeleton) -> Row:
     """Names and cells of the last columns."""
-    return {name: cell(told) for name, told in entries_of(facts_of(result)).items()}
+    return {name: cell(value) for name, value in entries_of(facts_of(result)).items()}
 
 
-def _in_unit(result: Result | Skeleton, *columns: str) -> list[str]:
-    """Names of columns in the unit of the image; none where it is unknown."""
-    unit = _ASCII_UNIT.get(result.unit or "", result.unit)
-    return [column.format(unit) for column in columns if unit]
+def _in_unit(column: str, result: Result | Skeleton) -> str:
+    """Name of a column with the unit, in ASCII, as spreadsheets often take other letters for a wrong encoding."""
+    return column.format({"µm": "um"}.get(result.unit or "", result.unit))
 
 
-def _table(header: Sequence[str], lines: Iterable[Sequence[object]]) -> bytes:
-    """A UTF-8 CSV file with a header, commas, and points as decimal marks."""
+def table(rows: Sequence[Row], empty: Sequence[str] = ()) -> bytes:
+    """A UTF-8 CSV file with a header, which is `empty` without rows, commas, and points as decimal marks."""
+    columns = {name: None for row in rows for name in row}
     stream = io.StringIO(newline="")
-    table = csv.writer(stream, lineterminator="\n")
-    table.writerow(header)
-    table.writerows(lines)
+    writer = csv.DictWriter(stream, list(columns or empty), restval="", lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
     return stream.getvalue().encode()
+
+
+def read(text: str, name: str) -> Contents:
+    """Contours of a table with one vertex in each row."""
+    rows = list(csv.DictReader(text.splitlines()))
+    columns = set(rows[0] if rows else ())
+    if columns >= _NAPARI:
+        return _shapes(rows)
+    number = "track" if "track" in columns and "contour" not in columns else "contour"
+    missing = ({number} | _OWN) - columns
+    if missing:
+        raise UnreadableError(
+            f"{name} is not a table of contours: it has no column {' or '.join(sorted(missing))}. Choose a table of "
+            "vertices that CPM has written."
+        )
+    found = Contents()
+    for (page, of), group in groupby(rows, key=lambda row: (row.get("page") or "0", row[number])):
+        vertices = list(group)
+        first = vertices[0]
+        found.add(
+            [(float(row["row"]), float(row["col"])) for row in vertices],
+            first["closed"].strip().upper() == "TRUE",
+            page=int(page),
+            strength=first.get("strength") or 0.0,
+            name=text_of_cell(first.get("name") or ""),
+            color=first.get("color") or "",
+            number=int(of) if of.strip().isdecimal() else 0,
+        )
+    return found
+
+
+def _shapes(rows: Sequence[Mapping[str, str]]) -> Contents:
+    """Shapes of napari, whose last two axes are row and column."""
+    found = Contents()
+    axes = sorted((column for column in rows[0] if column.startswith("axis-")), key=lambda name: int(name[5:]))
+    for _, group in groupby(rows, key=lambda row: row["index"]):
+        vertices = list(group)
+        kind = vertices[0]["shape-type"].strip()
+        places = np.array([[float(row[axis]) for axis in axes] for row in vertices])
+        page = 1 + round(places[0, -3]) if len(axes) > 2 else 0
+        corners = places[:, -2:]
+        if kind == "ellipse":
+            center = corners.mean(axis=0)
+            corners = ellipse(center, 0.5 * (corners[1] - corners[0]), 0.5 * (corners[2] - corners[1]))
+        if kind in ("ellipse", "rectangle", "polygon", "path", "line"):
+            found.add(corners, kind not in ("path", "line"), page=page)
+        else:
+            found.left_out[f"shape of the kind {kind}"] += 1
+    return found

@@ -1,17 +1,37 @@
-"""JSON: everything that a result holds, for scripts."""
+"""JSON: everything that a result holds, of an image or of all pages of a stack, for scripts and for resumed runs."""
 
 from __future__ import annotations
 
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.measurements import measure
 from cpm_core.contours.result import Result
-from cpm_core.formats.common.provenance import ENTRY, facts_of
+from cpm_core.formats.common.provenance import ENTRY, facts_of, facts_on
+from cpm_core.formats.contours.contents import Contents, checked
 from cpm_core.formats.contours.json_text import rounded, text
+from cpm_core.formats.images.decoded import MAXIMUM_PIXELS
 from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.numerics.types import Array
+from cpm_core.pages.page import MeasuredContrast, Page, StackResult
+from cpm_core.pages.tracks import TrackEvent
+from cpm_core.parameters.provenance import Provenance
 
-FORMAT = "cpm-contours"
-"""Value of the entry ``format`` of such a file."""
+_OF_IMAGE, _OF_STACK = "cpm-contours", "cpm-pages"
+"""Values of the entry ``format`` of such a file."""
+
+_MOST_PARTICLES = 10**7
+"""Most particles that a page is believed to have had."""
+
+_FARTHEST = 1e100
+"""Distance of a vertex from the first pixel up to which lengths and areas can be computed [px]."""
 
 
 def encode(result: Result | Skeleton) -> bytes:
@@ -20,29 +40,54 @@ def encode(result: Result | Skeleton) -> bytes:
     ``points`` are pairs [row, col] in px, pixel centers at integers; lengths are in px, areas in px², strengths in gray
     levels / px. ``gross_area`` is all that a contour encloses, ``net_area`` without the closed contours in it, as in
     the label mask. ``inside`` is the number of the innermost closed contour around, 0 for none; ``contrast`` is null
-    where there is no image to measure it in; ``by_hand`` is the length that was drawn by hand [px]; ``reached`` tells
+    where there is no image to measure it in; ``by_hand`` is the length that was drawn by hand [px]; ``reached`` is
     how particles came to a contour, where it is known. Where the size of a pixel is known, length and areas are given
     in its unit as well. The boundaries of an object have its number as ``object``, and as ``bridged`` the length
     without an edge that was found. The image has the ``channel`` of its colors in which the contours were
     found, unless it is the luminance. ``provenance`` is how they were found (`provenance.facts_of`). Of a
     skeleton the branches are contours with ``radii`` [px], and there is no run.
     """
-    content: dict[str, Any] = {"format": FORMAT, "version": 1, "image": image_of(result), ENTRY: facts_of(result)}
-    return text(content | found_in(result))
+    return text({"format": _OF_IMAGE, "version": 1, **_result_to_plain(result)})
 
 
-def image_of(result: Result | Skeleton) -> dict[str, Any]:
-    """The image of a result: its name, its shape and the size of a pixel."""
+def encode_pages(found: StackResult) -> bytes:
+    """Write an object with a stack, its tracks and its pages; `load_stack_result` reads it back.
+
+    ``stack`` has its ``name``, the number of its ``pages``, as ``axis`` z, t or c, and what was ``drawn``. Each of
+    ``tracks`` has its number, its ``pages``, as ``origin`` the track that it split off, 0 for none, and how it
+    ``ends``, null for those that do not. Each of ``pages`` has its number, ``trouble`` where it could not be used,
+    ``events``, and what `encode` writes of an image; the number of a contour is its track.
+    """
+    stack: dict[str, Any] = {"name": found.source, "pages": found.count, "axis": found.axis, "alone": found.alone}
+    stack |= {"drawn": facts_on(found.source, Provenance(), found.drawn).get("shapes", [])}
+    tracks = [
+        {"track": one.number, "pages": list(one.pages), "origin": one.origin, "ends": one.end and one.end.kind}
+        for one in found.tracks
+    ]
+    pages = list(map(page_to_plain, found.pages))
+    return text({"format": _OF_STACK, "version": 1, "stack": stack, "tracks": tracks, "pages": pages})
+
+
+def page_to_plain(page: Page) -> dict[str, Any]:
+    """A page as an entry of ``pages``; see `encode_pages`."""
+    events = [
+        {"kind": event.kind, "page": event.page, "track": event.track, "others": list(event.others)}
+        for event in page.events
+    ]
+    plain: dict[str, Any] = {"page": page.number, "trouble": page.trouble, "events": events}
+    if page.result is not None:
+        plain |= _result_to_plain(page.result)
+        for entry in plain["contours"]:
+            entry["label"] = entry["number"] if entry["label"] else 0
+    return plain
+
+
+def _result_to_plain(result: Result | Skeleton) -> dict[str, Any]:
     image: dict[str, Any] = {"name": result.source, "shape": list(result.shape)}
     image |= {"spacing": list(result.spacing), "unit": result.unit}
     if result.channel != "luminance":
         image["channel"] = result.channel
-    return image
-
-
-def found_in(result: Result | Skeleton) -> dict[str, Any]:
-    """The run, the contours and the bridges; see `encode`."""
-    content: dict[str, Any] = {}
+    content: dict[str, Any] = {"image": image, ENTRY: facts_of(result)}
     if isinstance(result, Result):
         content["run"] = {
             "steps": result.steps,
@@ -50,7 +95,7 @@ def found_in(result: Result | Skeleton) -> dict[str, Any]:
             "stop_reason": result.stop_reason,
             "particles": len(result.particles),
         }
-    content["contours"] = _contours(result)
+    content["contours"] = _contours_to_plain(result)
     if isinstance(result, Result):
         content["bridges"] = [
             {"length": round(bridge.length, 4), "strength": round(bridge.strength, 6), "points": rounded(bridge.points)}
@@ -59,7 +104,7 @@ def found_in(result: Result | Skeleton) -> dict[str, Any]:
     return content
 
 
-def _contours(result: Result | Skeleton) -> list[dict[str, Any]]:
+def _contours_to_plain(result: Result | Skeleton) -> list[dict[str, Any]]:
     entries: list[dict[str, Any]] = []
     rows = measure(result.contours, result.spacing)
     for index, (contour, row) in enumerate(zip(result.contours, rows, strict=True)):
@@ -89,3 +134,116 @@ def _contours(result: Result | Skeleton) -> list[dict[str, Any]]:
             entry["radii"] = rounded(result.radii[index])
         entries.append(entry | {"points": rounded(contour.points)})
     return entries
+
+
+def is_own(content: Any) -> bool:
+    """Whether plain JSON is of this format."""
+    return isinstance(content, dict) and content.get("format") in (_OF_IMAGE, _OF_STACK)
+
+
+def read(content: dict[str, Any]) -> Contents:
+    """Contours with their numbers, objects and strengths, of a stack with their pages."""
+    found = Contents()
+    for page in content["pages"] if content["format"] == _OF_STACK else [content]:
+        for contour in map(_contour_from, page.get("contours", ())):
+            found.shape = _shape_of(page)
+            if len(contour.points) > 1:
+                found.contours.append(contour)
+                found.pages.append(int(page.get("page", 0)))
+            else:
+                found.add_place(contour.points[0], int(page.get("page", 0)))
+    return found
+
+
+def load_stack_result(path: Path) -> StackResult:
+    """Read what has been found in a stack, as `encode_pages` has written it, so that the other pages can follow.
+
+    Raises
+    ------
+    ValueError
+        When there is no such file, or it was not written so; one sentence that says what to do.
+    """
+    try:
+        plain = json.loads(Path(path).read_text(encoding="utf-8"))
+        if plain["format"] != _OF_STACK:
+            raise ValueError("another format")
+        stack = plain["stack"]
+        pages = tuple(page_from_plain(entry) for entry in plain["pages"])
+        drawn = tuple(stack["drawn"])
+        return StackResult(str(stack["name"]), int(stack["pages"]), pages, stack["axis"], bool(stack["alone"]), drawn)
+    except OSError as error:
+        raise ValueError(f"{path} cannot be read: {error.strerror or error}.") from error
+    except (KeyError, TypeError, ValueError, IndexError, AttributeError, RecursionError) as error:
+        raise ValueError(
+            f"{Path(path).name} holds no pages of a stack: choose a .json file that was written of all pages, or name "
+            "another one."
+        ) from error
+
+
+def page_from_plain(plain: Mapping[str, Any]) -> Page:
+    """The page of an entry; an exception of some kind for one that is damaged."""
+    events = tuple(
+        TrackEvent(event["kind"], int(event["page"]), int(event["track"]), tuple(map(int, event["others"])))
+        for event in plain["events"]
+    )
+    result = _result_from(plain) if "contours" in plain else None
+    return Page(int(plain["page"]), result, events, str(plain["trouble"]))
+
+
+def _result_from(plain: Mapping[str, Any]) -> Result:
+    image, run = plain["image"], plain["run"]
+    rows, cols = _shape_of(plain)
+    height, width = map(float, image["spacing"])
+    particles = int(run["particles"])
+    if not (0 <= particles <= _MOST_PARTICLES and min(rows, cols) > 0 and rows * cols <= MAXIMUM_PIXELS):
+        raise ValueError("a page is larger than any image")
+    if not (0.0 < height < math.inf and 0.0 < width < math.inf):
+        raise ValueError("a page has pixels of no size")
+    contours = []
+    for entry in plain["contours"]:
+        contour, contrast = _contour_from(entry), entry["contrast"]
+        contours.append(contour if contrast is None else replace(contour, sides=MeasuredContrast(float(contrast))))
+    facts = plain[ENTRY]
+    return Result(
+        np.zeros((particles, 2)),  # only their number is in the file
+        tuple(contours),
+        None,
+        int(run["steps"]),
+        bool(run["converged"]),
+        str(run["stop_reason"]),
+        (rows, cols),
+        (height, width),
+        image["unit"],
+        str(image["name"]),
+        tuple(Bridge(_points(one), float(one["length"]), float(one["strength"])) for one in plain["bridges"]),
+        channel=image.get("channel", "luminance"),
+        provenance=Provenance(
+            facts.get("method", ""),
+            facts.get("parameters", {}),
+            facts.get("seeds"),
+            tuple(facts.get("shapes", ())),
+            facts.get("scale"),
+            facts.get("steered", False),
+            facts["image"].get("sha256", facts["image"].get("array_sha256", "")),
+            "array_sha256" not in facts["image"],
+        ),
+    )
+
+
+def _shape_of(plain: Mapping[str, Any]) -> tuple[int, int]:
+    rows, cols = plain["image"]["shape"]
+    return int(rows), int(cols)
+
+
+def _contour_from(plain: Mapping[str, Any]) -> Contour:
+    first, last = plain["junctions"]
+    known = {name: plain.get(name) for name in ("strength", "name", "color", "number", "reached", "bridged")}
+    properties = checked(known | {"group": int(plain.get("object", 0)), "hole": bool(plain.get("hole", False))})
+    return Contour(_points(plain), bool(plain["closed"]), junctions=(bool(first), bool(last)), **properties)
+
+
+def _points(plain: Mapping[str, Any]) -> Array:
+    points = np.array(plain["points"], dtype=np.float64)
+    if points.ndim != 2 or points.shape[1] != 2 or not (np.abs(points) <= _FARTHEST).all():
+        raise ValueError("vertices are not pairs of numbers that can be measured")
+    return points

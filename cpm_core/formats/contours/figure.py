@@ -8,7 +8,7 @@ from pathlib import Path
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.atomic import check_place, write_together
 from cpm_core.formats.common.provenance import facts_of, text_of
-from cpm_core.image.drawing.axes import FIGURES, encoded_figure, new_figure
+from cpm_core.image.drawing import FIGURES, encoded_figure, new_figure
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.parameters.quotation import shown
 
@@ -63,7 +63,7 @@ def check_figure(path: str | os.PathLike[str]) -> None:
 
 
 def encoded(suffix: str, result: Result | Skeleton, **drawn: bool) -> bytes:
-    """What `write_figure` writes, as bytes; `drawn` is what it is told to draw."""
+    """What `write_figure` writes, as bytes; `drawn` is what it draws."""
     surface = result.surface if isinstance(result, Result) else None
     figure, ax = new_figure(result.shape if surface is None else None, result.spacing)
     if isinstance(result, Skeleton):

@@ -1,8 +1,9 @@
-"""GeoJSON: contours as annotations for QuPath, and for programs that read shapes."""
+"""GeoJSON: contours as annotations of QuPath, and geometries of any program as contours."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,9 +13,12 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import Measures, measure
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.provenance import ENTRY, facts_of
-from cpm_core.formats.contours.appearance import rgb, title
-from cpm_core.formats.contours.json_text import pairs, text
+from cpm_core.formats.contours.contents import DEFAULT, Contents, color_of, rgb, title
+from cpm_core.formats.contours.json_text import PIXEL, pairs, text
 from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.numerics.types import Array
+
+Known = dict[str, Any]
 
 
 def encode(result: Result | Skeleton) -> bytes:
@@ -34,7 +38,7 @@ def features_of(result: Result | Skeleton) -> list[dict[str, Any]]:
     rows = measure(result.contours, result.spacing)
     holes: dict[int, list[Contour]] = {}
     for contour, row in zip(result.contours, rows, strict=True):
-        if row.inside and _areal(contour):
+        if row.inside and contour.closed and len(contour.points) > 2:
             holes.setdefault(row.inside, []).append(contour)
     return [
         {
@@ -48,7 +52,7 @@ def features_of(result: Result | Skeleton) -> list[dict[str, Any]]:
                 "closed": row.closed,
                 "junctions": list(contour.junctions),
                 "inside": row.inside,
-                "measurements": _measurements(row, result.unit) | _measurements_of_object(contour),
+                "measurements": _measurements(contour, row, result.unit),
             },
         }
         for contour, row in zip(result.contours, rows, strict=True)
@@ -56,34 +60,27 @@ def features_of(result: Result | Skeleton) -> list[dict[str, Any]]:
     ]
 
 
-def _measurements(row: Measures, unit: str | None) -> dict[str, float]:
+def _measurements(contour: Contour, row: Measures, unit: str | None) -> dict[str, float]:
     """Measures under names as QuPath uses them; the net area is that of the polygon with its holes."""
     found = {"Length px": row.length}
-    areas = {"Net area px^2": row.net_area, "Gross area px^2": row.area} if row.closed else {}
     if unit:
         found[f"Length {unit}"] = row.length_in_units
-        areas |= {f"Net area {unit}^2": row.net_area_in_units, f"Gross area {unit}^2": row.area_in_units}
-    found |= areas if row.closed else {}
+    if row.closed:
+        found |= {"Net area px^2": row.net_area, "Gross area px^2": row.area}
+    if row.closed and unit:
+        found |= {f"Net area {unit}^2": row.net_area_in_units, f"Gross area {unit}^2": row.area_in_units}
     found["Edge strength"] = row.strength
     if row.contrast is not None:
         found["Contrast"] = row.contrast
     if row.by_hand:
         found["Length by hand px"] = row.by_hand
+    if contour.group:
+        found["Bridged px"] = contour.bridged
     return {name: round(value, 6) for name, value in found.items()}
 
 
-def _measurements_of_object(contour: Contour) -> dict[str, float]:
-    """What is measured of the boundary of an object only."""
-    return {"Bridged px": round(contour.bridged, 6)} if contour.group else {}
-
-
-def _areal(contour: Contour) -> bool:
-    """Whether a contour encloses anything."""
-    return contour.closed and len(contour.points) > 2
-
-
 def _geometry(contour: Contour, holes: Sequence[Contour]) -> dict[str, Any]:
-    if _areal(contour):
+    if contour.closed and len(contour.points) > 2:
         rings = [_ring(contour.points, 1.0), *(_ring(hole.points, -1.0) for hole in holes)]
         return {"type": "Polygon", "coordinates": rings}
     if len(contour.points) > 1:
@@ -97,3 +94,91 @@ def _ring(points: NDArray[np.float64], turn: float) -> list[list[float]]:
     signed = float(col @ np.roll(row, -1) - np.roll(col, -1) @ row)
     ring = pairs(points if signed * turn > 0 else points[::-1])
     return [*ring, ring[0]]
+
+
+def read(content: Any) -> Contents:
+    """Contours of all geometries in px from the corner of the image; interior rings are holes.
+
+    The name of a contour is that of its feature, else that of its class. A contour in another is an interior ring there
+    and, where CPM has written the file, a feature of its own as well: then it is no hole.
+    """
+    found = Contents()
+    own = isinstance(content, dict) and ENTRY in content
+    geometries = list(_geometries(content, {}, found))
+    exteriors = {_key(rings[0]) for kind, rings, _ in geometries if kind == "Polygon"}
+    for kind, rings, feature in geometries:
+        properties, page = _properties(feature, own), _page(feature)
+        if kind == "Polygon":
+            holes = [ring for ring in rings[1:] if _key(ring) not in exteriors]
+            found.add_object([(rings[0], False), *((ring, True) for ring in holes)], page=page, **properties)
+        elif kind == "LineString":
+            found.add(rings[0], False, page=page, **properties)
+        else:
+            for place in rings[0]:
+                found.add_place(place, page)
+    return found
+
+
+def _geometries(content: Any, feature: Known, found: Contents) -> Iterator[tuple[str, list[Array], Known]]:
+    """Kind, lines and feature of each geometry."""
+    if isinstance(content, list):
+        for entry in content:
+            yield from _geometries(entry, feature, found)
+        return
+    kind = content["type"]
+    if kind == "FeatureCollection":
+        yield from _geometries(content["features"], feature, found)
+    elif kind == "Feature":
+        if content["geometry"] is None:
+            found.left_out["feature without a geometry"] += 1
+        else:
+            yield from _geometries(content["geometry"], content, found)
+    elif kind == "GeometryCollection":
+        yield from _geometries(content["geometries"], feature, found)
+    else:
+        placed = {**feature, "plane": content.get("plane") or feature.get("plane")}
+        positions = content["coordinates"]
+        many = positions if kind.startswith("Multi") and kind != "MultiPoint" else [positions]
+        for one in many:
+            if kind in ("Polygon", "MultiPolygon"):
+                yield "Polygon", [_corners(ring)[:-1] for ring in one], placed
+            elif kind in ("LineString", "MultiLineString"):
+                yield "LineString", [_corners(one)], placed
+            elif kind in ("Point", "MultiPoint"):
+                yield "Point", [_corners([one] if kind == "Point" else one)], placed
+            else:
+                raise ValueError(f"{kind} is not a kind of geometry")
+
+
+def _corners(positions: Any) -> Array:
+    return np.asarray(np.array(positions, dtype=np.float64)[:, 1::-1] - PIXEL)
+
+
+def _properties(feature: Known, own: bool) -> Known:
+    """Name, color and junctions of the contours of a feature; what CPM writes for none is none."""
+    properties = feature.get("properties") or {}
+    kind = properties.get("classification") or {}
+    kind = {"name": kind} if isinstance(kind, str) else kind
+    name = str(properties.get("name") or kind.get("name") or "")
+    colors = (color_of(one.get(key)) for one in (properties, kind) for key in ("color", "colorRGB"))
+    color = next(filter(None, colors), "")
+    if own:
+        name = "" if re.fullmatch(r"contour \d+", name) else name
+        color = "" if color == DEFAULT else color
+    measures = properties.get("measurements")
+    strength = measures.get("Edge strength", 0.0) if own and isinstance(measures, dict) else 0.0
+    return {"name": name, "color": color, "junctions": properties.get("junctions") or (), "strength": strength}
+
+
+def _page(feature: Known) -> int:
+    """Page of a stack: what CPM has written, else the plane of QuPath where it is not the first one."""
+    properties = feature.get("properties") or {}
+    if "page" in properties:
+        return int(properties["page"])
+    plane = feature.get("plane") or {}
+    return 1 + max(int(plane.get("z", 0)), int(plane.get("t", 0))) if plane else 0
+
+
+def _key(points: Array) -> frozenset[tuple[float, ...]]:
+    """Key that is equal for rings which differ only in first point or direction."""
+    return frozenset(map(tuple, np.round(points, 3).tolist()))

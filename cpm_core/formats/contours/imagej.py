@@ -4,22 +4,42 @@ from __future__ import annotations
 
 import io
 import re
+import struct
 import zipfile
+from collections.abc import Iterator
+from pathlib import PurePosixPath
+from typing import Any
 
 import numpy as np
-from roifile import ROI_OPTIONS, ROI_TYPE, ImagejRoi
+from roifile import ROI_OPTIONS, ROI_SUBTYPE, ROI_TYPE, ImagejRoi
 
 from cpm_core.contours.contour import Contour, numbers_of
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.provenance import ascii_entries_of, facts_of
-from cpm_core.formats.contours.appearance import rgb, title
+from cpm_core.formats.contours.contents import DEFAULT, Contents, rgb, title
+from cpm_core.formats.contours.curves import bezier, ellipse, nested, rectangle
+from cpm_core.formats.contours.json_text import PIXEL
+from cpm_core.formats.images.decoded import UnreadableError
 from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.numerics.types import Array
 
+_MAGIC = b"Iout"
 _LARGEST = 32767
 """Largest coordinate of a box."""
 
 _LONGEST = 60
 """Longest name of a file in the archive [characters]."""
+
+_LARGEST_SET = 2**28
+"""Most bytes of all selections of a set."""
+
+_AREAL = (ROI_TYPE.POLYGON, ROI_TYPE.FREEHAND, ROI_TYPE.TRACED, ROI_TYPE.RECT, ROI_TYPE.OVAL)
+_LINES = (ROI_TYPE.LINE, ROI_TYPE.FREELINE, ROI_TYPE.POLYLINE, ROI_TYPE.ANGLE)
+_SHARE = 52
+"""Where a selection has how the axes of an ellipse are related, or how wide a turned rectangle is."""
+
+_PARAMETERS = {0: 2, 1: 2, 2: 4, 3: 6, 4: 0}
+"""Step of a composite path -> numbers that follow it: begin, line, curves of degree two and three, close."""
 
 
 def encode(result: Result | Skeleton) -> bytes:
@@ -37,15 +57,19 @@ def encode_set(result: Result | Skeleton) -> bytes:
     """Write each contour as a selection into one archive, which the ROI manager of ImageJ opens.
 
     The ROI manager shows a selection under the name of its file in the archive: the name of the contour, with a number
-    appended where several have the same. Each tells in its properties how it was found. The same result always gives
+    appended where several have the same. Its properties are how it was found. The same result always gives
     the same bytes. ValueError when there is no contour, because ImageJ reports an empty archive as damaged.
     """
     if not result.contours:
         raise ValueError(f"{result.source} has no contours, and ImageJ opens no empty set: let it run on.")
     stream, properties = io.BytesIO(), properties_of(result)
+    names = {""}  # in lower case, because some file systems ignore case
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
-        each = zip(numbers_of(result.contours), result.contours, _names(result), strict=True)
-        for number, contour, name in each:
+        for number, contour in zip(numbers_of(result.contours), result.contours, strict=True):
+            name = plain = re.sub(r"[^\w .()+-]", "_", title(contour, number))[:_LONGEST]
+            while name.lower() in names:
+                name = f"{plain}-{number}" if name == plain else f"{name}-"
+            names.add(name.lower())
             add(archive, name, selection(contour, number, properties))
     return stream.getvalue()
 
@@ -73,6 +97,8 @@ def selection(contour: Contour, number: int, properties: str, **place: int) -> b
     left, top = np.clip(np.floor(xy.min(axis=0)), -_LARGEST, _LARGEST).astype(int).tolist()
     right, bottom = np.clip(np.ceil(xy.max(axis=0)), -_LARGEST, _LARGEST).astype(int).tolist()
     name = title(contour, number)
+    # roifile counts characters, the file UTF-16 units: a zero makes up for each character of two units
+    name += "\0" * sum(ord(letter) > 0xFFFF for letter in name)
     roi = ImagejRoi(
         version=228,
         roitype=ROI_TYPE.POLYGON if areal else ROI_TYPE.POLYLINE if len(points) > 1 else ROI_TYPE.POINT,
@@ -89,25 +115,106 @@ def selection(contour: Contour, number: int, properties: str, **place: int) -> b
         name=name,
         **place,  # type: ignore[arg-type]
     )
-    wide = sum(ord(letter) > 0xFFFF for letter in name)
-    if wide and ImagejRoi.frombytes(roi.tobytes()).name != name:
-        # early releases of roifile count characters, the file UTF-16 units: a zero makes up for each one of two units
-        roi.name = name + "\0" * wide
     return roi.tobytes()
 
 
 def properties_of(result: Result | Skeleton) -> str:
     """How contours were found, as properties of a selection: a key and a value in each line, in ASCII."""
-    return "".join(f"cpm_{name}: {told}\n" for name, told in ascii_entries_of(facts_of(result)).items())
+    return "".join(f"cpm_{name}: {value}\n" for name, value in ascii_entries_of(facts_of(result)).items())
 
 
-def _names(result: Result | Skeleton) -> list[str]:
-    """Name of each contour in characters that file names may have, none twice."""
-    found: dict[str, str] = {}  # keys in lower case, because some file systems ignore case
-    for number, contour in zip(numbers_of(result.contours), result.contours, strict=True):
-        plain = re.sub(r"[^\w .()+-]", "_", title(contour, number))[:_LONGEST]
-        name = plain if plain.lower() not in found else f"{plain}-{number}"
-        while name.lower() in found:
-            name += "-"
-        found[name.lower()] = name
-    return list(found.values())
+def read(content: bytes) -> Contents:
+    """Contours of all selections with their names, colors and pages.
+
+    ImageJ counts coordinates of areas from the corner of a pixel and those of lines and points from its center.
+    """
+    found = Contents()
+    for name, selection in _selections(content, found):
+        roi = ImagejRoi.frombytes(selection)
+        own = "cpm_program" in (roi.props or "")
+        title = (roi.name or "").rstrip("\0") or name
+        color = "" if not roi.stroke_color or roi.stroke_color[0] == 0 else list(roi.stroke_color[1:4])
+        known: dict[str, Any] = {"name": title, "color": color}
+        if own:
+            known["name"] = "" if re.fullmatch(r"(contour|track) \d+", title) else title
+            known["color"] = "" if bytes(roi.stroke_color[1:4]).hex() == DEFAULT[1:] else color
+        page = max(roi.position, roi.z_position, roi.t_position, 0)
+        _add(found, roi, selection, page, known)
+    return found
+
+
+def _selections(content: bytes, found: Contents) -> Iterator[tuple[str, bytes]]:
+    """Name and bytes of each selection."""
+    if content.startswith(_MAGIC):
+        yield "", content
+        return
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        whole = sum(entry.file_size for entry in archive.infolist())
+        if whole > _LARGEST_SET:
+            raise UnreadableError(
+                f"The set has {whole >> 20} MB unpacked, more than the {_LARGEST_SET >> 20} MB allowed."
+            )
+        for entry in archive.infolist():
+            if entry.filename.lower().endswith(".roi"):
+                yield PurePosixPath(entry.filename).stem, archive.read(entry)
+            elif not entry.is_dir():
+                found.left_out["file of the set that is no selection"] += 1
+
+
+def _add(found: Contents, roi: ImagejRoi, selection: bytes, page: int, known: dict[str, Any]) -> None:
+    if roi.multi_coordinates is not None:
+        curves = [curve - PIXEL for curve in _composite(roi.multi_coordinates.astype(np.float64))]
+        found.add_object(nested(curves), page=page, **known)
+    elif roi.roitype in _AREAL:
+        found.add(_area(roi, selection) - PIXEL, True, page=page, **known)
+    elif roi.roitype in _LINES:
+        found.add(_rows(roi.coordinates()), False, page=page, **known)
+    elif roi.roitype == ROI_TYPE.POINT:
+        for place in _rows(roi.coordinates()):
+            found.add_place(place, page)
+    else:
+        found.left_out["empty selection"] += 1
+
+
+def _rows(xy: object) -> Array:
+    return np.asarray(np.asarray(xy, dtype=np.float64)[:, ::-1])
+
+
+def _area(roi: ImagejRoi, selection: bytes) -> Array:
+    """The line around an area, (row, col) from the corner of the image."""
+    if roi.subtype in (ROI_SUBTYPE.ELLIPSE, ROI_SUBTYPE.ROTATED_RECT) and roi.roitype == ROI_TYPE.FREEHAND:
+        (share,) = struct.unpack_from(">f", selection, _SHARE)
+        one, other = np.array([roi.y1, roi.x1], dtype=float), np.array([roi.y2, roi.x2], dtype=float)
+        half = 0.5 * (other - one)
+        across = np.array([half[1], -half[0]])
+        if roi.subtype == ROI_SUBTYPE.ELLIPSE:
+            return ellipse(0.5 * (one + other), half, share * across)
+        side = 0.5 * share * across / max(float(np.hypot(*across)), 1e-12)
+        return np.array([one - side, one + side, other + side, other - side])
+    if roi.roitype in (ROI_TYPE.RECT, ROI_TYPE.OVAL):
+        top, left, bottom, right = float(roi.top), float(roi.left), float(roi.bottom), float(roi.right)
+        if roi.subpixelrect:
+            top, left, bottom, right = roi.yd, roi.xd, roi.yd + roi.heightd, roi.xd + roi.widthd
+        if roi.roitype == ROI_TYPE.RECT:
+            return rectangle((top, left), (bottom, right))
+        center = np.array([0.5 * (top + bottom), 0.5 * (left + right)])
+        return ellipse(center, (0.0, 0.5 * (right - left)), (0.5 * (bottom - top), 0.0))
+    return _rows(roi.coordinates())
+
+
+def _composite(numbers: Array) -> list[Array]:
+    """The closed curves of a composite selection, (row, col) from the corner of the image."""
+    curves: list[list[Array]] = []
+    at = 0
+    while at < len(numbers):
+        step = int(numbers[at])
+        count = _PARAMETERS[step]
+        corners = [corner[::-1].astype(float) for corner in np.reshape(numbers[at + 1 : at + 1 + count], (-1, 2))]
+        at += 1 + count
+        if step == 0:
+            curves.append(corners)
+        elif step == 1:
+            curves[-1] += corners
+        elif step in (2, 3):
+            curves[-1] += list(bezier(curves[-1][-1], *corners))
+    return [np.array(curve) for curve in curves if len(curve) > 2]

@@ -1,18 +1,30 @@
-"""Labelme: contours as shapes for the annotation program labelme."""
+"""Labelme: contours as shapes of the annotation program labelme."""
 
 from __future__ import annotations
 
+import base64
+import io
+import math
 import os
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.provenance import ENTRY, facts_of
-from cpm_core.formats.contours.json_text import pairs, text
-from cpm_core.formats.contours.reading.labelme import CONTOUR
+from cpm_core.formats.contours.contents import Contents
+from cpm_core.formats.contours.curves import ellipse, nested, rectangle
+from cpm_core.formats.contours.json_text import PIXEL, pairs, text
+from cpm_core.formats.contours.mask import opened, outlines
 from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.numerics.types import Array
+
+_CONTOUR = "contour"
+"""Label of a contour without a name."""
 
 _VERSION = "5.5.0"
 """Version of labelme whose format this is; later versions read it."""
@@ -39,7 +51,7 @@ def encode(result: Result | Skeleton) -> bytes:
     names = {contour.group: contour.name for contour in result.contours if not contour.hole}
     shapes: list[dict[str, Any]] = [
         {
-            "label": contour.name or (names.get(contour.group) if contour.hole else "") or CONTOUR,
+            "label": contour.name or (names.get(contour.group) if contour.hole else "") or _CONTOUR,
             "points": pairs(contour.points),
             "group_id": contour.group or None,
             "description": "",
@@ -67,3 +79,60 @@ def _kind(contour: Contour) -> str:
     if contour.closed and len(contour.points) > 2:
         return "polygon"
     return "linestrip" if len(contour.points) > 1 else "point"
+
+
+def read(content: dict[str, Any]) -> Contents:
+    """Contours of all shapes, whose labels are the names.
+
+    Shapes of one label and one group are one object, in which a shape in another is a hole.
+    """
+    found = Contents()
+    height, width = content.get("imageHeight"), content.get("imageWidth")
+    found.shape = (int(height), int(width)) if height and width else None
+    grouped: dict[tuple[Any, str], list[Array]] = {}
+    for shape in content["shapes"]:
+        kind, label = shape.get("shape_type") or "polygon", str(shape["label"])
+        name = "" if label == _CONTOUR else label
+        corners = np.array(shape["points"], dtype=np.float64).reshape(-1, 2)[:, ::-1] - PIXEL
+        if kind == "mask":
+            found.add_object(_mask(shape, corners), name=name)
+        elif kind in ("point", "points"):
+            for place in corners:
+                found.add_place(place)
+        elif kind in _CLOSED:
+            curve = _CLOSED[kind](corners)
+            if shape.get("group_id") is None:
+                found.add(curve, True, name=name)
+            else:
+                grouped.setdefault((shape["group_id"], name), []).append(curve)
+        elif kind in _OPEN:
+            found.add(corners, False, name=name)
+        else:
+            found.left_out[f"shape of the kind {kind}"] += 1
+    for (_, name), curves in grouped.items():
+        found.add_object(nested(curves), name=name)
+    return found
+
+
+def _round(corners: Array) -> Array:
+    """Circle through the second point about the first."""
+    radius = math.hypot(*(corners[1] - corners[0]))
+    return ellipse(corners[0], (0.0, radius), (radius, 0.0))
+
+
+def _mask(shape: dict[str, Any], corners: Array) -> list[tuple[Array, bool]]:
+    """The outlines of a mask, which is a picture in text, from its box on."""
+    with opened(io.BytesIO(base64.b64decode(shape["mask"], validate=True))) as picture:
+        mask = np.asarray(picture.convert("L")) > 0
+    row, col = np.rint(corners[0] + PIXEL).astype(int).tolist()
+    return outlines(mask, row, col)
+
+
+_CLOSED: dict[str, Callable[[Array], Array]] = {
+    "polygon": lambda corners: corners,
+    "rectangle": lambda corners: rectangle(corners[0], corners[-1]) if len(corners) == 2 else corners,
+    "oriented_rectangle": lambda corners: corners,
+    "rotation": lambda corners: corners,  # what variants of the program call the same
+    "circle": _round,
+}
+_OPEN = ("line", "linestrip")

@@ -1,4 +1,4 @@
-"""Points: a table of positions that particles start from."""
+"""Points: a table of positions that particles start from, or of the particles of a run in a volume."""
 
 from __future__ import annotations
 
@@ -9,9 +9,27 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from cpm_core.contours.result import Result
+from cpm_core.formats.common.content import content_of
+from cpm_core.formats.contours.contour_csv import Row, provenance_cells, table
+from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.parameters.quotation import shown
 
 _NAMES = ("plane", "row", "col")
+
+
+def encode(result: Result | Skeleton) -> bytes:
+    """Positions ``plane,row,col`` in voxels, below a header; ValueError for what has no particles in a volume.
+
+    Provenance (`provenance.entries_of`) is in the last columns, in the first line alone.
+    """
+    if not isinstance(result, Result) or result.particles.shape[1] != 3 or not len(result.particles):
+        raise ValueError("There are no particles in a volume to write: run in a volume first.")
+    rows: list[Row] = [
+        {name: f"{at:.7g}" for name, at in zip(_NAMES, place, strict=True)} for place in result.particles.tolist()
+    ]
+    rows[0] |= provenance_cells(result)
+    return table(rows)
 
 
 def load_points(path: str | os.PathLike[str], axes: int = 2) -> NDArray[np.float64]:
@@ -44,13 +62,11 @@ def load_points(path: str | os.PathLike[str], axes: int = 2) -> NDArray[np.float
     """
     file = Path(path)
     try:
-        text = file.read_text(encoding="utf-8-sig")
+        text = content_of(file).decode("utf-8-sig")
     except UnicodeDecodeError:
         raise ValueError(
             f"{file.name} is not a text file: give a CSV file with a row and a column on each line."
         ) from None
-    except OSError as error:
-        raise ValueError(f"{file} cannot be read: {error.strerror or error}.") from error
     lines = [
         (number, [cell.strip() for cell in cells])
         for number, cells in enumerate(csv.reader(text.splitlines()), start=1)

@@ -1,8 +1,13 @@
-"""SVG: contours as paths for browsers and drawing programs."""
+"""SVG: contours as paths for browsers and drawing programs, and paths and shapes of drawings as contours."""
 
 from __future__ import annotations
 
+import math
+import re
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator
 from html import escape
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +16,24 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.provenance import facts_of, text_of
-from cpm_core.formats.contours.appearance import DEFAULT
+from cpm_core.formats.contours.contents import DEFAULT, Contents, Plane
+from cpm_core.formats.contours.curves import bezier
+from cpm_core.formats.images.decoded import UnreadableError
 from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.numerics.types import Array
+
+_PER_INCH = 96.0
+_SHAPES = ("path", "polygon", "polyline", "line", "rect", "circle", "ellipse")
+_GEOMETRY = ("d", "points", "x", "y", "x1", "y1", "x2", "y2", "width", "height", "rx", "ry", "r", "cx", "cy")
+_NOT_DRAWN = {
+    *("defs", "symbol", "clipPath", "mask", "pattern", "marker", "linearGradient", "radialGradient", "filter"),
+    *("style", "script", "title", "desc", "metadata", "namedview", "foreignObject"),
+}
+_LEFT_OUT = {"text": "text", "image": "picture", "use": "copy of another element"}
+_SAME_ASPECT = 0.01
+"""Largest relative difference between the sides of a drawing and those of the image, up to which it is scaled to it."""
+
+_DEEPEST = 100
 
 _MILLIMETERS = {"nm": 1e-6, "µm": 1e-3, "mm": 1.0, "cm": 10.0, "m": 1000.0}
 _SMALLEST_PAGE = 10.0  # [mm]; a page of the true size of a cell would be invisible
@@ -77,3 +98,126 @@ def _page(result: Result | Skeleton) -> tuple[str, str]:
         return f"{millimeters[1]:.6g}mm", f"{millimeters[0]:.6g}mm"
     pixels = size / min(result.spacing)
     return f"{pixels[1]:.6g}", f"{pixels[0]:.6g}"
+
+
+def read(text: str, plane: Plane) -> Contents:
+    """Contours of all paths and shapes, in px.
+
+    The view box begins at the corner of the image; one of another size but of the same shape as the image is scaled to
+    it. Title, label or identifier is the name of a contour, its stroke or else its fill the color.
+    """
+    if "<!ENTITY" in text:
+        raise UnreadableError("The drawing defines entities, which are not read: save it as plain SVG.")
+    root = ET.fromstring(text)
+    if _tag(root) != "svg":
+        raise ValueError("not a drawing")
+    found = Contents()
+    own = "data-closed" in text and root.find("{*}metadata") is not None
+    frame, size, found.shape = _frame(root, plane, own)
+    for element, matrix, look in _elements(root, frame, {}, found):
+        for points, closed in _lines_of(element, size):
+            places = points @ matrix[:2, :2].T + matrix[:2, 2]
+            if own and len(places) == 2 and np.array_equal(places[0], places[1]):
+                places = places[:1]  # a dot
+            found.add(places[:, ::-1], closed, **_known(element, look, own))
+    return found
+
+
+def _frame(root: ET.Element, plane: Plane, own: bool) -> tuple[Array, tuple[float, float], tuple[int, int] | None]:
+    """Matrix from the coordinates of a drawing to (x, y) in px, its width and height, and the shape of its image."""
+    from svgelements import Length
+
+    box = [float(part) for part in re.split(r"[\s,]+", root.get("viewBox", "").strip()) if part]
+    if len(box) != 4:
+        sides = (Length(root.get(side, "0")).value(ppi=_PER_INCH) for side in ("width", "height"))
+        box = [0.0, 0.0, *(side if isinstance(side, float) else 0.0 for side in sides)]
+    x, y, width, height = box
+    across = down = 1.0
+    if plane.shape is not None and not own and min(width, height) > 0.0:
+        scales = plane.shape[1] / width, plane.shape[0] / height
+        if abs(math.log(scales[0] / scales[1])) <= _SAME_ASPECT:
+            across, down = scales
+    matrix = np.array([[across, 0.0, -across * x - 0.5], [0.0, down, -down * y - 0.5], [0.0, 0.0, 1.0]])
+    return matrix, (width, height), (round(height), round(width)) if own else None
+
+
+def _elements(
+    parent: ET.Element, matrix: Array, look: dict[str, str], found: Contents, depth: int = 0
+) -> Iterator[tuple[ET.Element, Array, dict[str, str]]]:
+    """Elements that are drawn, with the matrix from their coordinates to px and what they inherit."""
+    from svgelements import Matrix
+
+    if depth > _DEEPEST:
+        raise ValueError("groups are nested too deeply")
+    for element in parent:
+        tag = _tag(element)
+        style = _style(element)
+        if tag in _NOT_DRAWN or style.get("display") == "none":
+            continue
+        if tag in _LEFT_OUT:
+            found.left_out[_LEFT_OUT[tag]] += 1
+            continue
+        own = Matrix(element.get("transform", ""))
+        placed = matrix @ np.array([[own.a, own.c, own.e], [own.b, own.d, own.f], [0.0, 0.0, 1.0]])
+        inherited = look | {name: value for name, value in style.items() if name in ("stroke", "fill")}
+        if tag in ("g", "a", "svg", "switch"):
+            yield from _elements(element, placed, inherited, found, depth + 1)
+        else:
+            yield element, placed, inherited
+
+
+def _tag(element: ET.Element) -> str:
+    tag: Any = element.tag
+    return tag.rpartition("}")[2] if isinstance(tag, str) else ""  # a comment has a function for a tag
+
+
+def _style(element: ET.Element) -> dict[str, str]:
+    """Attributes of an element with those of its style, which win."""
+    parts = (part.partition(":") for part in element.get("style", "").split(";"))
+    return {**element.attrib, **{name.strip(): value.strip() for name, _, value in parts if value}}
+
+
+def _known(element: ET.Element, look: dict[str, str], own: bool) -> dict[str, Any]:
+    """Name, color and, in drawings of CPM, number and strength."""
+    title = element.find("{*}title")
+    label = next((value for key, value in element.attrib.items() if key.endswith("}label")), "")
+    name = (title.text or "" if title is not None else "") or label or ("" if own else element.get("id", ""))
+    stroke, fill = (look.get(kind, "none") for kind in ("stroke", "fill"))
+    if own:  # the color of a group is that of contours without one
+        stroke, fill = element.get("stroke", ""), ""
+    color = stroke if stroke != "none" else fill
+    known: dict[str, Any] = {"name": name, "color": color}
+    if own:
+        known |= {"strength": element.get("data-strength", 0.0), "number": element.get("data-number", 0)}
+    return known
+
+
+def _lines_of(element: ET.Element, size: tuple[float, float]) -> Iterator[tuple[Array, bool]]:
+    """The lines of an element (x, y), and whether each is closed; none of one that is no shape."""
+    import svgelements
+
+    tag = _tag(element)
+    if tag not in _SHAPES:
+        return
+    make = getattr(svgelements, "SimpleLine" if tag == "line" else tag.capitalize())
+    shape = make({name: value for name, value in element.attrib.items() if name in _GEOMETRY})
+    if tag != "path":
+        shape.render(ppi=_PER_INCH, width=size[0], height=size[1])
+    path = svgelements.Path(shape)
+    path.approximate_arcs_with_cubics()
+    for part in path.as_subpaths():
+        # what follows a closed line begins where that did
+        points = [] if isinstance(part[0], svgelements.Move) else [part[0].start]
+        closed = False
+        for segment in part:
+            if isinstance(segment, svgelements.CubicBezier):
+                points.extend(bezier(segment.start, segment.control1, segment.control2, segment.end))
+            elif isinstance(segment, svgelements.QuadraticBezier):
+                points.extend(bezier(segment.start, segment.control, segment.end))
+            elif isinstance(segment, svgelements.Close):
+                closed = True
+            else:
+                points.append(segment.end)
+        places = np.array([(float(x), float(y)) for x, y in points]).reshape(-1, 2)
+        meets = len(places) > 3 and bool(np.allclose(places[0], places[-1], atol=1e-6))
+        yield (places[:-1], True) if meets else (places, closed)

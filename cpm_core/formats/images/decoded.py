@@ -74,12 +74,19 @@ def check_size(name: str, rows: int, columns: int) -> None:
 def from_samples(
     samples: NDArray[Any], alpha: NDArray[Any] | None = None, notes: tuple[str, ...] = (), white: float | None = None
 ) -> Decoded:
-    """Reduce the samples of each pixel to its gray level, and keep its colors; see `reduced`.
+    """Reduce the samples of each pixel, along the last axis, to its gray level, and keep its colors; see `reduced`.
 
-    `notes` tells what was changed before.
+    `notes` lists what was changed before.
     """
-    found = reduced(samples, alpha, white)
-    return Decoded(found.values, notes=(*notes, *found.notes), colors=found.colors)
+    *shape, width, count = samples.shape
+    found = reduced(samples.reshape(-1, width, count), None if alpha is None else alpha.reshape(-1, width), white)
+    colors = found.colors and replace(found.colors, samples=found.colors.samples.reshape(*shape, width, 3))
+    return Decoded(found.values.reshape(*shape, width), notes=(*notes, *found.notes), colors=colors)
+
+
+def from_bands(samples: NDArray[Any]) -> Decoded:
+    """Gray levels of samples of which the last axis is red, green, blue and, if it has four, opacity."""
+    return from_samples(samples[..., :3], samples[..., 3] if samples.shape[-1] == 4 else None)
 
 
 def upright(decoded: Decoded, orientation: int) -> Decoded:

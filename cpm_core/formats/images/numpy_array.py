@@ -11,12 +11,11 @@ from numpy.lib import format as array_format
 from numpy.typing import NDArray
 
 from cpm_core.formats.common.printable import printable
-from cpm_core.formats.images.choice import FIRST, Choice, UnchosenError, series_of
-from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size, from_samples
-from cpm_core.formats.images.stacks.stack import Stack, as_planes, check_content, check_memory, plane_of
+from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size, from_bands
+from cpm_core.formats.images.reading import Reading, UnchosenError, series_of
+from cpm_core.formats.images.stack import Stack, check_content, check_memory
 from cpm_core.image.image import MINIMUM_SIDE
 
-FORMAT = "NumPy"
 READS = {".npy": "NumPy array", ".npz": "archive of NumPy arrays"}
 
 _ARCHIVE = b"PK\x03\x04"
@@ -36,21 +35,10 @@ def reads(head: bytes, path: Path) -> bool:
         return path.suffix.lower() == ".npz"
 
 
-def read(path: Path, choice: Choice = FIRST) -> Decoded:
-    """Read an array (H, W), or (H, W, 3) and (H, W, 4) as red, green, blue and alpha; of a volume one plane.
-
-    Raises
-    ------
-    UnreadableError
-        When the array is of another shape, does not hold real numbers, or is too large.
-    """
-    return plane_of(stack(path, choice), choice)
-
-
-def stack(path: Path, choice: Choice = FIRST) -> Stack:
+def stack(path: Path, reading: Reading) -> Stack:
     """Open an array of two or three axes, with colors as a last one of 3 or 4; of an archive the one that is chosen."""
     name = printable(path.name)
-    shape, kind, names, number = _header(path, choice, name)
+    shape, kind, names, number = _header(path, reading, name)
     member = names[number] + _SUFFIX if names else ""
     if kind.kind not in "buif":
         raise UnreadableError(f"{name} holds values of type {str(kind)[:80]}, but gray levels must be real numbers.")
@@ -69,11 +57,7 @@ def stack(path: Path, choice: Choice = FIRST) -> Stack:
         stored = _values(path, member)
         whole = stored.reshape(planes, rows, columns, *shape[count - color :])
         part = np.array(whole[first:end])
-        if not color:
-            return Decoded(part)
-        samples = part.reshape(-1, columns, shape[-1])
-        found = from_samples(samples[..., :3], samples[..., 3] if shape[-1] == 4 else None)
-        return as_planes(found, (end - first, rows, columns))
+        return from_bands(part) if color else Decoded(part)
 
     each = float(kind.itemsize * (shape[-1] if color else 1))
     if member:
@@ -81,7 +65,7 @@ def stack(path: Path, choice: Choice = FIRST) -> Stack:
     return Stack(name, (planes, rows, columns), take, each, otherwise=planes // 2, series=names, number=number)
 
 
-def _header(path: Path, choice: Choice, name: str) -> tuple[tuple[int, ...], np.dtype[Any], tuple[str, ...], int]:
+def _header(path: Path, reading: Reading, name: str) -> tuple[tuple[int, ...], np.dtype[Any], tuple[str, ...], int]:
     """Shape and type of the array that is meant, and of an archive the names of all arrays and which of them it is."""
     with path.open("rb") as stream:
         if stream.read(4) != _ARCHIVE:
@@ -92,20 +76,20 @@ def _header(path: Path, choice: Choice, name: str) -> tuple[tuple[int, ...], np.
         headers = []
         for info in members:
             with archive.open(info) as stream:
-                version = array_format.read_magic(stream)
-                read_header = array_format.read_array_header_1_0 if version == (1, 0) else _read_header
+                old = array_format.read_magic(stream) == (1, 0)
+                read_header = array_format.read_array_header_1_0 if old else array_format.read_array_header_2_0
                 shape, _, kind = read_header(stream)
                 headers.append((shape, kind))
     names = tuple(info.filename.removesuffix(_SUFFIX) for info in members)
     images = [at for at, (shape, kind) in enumerate(headers) if _is_image(shape, kind)]
-    if choice.series is None and len(images) != 1:
+    if reading.series is None and len(images) != 1:
         raise UnchosenError(
             f"{name} holds {len(images)} images and volumes, of {len(names)} arrays: choose one by series, "
             "a number or a name.",
             names,
             tuple(images),
         )
-    at = series_of(choice.series, names, images[0] if images else 0, name)
+    at = series_of(reading.series, names, images[0] if images else 0, name)
     shape, kind = headers[at]
     check_content(path, float(np.prod(shape, dtype=float)) * kind.itemsize)
     return shape, kind, names, at
@@ -114,10 +98,6 @@ def _header(path: Path, choice: Choice, name: str) -> tuple[tuple[int, ...], np.
 def _is_image(shape: tuple[int, ...], kind: np.dtype[Any]) -> bool:
     """Whether an array of an archive may be an image; others are its labels, sizes and the like."""
     return kind.kind in "buif" and len(shape) in (2, 3, 4) and min(shape[:2]) >= MINIMUM_SIDE
-
-
-def _read_header(stream: Any) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
-    return array_format.read_array_header_2_0(stream)
 
 
 def _values(path: Path, member: str) -> NDArray[Any]:

@@ -1,4 +1,4 @@
-"""Reading: how a file is read: which part of it, and what was said by hand where the file does not tell."""
+"""Reading: how a file is read: which part of it, by numbers from 1, and what was given by hand."""
 
 from __future__ import annotations
 
@@ -7,8 +7,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from cpm_core.formats.images import resolution
-from cpm_core.formats.images.choice import Choice
+from cpm_core.formats.images.decoded import UnreadableError
 from cpm_core.image.colors import LUMINANCE, checked_color
 from cpm_core.numerics.real_numbers import checked_number
 from cpm_core.parameters.quotation import shown
@@ -28,8 +30,12 @@ class Reading:
 
     Attributes
     ----------
-    page, channel, time, series
-        Which part of the file; see `Choice`.
+    page : int or None
+        Plane, page or frame, of what is read as an image.
+    channel, time : int or None
+        Channel and point in time.
+    series : int, str or None
+        Series, by its number or its name; in an archive of arrays the array.
     color : str
         One of `COLORS`.
     spacing : tuple of float or None
@@ -52,9 +58,15 @@ class Reading:
     unit: str | None = None
 
     def __post_init__(self) -> None:
-        chosen = Choice(self.page, self.channel, self.time, self.series)
-        for name in ("page", "channel", "time", "series"):  # numbers of NumPy are plain ones now
-            object.__setattr__(self, name, getattr(chosen, name))
+        for name in ("page", "channel", "time", "series"):
+            given = getattr(self, name)
+            if isinstance(given, np.integer):
+                given = int(given)
+                object.__setattr__(self, name, given)
+            if given is None or (name == "series" and isinstance(given, str)):
+                continue
+            if not isinstance(given, int) or isinstance(given, bool) or given < 1:
+                raise ValueError(f"{name} is {shown(given)} but must be a whole number from 1 up.")
         checked_color(self.color)
         if self.spacing is not None:
             sides = (
@@ -86,3 +98,40 @@ DEFAULT = Reading()
 """All is left to the reader."""
 
 _DEFAULTS = {field.name: field.default for field in dataclasses.fields(Reading)}
+
+
+class UnchosenError(UnreadableError):
+    """A file holds several images, and none of them was chosen.
+
+    Attributes
+    ----------
+    names : tuple of str
+        All that it holds.
+    images : tuple of int
+        Which of them are images or volumes, from 0.
+    """
+
+    def __init__(self, message: str, names: tuple[str, ...], images: tuple[int, ...]) -> None:
+        super().__init__(message)
+        self.names = names
+        self.images = images
+
+
+def index_of(what: str, wanted: int | None, count: int, otherwise: int, name: str) -> int:
+    """Index, from 0, of what is wanted among so many; UnreadableError when there are fewer."""
+    if wanted is None:
+        return otherwise
+    if wanted > count:
+        one = "1" if count == 1 else f"1 to {count}"
+        raise UnreadableError(f"{what} is {wanted}, but {name} has {count} of them: choose {one}.")
+    return wanted - 1
+
+
+def series_of(wanted: int | str | None, names: tuple[str, ...], otherwise: int, file: str) -> int:
+    """Index of the series that is wanted, by number or name; UnreadableError when there is none such."""
+    if isinstance(wanted, str):
+        if wanted in names:
+            return names.index(wanted)
+        known = ", ".join(map(shown, names[:9])) + (", …" if len(names) > 9 else "")
+        raise UnreadableError(f"series is {shown(wanted)}, but {file} has {known}: choose one of these.")
+    return index_of("series", wanted, len(names), otherwise, file)

@@ -1,205 +1,219 @@
-"""TIFF: microscopy and scientific images of any depth, with the size of a pixel where the file gives it."""
+"""TIFF: images and stacks of any depth, hyperstacks of ImageJ and OME with channels and times among their pages."""
 
 from __future__ import annotations
 
-import contextlib
 import logging
 import math
-import os
 import re
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import PIL.Image
 import tifffile
 from numpy.typing import NDArray
 
-from cpm_core.formats.images import raster, resolution
+from cpm_core.formats.common.printable import printable
+from cpm_core.formats.images import resolution
 from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size, from_samples, upright
+from cpm_core.formats.images.reading import Reading, series_of
+from cpm_core.formats.images.stack import Stack, check_content, joined
 from cpm_core.image.colors import full_scale
 from cpm_core.image.gray_levels import NO_DATA
 
 # tifffile logs a warning for everything unusual in a file; the user gets one sentence on what matters instead.
 logging.getLogger("tifffile").addHandler(logging.NullHandler())
 
+READS = {".tif": "TIFF image or stack", ".tiff": "TIFF image or stack"}
+
+_MAGIC = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
+
 _MOST_PACKED, _ALWAYS = 5000, 2**30
 """Bytes that one byte of a packed page may stand for, and bytes that any page may hold, as of one value."""
 
-_MAGIC = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
-_BY_PILLOW = frozenset({2, 3, 4, 6, 7, 32771})
-"""Compressions that Pillow unpacks without a loss of depth: those of fax machines, which have one bit, and JPEG."""
-
-_WHITE_IS_ZERO, _BLACK_IS_ZERO, _RGB, _PALETTE, _INKS, _YCBCR = 0, 1, 2, 3, 5, 6
-_KNOWN_LEVELS = (_WHITE_IS_ZERO, _BLACK_IS_ZERO, _RGB, _PALETTE, _INKS)
-_JPEG = 7
-_PREMULTIPLIED = 1
-_CYAN_TO_BLACK = 1
-"""Inks of cyan, magenta, yellow and black, among sets of inks."""
 _LARGEST_PART = 2**24
 """Pixels that a tile or strip may have beyond some times those of the image."""
 
-_INCH, _CENTIMETER = 2, 3
-_PER_METER = {_INCH: 1 / 0.0254, _CENTIMETER: 100.0}
+_WHITE_IS_ZERO, _BLACK_IS_ZERO, _RGB, _PALETTE, _INKS, _YCBCR = 0, 1, 2, 3, 5, 6
+_JPEG = 7
+_PREMULTIPLIED = 1
+_PER_METER = {2: 1 / 0.0254, 3: 100.0}
+"""Unit of a resolution (inch, centimeter) -> how many of it are a meter."""
+
+_PIXEL_AXES = "YXS"
 
 
-def is_tiff(head: bytes) -> bool:
+def reads(head: bytes, _path: Path) -> bool:
     """Whether the first bytes of a file are those of a TIFF."""
     return head.startswith(_MAGIC)
 
 
-def first_page(path: Path) -> Decoded:
-    """Read the first page of a TIFF.
+def stack(path: Path, reading: Reading) -> Stack:
+    """Open a stack: a series of pages of one size.
 
     Raises
     ------
     UnreadableError
-        When the page is too large or a volume. Damaged files raise any exception of the decoder.
+        When it has more axes than times, channels, planes, rows and columns, or parts of it are in other files that
+        are missing.
     """
+    name = printable(path.name)
     with tifffile.TiffFile(path) as file:
-        page = file.pages.first
-        if page.imagedepth > 1:
-            raise UnreadableError(f"{path.name} is a volume: save one plane of it as an image of its own.")
-        decoded = page_of(file, page, path)
-        return replace(decoded, notes=(*decoded.notes, *_page_notes(file)))
+        all_series = _series(file)
+        names = tuple(str(one.name) for one in all_series)
+        number = series_of(reading.series, names, 0, name)
+        series = all_series[number]
+        if series.dtype is None or min(series.shape) < 1:
+            raise ValueError("it has no pixels")
+        check_size(name, int(series.keyframe.imagelength), int(series.keyframe.imagewidth))
+        check_content(path, math.prod(series.shape) * series.dtype.itemsize)
+        pages = _pages_of(series, name)
+        keyframe = series.keyframe
+        (row, col), unit = _spacing_of(file, keyframe, number)
+        depth = _depth_of(file, unit, number)
+        size = dict(zip(series.axes, series.shape, strict=True))
+        sides = (int(size["Y"]), int(size["X"]))
+        if _number(keyframe, "Orientation") in range(5, 9):  # rows become columns
+            sides, (row, col) = sides[::-1], (col, row)
+    notes = () if reading.series or len(names) == 1 else (f"Only the first of its {len(names)} series was taken.",)
+    untold = ("The distance of its planes is not given; that of its rows was taken.",)
 
+    def take(time: int, channel: int, first: int, end: int) -> Decoded:
+        with tifffile.TiffFile(path) as file:
+            return _taken(_series(file)[number], pages[time, channel, first:end], name)
 
-def page_of(file: tifffile.TiffFile, page: tifffile.TiffPage, path: Path) -> Decoded:
-    """Gray levels of a page, upright, with the size of a pixel.
-
-    A file of OME names pages of other files, which are opened for as long as they are read.
-    """
-    own = page.parent.filehandle
-    closed = own.closed
-    if closed:
-        own.open()
-    try:
-        return _page_of(file, page, path, Path(own.path))
-    finally:
-        if closed:
-            own.close()
-
-
-def _page_of(file: tifffile.TiffFile, page: tifffile.TiffPage, path: Path, own: Path) -> Decoded:
-    """The same, of a page of an open file."""
-    check_size(path.name, int(page.imagelength), int(page.imagewidth))  # damaged ones may be tuples
-    size = page.parent.filehandle.size
-    if max(page.databytecounts, default=0) > size:  # memory for them would be taken first
-        raise EOFError(f"{path.name} names more bytes than it has.")
-    if page.nbytes > max(_ALWAYS, _MOST_PACKED * size):  # a pixel may have any number of samples
-        raise EOFError(f"{path.name} names more samples than it has.")
-    if math.prod(page.chunks) > _LARGEST_PART + 4 * page.imagelength * page.imagewidth * page.samplesperpixel:
-        raise ValueError("a part of it is far larger than the whole")
-    spacing, unit = spacing_of(file, page)
-    direct = page.photometric in _KNOWN_LEVELS and page.compression not in _BY_PILLOW
-    shown = None if direct else _by_pillow(page, own, path.name)
-    if shown is None:
-        return turned(
-            page,
-            replace(pixels(page, _raw(page, path.name), page.bitspersample, path.name), spacing=spacing, unit=unit),
-        )
-    # Pillow has turned the pixels; the size of a pixel turns with them
-    turned_size = turned(page, Decoded(np.empty((0, 0)), spacing, unit, shown.notes))
-    return replace(turned_size, values=shown.values, colors=shown.colors)
-
-
-def _by_pillow(page: tifffile.TiffPage, path: Path, name: str) -> Decoded | None:
-    """Gray levels of a page, upright; None for a kind that Pillow does not know and tifffile may."""
-    try:
-        with _native_silence(), PIL.Image.open(path, formats=("TIFF",)) as picture:
-            picture.seek(int(page.index))
-            return raster.pixels(picture)
-    except PIL.UnidentifiedImageError:
-        if page.photometric in _KNOWN_LEVELS or _becomes_rgb(page):
-            return None
-        raise _uncommon(page, name) from None
-
-
-def _becomes_rgb(page: tifffile.TiffPage) -> bool:
-    """Whether unpacking a page turns its colors into red, green and blue."""
-    return page.photometric == _YCBCR and page.compression == _JPEG
-
-
-def _raw(page: tifffile.TiffPage, name: str) -> NDArray[Any]:
-    """Pixels as they are stored; UnreadableError for those of three bytes, whose order tifffile gets wrong."""
-    if page.bitspersample == 24:
-        raise _uncommon(page, name)
-    with _native_silence():
-        return np.asarray(page.asarray(maxworkers=1))
-
-
-def _uncommon(page: tifffile.TiffPage, name: str) -> UnreadableError:
-    """What is said of a page with colors that are not read."""
-    if isinstance(page.photometric, tifffile.PHOTOMETRIC) and page.photometric not in _KNOWN_LEVELS:
-        return UnreadableError(
-            f"{name} is a TIFF with colors of the kind {page.photometric.name}, which are not read: save it again "
-            "in gray, or in red, green and blue."
-        )
-    return UnreadableError(
-        f"{name} is damaged or a TIFF of an uncommon kind: save it again as an uncompressed TIFF or as PNG."
+    return Stack(
+        name,
+        (pages.shape[2], *sides),
+        take,
+        series.dtype.itemsize * float(size.get("S", 1)),
+        pages.shape[0],
+        pages.shape[1],
+        (depth or row, row, col),
+        unit,
+        notes=notes,
+        of_volume=() if depth or unit is None else untold,
+        word="page",
+        series=names,
+        number=number,
+        deep=depth is not None,
     )
 
 
-def pixels(page: tifffile.TiffPage, raw: NDArray[Any], bits: object, name: str) -> Decoded:
-    """Gray levels of the samples of a page, which have so many bits each."""
+def _series(file: tifffile.TiffFile) -> list[tifffile.TiffPageSeries]:
+    """The series of a file, whose pages are counted first: of a damaged one they may follow each other in a circle."""
+    if not len(file.pages):
+        raise ValueError("it has no pages")
+    return list(file.series)
+
+
+def _pages_of(series: tifffile.TiffPageSeries, name: str) -> NDArray[np.int64]:
+    """Index of each page by (time, channel, plane); other axes count as planes, or as times next to planes."""
+    if not {"Y", "X"} <= set(series.axes):
+        raise UnreadableError(f"{name} has the axes {series.axes}: save one volume or plane of it.")
+    outer = [(axis, size) for axis, size in zip(series.axes, series.shape, strict=True) if axis not in _PIXEL_AXES]
+    role = {axis: axis for axis, _ in outer if axis in "TCZ"}
+    for axis, size in outer:
+        if axis in role or size == 1:
+            continue
+        free = next((other for other in "ZT" if other not in role.values()), None)
+        if free is None:
+            raise UnreadableError(f"{name} has the axes {series.axes} {series.shape}: save one volume or plane of it.")
+        role[axis] = free
+    numbers = np.arange(math.prod(size for _, size in outer)).reshape([size for _, size in outer])
+    places = [place for other in "TCZ" for place, (axis, _) in enumerate(outer) if role.get(axis) == other]
+    ordered = numbers.transpose([*places, *(place for place in range(len(outer)) if place not in places)])
+    return ordered.reshape([next((size for axis, size in outer if role.get(axis) == other), 1) for other in "TCZ"])
+
+
+def _taken(series: tifffile.TiffPageSeries, numbers: NDArray[np.int64], name: str) -> Decoded:
+    """Pages of a series: one by one, or by their place where one directory stands for all."""
+    pages, keyframe = series.pages, series.keyframe
+    whole = [pages[int(number)] for number in numbers] if len(pages) > int(numbers.max()) else []
+    if any(page is None for page in whole):
+        raise UnreadableError(f"{name} keeps pages in other files that are missing: put them beside it.")
+    complete = [page for page in whole if isinstance(page, tifffile.TiffPage)]
+    if whole and keyframe.imagedepth == 1 and len(complete) == len(whole):
+        return joined([_decoded(page, _raw(page, name), name) for page in complete])
+    axes = "".join(axis for axis in series.axes if axis in _PIXEL_AXES)
+    every = series.asarray(maxworkers=1).reshape(-1, *(series.shape[series.axes.index(axis)] for axis in axes))
+    return joined([_decoded(keyframe, plane, name) for plane in every[numbers]])
+
+
+def _raw(page: tifffile.TiffPage, name: str) -> NDArray[Any]:
+    """Pixels as they are stored; an error, before memory is taken, for more of them than the file can hold."""
+    check_size(name, int(page.imagelength), int(page.imagewidth))
+    size = page.parent.filehandle.size
+    if max(page.databytecounts, default=0) > size or page.nbytes > max(_ALWAYS, _MOST_PACKED * size):
+        raise EOFError(f"{name} names more bytes than it has.")
+    if math.prod(page.chunks) > _LARGEST_PART + 4 * page.imagelength * page.imagewidth * page.samplesperpixel:
+        raise ValueError("a part of it is far larger than the whole")
+    if page.bitspersample == 24:  # whose order tifffile gets wrong
+        raise _uncommon(page, name)
+    return np.asarray(page.asarray(maxworkers=1))
+
+
+def _decoded(page: tifffile.TiffPage, raw: NDArray[Any], name: str) -> Decoded:
+    """Gray levels of the samples of a page, upright."""
     if raw.ndim < 2 or raw.size != page.imagelength * page.imagewidth * page.samplesperpixel:
         raise ValueError("pixels are missing")
     if page.axes == "SYX":
         raw = np.moveaxis(raw, 0, -1)
     stored = samples = raw if raw.ndim == 3 else raw[..., np.newaxis]
     notes: list[str] = []
+    colors, bits = page.photometric, page.bitspersample
     if samples.dtype == np.bool_:
         samples, bits = samples.astype(np.uint8) * np.uint8(255), 8
         notes.append("Black and white were read as 0 and 255.")
-    if page.photometric == _PALETTE:
+    if colors == _PALETTE:
         table = np.asarray(page.colormap, dtype=np.float64)
         table = table if table.max() < 256.0 else table / 257.0  # old programs write eight bits in sixteen
         samples, bits = np.rint(table).astype(np.uint8).T[samples[..., 0]], 8
+    elif colors == _INKS:
+        samples = _light_of_inks(page, samples, _white(bits, samples), name)
+    elif colors not in (_WHITE_IS_ZERO, _BLACK_IS_ZERO, _RGB) and not (
+        colors == _YCBCR and page.compression == _JPEG  # which unpacking turns into red, green and blue
+    ):
+        raise _uncommon(page, name)
     white = _white(bits, samples)
-    if page.photometric == _INKS:
-        samples = _light_of_inks(page, samples, white, name)
-    count = 1 if page.photometric in (_WHITE_IS_ZERO, _BLACK_IS_ZERO) else 3
+    count = 1 if colors in (_WHITE_IS_ZERO, _BLACK_IS_ZERO) else 3
     extra = samples[..., count:]
     has_alpha = extra.shape[-1] > 0 and bool(page.extrasamples) and int(page.extrasamples[0]) in (1, 2)
     if extra.shape[-1] > has_alpha:
         notes.append(f"Only the first {count + has_alpha} of its {samples.shape[-1]} channels were taken.")
-    colors, opacity = samples[..., :count], extra[..., 0] / _white(bits, extra[..., 0]) if has_alpha else None
-    if page.photometric == _WHITE_IS_ZERO:
-        colors = white - colors
+    shown, opacity = samples[..., :count], extra[..., 0] / _white(bits, extra[..., 0]) if has_alpha else None
+    if colors == _WHITE_IS_ZERO:
+        shown = white - shown
         notes.append("It counts from white to black and was inverted.")
     if opacity is not None and int(page.extrasamples[0]) == _PREMULTIPLIED:
         share = opacity[..., np.newaxis]
-        colors = np.divide(colors, share, out=np.zeros(colors.shape), where=share > 0.0)
-    decoded = from_samples(colors, opacity, tuple(notes), white)
-    told = stored[..., : 1 if page.photometric == _PALETTE else count]
-    return replace(decoded, values=_without_no_data(page, decoded.values, told))
+        shown = np.divide(shown, share, out=np.zeros(shown.shape), where=share > 0.0)
+    found = from_samples(shown, opacity, tuple(notes), white)
+    given = stored[..., : 1 if colors == _PALETTE else count]
+    return upright(replace(found, values=_without_no_data(page, found.values, given)), _number(page, "Orientation"))
 
 
-def turned(page: tifffile.TiffPage, decoded: Decoded) -> Decoded:
-    """What was read of a page, upright by its orientation tag."""
-    return upright(decoded, _number(page, "Orientation", 1))
-
-
-def lies_across(page: tifffile.TiffPage) -> bool:
-    """Whether rows of a page become columns by its orientation tag."""
-    return _number(page, "Orientation", 1) in range(5, 9)
+def _uncommon(page: tifffile.TiffPage, name: str) -> UnreadableError:
+    """The error for a page with numbers or colors that are not read."""
+    kind = getattr(page.photometric, "name", page.photometric)
+    return UnreadableError(
+        f"{name} is a TIFF of an uncommon kind ({page.bitspersample} bits, {kind}): save it again in gray, or in red, "
+        "green and blue."
+    )
 
 
 def _light_of_inks(page: tifffile.TiffPage, samples: NDArray[Any], white: float, name: str) -> NDArray[Any]:
-    """Red, green and blue of cyan, magenta, yellow and black, and what stands behind these."""
-    if _number(page, "InkSet", _CYAN_TO_BLACK) != _CYAN_TO_BLACK or samples.shape[-1] < 4:
+    """Red, green and blue of cyan, magenta, yellow and black, and the samples after these."""
+    if _number(page, "InkSet") != 1 or samples.shape[-1] < 4:
         raise _uncommon(page, name)
     light = (white - samples[..., :3]) * (1.0 - samples[..., 3:4] / white)
     return np.concatenate([light.astype(samples.dtype), samples[..., 4:]], axis=-1)
 
 
 def _without_no_data(page: tifffile.TiffPage, gray: NDArray[Any], stored: NDArray[Any]) -> NDArray[Any]:
-    """Gray levels with `NO_DATA` where all samples are the value that a geographic program says stands for no data."""
-    told = page.tags.valueof("GDAL_NODATA")
+    """Gray levels with `NO_DATA` where all samples are the value that a geographic program gives as no data."""
     try:
-        absent_value = float(told)
+        absent_value = float(page.tags.valueof("GDAL_NODATA"))
     except (TypeError, ValueError):
         return gray
     absent = (np.isnan(stored) if math.isnan(absent_value) else stored == absent_value).all(axis=-1)
@@ -211,14 +225,7 @@ def _white(bits: object, samples: NDArray[Any]) -> float:
     return 2.0**bits - 1.0 if isinstance(bits, int) and samples.dtype.kind == "u" else full_scale(samples)
 
 
-def _page_notes(file: tifffile.TiffFile) -> tuple[str, ...]:
-    """Note further pages, which ImageJ may keep behind a single directory."""
-    stack = file.imagej_metadata or {}
-    pages = max(len(file.pages), int(stack.get("images", 1)))
-    return (f"Only the first of its {pages} pages was taken.",) if pages > 1 else ()
-
-
-def spacing_of(file: tifffile.TiffFile, page: tifffile.TiffPage, series: int = 0) -> resolution.Spacing:
+def _spacing_of(file: tifffile.TiffFile, page: tifffile.TiffPage, series: int) -> resolution.Spacing:
     """Pixel size on the specimen from OME or ImageJ; else from the resolution tag, when it is plausible."""
     if file.ome_metadata:
         entries = _of_ome(file, series)
@@ -230,29 +237,29 @@ def spacing_of(file: tifffile.TiffFile, page: tifffile.TiffPage, series: int = 0
     columns, rows = _density(page, "XResolution"), _density(page, "YResolution")
     if not (columns > 0 and rows > 0):
         return resolution.UNKNOWN
-    stack = file.imagej_metadata
-    if stack and "unit" in stack:
-        return resolution.from_sizes(1 / rows, 1 / columns, str(stack["unit"]))
-    factor = _PER_METER.get(_number(page, "ResolutionUnit", 1), 0.0)
+    hyperstack = file.imagej_metadata
+    if hyperstack and "unit" in hyperstack:
+        return resolution.from_sizes(1 / rows, 1 / columns, str(hyperstack["unit"]))
+    factor = _PER_METER.get(_number(page, "ResolutionUnit"), 0.0)
     return resolution.from_density(rows * factor, columns * factor)
 
 
-def depth_of(file: tifffile.TiffFile, unit: str | None, series: int = 0) -> float | None:
-    """Distance of neighboring planes from OME or ImageJ, in the unit of the pixel size; None when it is not told."""
+def _depth_of(file: tifffile.TiffFile, unit: str | None, series: int) -> float | None:
+    """Distance of neighboring planes from OME or ImageJ, in the unit of the pixel size; None when it is not given."""
     if file.ome_metadata:
         entries = _of_ome(file, series)
-        told, named = entries.get("PhysicalSizeZ"), entries.get("PhysicalSizeZUnit", "µm")
+        given, named = entries.get("PhysicalSizeZ"), entries.get("PhysicalSizeZUnit", "µm")
     else:
-        told, named = (file.imagej_metadata or {}).get("spacing"), str((file.imagej_metadata or {}).get("unit"))
+        given, named = (file.imagej_metadata or {}).get("spacing"), str((file.imagej_metadata or {}).get("unit"))
     try:
-        (depth, _), its_unit = resolution.from_sizes(abs(float(told or 0.0)), 1.0, named)
+        (depth, _), its_unit = resolution.from_sizes(abs(float(given or 0.0)), 1.0, named)
     except (TypeError, ValueError):
         return None
     return None if its_unit is None or unit is None else depth * resolution.factor(its_unit, unit)
 
 
 def _of_ome(file: tifffile.TiffFile, series: int) -> dict[str, str]:
-    """Sizes of a pixel as OME tells them of one of its images."""
+    """Sizes of a pixel that OME gives for one of its images."""
     found = re.findall(r"<Pixels\b[^>]*>", file.ome_metadata or "")
     pixels = found[series] if series < len(found) else ""
     return dict(re.findall(r"\b(PhysicalSize[XYZ](?:Unit)?)=\"([^\"]*)\"", pixels))
@@ -266,27 +273,7 @@ def _density(page: tifffile.TiffPage, name: str) -> float:
     return float(tag.value[0]) / float(tag.value[1])
 
 
-def _number(page: tifffile.TiffPage, name: str, otherwise: int) -> int:
+def _number(page: tifffile.TiffPage, name: str) -> int:
+    """A tag that is a whole number; 1 where it is missing."""
     tag = page.tags.get(name)
-    return int(tag.value) if tag is not None and isinstance(tag.value, int) else otherwise
-
-
-@contextlib.contextmanager
-def _native_silence() -> Iterator[None]:
-    """Discard the standard error of the whole process within the block.
-
-    libtiff prints warnings on unusual files directly to the file descriptor, and Pillow cannot turn them off.
-    """
-    try:
-        kept = os.dup(2)
-    except OSError:  # a window without a console has no standard error
-        yield
-        return
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    try:
-        os.dup2(nowhere, 2)
-        yield
-    finally:
-        os.dup2(kept, 2)
-        os.close(kept)
-        os.close(nowhere)
+    return int(tag.value) if tag is not None and isinstance(tag.value, int) else 1

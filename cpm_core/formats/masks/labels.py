@@ -1,26 +1,27 @@
-"""Labels: closed contours as filled regions, or branches of a skeleton as lines, each with its own number; as PNG."""
+"""Labels: closed contours as filled regions, or branches of a skeleton as lines, each with its own number."""
 
 from __future__ import annotations
 
 import colorsys
 import io
-import itertools
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import PIL.Image
 import PIL.PngImagePlugin
 import skimage
+import tifffile
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour, numbers_of
 from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.rasterize import MOST_LABELS, label_type
 from cpm_core.contours.result import Result
-from cpm_core.contours.surface import Surface
-from cpm_core.formats.common.provenance import PROGRAM, facts_of, text_of
+from cpm_core.formats.common.provenance import PROGRAM, entries_of, facts_of, text_of
 from cpm_core.medial_axis.skeleton import Skeleton
 
+_PER_CENTIMETER = {"nm": 1e7, "µm": 1e4, "mm": 10.0, "cm": 1.0, "m": 0.01}
 _GOLDEN, _PLASTIC, _SILVER = 0.6180339887, 0.7548776662, 0.4142135624
 """Steps of hue, saturation and brightness from one label to the next; multiples of them are spread evenly."""
 
@@ -47,19 +48,17 @@ def labels_of(result: Result | Skeleton, *, outlines: bool = False) -> NDArray[n
         When there is nothing to paint.
     """
     if isinstance(result, Result) and result.surface is not None:
-        return _volume_labels(result.surface, result)
+        if not result.surface.closed:
+            raise ValueError(
+                f"{result.source} has no closed surface, so that nothing is inside: write the surface itself."
+            )
+        return result.labels.astype(label_type(int(result.labels.max())))
     _count(result, outlines)
     if isinstance(result, Skeleton):
         return paint_branches(result)
     if outlines:
         return paint_lines(result.contours, numbers_of(result.contours), result.shape)
     return result.labels.astype(label_type(len(result.contours)))
-
-
-def _volume_labels(surface: Surface, result: Result) -> NDArray[np.unsignedinteger]:
-    if not surface.closed:
-        raise ValueError(f"{result.source} has no closed surface, so that nothing is inside: write the surface itself.")
-    return result.labels.astype(label_type(int(result.labels.max())))
 
 
 def paint_branches(skeleton: Skeleton) -> NDArray[np.unsignedinteger]:
@@ -99,15 +98,10 @@ def encode_png(result: Result | Skeleton, *, outlines: bool = False) -> bytes:
     """
     count = _count(result, outlines)
     if count > MOST_LABELS:
-        what, cure = (
-            (f"The skeleton of {result.source} has {count} branches, but a PNG mask", "raise pruning")
-            if isinstance(result, Skeleton)
-            else (
-                f"{result.source} has {count} closed contours, but a PNG label mask",
-                "raise min_length or min_strength",
-            )
+        raise ValueError(
+            f"{result.source} has {count} labels, but a PNG mask can hold at most {MOST_LABELS}: export to TIFF, or "
+            "raise min_length, min_strength or pruning."
         )
-        raise ValueError(f"{what} can hold at most {MOST_LABELS}: {cure}, or export to TIFF.")
     stream = io.BytesIO()
     pixels = labels_of(result, outlines=outlines).astype(np.uint8 if count <= 255 else np.uint16)
     picture = PIL.Image.fromarray(pixels)
@@ -120,22 +114,56 @@ def encode_png(result: Result | Skeleton, *, outlines: bool = False) -> bytes:
     return stream.getvalue()
 
 
+def encode_tiff(result: Result | Skeleton, *, outlines: bool = False) -> bytes:
+    """Make an uncompressed gray TIFF of 16 bits with the entries of ImageJ, which then shows lengths in the unit.
+
+    It has 32 bits where there are more than 65535 labels; ImageJ would interpret them as real numbers, so its entries
+    are left out. How the labels were found is the info of ImageJ (Image > Show Info), or of 32 bits the description.
+    ValueError when there is nothing to paint.
+    """
+    facts = facts_of(result)
+    mask = labels_of(result, outlines=outlines)
+    entries: dict[str, Any] = {}
+    height, width = result.spacing[-2:]
+    if result.unit:
+        entries["resolution"] = (1.0 / width, 1.0 / height)
+    if mask.dtype == np.uint16:
+        entries |= {"imagej": True, "metadata": entries_for_imagej(result, "ZYX"[-mask.ndim :])}
+        if mask.ndim == 3:
+            entries["metadata"]["spacing"] = result.spacing[0]
+    else:
+        entries |= {"metadata": None, "description": text_of(facts)}
+        if result.unit in _PER_CENTIMETER:
+            factor = _PER_CENTIMETER[result.unit]
+            entries["resolution"] = (factor / width, factor / height)
+            entries["resolutionunit"] = "CENTIMETER"
+    stream = io.BytesIO()
+    tifffile.imwrite(stream, mask, photometric="minisblack", software=PROGRAM, **entries)
+    return stream.getvalue()
+
+
+def entries_for_imagej(result: Result | Skeleton, axes: str) -> dict[str, Any]:
+    """What ImageJ reads of a TIFF: its axes, the unit of its resolution, and how the labels were found."""
+    unit = {"µm": "um"}.get(result.unit or "pixel", result.unit or "pixel")
+    info = "".join(f"{name}: {value}\n" for name, value in entries_of(facts_of(result)).items())
+    return {"axes": axes, "unit": unit, "Info": info}
+
+
 def palette(count: int) -> NDArray[np.uint8]:
     """Colors of the labels up to `count`, shape (count + 1, 3): black for 0, then bright ones, neighbors far apart.
 
     No two have the same luminance, so that labels stay apart in programs that turn colors into gray.
     """
-    colors, taken = [(0, 0, 0)], {0.0}
-    for index in itertools.count():
-        if len(colors) > count:
-            return np.array(colors, np.uint8)
+    colors, taken, index = [(0, 0, 0)], {0.0}, 0
+    while len(colors) <= count:
         saturation, value = 0.45 + 0.5 * (index * _PLASTIC % 1.0), 0.75 + 0.25 * (index * _SILVER % 1.0)
         red, green, blue = (round(255 * part) for part in colorsys.hsv_to_rgb(index * _GOLDEN % 1.0, saturation, value))
         luminance = round(0.299 * red + 0.587 * green + 0.114 * blue, 3)
         if luminance not in taken:
             colors.append((red, green, blue))
             taken.add(luminance)
-    raise AssertionError("there are endlessly many indices")
+        index += 1
+    return np.array(colors, np.uint8)
 
 
 def _count(result: Result | Skeleton, outlines: bool = False) -> int:

@@ -155,7 +155,8 @@ def place_of(head: str, image: Image | None, space: Convention | None) -> tuple[
             notes.append("It does not tell where x, y and z point: LPS is taken; the other choice is RAS.")
     named = _UNIT.search(head)
     unit = known_unit(named[1]) if named else None
-    spacing, geometry, own = (1.0, 1.0, 1.0), Geometry(), unit
+    spacing: tuple[float, ...] = (1.0, 1.0, 1.0)
+    geometry, own = Geometry(), unit
     if image is not None:
         if len(image.shape) != 3:
             raise ValueError(

@@ -76,11 +76,11 @@ def read(content: bytes) -> Triangles:
                 properties[element].append(_Property(name, order + _KINDS[kind]))
     if form == "ascii":  # which is read as a binary file of double precision
         body = np.array(body.split(), dtype=np.float64).astype("<f8").tobytes()
-        for known in properties.values():
-            known[:] = [_Property(one.name, "<f8", "<f8" if one.counts else "") for one in known]
+        for element, known in properties.items():
+            properties[element] = [_Property(one.name, "<f8", "<f8" if one.counts else "") for one in known]
     columns: dict[str, dict[str, Any]] = {}
-    for element, count in rows.items():
-        columns[element], body = _element(body, count, properties[element])
+    for element, known in properties.items():
+        columns[element], body = _element(body, rows[element], known)
     vertices, polygons = columns["vertex"], columns["face"]
     corners = polygons["vertex_indices"] if "vertex_indices" in polygons else polygons["vertex_index"]
     points = np.stack([vertices[axis] for axis in "xyz"], axis=1).astype(np.float64)

@@ -20,7 +20,7 @@ from cpm_core.formats.common.provenance import PROGRAM, facts_on, text_of
 from cpm_core.formats.meshes.coordinates import Place, decimals_for, place_of, positions, unit_in_ascii
 from cpm_core.image.geometry import Convention, Geometry
 from cpm_core.image.image import Image
-from cpm_core.medial_axis.space.centerlines import Branch, Centerlines
+from cpm_core.medial_axis.centerlines import Branch, Centerlines
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import shown
 
@@ -52,9 +52,10 @@ def write_swc(lines: Centerlines, path: str | os.PathLike[str], geometry: Geomet
 def encode(lines: Centerlines, geometry: Geometry | None = None, space: Convention = "LPS") -> bytes:
     """Make an SWC file: a line of text for each point, with x, y, z and radius in the unit of the spacing, and parent.
 
-    The coordinates are those of surfaces, in a volume with this geometry. SWC holds trees alone: a loop is cut at the
-    end of one of its branches, where a point is written twice.
+    The coordinates are those of surfaces, in a volume with this geometry, by default that of the lines. SWC holds trees
+    alone: a loop is cut at the end of one of its branches, where a point is written twice.
     """
+    geometry = geometry or lines.geometry
     rows: list[tuple[int, float, float, float, float, int]] = []
     number: dict[int, int] = {}
     at_node: dict[int, list[int]] = {}
@@ -102,7 +103,7 @@ def load_centerlines(
     image: Image | None = None,
     *,
     space: Convention | None = None,
-    tell: Callable[[str], object] = _LOG.warning,
+    warn: Callable[[str], object] = _LOG.warning,
 ) -> Centerlines:
     """Read center lines from an SWC file, written by `export`, `write_swc` or by another program.
 
@@ -114,8 +115,8 @@ def load_centerlines(
         The volume that they belong to: their vertices come back in voxels of it. Without it a voxel is as large as a
         unit of the file.
     space : {"LPS", "RAS"}, optional
-        Where x, y and z of the file point; by default as the file tells, and LPS where it does not.
-    tell : callable, optional
+        Where x, y and z of the file point; by default as the file says, and LPS where it does not.
+    warn : callable, optional
         Called with a sentence for what was left out or assumed; by default a warning is logged.
 
     Returns
@@ -148,7 +149,7 @@ def load_centerlines(
     if not branches:
         raise ValueError(f"{file.name} holds single points and no lines: choose a file with lines.")
     for note in notes:
-        tell(f"{file.name}: {note}")
+        warn(f"{file.name}: {note}")
     geometry = None if image is None else image.geometry
     found = Centerlines(tuple(branches), place.spacing, place.unit, file.name, geometry)
     order = np.argsort(-found.lengths, kind="stable")

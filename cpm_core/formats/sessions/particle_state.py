@@ -13,14 +13,12 @@ from typing import Any
 import numpy as np
 
 from cpm_core.field.volume_field import pitch_of
-from cpm_core.formats.sessions.plain_arrays import array_from_plain, array_to_plain
-from cpm_core.formats.sessions.plain_values import mapping, number
-from cpm_core.formats.sessions.space_state import contact_from_plain, covered_from_plain, space_to_plain
+from cpm_core.formats.sessions.plain import array_from_plain, array_to_plain, mapping, number
 from cpm_core.image.pyramid import shape_of_scale
-from cpm_core.model.coverage import NEVER, Coverage, no_coverage
+from cpm_core.model.coverage import NEVER, Coverage, SurfaceCoverage, no_coverage
 from cpm_core.model.plane.repulsion import NO_MESH, PITCH, mesh_shape, softening
 from cpm_core.model.starts import inside_image
-from cpm_core.model.state import MEMORY, MeshForce, Particles, SpaceState, State
+from cpm_core.model.state import MEMORY, MeshForce, Particles, SpaceState, State, SurfaceContact
 from cpm_core.numerics.types import Array
 from cpm_core.numerics.vectors import Vector
 from cpm_core.parameters.quotation import shown
@@ -32,6 +30,9 @@ _COUNTS = (
 _COVERAGE = ("found", "latest")
 _MEASURES = ("annealed", "epsilon", "displacement")
 _MOST = 2**40
+_UNIT = 1.0 + 1e-6
+"""Greatest length of a normal, with rounding."""
+
 _PARTICLES = ("position", "velocity", "force", "distance")
 
 
@@ -45,7 +46,7 @@ def state_to_plain(state: State) -> dict[str, Any]:
     plain |= {name: array_to_plain(getattr(particles, name)) for name in (*_PARTICLES, "identity")}
     plain["start"] = array_to_plain(state.start)
     if state.space is not None:
-        return plain | space_to_plain(state)
+        return plain | _space_to_plain(state)
     plain |= {name: array_to_plain(getattr(state.coverage, name)) for name in _COVERAGE}
     if state.mesh is not None:
         far = math.isfinite(state.mesh.reach)
@@ -73,8 +74,8 @@ def state_from_plain(plain: object, shape: tuple[int, ...], scales: int, spacing
     particles, start = _particles(given, size, counts["next_identity"], pitch), _places(given, "start", shape)
     coverage, space, mesh = no_coverage(size), None, None
     if pitch is not None:
-        particles = replace(particles, contact=contact_from_plain(given, len(particles)))
-        space = SpaceState(pitch, covered_from_plain(given))
+        particles = replace(particles, contact=_contact(given, len(particles)))
+        space = SpaceState(pitch, _covered(given))
     else:
         cells = coverage.found.shape
         found, latest = (array_from_plain(given.get(name), np.int32, cells, name) for name in _COVERAGE)
@@ -138,3 +139,42 @@ def _finite(value: float) -> float | None:
 
 def _measure(plain: object, name: str) -> float:
     return math.nan if plain is None else number(plain, f"{name} of state", float(_MOST))
+
+
+def _space_to_plain(state: State) -> dict[str, Any]:
+    """Contact of the particles with surfaces, and the coverage of a volume."""
+    contact, space = state.particles.contact, state.space
+    assert contact is not None
+    assert space is not None
+    return {
+        "normal": array_to_plain(contact.normal),
+        "seated": array_to_plain(contact.seated.astype(np.int32)),
+        "strength": array_to_plain(contact.strength),
+        "woken": array_to_plain(contact.woken),
+        "covered": array_to_plain(space.covered.cells),
+        "side": space.covered.side,
+    }
+
+
+def _contact(given: Mapping[str, Any], count: int) -> SurfaceContact:
+    """Contact of so many particles; ValueError when it cannot be one."""
+    normal = array_from_plain(given.get("normal"), float, (count, 3), "normal of state")
+    seated = array_from_plain(given.get("seated"), np.int32, (count,), "seated of state")
+    strength = array_from_plain(given.get("strength"), float, (count,), "strength of state")
+    woken = array_from_plain(given.get("woken"), np.int64, (count,), "woken of state")
+    if not (np.linalg.norm(normal, axis=1) <= _UNIT).all():
+        raise ValueError("normal of state holds a direction longer than one.")
+    if not np.isfinite(strength).all():
+        raise ValueError("strength of state holds a value that is not a number.")
+    return SurfaceContact(normal, seated != 0, strength, woken)
+
+
+def _covered(given: Mapping[str, Any]) -> SurfaceCoverage:
+    """Coverage of a volume; ValueError when it cannot be one."""
+    cells = array_from_plain(given.get("covered"), np.int64, (None,), "covered of state")
+    side = number(given.get("side"), "side of state")
+    if not side > 0.0:
+        raise ValueError(f"side of state is {side} but must be above 0.")
+    if (np.diff(cells) <= 0).any():
+        raise ValueError("covered of state holds cells that do not ascend.")
+    return SurfaceCoverage(cells, side)

@@ -10,8 +10,15 @@ from typing import Any
 
 from cpm_core.field.placed_charges import PlacedCharge, in_order
 from cpm_core.formats.sessions.particle_state import state_from_plain, state_to_plain
-from cpm_core.formats.sessions.plain_regions import regions_from_plain, regions_to_plain
-from cpm_core.formats.sessions.plain_values import from_plain, mapping, parameters_from_plain, shape_to_plain, to_plain
+from cpm_core.formats.sessions.plain import (
+    from_plain,
+    mapping,
+    parameters_from_plain,
+    regions_from_plain,
+    regions_to_plain,
+    shape_to_plain,
+    to_plain,
+)
 from cpm_core.formats.sessions.session_file import SessionFile, decode, encode
 from cpm_core.image.image import Image
 from cpm_core.model.state import State

@@ -6,23 +6,25 @@ review of the contours, and the view. The image stays in its own file; a hash sh
 
 from __future__ import annotations
 
+import json
+import math
 import re
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path, PurePath
-from typing import Any
+from typing import Any, NoReturn, TypeVar
 
-from cpm_core.contours.contour import present_names
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark
 from cpm_core.formats.common.atomic import check_place, write_together
 from cpm_core.formats.common.content import differ, fingerprint_if_read
 from cpm_core.formats.common.provenance import PROGRAM
+from cpm_core.formats.images.readers import open_stack
 from cpm_core.formats.images.reading import DEFAULT, Reading
-from cpm_core.formats.sessions.beside_document import TruthFile, beside_document, place_to_plain
-from cpm_core.formats.sessions.compared_methods import compared_to_plain
-from cpm_core.formats.sessions.plain_values import (
+from cpm_core.formats.sessions.plain import (
     from_plain,
+    items,
     mapping,
     number,
     parameters_from_plain,
@@ -30,14 +32,20 @@ from cpm_core.formats.sessions.plain_values import (
     shape_to_plain,
     to_plain,
 )
-from cpm_core.formats.sessions.session_json import MARK, VERSION, Plain, parsed, text_of
 from cpm_core.medial_axis.outlines import Outlined
-from cpm_core.objects.methods import Compared
+from cpm_core.objects.methods import CONTOUR_METHODS, Compared, Settings
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
 from cpm_core.shapes import Shape
 from cpm_core.shapes.document_shapes import check_axes
+
+T = TypeVar("T")
+
+MARK, VERSION = "cpm-session", 1
+"""Entry that distinguishes a session file from other JSON, and its value."""
+
+Plain = Mapping[str, Any]
 
 SUFFIX = ".cpm"
 """Ending of the name of a session file."""
@@ -48,6 +56,8 @@ _KNOWN = (
 )
 _LARGEST = 64 * 2**20
 _LARGEST_SIDE = 10**6
+_DEEPEST = 64
+_UNPAIRED = re.compile("[\ud800-\udfff]")
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +83,28 @@ class ImageFile:
     shape: tuple[int, ...] = ()
     elsewhere: tuple[str, ...] = ()
     reading: Reading = DEFAULT
+
+
+@dataclass(frozen=True, slots=True)
+class TruthFile:
+    """The ground truth of a session.
+
+    Attributes
+    ----------
+    path : str
+        Its file; a relative path starts at the folder of the session file.
+    absolute : str
+        Another path where it may be.
+    tolerance : float
+        Distance up to which boundaries count as the same [px].
+    holes : bool
+        Whether a contour inside another one is a hole.
+    """
+
+    path: str
+    absolute: str = ""
+    tolerance: float = 2.0
+    holes: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,17 +201,21 @@ def encode(session: SessionFile, folder: Path) -> bytes:
     if session.hand_edits:
         plain["hand_edits"] = [to_plain(edit) for edit in session.hand_edits]
     if session.comparison != Compared():
-        plain["comparison"] = compared_to_plain(session.comparison)
+        plain["comparison"] = {
+            "methods": list(session.comparison.methods),
+            "settings": {name: to_plain(chosen) for name, chosen in session.comparison.settings},
+            "around": session.comparison.around,
+        }
     plain["mode"] = session.mode
     plain |= {"objects": to_plain(session.objects), "outlined": to_plain(session.outlined), "view": dict(session.view)}
     if session.truth is not None:
-        plain["truth"] = {**to_plain(session.truth), **place_to_plain(session.truth.path, folder)}
+        plain["truth"] = {**to_plain(session.truth), **_place_to_plain(session.truth.path, folder)}
     plain.update(session.extra)
     if session.runs:
         plain["runs"] = dict(session.runs)
     if session.pages:
         plain["pages"] = dict(session.pages)
-    return text_of(plain).encode()
+    return _text_with_lines(plain).encode()
 
 
 def load_session(path: Path) -> SessionFile:
@@ -216,39 +252,69 @@ def load_session(path: Path) -> SessionFile:
 
 def decode(content: bytes, name: str) -> SessionFile:
     """Content of the bytes of a session file; `name` is its name in error messages."""
-    plain = parsed(content, name)
+    plain = _parsed(content, name)
+    notes: list[str] = []
+
+    def optional(key: str, words: str, read: Callable[[Any], T], otherwise: T) -> T:
+        """An entry without which the rest is of use: where it is damaged, a note says that it was left out."""
+        try:
+            return read(plain[key]) if plain.get(key) is not None else otherwise
+        except (ValueError, TypeError, KeyError) as error:
+            notes.append(f"The {words} left out: {error}")
+            return otherwise
+
+    def listed(key: str, what: str, read: Callable[[object, str], T]) -> tuple[T, ...]:
+        return tuple(read(one, f"{what} {at}") for at, one in enumerate(items(plain.get(key, []), key), start=1))
+
     try:
         parameters, unknown = parameters_from_plain(plain.get("parameters", {}))
-        runs, pages, truth, comparison, faults = beside_document(plain)
-        left_out = f"Parameters that are not known here were left out: {shown(', '.join(unknown))}."
+        if unknown:
+            notes.append(f"Parameters that are not known here were left out: {shown(', '.join(unknown))}.")
         image = _image(plain["image"]) if plain.get("image") is not None else None
-        shapes = tuple(shape_from_plain(shape, f"shape {index}") for index, shape in _listed(plain, "shapes"))
+        shapes = listed("shapes", "shape", shape_from_plain)
         check_axes(shapes, image.shape if image else ())
         return SessionFile(
             image=image,
             shapes=shapes,
             parameters=parameters,
-            marks=tuple(_mark(mark, f"mark {index}") for index, mark in _listed(plain, "marks")),
+            marks=listed("marks", "mark", partial(from_plain, Mark)),
             mode=_text_of(plain.get("mode", ""), "mode"),
             objects=from_plain(SegmentedObjects, plain.get("objects", {}), "objects"),
             outlined=from_plain(Outlined, plain.get("outlined", {}), "outlined"),
             view=mapping(plain.get("view", {}), "view"),
             extra={key: value for key, value in plain.items() if key not in _KNOWN},
-            notes=(*((left_out,) if unknown else ()), *faults),
-            runs=runs,
-            truth=truth,
-            pages=pages,
-            comparison=comparison,
-            hand_edits=tuple(
-                from_plain(HandEdit, edit, f"edit {index} by hand") for index, edit in _listed(plain, "hand_edits")
-            ),
+            runs=optional("runs", "recorded runs were", lambda given: mapping(given, "runs"), {}),
+            truth=optional("truth", "ground truth was", _truth, None),
+            pages=optional("pages", "other pages of the stack were", lambda given: mapping(given, "pages"), {}),
+            comparison=optional("comparison", "comparison of methods was", _compared, Compared()),
+            hand_edits=listed("hand_edits", "edit by hand", partial(from_plain, HandEdit)),
+            notes=tuple(notes),
         )
     except ValueError as error:
         raise ValueError(f"{name}: {error}") from error
 
 
-def _mark(plain: object, where: str) -> Mark:
-    return from_plain(Mark, present_names(mapping(plain, where)), where)
+def _truth(plain: object) -> TruthFile:
+    truth = from_plain(TruthFile, plain, "truth")
+    if not truth.path or "\0" in truth.path + truth.absolute or truth.tolerance < 0.0:
+        raise ValueError(f"truth names {shown(truth.path)} within {truth.tolerance:g} px.")
+    return truth
+
+
+def _compared(plain: object) -> Compared:
+    """The comparison of methods; ValueError for methods and settings that are not known here."""
+    given = mapping(plain, "comparison")
+    methods = [_text_of(name, "methods of comparison") for name in items(given.get("methods", []), "methods")]
+    chosen = {}
+    for name, values in mapping(given.get("settings", {}), "settings of comparison").items():
+        kind = CONTOUR_METHODS[name].settings if name in CONTOUR_METHODS else None
+        if kind is None or not issubclass(kind, Settings) or set(mapping(values, name)) - set(kind.table()):
+            raise ValueError(f"its settings of {shown(name)} are not known here.")
+        chosen[name] = kind(**values)
+    if unknown := set(methods) - set(CONTOUR_METHODS) - {""}:
+        raise ValueError(f"its method {shown(min(unknown))} is not known here.")
+    settings = tuple((name, one) for name, one in chosen.items() if one != type(one)())
+    return Compared(tuple(filter(None, methods)), settings, given.get("around") is True)
 
 
 def find_image(
@@ -307,20 +373,12 @@ def _image(plain: object) -> ImageFile:
 
 
 def _image_to_plain(image: ImageFile, folder: Path) -> dict[str, Any]:
-    plain = place_to_plain(image.path, folder)
+    plain = _place_to_plain(image.path, folder)
     if not Path(image.path).is_absolute() and image.elsewhere:
         plain["absolute"] = image.elsewhere[0]
     plain |= {"sha256": image.sha256, "shape": list(image.shape)}
     chosen = {name: to_plain(given) for name, given in image.reading.arguments.items()}
     return {**plain, "reading": chosen} if chosen else plain
-
-
-def _listed(plain: Plain, name: str) -> list[tuple[int, object]]:
-    """The items of a list with their numbers, counted from one; empty where the entry is missing."""
-    items = plain.get(name, [])
-    if not isinstance(items, list):
-        raise ValueError(f"{name} is {shown(items)} but must be a list.")
-    return list(enumerate(items, start=1))
 
 
 def _text_of(value: object, where: str) -> str:
@@ -334,3 +392,102 @@ def _is_file(path: Path) -> bool:
         return path.is_file()
     except (OSError, ValueError):  # names that no file can have
         return False
+
+
+def _place_to_plain(place: str, folder: Path) -> dict[str, Any]:
+    """A path relative to a folder if it lies there, with the absolute one, else as it is."""
+    path, folder = Path(place), folder.resolve()
+    if path.is_absolute() and path.is_relative_to(folder):
+        return {"path": path.relative_to(folder).as_posix(), "absolute": str(path)}
+    return {"path": place}
+
+
+def _parsed(content: bytes, name: str) -> Plain:
+    """The JSON of a session file; ValueError, with `name`, when it is damaged or of an unknown kind or version."""
+
+    def refuse(constant: str) -> NoReturn:
+        raise ValueError(f"it holds {constant}")
+
+    def finite(text: str) -> float:
+        value = float(text)
+        return value if math.isfinite(value) else refuse(text)
+
+    try:
+        plain = json.loads(content.decode("utf-8-sig"), parse_constant=refuse, parse_float=finite)
+    except (ValueError, RecursionError) as error:
+        place = f" (line {error.lineno})" if isinstance(error, json.JSONDecodeError) else ""
+        raise ValueError(f"{name} is not a session file, or a damaged one{place}: get a sound copy of it.") from error
+    if not isinstance(plain, dict) or MARK not in plain:
+        raise ValueError(f"{name} is not a session file: it has no entry {MARK}.")
+    if _depth(plain) > _DEEPEST:
+        raise ValueError(f"{name} is not a session file: its values are nested too deeply.")
+    version = plain[MARK]
+    if version != VERSION or isinstance(version, bool):
+        raise ValueError(
+            f"{name} is a session file of version {shown(version)}, but only version {VERSION} is known here: "
+            "get a newer CPM for it."
+        )
+    return plain
+
+
+def _text_with_lines(plain: Plain) -> str:
+    """JSON with one line for each shape, mark and parameter."""
+    lines = []
+    for key, value in plain.items():
+        items: list[str]
+        if isinstance(value, list) and value:
+            items, ends = [_line(item) for item in value], "[]"
+        elif isinstance(value, Mapping) and value and key != "image":
+            items, ends = [f"{_line(name)}: {_line(item)}" for name, item in value.items()], "{}"
+        else:
+            lines.append(f"  {_line(key)}: {_line(value)}")
+            continue
+        inner = ",\n".join(f"    {item}" for item in items)
+        lines.append(f"  {_line(key)}: {ends[0]}\n{inner}\n  {ends[1]}")
+    return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
+def _line(value: object) -> str:
+    text = json.dumps(value, ensure_ascii=False, allow_nan=False, default=dict)
+    # Names of files may hold bytes that are not text, which only escapes preserve.
+    return text if text.isascii() or not _UNPAIRED.search(text) else json.dumps(value, allow_nan=False, default=dict)
+
+
+def _depth(plain: object) -> int:
+    """Depth of nested values."""
+    depth, layer = 0, [plain]
+    while layer and depth <= _DEEPEST:
+        depth += 1
+        inner: list[object] = []
+        for value in layer:
+            if isinstance(value, dict):
+                inner += value.values()
+            elif isinstance(value, list):
+                inner += value
+        layer = inner
+    return depth
+
+
+def part_for(path: Path, reading: Reading) -> dict[str, Any]:
+    """What `load_image` is told beside the path to read another file as a session reads its own.
+
+    Page, channel and point in time are chosen of a file that holds several. The size of a pixel that was set by hand
+    holds where a file tells none.
+
+    Raises
+    ------
+    ValueError
+        When the file cannot be used, or has no such series.
+    """
+    if reading == DEFAULT:
+        return {}
+    stack = open_stack(path, reading.series)
+    pages = stack.shape[0] if stack.shape[0] > 1 else stack.times
+    return replace(
+        reading,
+        page=reading.page if pages > 1 else None,
+        channel=reading.channel if stack.channels > 1 else None,
+        time=reading.time if stack.times > 1 else None,
+        spacing=reading.spacing if stack.unit is None else None,
+        unit=reading.unit if stack.unit is None else None,
+    ).arguments

@@ -23,7 +23,7 @@ from cpm_core.field.interpolation import between, component
 from cpm_core.field.scale_field import FAINTEST, ScaleField
 from cpm_core.image.regions import BarrierMap, crosses
 from cpm_core.model.coverage import cell_of
-from cpm_core.model.equations import NEAR, STRIDE, STRIDE_ROOM, by_strength
+from cpm_core.model.equations import NEAR, STRIDE, STRIDE_ROOM, first_of
 from cpm_core.model.plane.repulsion import Cells, build_cells, cells_around, row_of_cells
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
@@ -66,20 +66,21 @@ def deletion(positions: Array, strength: Array, shape: tuple[int, ...], d_min: f
     places = np.ascontiguousarray(positions, dtype=float)
     cells = build_cells(places, shape, max(d_min, _LEAST_CELL))
     every = np.ones(len(places), np.bool_)
-    return thinned(EdgeContact(strength, every, cells), every, d_min)
+    return thinned(places, EdgeContact(strength, every, cells), every, d_min)
 
 
-def thinned(contact: EdgeContact, has_moved: Mask, d_min: float) -> Mask:
+def thinned(position: Array, contact: EdgeContact, has_moved: Mask, d_min: float) -> Mask:
     """Which particles stay, shape (N,), by the rule of `deletion`, where only some have moved since its last use.
 
-    `has_moved`, shape (N,), marks the particles that have moved or are new.
+    `position`, shape (N, 2), are all of them; `has_moved`, shape (N,), marks the particles that have moved or are new.
     """
     count = len(contact.strength)
     kept = np.ones(count, np.bool_)
     share(partial(_find_close, contact.cells, has_moved, NEAR * d_min, kept), count, _WORTH_A_THREAD)
     close = np.flatnonzero(~kept)
     if len(close):
-        _thin(contact.cells, by_strength(close, contact.strength), NEAR * d_min, kept)
+        order = close[np.argsort(-contact.strength[close], kind="stable")]
+        kept[order] = first_of(position[order], NEAR * d_min)
     return kept
 
 
@@ -97,30 +98,6 @@ def _find_close(cells: Cells, has_moved: Mask, distance: float, alone: Mask, fir
                 squared = (cells.y[other] - y) ** 2 + (cells.x[other] - x) ** 2
                 if squared < distance * distance and other != k:
                     alone[cells.order[k]] = alone[cells.order[other]] = False
-
-
-@compiled
-def _thin(cells: Cells, order: Index, distance: float, kept: Mask) -> None:
-    """Of the particles in `order` keep those that have no kept one nearer than a distance."""
-    sorted_as = np.empty(len(cells.order), np.int64)
-    for k in range(len(cells.order)):
-        sorted_as[cells.order[k]] = k
-    for n in range(len(order)):
-        kept[order[n]] = not _has_near(cells, sorted_as[order[n]], distance, kept)
-
-
-@compiled
-def _has_near(cells: Cells, k: int, distance: float, counting: Mask) -> bool:
-    """Whether one of the sorted particles has another one nearer than a distance among those that count."""
-    y, x = cells.y[k], cells.x[k]
-    top, bottom, left, right = cells_around(cells, y, x, distance)
-    for row in range(top, bottom + 1):
-        first, last = row_of_cells(cells, row, left, right)
-        for other in range(first, last):
-            squared = (cells.y[other] - y) ** 2 + (cells.x[other] - x) ** 2
-            if squared < distance * distance and other != k and counting[cells.order[other]]:
-                return True
-    return False
 
 
 CROWD_RANGE, CROWD = 1.5, 3

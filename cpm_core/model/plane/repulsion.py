@@ -9,8 +9,8 @@ every few steps.
 
 At a reach of 10 px the error of the mesh is about 0.004 on curves and 0.01 to 0.02 in crowds, where the force between
 two particles 2 px apart is 0.25; the age of the mesh adds 0.03 for 95 of 100 particles. Friction holds particles at
-rest against more than that, and contours do not depend on it. `coulomb_force` keeps any tolerance, by another sum: a
-mesh is uniform, and particles may be clustered.
+rest against more than that, and contours do not depend on it. `coulomb_force` is more exact, by another sum: a mesh is
+uniform, and particles may be clustered.
 """
 
 from __future__ import annotations

@@ -120,7 +120,9 @@ def reseeded(state: State, scale_field: ScaleField) -> State | None:
         return None
     places = reseeding_places(scale_field, without_off_edge(state, scale_field).particles.position)
     if state.charges:
-        places = places[~_is_cleared(state, scale_field, places)]
+        charges, radius = at_scale(state.charges, state.scale, state.shape), radius_at(state.scale)
+        force = placed_force(charges, radius, (0, scale_field.shape[0], 0, scale_field.shape[1]))
+        places = places[(force[tuple(places.astype(int).T)] ** 2).sum(axis=1) <= GATE**2]
     if not len(places):
         return None
     state = without_resting_off_edge(state, scale_field)  # else they would be reactivated in vain
@@ -135,13 +137,6 @@ def reseeded(state: State, scale_field: ScaleField) -> State | None:
         idle=0,
         quiet=0,
     )
-
-
-def _is_cleared(state: State, scale_field: ScaleField, places: Array) -> NDArray[np.bool_]:
-    """At which pixels, shape (N, 2), the placed charges are stronger than an edge, shape (N,)."""
-    charges, radius = at_scale(state.charges, state.scale, state.shape), radius_at(state.scale)
-    force = placed_force(charges, radius, (0, scale_field.shape[0], 0, scale_field.shape[1]))
-    return np.asarray((force[tuple(places.astype(int).T)] ** 2).sum(axis=1) > GATE**2)
 
 
 def without_resting_off_edge(state: State, scale_field: ScaleField) -> State:
@@ -219,7 +214,7 @@ def populated(
     particles, step, has_moved = state.particles, state.step_of_scale, moved.motion > 0.0
     cells = build_cells(particles.position, scale_field.shape, search_range(parameters))
     contact = EdgeContact(moved.strength, moved.on_edge, cells)
-    kept = thinned(contact, has_moved, parameters.d_min)
+    kept = thinned(particles.position, contact, has_moved, parameters.d_min)
     coverage, new = cover(state.coverage, particles.position, contact.on_edge & kept, step)
     round_ = state.step // every
     turn = particles.identity + round_

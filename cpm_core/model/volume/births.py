@@ -16,14 +16,13 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-import scipy
 
 from cpm_core.field.interpolation import normal_at, sampled
 from cpm_core.field.placed_charges import NOTHING_PLACED, Placed, torn_off
 from cpm_core.field.scale_field import FAINTEST
 from cpm_core.field.volume_field import VolumeField
 from cpm_core.field.volume_surface import faces_alike, is_ridge, on_ridge
-from cpm_core.model.equations import NEAR, STRIDE, by_strength
+from cpm_core.model.equations import NEAR, STRIDE, first_of
 from cpm_core.model.state import Particles
 from cpm_core.model.volume.motion import Cells, near, on_one_sheet
 from cpm_core.numerics.jit import compiled
@@ -48,7 +47,8 @@ def thinned(particles: Particles, cells: Cells, turn: Index, d_min: float) -> Ma
     share(partial(_find_close, cells, turn, *sheets, NEAR * d_min, kept), len(turn), _WORTH_A_THREAD)
     close = np.flatnonzero(~kept)
     if len(close):
-        _thin(cells, by_strength(close, contact.strength), *sheets, NEAR * d_min, kept)
+        order = close[np.argsort(-contact.strength[close], kind="stable")]
+        kept[order] = apart(particles.position[order], contact.normal[order], NEAR * d_min, contact.seated[order])
     return kept
 
 
@@ -73,29 +73,6 @@ def _find_close(
             away = length(difference(place, (cells.z[k], cells.y[k], cells.x[k])))
             if away < distance and j != i and on_one_sheet(i, j, normals, seated):
                 alone[i] = alone[j] = False
-
-
-@compiled
-def _thin(
-    cells: Cells, order: Index, position: Array, normals: Array, seated: Mask, distance: float, kept: Mask
-) -> None:
-    """Of the particles in `order` keep those that have no kept one nearer than a distance."""
-    for n in range(len(order)):
-        kept[order[n]] = not _has_near(cells, order[n], position, normals, seated, distance, kept)
-
-
-@compiled
-def _has_near(
-    cells: Cells, i: int, position: Array, normals: Array, seated: Mask, distance: float, counting: Mask
-) -> bool:
-    """Whether a particle has another one of its sheet nearer than a distance among those that count."""
-    place = row_of(position, i)
-    for k in near(cells, place, distance):
-        j = cells.order[k]
-        away = length(difference(place, (cells.z[k], cells.y[k], cells.x[k])))
-        if away < distance and j != i and counting[j] and on_one_sheet(i, j, normals, seated):
-            return True
-    return False
 
 
 ROOM = 0.68
@@ -174,7 +151,7 @@ def insertion(
     places, parents = found[np.arange(_MOST) < count[:, None]], np.repeat(looking, count)
     places = places[~field.crossed(particles.position[parents], places[:, :3])]
     places = places[~torn_off(placed, places[:, :3], places[:, 3:6])]
-    some = places[apart(places, ROOM * d_min)]
+    some = places[apart(places[:, :3], places[:, 3:6], ROOM * d_min)]
     return Births(some[:, :3].copy(), some[:, 3:6].copy(), some[:, 6].copy())
 
 
@@ -354,23 +331,14 @@ def _is_taken(cells: Cells, place: Vector, normal: Vector, normals: Array, room:
     return False
 
 
-def apart(places: Array, room: float) -> Mask:
+def apart(position: Array, normal: Array, room: float, seated: Mask | None = None) -> Mask:
     """Which of some places stay, shape (M,), so that none has an earlier one of its sheet nearer than `room`.
 
-    `places`, shape (M, 6) or more, are positions and normals.
+    `seated` are those that lie on a sheet, by default all; others are in the way of any.
     """
-    kept = np.ones(len(places), np.bool_)
-    if len(places):
-        pairs = scipy.spatial.cKDTree(places[:, :3]).query_pairs(room, output_type="ndarray")
-        _keep_apart(places, room, pairs[np.lexsort(pairs.T)], kept)
-    return kept
 
+    def on_two_sheets(one: Index, other: Index) -> Mask:
+        two: Mask = (normal[one] * normal[other]).sum(axis=1) <= 0.0
+        return two if seated is None else two & seated[one] & seated[other]
 
-@compiled
-def _keep_apart(places: Array, room: float, pairs: Index, kept: Mask) -> None:
-    """Drop the second place of each pair whose first one stays, in the order of the second ones."""
-    for n in range(len(pairs)):
-        one, other = places[pairs[n, 0]], places[pairs[n, 1]]
-        away = np.sqrt((one[0] - other[0]) ** 2 + (one[1] - other[1]) ** 2 + (one[2] - other[2]) ** 2)
-        if kept[pairs[n, 0]] and away < room and faces_alike((other[3], other[4], other[5]), (one[3], one[4], one[5])):
-            kept[pairs[n, 1]] = False
+    return first_of(position, room, on_two_sheets)

@@ -71,8 +71,7 @@ def _with_launched(state: State, field: VolumeField, ridges: Ridges, d_min: floa
     if not len(ridges.place):
         return None
     order = np.argsort(-ridges.strength, kind="stable")
-    places = np.concatenate([ridges.place[order], ridges.normal[order]], axis=1)
-    chosen = order[apart(places, _APART * d_min)]
+    chosen = order[apart(ridges.place[order], ridges.normal[order], _APART * d_min)]
     position = _pulled(field, ridges.place[chosen])
     free = ~field.crossed(ridges.place[chosen], position)
     free &= ~torn_off(Placed(state.placed, radius_at(state.scale)), position, ridges.normal[chosen])

@@ -10,8 +10,6 @@ alone.
 
 from __future__ import annotations
 
-from functools import cached_property
-
 import numpy as np
 import scipy
 
@@ -19,7 +17,7 @@ from cpm_core.field.volume_field import VolumeField
 from cpm_core.field.volume_surface import Ridges
 from cpm_core.numerics.grids import Parts, parts_of
 from cpm_core.numerics.types import Array, Index, Mask
-from cpm_core.numerics.voxel_graph import loops_of, neighbors, passes, winds
+from cpm_core.numerics.voxel_graph import linking_number, loops_of
 
 _LEAST_SIZE = 32
 """Ridge voxels of the least boundary that is launched on: those of a ball with a radius of 1.6 voxels."""
@@ -96,42 +94,17 @@ def _region_beside(field: VolumeField, regions: Parts, place: Array, toward: Arr
 
 
 def _linked(field: VolumeField, ridges: Ridges, found: Mask, fitting: Mask) -> Mask:
-    """Which fitting boundaries are linked with found ones."""
+    """Which fitting boundaries are linked with found ones: closed ways inside the two wind around each other."""
     launched = np.zeros_like(fitting)
     voxels = np.rint(ridges.place / field.pitch).astype(np.int64)
-    known = _Boundaries(voxels[found[ridges.component]], ridges.component[found[ridges.component]])
-    some = np.flatnonzero(fitting[ridges.component])
-    some = some[np.argsort(ridges.component[some], kind="stable")]
-    numbers, first = np.unique(ridges.component[some], return_index=True)
-    for number, part in zip(numbers, np.split(voxels[some], first[1:]), strict=True):
-        launched[number] = known.are_linked_with(part)
+    known = voxels[found[ridges.component]]
+    loops_found: list[Array] | None = None
+    for number in np.flatnonzero(fitting):
+        boundary = voxels[ridges.component == number]
+        if not ((known >= boundary.min(0)) & (known <= boundary.max(0))).all(axis=1).any():
+            continue
+        loops = loops_of(boundary)
+        if loops and loops_found is None:
+            loops_found = [loop for one in np.flatnonzero(found) for loop in loops_of(voxels[ridges.component == one])]
+        launched[number] = any(linking_number(loop, other) for loop in loops for other in loops_found or ())
     return launched
-
-
-class _Boundaries:
-    """Boundaries that have been found, as graphs of voxels that touch each other."""
-
-    def __init__(self, voxels: Index, number: Index) -> None:
-        self._voxels = voxels
-        self._number = number
-
-    @cached_property
-    def _pairs(self) -> Index:
-        pairs = neighbors(self._voxels)
-        return np.asarray(pairs[self._number[pairs[:, 0]] == self._number[pairs[:, 1]]])
-
-    def are_linked_with(self, boundary: Index) -> bool:
-        """Whether a closed way along them is linked with one inside another boundary, voxels of shape (M, 3)."""
-        low, high = boundary.min(0), boundary.max(0)
-        near = self._voxels[((self._voxels >= low) & (self._voxels <= high)).all(axis=1)]
-        steps = neighbors(near)
-        loops = loops_of(boundary) if len(steps) else []
-        return any(passes(near[steps[:, 0]], near[steps[:, 1]], loop).any() and self._wind(loop) for loop in loops)
-
-    def _wind(self, loop: Array) -> bool:
-        one, other = self._voxels[self._pairs.T]
-        low, high = loop.min(0) - 1.0, loop.max(0) + 1.0
-        near = np.flatnonzero(((one >= low) & (one <= high)).all(axis=1))
-        turns = np.zeros(len(one), np.int64)
-        turns[near] = passes(one[near], other[near], loop)
-        return winds(len(self._voxels), self._pairs, turns)

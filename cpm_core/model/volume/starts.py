@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import scipy
 from numpy.typing import ArrayLike
@@ -22,15 +24,12 @@ _LARGEST, _MOST = 1e5, 10_000_000
 _CUBES = 2e6
 """Number of cubes in which centers are looked for in a large volume."""
 
-_FARTHEST = 1e9
-"""Largest coordinate of a corner [voxels]."""
-
 
 def sphere(
-    center: tuple[float, float, float],
+    center: Sequence[float],
     radius: float,
     count: int = 625,
-    spacing: tuple[float, float, float] = (1.0, 1.0, 1.0),
+    spacing: Sequence[float] = (1.0, 1.0, 1.0),
 ) -> Array:
     """Particles on a sphere, evenly spread.
 
@@ -70,7 +69,7 @@ def sphere(
     return np.asarray(middle + radius * out / sides)
 
 
-def box(first: tuple[float, float, float], last: tuple[float, float, float], spacing: float = 2.0) -> Array:
+def box(first: Sequence[float], last: Sequence[float], spacing: float = 2.0) -> Array:
     """Particles on the faces of a box.
 
     Parameters
@@ -101,9 +100,6 @@ def box(first: tuple[float, float, float], last: tuple[float, float, float], spa
         raise ValueError(
             f"the corners of the box are {shown(first)} and {shown(last)} but must differ along every axis."
         )
-    farthest = max(-float(low.min()), float(high.max()))
-    if farthest > _FARTHEST:
-        raise ValueError(f"a corner of the box lies at {farthest:g} voxels but must lie within {_FARTHEST:g}.")
     checked_number("spacing", spacing, lambda side: side > 0.0, "above 0")
     counts = np.maximum(1.0, np.round((high - low) / spacing))
     if np.prod(counts + 1.0) - np.prod(np.maximum(counts - 1.0, 0.0)) > _MOST:

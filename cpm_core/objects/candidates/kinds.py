@@ -21,7 +21,7 @@ from cpm_core.objects.candidates.grids import Box, union
 from cpm_core.objects.candidates.situation import Situation
 from cpm_core.objects.candidates.stars import Star, stars
 from cpm_core.objects.faces.basins import Labels
-from cpm_core.objects.minimum_cut import FreePart, minimum_cut
+from cpm_core.objects.faces.minimum_cut import FreePart, minimum_cut
 
 _FIRST_BALLOONS = np.geomspace(0.0003, 0.2, 12)
 _BALLOONS = np.geomspace(0.0005, 0.1, 4)

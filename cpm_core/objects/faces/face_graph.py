@@ -13,7 +13,7 @@ from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.objects.faces.basins import Labels
 from cpm_core.objects.faces.crossings import Crossings
-from cpm_core.objects.minimum_cut import Arcs, arcs
+from cpm_core.objects.faces.minimum_cut import Arcs, arcs
 
 _SIDE, _CORNER = np.pi / 8.0, np.pi / 8.0 / np.sqrt(2.0)
 """Length that a pair of pixels with a common side, or corner, stands for: of the Cauchy-Crofton formula with eight

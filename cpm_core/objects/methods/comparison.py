@@ -12,11 +12,10 @@ import numpy as np
 
 from cpm_core.contours.agreement import compare
 from cpm_core.contours.contour import Contour, sampled
-from cpm_core.contours.ground_truth import Truth
+from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.contours.result import Result
 from cpm_core.contours.surface import Surface
-from cpm_core.contours.surface.agreement import compare_surface
-from cpm_core.contours.surface.ground_truth import VolumeTruth
+from cpm_core.contours.surface_agreement import compare_surface
 from cpm_core.field.edge_map import edge_map
 from cpm_core.field.interpolation import interpolate
 from cpm_core.image.image import Image, as_image

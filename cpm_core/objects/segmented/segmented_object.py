@@ -9,8 +9,8 @@ import numpy as np
 import scipy
 
 from cpm_core.contours.contour import Contour, check_name
+from cpm_core.contours.packed_surface import PackedSurface
 from cpm_core.contours.surface import Surface
-from cpm_core.contours.surface.packing import PackedSurface
 from cpm_core.image.volume_regions import Voxels
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Mask, Place, Position

@@ -12,7 +12,7 @@ import scipy
 from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.graph.graph import chains
+from cpm_core.contours.graph import chains
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Index
 

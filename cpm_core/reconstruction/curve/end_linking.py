@@ -6,7 +6,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from cpm_core.contours.graph.graph import Graph
+from cpm_core.contours.graph import Graph
 from cpm_core.field.scale_field import FAINTEST, ScaleField
 from cpm_core.numerics.polyline import lengths_along
 from cpm_core.numerics.types import Array, Index

@@ -16,7 +16,7 @@ import skimage
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Bridge, Contour
-from cpm_core.contours.graph.graph import Graph
+from cpm_core.contours.graph import Graph
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.polyline import length, resampled
 from cpm_core.numerics.segments import first_crossing

@@ -16,7 +16,7 @@ import scipy
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.graph.graph import Graph
+from cpm_core.contours.graph import Graph
 from cpm_core.field.region_contrast import Sides
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.types import Array

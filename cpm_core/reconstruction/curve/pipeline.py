@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cpm_core.contours.contour import Bridge, Contour
-from cpm_core.contours.graph.graph import Graph
+from cpm_core.contours.graph import Graph
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.regions import BarrierMap
 from cpm_core.model.plane.births import deletion

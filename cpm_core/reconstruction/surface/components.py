@@ -1,4 +1,4 @@
-"""Components of a surface: which of them enough particles bear out, and how densely these sample it."""
+"""Components of a surface that enough particles bear out, and regions away from particles that lie inside."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ import numpy as np
 import scipy
 
 from cpm_core.contours.surface import Surface
-from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.numerics.grids import parts_of
+from cpm_core.numerics.types import Array, Index, Mask, Single
 
 _APART = 4
 """The distance to this neighbor is about that between points, in regular patterns and at random."""
@@ -70,3 +71,21 @@ def typical_distance(places: Array) -> float:
     """Typical distance between neighboring places, shape (N, 3), in their unit."""
     distances = scipy.spatial.KDTree(places).query(places, [min(_APART, len(places) - 1) + 1])[0]
     return float(np.median(distances))
+
+
+FAR = 4.0
+"""Height inside, and less than zero outside, of voxels away from all particles."""
+
+
+def fill_regions(height: Single) -> None:
+    """Replace NaN in a height by `FAR` or its negative, region by region; infinite heights belong to no region."""
+    unknown = np.isnan(height)
+    regions = parts_of(unknown, corners=False)
+    side = np.where(np.isfinite(height), np.where(height > 0.0, 1, -1), 0).astype(np.int8)
+    around = np.zeros_like(side)
+    for axis in range(3):
+        found, near = np.moveaxis(around, axis, 0), np.moveaxis(side, axis, 0)
+        found[1:] += near[:-1]
+        found[:-1] += near[1:]
+    votes = np.bincount(regions.labels[unknown], around[unknown], minlength=regions.count + 1)
+    height[unknown] = np.where(votes > 0, FAR, -FAR)[regions.labels[unknown]]

@@ -16,8 +16,7 @@ from cpm_core.numerics.grids import zero_surface
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Index, Mask, Single
-from cpm_core.reconstruction.surface.components import support, typical_distance
-from cpm_core.reconstruction.surface.iso.sides import fill_regions
+from cpm_core.reconstruction.surface.components import fill_regions, support, typical_distance
 
 _STEPS = 2.0
 """Steps of the grid between neighboring points."""

@@ -36,20 +36,6 @@ def test_a_bar_is_as_long_as_its_label_within_a_pixel(zoom, size, unit):
     assert f"{said:e}"[0] in "125" or unit in ("cm", None, "furlong")
 
 
-@pytest.mark.parametrize(
-    ("most", "size", "unit", "label"),
-    [
-        (160.0, 0.325, "µm", "50 µm"),
-        (160.0, 0.002, "µm", "200 nm"),
-        (160.0, 10.0, "µm", "1 mm"),
-        (160.0, 0.1, "cm", "100 mm"),
-        (99.0, 1.0, None, "50 px"),
-    ],
-)
-def test_the_unit_is_the_one_that_reads_best(most, size, unit, label):
-    assert bar(most, size, unit).label == label
-
-
 def show(window, unit: str | None) -> None:
     """Put an image with pixels of 0.5 along the columns before the window."""
     session = window.session

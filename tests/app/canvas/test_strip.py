@@ -8,12 +8,10 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFrame, QLabel
 
-from app.model.document import edits
 from app.session.scene import Item, ReviewedContours
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import measure
 from cpm_core.contours.review import Mark, ReviewedContour
-from cpm_core.shapes import Circle
 
 pytestmark = pytest.mark.shared_window
 
@@ -42,16 +40,6 @@ def test_a_message_neither_covers_nor_moves_the_image(ready) -> None:
         assert area.strip.height() < 2 * area.fontMetrics().height()
 
 
-def test_a_legend_that_grows_does_not_make_the_window_wider(rested) -> None:
-    legend, widths = rested.canvas_area.strip.legend, []
-    (entry,) = legend.entries[:1]
-    for count in (1, 4):
-        legend._read = lambda count=count: [replace(entry, count=10_000 + index) for index in range(count)]
-        legend.show_now()
-        widths.append((rested.minimumSizeHint().width(), rested.canvas_area.strip.minimumSizeHint().width()))
-    assert widths[0] == widths[1]
-
-
 def test_a_long_message_has_one_line_and_details(ready, qtbot) -> None:
     messages = ready.canvas_area.messages
     ready.session.say("Short.", True)
@@ -63,26 +51,6 @@ def test_a_long_message_has_one_line_and_details(ready, qtbot) -> None:
     (popup,) = [frame for frame in popups if frame.isVisible()]
     assert [label.text() for label in popup.findChildren(QLabel)] == [LONG]
     popup.close()
-
-
-def test_what_a_run_lacked_is_forgotten_when_it_is_drawn(window, hand) -> None:
-    hand.key(KEY.Key_Space)
-    assert "draw a circle" in window.canvas_area.messages.text
-    hand.drag((32.0, 32.0), (32.0, 40.0), (32.0, 44.0))
-    assert window.canvas_area.messages.text == ""
-
-
-def test_a_success_after_an_error_is_announced_and_ends_it(ready, tmp_path, hand) -> None:
-    ready.session.edit("draw", lambda document: edits.add_shape(document, Circle((20.0, 20.0), 5.0)))
-    hand.key(KEY.Key_Space)
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: ready.session.idle)
-    ready.session.export(tmp_path / "a.nonsense")
-    hand.wait(lambda: ready.canvas_area.messages.error)
-    ready.session.export(tmp_path / "a.svg")
-    hand.wait(lambda: "a.svg" in ready.canvas_area.messages.text)
-    ready.canvas_area.messages.dismiss()
-    assert ready.canvas_area.messages.text == ""
 
 
 @pytest.mark.own_window

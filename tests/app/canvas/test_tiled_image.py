@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from PySide6.QtCore import QRectF
 from PySide6.QtGui import QColor
 
-from app.model.display.display_image import DisplayImage, by_pairs, pairs_of
+from app.model.display.display_image import DisplayImage
 from app.views.canvas.items.tiled_image import TiledImage, part_of
 
 pytestmark = pytest.mark.shared_window
@@ -49,15 +49,6 @@ def test_a_part_covers_what_is_seen_with_no_more_pixels_than_the_screen_needs(ro
     if level < len(display.levels) - 1:
         assert end - left <= 2.0 * max(zoom, 0.5) * seen.width() + MOST_BESIDE
         assert bottom - top <= 2.0 * max(zoom, 0.5) * seen.height() + MOST_BESIDE
-
-
-@settings(deadline=None, max_examples=30)
-@given(st.integers(1, 9), st.integers(1, 9), st.integers(0, 2**31))
-def test_pairs_of_bytes_are_drawn_by_the_curve_of_each(rows, cols, seed):
-    chance = np.random.default_rng(seed)
-    curve = chance.integers(0, 256, 256, np.uint8)
-    shades = chance.integers(0, 256, (rows + 2, cols + 3, 3), np.uint8)[1 : rows + 1, 2 : cols + 2]
-    np.testing.assert_array_equal(by_pairs(shades, pairs_of(curve)), curve[shades])
 
 
 @settings(deadline=None, max_examples=30)

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.model.display.trails import Trails
+from app.model.display.lines import Trails
 
 pytestmark = pytest.mark.shared_window
 
@@ -74,13 +74,3 @@ def test_the_trails_on_the_canvas_are_where_the_particles_came_from(ready, hand)
     session.reset()
     hand.wait(lambda: session.idle)
     assert len(layer.trails) == 0
-
-
-def test_of_too_many_trails_the_newest_are_drawn(ready, hand):
-    layer = hand.canvas.layers["trails"]
-    rng = np.random.default_rng(0)
-    ways = [rng.uniform(0, 60, (count, 2, 2)) for count in (100_000, 5)]
-    layer._item.show(ways)
-    assert 10_000 < sum(map(len, layer._item._bands)) < 30_000
-    layer._item.show(ways[::-1])
-    assert layer._item._bands[0].tolist() == ways[1].tolist()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
 
@@ -96,16 +95,6 @@ def test_branches_are_compared_with_particles_and_contours(rested, feature, hand
     assert {name.text() for name in feature.wipe.names} == {branch.name for branch in branches}
     rested.workspace.navigation.comparison.compare(None)
     hand.wait(lambda: feature.wipe.mirror is None)
-
-
-def test_the_wipe_ends_with_its_image(rested, feature, hand, tmp_path) -> None:
-    hand.key(KEY.Key_D, CTRL | SHIFT)
-    choose(rested, "kept")
-    np.save(tmp_path / "other.npy", np.eye(48))
-    rested.session.open(tmp_path / "other.npy")
-    hand.wait(lambda: rested.session.document.image.name == "other.npy")
-    assert feature.wipe.mirror is None
-    assert [choice.kind for choice in rested.workspace.other_result.choices] == ["image"]
 
 
 def test_layers_on_both_sides_follow_the_same_settings(rested, feature, hand) -> None:

@@ -13,16 +13,6 @@ from PySide6.QtWidgets import QApplication
 pytestmark = pytest.mark.shared_window
 
 KEY = Qt.Key
-CTRL = Qt.KeyboardModifier.ControlModifier
-
-
-def test_the_status_bar_shows_the_zoom_in_percent(window, hand) -> None:
-    hand.key(KEY.Key_1, CTRL)
-    assert window.zoom_field.currentText() == "100 %"
-    assert hand.canvas.point((0.0, 10.0)).x() - hand.canvas.point((0.0, 0.0)).x() == pytest.approx(10.0, abs=1.0)
-    hand.key(KEY.Key_0, CTRL)
-    rows = hand.canvas.point((63.5, 0.0)).y() - hand.canvas.point((-0.5, 0.0)).y()
-    assert rows == pytest.approx(hand.canvas.height() / 1.08, abs=4.0)
 
 
 def test_a_zoom_can_be_typed_and_the_canvas_has_the_keyboard_again(window, hand, qtbot) -> None:
@@ -57,33 +47,6 @@ def test_the_zoom_stays_within_bounds(window, hand) -> None:
     for factor in (1e9, 1e-9):
         hand.canvas.zoom(factor)
         assert 0.0099 <= hand.canvas.magnification <= 64.1
-
-
-def test_the_selection_can_fill_the_canvas_by_key_and_by_a_double_click_in_the_table(ready, hand, qtbot) -> None:
-    hand.key(KEY.Key_Space)
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: ready.session.idle and bool(ready.workspace.review.items))
-    item = ready.workspace.review.items[0]
-    low, high = item.contour.points.min(axis=0), item.contour.points.max(axis=0)
-
-    def fills() -> bool:
-        seen = hand.canvas.view.viewRect()
-        inside = seen.left() < low[1] and seen.right() > high[1] and seen.top() < low[0] and seen.bottom() > high[0]
-        return inside and seen.height() < 1.6 * float(np.max(high - low))
-
-    hand.canvas.zoom_to(1.0)
-    assert not fills()
-    ready.workspace.review.select((item.key,))
-    hand.key(KEY.Key_F, Qt.KeyboardModifier.ShiftModifier)
-    assert fills()
-    hand.canvas.zoom_to(1.0)
-    hand.key(KEY.Key_T, CTRL)
-    table = ready.panels["contours"].table
-    hand.wait(lambda: table.isVisible() and table.model().rowCount() > 0)
-    spot = table.visualRect(table.model().index(0, 0)).center()
-    qtbot.mouseClick(table.viewport(), Qt.MouseButton.LeftButton, pos=spot)
-    qtbot.mouseDClick(table.viewport(), Qt.MouseButton.LeftButton, pos=spot)
-    assert fills()
 
 
 def test_the_status_bar_tells_the_pixel_of_the_present_image(window, hand, tmp_path) -> None:

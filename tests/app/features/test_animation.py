@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -16,11 +15,9 @@ from PySide6.QtWidgets import QFileDialog
 
 from app.session.tasks.tasks import Task
 from app.views.export.animation_dialog import AnimationDialog, AnimationPlan, every
-from app.views.export.frames import FrameRenderer
 from app.views.features.animation import AnimationFeature
 from app.views.features.run import TasksFeature, TimelineFeature
 from app.views.theme import theme
-from tests.app.conftest import disc
 
 pytestmark = pytest.mark.shared_window
 
@@ -95,33 +92,6 @@ def test_frames_show_where_the_particles_of_their_step_are(rested, hand, tmp_pat
         assert of_color(around, theme.MOVING) + of_color(around, theme.RESTING) > 0
 
 
-def test_hidden_layers_are_not_in_the_frames(rested, hand, tmp_path) -> None:
-    path = tmp_path / "bare.png"
-    for name in ("particles", "contours", "objects", "drawing"):  # an object is offered in the color of contours
-        rested.canvas_area.canvas.layers[name].set_shown(False)
-    write(rested, hand, path, (6,))
-    pixels = picture(path)
-    assert of_color(pixels, theme.MOVING) + of_color(pixels, theme.RESTING) + of_color(pixels, theme.CLOSED) == 0
-    assert pixels.max() > 150  # the disc
-
-
-def test_the_truth_is_in_the_frames_but_not_how_the_contours_of_another_step_differ_from_it(
-    rested, hand, tmp_path
-) -> None:
-    mask = tmp_path / "mask.npy"
-    np.save(mask, np.roll(disc(18.0) > 100, 5, axis=1).astype(np.uint8))
-    rested.workspace.truth.load(mask)
-    hand.wait(lambda: rested.workspace.truth.verified is not None)
-    for name in ("particles", "contours", "drawing"):
-        rested.canvas_area.canvas.layers[name].set_shown(False)
-    layer = rested.canvas_area.canvas.layers["truth"]
-    assert all(count > 0 for count in layer.counts)
-    path = tmp_path / "truth.png"
-    write(rested, hand, path, (6,))
-    assert of_color(picture(path), theme.TRUTH) > 50
-    assert of_color(picture(path), theme.MISSING) + of_color(picture(path), theme.WRONG) == 0
-
-
 def test_cancellation_leaves_no_partial_file(rested, hand, tmp_path, monkeypatch) -> None:
     path = tmp_path / "run.gif"
     last = rested.session.status.step
@@ -147,15 +117,6 @@ def test_cancellation_leaves_no_partial_file(rested, hand, tmp_path, monkeypatch
     assert rested.session.status.step == last
 
 
-def test_a_discarded_run_is_reported_and_nothing_is_written(rested, hand, tmp_path) -> None:
-    path = tmp_path / "run.gif"
-    task = feature(rested).write(1, AnimationPlan(every(0, 60, 1), SIZE, 10, False, ".gif"), path)
-    rested.session.reset()
-    hand.wait(lambda: task.over and rested.session.idle)
-    assert "gone" in rested.canvas_area.messages.text
-    assert not path.exists()
-
-
 def test_the_dialog_leads_to_a_file(rested, hand, tmp_path, monkeypatch) -> None:
     path = tmp_path / "chosen"
     hand.key(KEY.Key_A, Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier)
@@ -177,26 +138,6 @@ def test_the_dialog_leads_to_a_file(rested, hand, tmp_path, monkeypatch) -> None
     assert "chosen.gif" in rested.canvas_area.messages.text
 
 
-def test_the_dialog_reports_the_requirements_of_mp4(rested, hand, tmp_path, monkeypatch) -> None:
-    find = importlib.util.find_spec
-    monkeypatch.setattr(
-        importlib.util, "find_spec", lambda name, *rest: None if name == "imageio_ffmpeg" else find(name, *rest)
-    )
-    dialog = feature(rested).ask_for_animation()
-    dialog.format.setFocus()
-    hand.qtbot.keyClick(dialog.format, KEY.Key_End)
-    assert dialog.plan.suffix == ".mp4"
-    assert "pip install imageio-ffmpeg" in dialog.summary
-    assert not dialog.export.isEnabled()
-    hand.qtbot.keyClick(dialog.format, KEY.Key_Home)
-    assert dialog.export.isEnabled()
-    dialog.reject()
-    plan = AnimationPlan((1, 2), SIZE, 10, False, ".mp4")
-    assert feature(rested).write(1, plan, tmp_path / "film.mp4") is None
-    assert "imageio-ffmpeg" in rested.canvas_area.messages.text
-    assert list(tmp_path.glob("film*")) == []
-
-
 def test_frames_can_be_limited_to_the_visible_part(rested, hand, tmp_path) -> None:
     rested.canvas_area.canvas.zoom(4.0)
     dialog = feature(rested).ask_for_animation()
@@ -215,37 +156,3 @@ def test_frames_can_be_limited_to_the_visible_part(rested, hand, tmp_path) -> No
     middle = pixels[pixels.shape[0] // 2, pixels.shape[1] // 2]
     assert middle.min() > 150  # the inside of the disc fills it
     assert np.median(pixels) > 150
-
-
-def test_rendering_frames_does_not_change_the_window(rested, hand, record, tmp_path) -> None:
-    navigation = rested.feature(TimelineFeature).navigation
-    navigation.go(1, 20)
-    hand.wait(lambda: rested.session.status.step == 20 and rested.session.idle)
-    shapes, canvas = rested.session.document, rested.canvas_area.canvas
-    seen = record("snapshot")
-    looks = {layer.name: layer.view_state() for layer in canvas.layers}
-    write(rested, hand, tmp_path / "run.gif", every(0, 40, 8))
-    assert seen == []
-    assert rested.session.document is shapes
-    assert {layer.name: layer.view_state() for layer in canvas.layers} == looks
-    assert (rested.session.status.step, rested.session.status.phase) == (20, "paused")
-
-
-def test_steps_are_chosen_by_stride() -> None:
-    assert every(0, 10, 4) == (0, 4, 8, 10)
-    assert every(5, 5, 3) == (5,)
-
-
-def test_a_frame_that_cannot_be_drawn_ends_the_film_with_a_sentence_and_another_can_be_made(
-    rested, hand, tmp_path, monkeypatch
-) -> None:
-    def fail(*_: object) -> None:
-        raise ValueError("No room to draw.")
-
-    with monkeypatch.context() as broken:
-        broken.setattr(FrameRenderer, "draw", fail)
-        write(rested, hand, tmp_path / "a.gif", (1, 2))
-    assert rested.canvas_area.messages.text == "No room to draw."
-    assert list(tmp_path.glob("*.gif")) == []
-    write(rested, hand, tmp_path / "a.gif", (1, 2))
-    assert (tmp_path / "a.gif").exists()

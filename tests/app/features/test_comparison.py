@@ -5,50 +5,35 @@ from __future__ import annotations
 import csv
 import threading
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import PIL.Image
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtWidgets import QFileDialog
 
 from app.model.display.comparison import (
     FIRST_AXES,
-    Axis,
-    in_text,
-    parameter_tiles,
-    pick,
-    read_values,
-    sensible_values,
 )
-from app.model.document import edits
-from app.model.document.document import Document
 from app.model.document.modes import acting_in
 from app.model.document.objects import objects_result
-from app.model.parameters.controls import controls, slider_range, value_of
-from app.views.comparison import CompareDialog
+from app.model.parameters.controls import controls
+from app.views.comparison.dialog import CompareDialog
 from app.views.features.files import OpenSaveFeature
 from app.views.features.run import ComparisonFeature
 from app.views.main_window import MainWindow
-from cpm_core import PRESETS, Engine, Parameters, segment
+from cpm_core import PRESETS, Engine, segment
 from cpm_core.contours.ground_truth import truth_of_mask
 from cpm_core.formats.sessions.session_file import load_session
-from cpm_core.image.image import Image
 from cpm_core.model.starts import circle
-from cpm_core.objects.methods import CONTOUR_METHODS, Compared, Start, run_method
+from cpm_core.objects.methods import CONTOUR_METHODS, Compared
 from cpm_core.objects.methods.comparison import FIRST
-from cpm_core.shapes import Barrier, Charge, Stroke
-from cpm_core.shapes.outlines import outlines_of
 from tests.app.conftest import Hand, disc
 
 pytestmark = pytest.mark.shared_window
 
 KEY = Qt.Key
 LEFT = Qt.MouseButton.LeftButton
-CONTROLS = {control.name: control for control in controls()}
 OFFERED = [control.name for control in controls() if control.name in acting_in("shape")]
 
 
@@ -91,10 +76,6 @@ def run(hand: Hand, dialog: CompareDialog) -> None:
     hand.wait(lambda: not dialog.cancel_button.isEnabled())
 
 
-def column(dialog: CompareDialog, number: int) -> list[str]:
-    return [dialog.board.table.item(row, number).text() for row in range(dialog.board.table.rowCount())]
-
-
 def comparing_threads() -> list[threading.Thread]:
     return [thread for thread in threading.enumerate() if thread.name.startswith(("cpm-compare", "cpm-task"))]
 
@@ -123,31 +104,7 @@ def test_each_tile_is_what_a_run_with_its_values_gives(ready, parameters, hand) 
     assert view.done.result.steps == alone.steps
     np.testing.assert_array_equal(view.done.result.particles, alone.particles)
     assert view.state == f"1 contour, {alone.steps} steps"
-    assert column(parameters, 0)[1] == view.tile.caption and column(parameters, 1)[1] == str(alone.steps)
     assert not ready.session.status.started, "the run of the window is left alone"
-
-
-def test_one_parameter_alone_is_varied(parameters, hand) -> None:
-    across = parameters.parameters.across
-    across.choice.setCurrentIndex(across.choice.count() - 1)
-    run(hand, parameters)
-    assert [view.tile.caption for view in parameters.board.tiles] == ["β = 0.6", "β = 0.9"]
-
-
-def test_placed_charges_act_in_every_tile(ready, parameters, hand) -> None:
-    session = ready.session
-    charge = Charge((32.0, 50.0), 5.0)
-    session.edit("place", lambda document: edits.add_shape(document, charge))
-    run(hand, parameters)
-    done = parameters.board.tiles[1].done
-    chosen = done.tile.settings
-    engine = Engine(disc(), chosen)
-    state = engine.start(circle((32.0, 32.0), radius=10.0, spacing=2.0))
-    while not state.stop_reason:
-        state = engine.step(state, chosen, session.document.charges)
-    np.testing.assert_array_equal(done.result.particles, state.position)
-    without = segment(disc(), circle((32.0, 32.0), radius=10.0, spacing=2.0), chosen)
-    assert not np.array_equal(done.result.particles, without.particles)
 
 
 def test_taking_a_tile_sets_both_values_in_one_undoable_change(ready, parameters, hand) -> None:
@@ -159,13 +116,11 @@ def test_taking_a_tile_sets_both_values_in_one_undoable_change(ready, parameters
     chosen = ready.session.document.parameters
     assert (chosen.beta, chosen.w1 / chosen.w2) == (0.9, pytest.approx(0.7))
     assert ready.session.situation.undo_name == "use β = 0.9, w₁/w₂ = 0.7"
-    assert [view.used for view in parameters.board.tiles] == [False, False, True, False]
     ready.session.undo()
     assert ready.session.document == before
-    assert not any(view.used for view in parameters.board.tiles)
 
 
-def test_tiles_are_selected_and_taken_by_keys_and_rows_of_the_table(ready, parameters, hand) -> None:
+def test_tiles_are_selected_and_taken_by_keys(ready, parameters, hand) -> None:
     run(hand, parameters)
     board = parameters.board
     assert parameters.focusWidget() is board.tiles[0] is board.current
@@ -173,11 +128,9 @@ def test_tiles_are_selected_and_taken_by_keys_and_rows_of_the_table(ready, param
     hand.qtbot.keyClick(parameters.focusWidget(), KEY.Key_Down)
     assert parameters.focusWidget() is board.tiles[3]
     hand.qtbot.keyClick(board.tiles[3], KEY.Key_Space)
-    assert board.table.currentRow() == 3
+    assert board.current is board.tiles[3]
     hand.qtbot.keyClick(board.tiles[3], KEY.Key_Return)
     assert ready.session.document.parameters.beta == 0.9
-    board.table.selectRow(0)
-    assert board.current is board.tiles[0]
 
 
 def test_cancel_stops_all_runs(ready, parameters, hand, monkeypatch) -> None:
@@ -199,8 +152,7 @@ def test_cancel_stops_all_runs(ready, parameters, hand, monkeypatch) -> None:
     hand.wait(lambda: not comparing_threads())
 
 
-@pytest.mark.parametrize("way", ["escape", "window"])
-def test_closing_leaves_no_thread(ready, parameters, hand, monkeypatch, way) -> None:
+def test_closing_leaves_no_thread(ready, parameters, hand, monkeypatch) -> None:
     step, going = Engine.step, threading.Event()
 
     def noted(engine, state, chosen, *rest):
@@ -210,92 +162,18 @@ def test_closing_leaves_no_thread(ready, parameters, hand, monkeypatch, way) -> 
     monkeypatch.setattr(Engine, "step", noted)
     hand.qtbot.mouseClick(parameters.start_button, LEFT)
     hand.wait(going.is_set)
-    if way == "escape":
-        hand.qtbot.keyClick(parameters, KEY.Key_Escape)
-        assert ready.feature(ComparisonFeature).dialog.shown is None
-        hand.wait(lambda: not comparing_threads())
-    else:
-        ready.close()
-        assert not comparing_threads()
-
-
-def test_invalid_values_are_rejected_with_a_message(parameters, hand) -> None:
-    down, across = parameters.parameters.down, parameters.parameters.across
-    for text, expected in (("0.5, often", "often"), ("0.5", "from 2 to 6"), ("0.5, 99", "99")):
-        down.values.setText(text)
-        hand.qtbot.mouseClick(parameters.start_button, LEFT)
-        assert expected in parameters.words.text()
-        assert not parameters.board.tiles
-    down.choice.setCurrentIndex(across.choice.currentIndex())
-    hand.qtbot.mouseClick(parameters.start_button, LEFT)
-    assert "choose two different ones" in parameters.words.text()
-
-
-def test_without_a_start_the_dialog_asks_for_one(window, hand) -> None:
-    dialog = opened(window, hand)
-    hand.qtbot.mouseClick(dialog.start_button, LEFT)
-    assert "nothing to start from" in dialog.words.text()
-    dialog.choices.setCurrentIndex(1)
-    hand.qtbot.mouseClick(dialog.start_button, LEFT)
-    assert "draw a circle, an ellipse or a polygon" in dialog.words.text()
-
-
-def test_a_new_number_of_values_or_parameter_suggests_new_values(parameters) -> None:
-    parameters.parameters.count.setCurrentIndex(2)
-    down = parameters.parameters.down
-    assert len(read_values(down.control, down.values.text())) == 5
-    down.choice.setCurrentIndex(OFFERED.index("scales"))
-    assert all(value == int(value) for value in read_values(down.control, down.values.text()))
-
-
-def test_with_a_ground_truth_each_tile_shows_its_overlap(ready, parameters, hand, tmp_path) -> None:
-    load_truth(ready, hand, tmp_path / "mask.png")
-    run(hand, parameters)
-    for view in parameters.board.tiles:
-        assert view.done.facts.dice > 0.97
-        assert view.state.endswith(f"Dice {view.done.facts.dice:.4f}")
-
-
-def test_each_tile_shows_what_its_method_gives(ready, methods, hand) -> None:
-    run(hand, methods)
-    start = Start(outlines_of(ready.session.document.shapes))
-    assert {view.tile.method for view in methods.board.tiles} == set(FIRST)
-    for view in methods.board.tiles:
-        name, done = view.tile.method, view.done
-        own = ready.session.document.parameters if name == "cpm" else None
-        alone = run_method(CONTOUR_METHODS[name], Image(disc()), start, own).state
-        assert done.facts.steps == alone.step
-        for mine, theirs in zip(done.result.contours, alone.contours, strict=True):
-            np.testing.assert_array_equal(mine.points, theirs.points)
-    assert not ready.session.status.started, "the run of the window is left alone"
+    hand.qtbot.keyClick(parameters, KEY.Key_Escape)
+    assert ready.feature(ComparisonFeature).dialog.shown is None
+    hand.wait(lambda: not comparing_threads())
 
 
 def test_figures_of_methods_are_shown_where_a_truth_is_loaded(ready, methods, hand, tmp_path) -> None:
     load_truth(ready, hand, tmp_path / "mask.png")
     run(hand, methods)
-    for row, view in enumerate(methods.board.tiles):
-        facts = view.done.facts
-        assert (column(methods, 5)[row], column(methods, 6)[row]) == (f"{facts.dice:.4f}", f"{facts.f:.3f}")
-        assert facts.f > 0.9
+    for view in methods.board.tiles:
+        assert view.state.endswith(f"Dice {view.done.facts.dice:.4f}")
+        assert f"F: {view.done.facts.f:.3f}" in view.toolTip()
     assert np.array_equal(ready.session.scene.truth.labels, truth_of_mask(disc() > 100).labels)
-
-
-def test_the_marked_method_is_explained_with_its_source(methods) -> None:
-    for name in FIRST:
-        methods.methods.mark(name)
-        method = CONTOUR_METHODS[name]
-        assert methods.methods.about.text() == f"{method.about}\n{method.reference}"
-        assert list(methods.methods.fields) == ([] if method.of_particles else list(method.settings.table()))
-
-
-def test_what_is_drawn_and_takes_no_part_is_reported(ready, methods, hand) -> None:
-    for shape in (Stroke(((5.0, 5.0), (9.0, 9.0))), Barrier(((1.0, 1.0), (1.0, 9.0)))):
-        ready.session.edit("draw", partial(edits.add_shape, shape=shape))
-    run(hand, methods)
-    assert methods.words.text() == (
-        "Starts without an inside are left out, as most of the methods need one. "
-        "Regions, barriers and charges are left out: the other methods have none."
-    )
 
 
 def test_table_picture_and_contours_are_exported(ready, methods, hand, tmp_path, monkeypatch) -> None:
@@ -352,41 +230,3 @@ def test_a_session_keeps_the_comparison_and_undo_takes_a_change_back(ready, meth
     hand.qtbot.mouseClick(again.around, LEFT, pos=QPoint(8, again.around.height() // 2))
     ready.session.undo()
     assert again.around.isChecked()
-
-
-@settings(max_examples=60, deadline=None)
-@given(st.sampled_from(sorted(CONTROLS)), st.integers(3, 5), st.floats(0, 1), st.floats(1, 255))
-def test_suggested_values_are_in_range_ascending_and_include_the_present_one(name, count, share, contrast) -> None:
-    control = CONTROLS[name]
-    low, high = slider_range(control, contrast)
-    present = low + share * (high - low)
-    parameters = Parameters()
-    if name not in ("w1", "w2", "ratio", "smoothing", "scales"):
-        parameters = Parameters(**{name: present})
-    values = sensible_values(control, parameters, contrast, count)
-    assert len(values) == len(set(values)) <= count
-    assert list(values) == sorted(values)
-    assert all(low - 1e-9 <= value <= high + 1e-9 for value in values)
-    now = value_of(parameters, name)
-    if isinstance(now, float | int) and low <= now <= high:
-        assert min(abs(value - now) for value in values) < 1e-9
-    if len(values) >= 2:
-        assert read_values(control, in_text(values)) == pytest.approx(values, rel=6e-3, abs=1e-6)
-
-
-def test_suggested_values_are_shown_with_three_digits_and_used_with_all(ready, parameters) -> None:
-    chosen = Parameters(w1=1.5, scales=ready.session.document.parameters.scales)
-    across = parameters.parameters.across
-    across.suggest(chosen, 255.0, 3)
-    words = across.values.text().split(", ")
-    assert "0.857" in words
-    assert all(len(word.replace(".", "").lstrip("0")) <= 3 for word in words)
-    assert 1.5 / 1.75 in across.axis().values
-
-
-def test_there_is_a_tile_for_each_pair_and_picking_changes_these_two_alone() -> None:
-    tiles = parameter_tiles(Parameters(), (Axis(CONTROLS["beta"], (0.5, 1.0)), Axis(CONTROLS["w2"], (1.0, 2.0, 3.0))))
-    assert [(tile.row, tile.col) for tile in tiles] == [(r, c) for r in range(2) for c in range(3)]
-    picked = pick(Document(parameters=Parameters(max_gap=7.0)), tiles[5]).parameters
-    assert (picked.beta, picked.w2, picked.max_gap) == (1.0, 3.0, 7.0)
-    assert picked.w1 / picked.w2 == pytest.approx(1.6 / 1.75)

@@ -3,64 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QLabel, QToolButton
+from PySide6.QtWidgets import QToolButton
 
 from app.model.document import edits
-from app.model.document.document import Document, ImageReference
-from app.model.document.modes import MODES, mode_called, use_mode
+from app.model.document.document import ImageReference
+from app.model.document.modes import use_mode
 from app.model.document.saving import restored, to_file
-from app.model.state.resolve import resolve
-from app.model.state.situation import RunStatus, Situation, can_step
-from app.session.worker.requests import Seek
-from app.views.canvas.layers.skeleton import by_thickness, disks
 from app.views.features.exchange import ExportFeature
 from cpm_core.formats import FOR_SKELETONS, encoded
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, SegmentedObjects
 from cpm_core.parameters import PRESETS
-from cpm_core.shapes import Barrier, Circle, Everywhere, Region
+from cpm_core.shapes import Barrier, Circle
 
 pytestmark = pytest.mark.shared_window
 
 IMAGE = ImageReference("disc.png", "disc.png", (64, 64), 180.0)
 CIRCLE, BARRIER = Circle((32.0, 32.0), 10.0), Barrier(((1.0, 2.0), (3.0, 4.0)))
-
-
-@pytest.mark.parametrize("mode", MODES)
-def test_a_mode_sets_its_preset_in_the_document(mode) -> None:
-    after = use_mode(Document(IMAGE, (CIRCLE, BARRIER)), mode)
-    assert after.mode == mode
-    assert after.parameters == PRESETS[MODES[mode].preset]
-    assert BARRIER in after.shapes
-
-
-def test_automatic_mode_adds_an_initialization_and_shape_mode_removes_it() -> None:
-    drawn = Document(IMAGE, (CIRCLE, BARRIER))
-    automatic = use_mode(drawn, "automatic")
-    assert automatic.starts == (Everywhere("grid"),)
-    assert use_mode(automatic, "shape").starts == ()
-    assert use_mode(drawn, "shape").starts == (CIRCLE,)
-    assert use_mode(drawn, "skeleton").shapes == drawn.shapes
-
-
-def test_an_unknown_mode_is_read_as_the_first() -> None:
-    assert [mode_called(name) for name in (*MODES, "other", None, [])[:-1]] == [*MODES, "shape", "shape"]
-
-
-def test_texts_and_enabled_actions_follow_the_mode() -> None:
-    ready = RunStatus("ready")
-    drawn = Document(IMAGE, (CIRCLE,))
-    assert "everywhere" in resolve(Situation(use_mode(drawn, "automatic"), ready)).hint
-    skeleton = Situation(use_mode(drawn, "skeleton"), ready)
-    assert "skeleton" in resolve(skeleton).hint
-    assert (resolve(skeleton).run_text, resolve(skeleton).state) == ("Run", "Ready")
-    assert can_step(skeleton)
-    found = Situation(Document(IMAGE, (), mode="skeleton"), RunStatus("finished", method="skeleton"))
-    assert resolve(found).hint == ""
 
 
 def test_modes_are_switched_with_mouse_and_keys_and_undone_in_one_step(ready, hand) -> None:
@@ -87,15 +49,6 @@ def test_automatic_segmentation_needs_no_drawing(window, hand) -> None:
     hand.wait_for_phase("finished")
     hand.wait(lambda: window.session.idle)
     assert window.session.status.closed == 1
-
-
-def test_the_mode_stays_when_another_image_is_opened(window, hand, image_file) -> None:
-    hand.key(Qt.Key.Key_F2, Qt.KeyboardModifier.ControlModifier)
-    generation = window.session.image_generation
-    window.open_image(str(image_file))
-    hand.wait(lambda: window.session.image_generation != generation)
-    assert window.session.document.mode == "automatic"
-    assert window.session.document.starts == (Everywhere("grid"),)
 
 
 def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, tmp_path) -> None:
@@ -135,54 +88,6 @@ def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, tmp_path)
     hand.key(Qt.Key.Key_F1, Qt.KeyboardModifier.ControlModifier)
     assert session.scene.skeleton is None
     assert layer.counts == (0, 0)
-
-
-def test_the_skeleton_of_a_previous_image_is_not_shown(window, hand, image_file) -> None:
-    session = window.session
-    hand.key(Qt.Key.Key_F3, Qt.KeyboardModifier.ControlModifier)
-    generation = session.image_generation
-    hand.key(Qt.Key.Key_Space)
-    window.open_image(str(image_file))
-    hand.wait(lambda: session.image_generation != generation and session.idle)
-    assert session.scene.skeleton is None
-
-
-def test_a_branch_is_cut_where_its_thickness_changes_and_nothing_is_left_out() -> None:
-    path = np.stack([np.zeros(30), np.arange(30.0)], axis=1)
-    share = np.linspace(0.0, 1.2, 30)
-    pieces = by_thickness(path, share, 5)
-    assert [thickness for thickness, _ in pieces] == [0, 1, 2, 3, 4]
-    covered = {(a[1], b[1]) for _, piece in pieces for a, b in pairwise(piece)}
-    assert len(covered) == 29
-
-
-def test_disks_have_the_radii_of_the_branch_and_do_not_crowd() -> None:
-    path = np.stack([np.zeros(101), np.arange(101.0)], axis=1)
-    found = disks(path, np.full(101, 20.0))
-    assert len(found) == 6
-    for index, disk in enumerate(found):
-        assert np.hypot(disk[:, 0], disk[:, 1] - 20.0 * index) == pytest.approx(20.0)
-
-
-def test_a_skeleton_run_is_stepped_rewound_and_paused_like_any_run(window, hand) -> None:
-    session = window.session
-    hand.key(Qt.Key.Key_F3, Qt.KeyboardModifier.ControlModifier)
-    shown = []
-    for step in (1, 2, 3):
-        hand.key(Qt.Key.Key_Period)
-        hand.wait(lambda step=step: session.status.step == step and session.idle)
-        shown.append(len(session.scene.snapshot.position))
-    assert min(shown[:2]) > 100 > shown[2] == 0  # the boundary, its axis, and what has become branches
-    assert session.status.phase == "finished"
-    assert session.scene.skeleton is not None
-    before = session.scene.skeleton.contours[0].points
-    session.post(Seek(session.generation, 1, 1))
-    hand.wait(lambda: session.status.step == 1 and session.idle)
-    assert (session.status.phase, session.scene.skeleton) == ("paused", None)
-    hand.key(Qt.Key.Key_Space)
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: session.idle)
-    np.testing.assert_array_equal(session.scene.skeleton.contours[0].points, before)
 
 
 def test_particles_and_skeleton_replace_each_other_when_the_mode_changes(ready, hand) -> None:
@@ -236,26 +141,6 @@ def test_sliders_of_the_skeleton_act_without_a_new_run_and_are_undone(window, ha
     assert session.document.parameters == PRESETS["noisy"]
 
 
-def test_only_what_matters_for_a_skeleton_is_shown(window, hand) -> None:
-    panel = window.panels["run"]
-    panel.status.section.fold.click()
-    assert panel.plots.isVisibleTo(panel)
-    find_skeleton(window, hand)
-    assert not panel.plots.isVisibleTo(panel)
-    assert panel.status.value("Branches") == "1"
-    assert panel.status.value("Thickness") == f"{window.session.scene.skeleton.thickness:.1f} px"
-    assert panel.status.value("Skeleton of") == "what is light"
-    names = [label.text() for label in panel.status.findChildren(QLabel) if label.isVisibleTo(panel)]
-    assert "Branches" in names
-    assert not {"Particles", "ε", "Scale"} & set(names)
-    assert window.actions_by_name["export"].isEnabled()
-    assert "skeleton" in window.actions_by_name["export"].text()
-    hand.key(Qt.Key.Key_F1, Qt.KeyboardModifier.ControlModifier)
-    hand.wait(lambda: panel.plots.isVisibleTo(panel))
-    names = [label.text() for label in panel.status.findChildren(QLabel) if label.isVisibleTo(panel)]
-    assert {"Particles", "ε", "Scale"} <= set(names)
-
-
 def test_closed_contours_have_a_skeleton_of_their_own_until_the_image_is_asked_for(ready, hand) -> None:
     session = ready.session
     assert not ready.actions_by_name["contour_skeleton"].isEnabled()
@@ -274,16 +159,6 @@ def test_closed_contours_have_a_skeleton_of_their_own_until_the_image_is_asked_f
     assert not ready.actions_by_name["image_skeleton"].isEnabled()
     session.undo()
     assert len(session.document.outlines) == 1
-
-
-def test_a_region_of_interest_limits_the_skeleton_at_once(window, hand) -> None:
-    session = window.session
-    find_skeleton(window, hand)
-    outside = Region(((2.0, 2.0), (2.0, 50.0), (24.0, 50.0), (24.0, 2.0)))
-    session.edit("a region", lambda document: edits.add_shape(document, outside))
-    hand.wait(lambda: session.status.phase == "finished" and session.idle)
-    found = session.scene.skeleton
-    assert found is None or all(contour.points[:, 0].max() <= 24.0 for contour in found.contours)
 
 
 def test_objects_have_a_skeleton_of_their_own_that_follows_them(window, hand) -> None:

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import re
 import threading
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QImage
 
 from app.model.display.display_image import display_of_edge_map
 from app.model.document import edits
-from app.views.features.run import RunControlFeature, TimelineFeature
-from cpm_core import PRESETS, Engine, Parameters
+from cpm_core import PRESETS, Engine
 from cpm_core.model.starts import circle
 from cpm_core.shapes import Circle
 
@@ -37,31 +34,6 @@ def test_space_runs_to_rest_and_shows_one_closed_contour_around_the_disc(ready, 
     assert hand.canvas.layers.particles.count == int(ready.panels["run"].status.value("Particles").replace(",", ""))
 
 
-def test_no_updates_are_made_while_nothing_runs(ready, hand) -> None:
-    timer = ready.session._timer
-    hand.key(KEY.Key_Space)
-    assert timer.isActive()
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: not timer.isActive())
-
-
-def test_the_seeds_are_shown_until_the_particles_of_the_run_replace_them(ready, hand, monkeypatch) -> None:
-    held, begin = threading.Event(), Engine.start
-    monkeypatch.setattr(Engine, "start", lambda engine, seeds: held.wait(hand.patience / 1000) and begin(engine, seeds))
-    drawn = hand.canvas.layers.drawing._seeds.count
-    assert drawn > 0
-    hand.key(KEY.Key_Period)
-    try:
-        assert ready.session.status.started
-        assert (hand.canvas.layers.drawing._seeds.count, hand.canvas.layers.particles.count) == (drawn, 0)
-        assert ready.panels["run"].status.value("Particles") == "–"
-    finally:
-        held.set()
-    hand.wait(lambda: ready.session.status.step == 1)
-    assert hand.canvas.layers.drawing._seeds.count == 0
-    assert hand.canvas.layers.particles.count > 0
-
-
 def test_pause_stops_the_particles_and_run_continues_from_them(ready, hand) -> None:
     session = ready.session
     session.set_pace(30.0)
@@ -77,28 +49,6 @@ def test_pause_stops_the_particles_and_run_continues_from_them(ready, hand) -> N
     hand.key(KEY.Key_Space)
     hand.wait(lambda: session.status.step > held + 1)
     assert session.generation == generation
-
-
-def test_single_steps_are_counted_one_by_one_and_none_is_lost(ready, hand) -> None:
-    for _ in range(7):
-        hand.key(KEY.Key_Period)
-    hand.wait(lambda: ready.session.idle)
-    assert ready.session.status.step == 7
-    assert ready.session.status.phase == "paused"
-    assert len(ready.session.scene.snapshot.metrics.step) == 7
-
-
-def test_no_single_step_is_lost_soon_after_going_along_the_timeline(ready, hand) -> None:
-    hand.key(KEY.Key_Space)
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: ready.session.idle)
-    ready.feature(TimelineFeature).navigation.go(1, 5)
-    hand.wait(lambda: ready.session.idle and ready.session.status.step == 5)
-    ready.session.set_pace(60.0)  # the steps last longer than the view has to stay for contours to be found
-    for _ in range(24):
-        hand.key(KEY.Key_Period)
-    hand.wait(lambda: ready.session.idle)
-    assert ready.session.status.step == 5 + 24
 
 
 def test_single_steps_are_the_engines_own(ready, hand) -> None:
@@ -143,24 +93,6 @@ def test_reset_keeps_the_shapes_and_discards_the_run(ready, hand) -> None:
     assert ready.session.document.shapes == (Circle((32.0, 32.0), 10.0),)
 
 
-def test_a_changed_initialization_is_reported_and_run_starts_again_from_it(ready, hand) -> None:
-    session = ready.session
-    session.set_pace(30.0)
-    hand.key(KEY.Key_Space)
-    hand.wait(lambda: session.status.step >= 1)
-    generation = session.generation
-    hand.key(KEY.Key_N)
-    hand.key(KEY.Key_Right)
-    assert session.status.phase == "running"
-    assert "Reset" in ready.canvas_area.hint.text()
-    hand.key(KEY.Key_Space)
-    assert ready.actions_by_name["run"].text() == "Run again"
-    hand.key(KEY.Key_Space)
-    assert session.generation > generation
-    assert not session.status.stale
-    assert ready.canvas_area.hint.text() == ""
-
-
 def test_a_run_at_rest_continues_with_changed_parameters(ready, hand) -> None:
     session = ready.session
     hand.key(KEY.Key_Space)
@@ -176,88 +108,6 @@ def test_a_run_at_rest_continues_with_changed_parameters(ready, hand) -> None:
     assert session.generation == generation
     assert session.status.count < count
     assert ready.actions_by_name["run"].text() == "Run again"
-
-
-def test_contours_at_rest_follow_their_thresholds_without_a_step(ready, hand) -> None:
-    session = ready.session
-    hand.key(KEY.Key_Space)
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: session.idle)
-    step = session.status.step
-    assert hand.canvas.layers.contours.counts == (1, 0)
-    slider = ready.panels["parameters"].rows["min_length"].slider
-    slider.setFocus()
-    hand.qtbot.keyClick(slider, KEY.Key_End)
-    hand.wait(lambda: hand.canvas.layers.contours.counts == (0, 0))
-    assert ready.panels["run"].status.value("Contours") == "0 closed, 0 open"
-    hand.qtbot.keyClick(slider, KEY.Key_Home)
-    hand.wait(lambda: hand.canvas.layers.contours.counts == (1, 0))
-    hand.wait(lambda: session.idle)
-    assert (session.status.step, session.status.phase) == (step, "finished")
-    assert ready.actions_by_name["run"].text() == "Run again"
-
-
-def test_a_wider_gap_bridges_at_rest_and_is_shown_and_reported(window, hand, tmp_path) -> None:
-    session, canvas = window.session, hand.canvas
-    path = tmp_path / "interrupted.npy"
-    np.save(path, interrupted_disc())
-    session.open(path)
-    hand.wait(lambda: session.document.image.name == path.name and session.idle)
-    session.edit("reach", lambda document: replace(document, parameters=Parameters()))
-    session.edit("circle", lambda document: edits.add_shape(document, Circle((65.0, 55.0), 20.0)))
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_Space)
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: session.idle)
-    step = session.status.step
-    assert (canvas.layers.contours.counts, canvas.layers.contours.bridged) == ((0, 1), 0)
-    assert window.panels["run"].status.value("Bridged") == "no gap"
-    (contour,) = session.scene.contours.result.contours
-    gap = float(np.linalg.norm(contour.points[0] - contour.points[-1]))
-    assert gap > 5.0
-    slider = window.panels["parameters"].rows["max_gap"].slider
-    slider.setFocus()
-    hand.qtbot.keyClick(slider, KEY.Key_End)
-    hand.wait(lambda: canvas.layers.contours.bridged == 1)
-    assert canvas.layers.contours.counts == (1, 0)
-    match = re.fullmatch(r"1 gap of ([\d.]+) px", window.panels["run"].status.value("Bridged"))
-    assert match is not None
-    assert float(match[1]) == pytest.approx(gap, abs=2.0)
-    assert (session.status.step, session.status.phase) == (step, "finished")
-
-
-def interrupted_disc() -> np.ndarray:
-    """A bright disc of radius 40 whose contrast fades out on the right, and away from its outline, so gradually that
-    there is no other edge."""
-    row, col = np.indices((130, 140)) - 65.0
-    away = np.hypot(row, col) - 40.0
-    fade = np.clip((np.hypot(row, col - 40.0) - 2.5) / 45.0, 0.0, 1.0)
-    contrast = 80.0 * fade**2 * (3.0 - 2.0 * fade)
-    return 128.0 - contrast * np.clip(2.0 * away, -1.0, 1.0) * np.exp(-np.abs(away) / 60.0)
-
-
-def test_undoing_the_change_lets_the_run_go_on(ready, hand) -> None:
-    hand.key(KEY.Key_Period)
-    generation = ready.session.generation
-    hand.key(KEY.Key_N)
-    hand.key(KEY.Key_Delete)
-    assert ready.session.status.stale
-    hand.key(KEY.Key_Z, CONTROL)
-    assert not ready.session.status.stale
-    hand.key(KEY.Key_Period)
-    hand.wait(lambda: ready.session.idle)
-    assert ready.session.generation == generation
-    assert ready.session.status.step == 2
-
-
-def test_more_scales_act_from_the_next_start(ready, hand) -> None:
-    hand.key(KEY.Key_Period)
-    ready.session.edit("scales", lambda document: edits.set_parameter(document, "scales", 1))
-    assert ready.session.status.stale
-    hand.key(KEY.Key_Period)
-    hand.wait(lambda: ready.session.idle)
-    assert ready.session.status.step == 1
-    assert ready.session.status.scale == 0
 
 
 def test_no_result_of_the_previous_image_reaches_an_image_opened_during_a_run(ready, hand, record, tmp_path) -> None:
@@ -305,16 +155,7 @@ def test_overlays_appear_on_request_and_follow_the_smoothing(window, hand, recor
     assert len(seen) == 3
 
 
-def test_the_speed_control_offers_full_speed_and_limits_the_engine(ready, hand) -> None:
-    slider = ready.feature(RunControlFeature).speed.slider
-    assert ready.feature(RunControlFeature).speed.label.text() == "60 steps/s"
-    slider.setValue(slider.maximum())
-    assert ready.feature(RunControlFeature).speed.label.text() == "full speed"
-    hand.key(KEY.Key_BracketLeft)
-    assert ready.feature(RunControlFeature).speed.label.text() == "120 steps/s"
-
-
-@pytest.mark.parametrize("name", ["beta", "ratio", "annealing"])
+@pytest.mark.parametrize("name", ["beta"])
 def test_a_slider_drag_is_one_step_of_undo(window, hand, name) -> None:
     before = window.session.document.parameters
     slider = window.panels["parameters"].rows[name].slider
@@ -327,17 +168,3 @@ def test_a_slider_drag_is_one_step_of_undo(window, hand, name) -> None:
     hand.key(KEY.Key_Z, CONTROL)
     assert window.session.document.parameters == before
     assert not window.actions_by_name["undo"].isEnabled()
-
-
-@pytest.mark.parametrize("key", [KEY.Key_7, KEY.Key_9], ids=["edge map", "field"])
-def test_an_overlay_that_is_switched_off_again_leaves_nothing_on_the_canvas(window, hand, record, key) -> None:
-    def seen() -> QImage:
-        return hand.canvas.viewport().grab().toImage()
-
-    arrived = record("overlays")
-    hand.wait(lambda: window.session.idle)
-    without = seen()
-    hand.key(key, ALT)
-    hand.wait(lambda: bool(arrived) and seen() != without)
-    hand.key(key, ALT)
-    hand.wait(lambda: seen() == without)

@@ -7,13 +7,8 @@ import PIL.Image
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor
-from PySide6.QtWidgets import QMenu
 
-from app.model.document.edits import use_preset
-from app.model.document.modes import use_mode
 from app.views.features.files import OpenSaveFeature
-from app.views.features.run import ParametersFeature
-from cpm_core.parameters import PRESETS
 
 pytestmark = pytest.mark.shared_window
 
@@ -49,21 +44,6 @@ def test_a_channel_is_taken_with_the_keys_undone_and_named_in_the_history(colore
     assert row.box.currentText() == "luminance"
 
 
-def test_a_gray_image_offers_no_channel(window) -> None:
-    assert not window.panels["parameters"].choices["channel"].isVisible()
-    menu = QMenu()
-    window.feature(ParametersFeature).fill_channels(menu)
-    assert not any(action.isEnabled() for action in menu.actions())
-
-
-def test_the_menu_takes_a_channel(colored) -> None:
-    menu = QMenu()
-    colored.feature(ParametersFeature).fill_channels(menu)
-    assert [action.text() for action in menu.actions() if action.isChecked()] == ["luminance"]
-    next(action for action in menu.actions() if action.text() == "blue").trigger()
-    assert colored.session.document.parameters.channel == "blue"
-
-
 def test_a_session_brings_back_the_channel(colored, hand, image_file, tmp_path) -> None:
     colored.panels["parameters"].change("channel", "blue")
     colored.feature(OpenSaveFeature).document_file.save(tmp_path / "kept.cpm")
@@ -74,14 +54,6 @@ def test_a_session_brings_back_the_channel(colored, hand, image_file, tmp_path) 
     hand.wait(lambda: colored.session.document.image.name == "colored.png" and colored.session.idle)
     assert colored.session.document.parameters.channel == "blue"
     assert colored.panels["parameters"].choices["channel"].box.currentText() == "blue"
-
-
-def test_presets_and_modes_keep_the_channel_of_the_image(colored) -> None:
-    colored.panels["parameters"].change("channel", "blue")
-    document = use_mode(colored.session.document, "automatic")
-    assert document.parameters.channel == "blue"
-    assert use_preset(document, PRESETS["noisy"]).parameters.channel == "blue"
-    assert colored.feature(ParametersFeature).presets.current is not None
 
 
 def test_the_channel_of_the_run_can_be_seen_and_follows_the_choice(colored, hand) -> None:
@@ -96,29 +68,3 @@ def test_the_channel_of_the_run_can_be_seen_and_follows_the_choice(colored, hand
     hand.wait(lambda: color_at(hand, 30.0, 60.0)[1] > 200)
     layer.choose("shown", "colors")
     assert color_at(hand, 30.0, 20.0) == (220, 60, 60)
-
-
-def test_a_run_finds_what_is_in_the_channel_alone(colored, hand) -> None:
-    colored.panels["parameters"].change("channel", "blue")
-    hand.key(Qt.Key.Key_C)
-    hand.drag((30.0, 60.0), (30.0, 68.0), (30.0, 76.0))
-    hand.key(Qt.Key.Key_Space)
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: len(colored.session.scene.contours.items) == 1)
-    found = colored.session.scene.contours.items[0].contour
-    assert found.closed
-    np.testing.assert_allclose(found.points.mean(axis=0), (30.0, 60.0), atol=1.5)
-    assert colored.session.scene.reconstruction.result.channel == "blue"
-
-
-def test_a_channel_without_edges_is_told_in_words(colored, hand) -> None:
-    said = []
-    colored.session.said.connect(lambda text, wrong: said.append((text, wrong)))
-    hand.key(Qt.Key.Key_C)
-    hand.drag((30.0, 20.0), (30.0, 28.0), (30.0, 36.0))
-    colored.panels["parameters"].change("channel", "green")
-    hand.key(Qt.Key.Key_Space)
-    hand.wait(lambda: any("The channel green is the same everywhere" in text for text, _ in said))
-    colored.panels["parameters"].change("channel", "red")
-    hand.key(Qt.Key.Key_Space)
-    hand.wait_for_phase("finished")

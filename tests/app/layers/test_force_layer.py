@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from PySide6.QtCore import Qt
 
-from app.session.worker.requests import NAMES, Probe, Probed
+from app.session.worker.requests import NAMES
 from app.views.canvas.layers.forces import KINDS
 
 
@@ -43,31 +42,18 @@ def test_the_forces_on_the_particle_under_the_pointer_are_those_of_the_engine(he
             assert probed.forces[name] == pytest.approx(size * getattr(expected, name)[0]), name
         features = np.sum([probed.forces[name] for name in NAMES if name != "total"], axis=0)
         assert features == pytest.approx(probed.forces["total"])
-        assert held.item.isVisible()
+        assert held.legend.isVisible()
 
 
 def test_every_force_is_listed_with_its_magnitude(held, ready, hand):
     at = moment(ready)[1].position[3]
     hand.move(*at)
     hand.wait(lambda: held.probed is not None)
-    listed = {name: figure for name, _, figure in held.item.lines}
+    listed = {name: figure for name, _, figure in held.lines}
     assert {"Coulomb", "Lorentz", "Damping", "Total"} <= listed.keys()
     for kind, (title, _) in KINDS.items():
         if title in listed:
             assert listed[title] == f"{np.hypot(*held.probed.forces[kind]):.3f}"
-
-
-def test_the_legend_lies_on_the_canvas_and_not_on_the_particle(held, ready, hand):
-    state = moment(ready)[1]
-    hand.canvas.zoom(5.0, hand.canvas.point(tuple(state.position[0])))
-    room = hand.canvas.view.boundingRect()
-    for index in range(0, state.count, 5):
-        at = state.position[index]
-        hand.canvas.pointed.emit(tuple(at))
-        hand.wait(lambda index=index: held.probed and held.probed.identity == state.particles.identity[index])
-        if room.contains(held.item._at):
-            assert room.contains(held.item._legend)
-            assert not held.item._legend.contains(held.item._at)
 
 
 def test_far_from_all_particles_no_forces_are_shown(held, ready, hand):
@@ -76,20 +62,7 @@ def test_far_from_all_particles_no_forces_are_shown(held, ready, hand):
     hand.canvas.zoom(4.0)
     hand.move(32, 32)
     hand.wait(lambda: held.probed is None)
-    assert not held.item.isVisible()
-
-
-def test_without_the_pointer_the_particle_nearest_to_the_center_is_shown(held, ready, hand):
-    _, state, _ = moment(ready)
-    hand.canvas.pointed.emit(None)
-    hand.canvas.setFocus()
-    hand.canvas.zoom(3.0)
-    for _ in range(4):
-        hand.key(Qt.Key.Key_Right)
-    hand.canvas.pointed.emit(None)
-    seen = hand.canvas.view.viewRect().center()
-    nearest = np.hypot(*(state.position - (seen.y(), seen.x())).T).argmin()
-    hand.wait(lambda: held.probed and held.probed.identity == state.particles.identity[nearest])
+    assert not held.legend.isVisible()
 
 
 def test_the_forces_follow_a_run_and_vanish_with_it(held, ready, hand):
@@ -100,12 +73,4 @@ def test_the_forces_follow_a_run_and_vanish_with_it(held, ready, hand):
     ready.session.reset()
     hand.wait(lambda: ready.session.idle)
     assert held.probed is None
-    assert not held.item.isVisible()
-
-
-def test_a_late_probe_finds_nothing(held, ready, hand):
-    heard = []
-    ready.session.listen(Probed, heard.append)
-    ready.session.post(Probe(ready.session.generation - 1, (1.0, 1.0), 1e9))
-    hand.wait(lambda: bool(heard))
-    assert heard[0].identity == -1
+    assert not held.legend.isVisible()

@@ -7,7 +7,6 @@ from PySide6.QtCore import Qt
 
 from app.session.features.workspace import Workspace
 from app.views.canvas.layers.layer import Amount, Choice, Switch
-from app.views.canvas.layers.layer_form import LayerForm
 from app.views.main_window import MainWindow
 
 
@@ -73,23 +72,6 @@ def test_the_panel_shows_and_changes_opacity_and_settings(window, hand):
             assert not row.settings.isVisible()
 
 
-def test_layers_have_keys_of_their_own(window):
-    keys = [layer.shortcut for layer in window.canvas_area.canvas.layers if layer.shortcut]
-    assert len(set(keys)) == len(keys)
-    others = [key for entry in window.actions_by_name.specs for key in entry.shortcuts]
-    assert len(set(others)) == len(others)
-
-
-def test_the_menu_shows_and_changes_what_particles_are_colored_by(window, hand):
-    actions, layer = window.actions_by_name, hand.canvas.layers["particles"]
-    for way in layer.ways:
-        layer.choose("colour", way)
-        assert [other for other in layer.ways if actions[f"colour_{other}"].isChecked()] == [way]
-    actions["colour_force"].trigger()
-    assert layer.word("colour") == "force"
-    assert actions["colour_force"].isChecked()
-
-
 def test_settings_are_kept_for_the_next_start_but_not_what_is_shown(window):
     layer = window.canvas_area.canvas.layers["particles"]
     layer.choose("colour", "force")
@@ -103,12 +85,3 @@ def test_settings_are_kept_for_the_next_start_but_not_what_is_shown(window):
     assert other.canvas_area.canvas.layers["image"].word("range") == "1"
     other.close()
     other.deleteLater()
-
-
-def test_colors_of_particles_are_offered_only_where_they_act(window) -> None:
-    layer = window.canvas_area.canvas.layers["particles"]
-    form = LayerForm(layer)
-    assert not form.fields["map"].isEnabled()
-    layer.choose("colour", "speed")
-    assert form.fields["map"].isEnabled()
-    form.deleteLater()

@@ -7,7 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QEvent, QPointF, Qt
+from PySide6.QtGui import QMouseEvent
+from PySide6.QtWidgets import QApplication
 
 from app.model.display.display_image import IntensityWindow, apply_window, display_of_image, percentile_window
 from app.views.canvas.layers import image_layer
@@ -77,14 +79,19 @@ def test_handles_and_fields_choose_the_window_at_once_or_on_the_worker(deep, han
     hand.wait(lambda: np.array_equal(layer.shades, expected))
     assert layer.word("range") == "hand"
     histogram = form.levels.histogram
-    hand.wait(lambda: histogram.width() > 100)
-    begin, end = (QPoint(round(histogram.x_of(value)), 20) for value in (3000.0, 3100.0))
-    hand.qtbot.mousePress(histogram, Qt.MouseButton.LeftButton, pos=begin)
-    hand.qtbot.mouseMove(histogram, end)
-    hand.qtbot.mouseRelease(histogram, Qt.MouseButton.LeftButton, pos=end)
+    hand.wait(lambda: histogram.width() > 90)
+    begin, end = (
+        histogram.mapFromScene(histogram.plotItem.vb.mapViewToScene(QPointF(value, 2.0))) for value in (3000.0, 3100.0)
+    )
+    hand.qtbot.mousePress(histogram.viewport(), Qt.MouseButton.LeftButton, pos=begin)
+    for share in (0.5, 1.0):
+        place = QPointF(begin + share * (end - begin))
+        move = QMouseEvent(QEvent.Type.MouseMove, place, place, Qt.MouseButton.NoButton, Qt.MouseButton.LeftButton,
+                           Qt.KeyboardModifier.NoModifier)  # fmt: skip
+        QApplication.sendEvent(histogram.viewport(), move)
+    hand.qtbot.mouseRelease(histogram.viewport(), Qt.MouseButton.LeftButton, pos=end)
     low = layer.window[0]
-    pixel = 200.0 * 5 / histogram.width()
-    assert abs(low - 3100.0) <= pixel
+    assert abs(low - 3100.0) <= 1000.0 / histogram.width() * 2
     hand.wait(lambda: np.array_equal(layer.shades, apply_window(values, IntensityWindow(low, 3199.0))))
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -10,16 +9,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QImage, QPainter
-from PySide6.QtWidgets import QStyleOptionGraphicsItem
 
 from app.model.display.coloring import QUANTITIES, SHADES, InsertionTimes, age, colored, convergence, speed
-from app.model.display.round_numbers import round_up
+from app.model.display.lengths import round_up
 from app.session.worker.recorded_run import RunRecord
-from app.views.canvas.items.discs import Discs
-from app.views.theme import color_maps, theme
+from app.views.theme import color_maps
 from cpm_core import Engine, Parameters
-from cpm_core.image.drawing.scale_bar import round_down
 from cpm_core.model.coverage import no_coverage
 from cpm_core.model.equations import epsilon
 from cpm_core.model.state import Particles, State
@@ -92,31 +87,6 @@ def test_the_age_of_every_particle_is_the_number_of_steps_since_it_appeared(comp
     expected = [state.step - seen[identity] for identity in state.particles.identity.tolist()]
     assert len(set(expected)) > 2
     assert told.tolist() == expected
-
-
-def test_each_disc_has_the_color_of_its_number(qapp):
-    colors = [f"#{red:02x}{green:02x}40" for red, green in itertools.product((0, 80, 160, 240), repeat=2)]
-    discs = Discs(theme.MOVING, 6.0, 0.0)
-    discs.use_shape((100, 100))
-    discs.use_palette(colors)
-    place = np.array([(10.0 * row, 10.0 * col) for row in range(1, 5) for col in range(1, 5)])
-    discs.show(place, np.arange(16, dtype=np.uint8))
-    drawn = QImage(500, 500, QImage.Format.Format_RGB32)
-    drawn.fill(0)
-    painter = QPainter(drawn)
-    painter.scale(10.0, 10.0)
-    discs.paint(painter, QStyleOptionGraphicsItem())
-    painter.end()
-    assert [drawn.pixelColor(int(10 * col), int(10 * row)).name() for row, col in place] == colors
-
-
-@given(st.floats(1e-12, 1e12))
-def test_round_numbers_are_near_the_value(value):
-    for number in (round_up(value), round_down(value)):
-        mantissa = float(f"{number:e}".partition("e")[0])
-        assert mantissa in (1.0, 2.0, 5.0)
-    assert value / 2.5 - 1e-9 * value <= round_down(value) <= value * (1 + 1e-9)
-    assert value * (1 - 1e-9) <= round_up(value) <= 2.5 * value * (1 + 1e-9)
 
 
 def test_colors_are_chosen_by_keys_and_come_with_a_legend(window, hand, ready):

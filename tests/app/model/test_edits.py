@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from app.model.document import edits
 from app.model.document.document import Document
 from app.model.parameters.controls import controls, slider_range, value_of
-from cpm_core.parameters import PRESETS, Parameters
+from cpm_core.parameters import Parameters
 from cpm_core.shapes import KINDS, Barrier, Circle, Everywhere, Points, Region, Shape, Stroke
 
 coordinates = st.floats(-200, 200, allow_nan=False)
@@ -43,11 +43,6 @@ def test_a_moved_circle_keeps_its_radius_and_a_resized_one_its_center(circle: Ci
     assert resized.radius == pytest.approx(50.0)
 
 
-def test_the_seeds_are_those_of_every_shape_in_the_order_drawn() -> None:
-    first, second = Points(((1.0, 2.0), (3.0, 4.0))), Points(((5.0, 6.0),))
-    assert Document(shapes=(first, second)).seeds().tolist() == [[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]]
-
-
 def test_every_kind_of_start_gives_seeds_and_no_limit_does() -> None:
     line = ((10.0, 10.0), (10.0, 30.0))
     image_seeds = {Everywhere("grid"): np.array([[1.0, 1.0], [9.0, 9.0]])}
@@ -58,11 +53,6 @@ def test_every_kind_of_start_gives_seeds_and_no_limit_does() -> None:
     stroke = seeds[:-2]
     assert (stroke[:, 0] == 10.0).all()
     assert np.diff(stroke[:, 1]) == pytest.approx(2.0, abs=0.2)
-
-
-def test_limits_alone_are_nothing_to_start_from() -> None:
-    with pytest.raises(ValueError, match="nothing to start from"):
-        Document(shapes=(Barrier(((1.0, 2.0), (3.0, 4.0))),)).seeds()
 
 
 @given(st.lists(shapes, max_size=4), st.sampled_from(KINDS))
@@ -79,11 +69,6 @@ def test_regions_and_barriers_of_the_document_are_those_drawn_in_their_order(dra
     interest = tuple(shape.points for shape in drawn if isinstance(shape, Region))
     barriers = tuple(shape.points for shape in drawn if isinstance(shape, Barrier))
     assert (regions.interest, regions.barriers) == (interest, barriers) if regions else not (interest or barriers)
-
-
-def test_a_document_without_shapes_has_no_seeds_and_the_error_explains_what_to_do() -> None:
-    with pytest.raises(ValueError, match="draw a circle"):
-        Document().seeds()
 
 
 @given(st.floats(0.05, 0.99), st.floats(0.1, 3.0))
@@ -106,14 +91,6 @@ def test_every_control_shows_its_default_and_takes_both_ends_of_its_slider(contr
         assert value_of(changed.parameters, control.name) == pytest.approx(value)
 
 
-@pytest.mark.parametrize(
-    ("name", "said"),
-    [("min_length", "at rest"), ("max_gap", "at rest"), ("w2", "next step"), ("scales", "next start")],
-)
-def test_a_control_states_when_it_acts(name: str, said: str) -> None:
-    assert said in next(control.acts for control in controls() if control.name == name)
-
-
 @pytest.mark.parametrize("control", controls(), ids=lambda control: control.name)
 def test_sliders_in_gray_levels_go_with_the_contrast_of_the_image_and_no_others(control) -> None:
     plain = (control.slider_low, control.slider_high)
@@ -123,17 +100,3 @@ def test_sliders_in_gray_levels_go_with_the_contrast_of_the_image_and_no_others(
         assert (half[1], twice[1]) == pytest.approx((0.5 * full[1], 2.0 * full[1]))
     else:
         assert half == twice == plain
-
-
-@pytest.mark.parametrize(("name", "value"), [("beta", -1.0), ("ratio", 1.5), ("scales", 99), ("smoothing", "some")])
-def test_a_value_out_of_range_is_refused_with_its_name(name: str, value: float | str) -> None:
-    with pytest.raises(ValueError, match="w1/w2" if name == "ratio" else name):
-        edits.set_parameter(Document(), name, value)
-
-
-@pytest.mark.parametrize("name", PRESETS)
-def test_the_parameters_of_a_preset_replace_all_and_nothing_else(name: str) -> None:
-    document = Document(shapes=(Circle((1.0, 2.0), 3.0),), parameters=Parameters(beta=1.5))
-    after = edits.set_parameters(document, PRESETS[name])
-    assert after.parameters == PRESETS[name]
-    assert after.shapes == document.shapes

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.model.document.hit_testing import Hit, hit
-from cpm_core.shapes import Barrier, Circle, Everywhere, Points, Region, Stroke
+from app.model.document.edits import Hit, hit
+from cpm_core.shapes import Circle, Everywhere, Region
 
 CIRCLE = Circle((50.0, 60.0), 20.0)
 
@@ -39,29 +38,6 @@ def test_what_was_drawn_last_wins_unless_another_is_selected() -> None:
     shapes = (CIRCLE, CIRCLE)
     assert hit(shapes, (50.0, 60.0), 3.0) == Hit(1, "body")
     assert hit(shapes, (50.0, 60.0), 3.0, selected=0) == Hit(0, "body")
-
-
-def test_points_are_hit_at_any_of_them_and_nowhere_between() -> None:
-    shapes = (Points(((10.0, 10.0), (10.0, 40.0))),)
-    assert hit(shapes, (11.0, 39.0), 3.0) == Hit(0, "body")
-    assert hit(shapes, (10.0, 25.0), 3.0) is None
-
-
-CORNERS = ((10.0, 10.0), (10.0, 50.0), (40.0, 50.0))
-
-
-@pytest.mark.parametrize("kind", [Stroke, Region, Barrier])
-def test_a_path_is_hit_on_its_line_and_not_beside_or_within_it(kind) -> None:
-    shapes = (kind(CORNERS),)
-    assert hit(shapes, (12.0, 30.0), 3.0) == Hit(0, "body")
-    assert hit(shapes, (25.0, 48.0), 3.0) == Hit(0, "body")
-    assert hit(shapes, (16.0, 40.0), 3.0) is None
-
-
-def test_only_a_region_is_hit_between_its_last_corner_and_its_first() -> None:
-    between = (25.0, 30.0)
-    assert hit((Region(CORNERS),), between, 1.0) == Hit(0, "body")
-    assert hit((Barrier(CORNERS),), between, 1.0) is None
 
 
 def test_a_circle_within_a_region_is_hit_through_it_and_a_start_everywhere_nowhere() -> None:

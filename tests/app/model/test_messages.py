@@ -5,7 +5,6 @@ from __future__ import annotations
 from app.model.state.messages import Message, Messages
 
 LOST = Message("It could not be written.", error=True, topic="exporting")
-WRITTEN = Message("Written.", topic="exporting")
 SAVED = Message("Saved.", topic="saving")
 NO_START = Message("There is nothing to start from.", error=True, topic="running")
 
@@ -14,15 +13,6 @@ def test_good_news_is_shown_over_an_error_and_the_error_comes_back() -> None:
     both = Messages().said(LOST).said(SAVED)
     assert both.shown is SAVED
     assert both.faded().shown is LOST
-
-
-def test_news_of_no_topic_replaces_no_error() -> None:
-    said = Messages().said(Message("Something is wrong.", error=True)).said(Message("By the way."))
-    assert said.faded().shown == Message("Something is wrong.", error=True)
-
-
-def test_success_takes_away_the_error_of_its_kind() -> None:
-    assert Messages().said(LOST).said(WRITTEN).faded().shown is None
 
 
 def test_another_attempt_takes_away_what_was_said_about_the_last_one() -> None:

@@ -47,14 +47,6 @@ def numbers(document: Document) -> list[int]:
     return [item.number for item in document.objects.items]
 
 
-def test_clicks_are_taken_back_one_by_one(document) -> None:
-    twice = objects.click(objects.click(document, HERE), NOT_THERE)
-    assert twice.objects.clicks == (HERE, NOT_THERE)
-    assert objects.take_back(twice).objects.clicks == (HERE,)
-    assert objects.take_back(objects.take_back(twice)) == document
-    assert objects.drop(twice) == document
-
-
 def test_what_is_taken_has_the_boundary_of_the_selection_and_a_number_of_its_own(document) -> None:
     frame, dot = document.objects.items
     assert (frame.number, dot.number) == (1, 2)
@@ -84,7 +76,7 @@ def test_deleting_the_object_that_is_being_changed_ends_the_change(document) -> 
 
 
 def test_names_colors_classes_and_states_are_those_of_the_objects_given(document) -> None:
-    changed = objects.paint(objects.freeze(objects.hide(document, (1,), True), (2,), True), (1,), "#123456")
+    changed = objects.amend(objects.amend(document, (1,), hidden=True, color="#123456"), (2,), frozen=True)
     frame, dot = changed.objects.items
     assert (frame.hidden, frame.frozen, dot.hidden, dot.frozen) == (True, False, False, True)
     assert (changed.objects.color(frame), changed.objects.color(dot)) == ("#123456", changed.objects.classes[1].color)
@@ -92,16 +84,9 @@ def test_names_colors_classes_and_states_are_those_of_the_objects_given(document
     assert again.objects.color(again.objects[1]) == again.objects.classes[2].color
 
 
-def test_an_object_is_called_by_its_name_or_by_its_class_and_number(document) -> None:
-    named = objects.name_class(document, 2, "nucleus")
-    assert [objects.title(named.objects, item) for item in named.objects.items] == ["object 1", "nucleus 2"]
-    named = objects.rename(named, 2, "pupil")
-    assert objects.title(named.objects, named.objects[2]) == "pupil"
-
-
 def test_frozen_objects_are_barriers_of_a_run(document) -> None:
     assert document.regions is None
-    frozen = objects.freeze(document, (1,), True)
+    frozen = objects.amend(document, (1,), frozen=True)
     assert len(frozen.regions.barriers) == 2
     assert frozen.regions.barriers[0][0] == frozen.regions.barriers[0][-1]
 
@@ -129,5 +114,5 @@ def test_an_export_names_the_objects_and_tells_what_was_bridged(document) -> Non
     assert "nucleus 2" in text
     assert "ridged" in text
     assert "Net area mm^2" in text
-    hidden = objects.hide(document, (1, 2), True)
+    hidden = objects.amend(document, (1, 2), hidden=True)
     assert objects.objects_result(hidden) is None

@@ -7,7 +7,7 @@ import pytest
 from app.model.document import edits
 from app.model.document.document import Document, ImageReference
 from app.model.state.resolve import resolve
-from app.model.state.situation import RunStatus, Situation, can_redo, can_step, can_undo, has_image, is_started
+from app.model.state.situation import RunStatus, Situation, can_step, has_image, is_started
 from cpm_core.shapes import Barrier, Charge, Circle
 
 IMAGE = ImageReference("disc.png", "disc.png", (64, 64), 180.0)
@@ -53,39 +53,9 @@ def test_the_stop_reason_is_shown_and_whether_it_is_an_equilibrium() -> None:
     assert resolve(Situation(DRAWN, RunStatus("finished", stop_reason="lost"))).state == "Stopped – lost."
 
 
-def test_undo_and_redo_are_named_after_what_they_do() -> None:
-    situation = Situation(DRAWN, RunStatus("ready"), undo_name="draw circle", redo_name="move circle")
-    shown = resolve(situation)
-    assert (shown.undo_text, shown.redo_text) == ("Undo draw circle", "Redo move circle")
-    assert can_undo(situation)
-    assert can_redo(situation)
-    assert not can_undo(Situation(DRAWN))
-    assert not can_redo(Situation(DRAWN))
-
-
 def test_what_a_run_starts_from_are_starts_and_scales_but_not_what_acts_at_once() -> None:
     assert edits.clear_shapes(DRAWN).sources != DRAWN.sources
     for shape in (Barrier(((1.0, 2.0), (3.0, 4.0))), Charge((5.0, 6.0))):
         assert edits.add_shape(DRAWN, shape).sources == DRAWN.sources
     assert edits.set_parameter(DRAWN, "scales", 2).late != DRAWN.late
     assert edits.set_parameter(DRAWN, "beta", 1.0).late == DRAWN.late
-
-
-def test_limits_alone_are_no_drawing_to_start_from() -> None:
-    document = Document(IMAGE, (Barrier(((1.0, 2.0), (3.0, 4.0))),))
-    shown = resolve(Situation(document, RunStatus("ready")))
-    assert shown.state == "Nothing to start from yet"
-    assert "where particles start" in shown.hint
-
-
-@pytest.mark.parametrize(
-    ("status", "said"),
-    [
-        (RunStatus("ready"), "–"),
-        (RunStatus("running", step=1), "no gap"),
-        (RunStatus("running", step=1, bridges=1, longest_bridge=3.25), "1 gap of 3.2 px"),
-        (RunStatus("finished", step=1, bridges=3, longest_bridge=12.4), "3 gaps, longest 12.4 px"),
-    ],
-)
-def test_bridged_gaps_are_counted_and_the_longest_is_shown(status: RunStatus, said: str) -> None:
-    assert {label: value for label, value, _ in resolve(Situation(DRAWN, status)).numbers}["Bridged"] == said

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from pathlib import Path
 
 import numpy as np
@@ -13,11 +12,9 @@ from PySide6.QtCore import Qt
 
 from app.model.document import edits
 from app.model.preferences.table import SAVE_IN_FOLDER
-from app.session.exchange.core_functions import Core
 from app.session.tasks.opening import _counted, images_beside, session_beside
 from app.views.features.files import FolderFeature, OpenSaveFeature
 from app.views.main_window import MainWindow
-from cpm_core import load_image
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
 from cpm_core.shapes import Circle
 
@@ -64,19 +61,9 @@ def test_images_are_in_the_order_in_which_people_count(folder: Path) -> None:
     assert names == ["hand1.npy", "hand2.npy", "Hand10.npy"]
 
 
-@given(st.lists(st.integers(0, 10**6), min_size=2, unique=True))
-def test_numbers_in_names_count_by_value(numbers: list[int]) -> None:
-    names = sorted((f"a{number}.png" for number in numbers), key=_counted)
-    assert names == [f"a{number}.png" for number in sorted(numbers)]
-
-
 @given(st.lists(st.text()))
 def test_any_names_can_be_put_in_order(names: list[str]) -> None:
     assert sorted(sorted(names, key=_counted, reverse=True), key=_counted) == sorted(names, key=_counted)
-
-
-def test_an_image_whose_folder_cannot_be_read_is_alone(tmp_path: Path) -> None:
-    assert images_beside(tmp_path / "gone" / "a.png") == (tmp_path / "gone" / "a.png",)
 
 
 def test_only_a_session_that_names_the_image_belongs_to_it(folder: Path) -> None:
@@ -109,26 +96,6 @@ def test_a_click_leads_to_the_next_image_and_one_that_has_gone_is_passed_over(wi
     hand.qtbot.mouseClick(window.feature(FolderFeature).bar.forward, Qt.MouseButton.LeftButton)
     hand.wait(lambda: name(window) == "Hand10.npy" and window.session.idle)
     assert place(window) == "2 of 2"
-
-
-def test_two_keys_in_a_row_lead_two_images_on(window, hand, folder, monkeypatch) -> None:
-    open_image(window, hand, folder / "hand1.npy")
-    ready = threading.Event()
-
-    def load(path: Path, go_on):
-        assert ready.wait(20.0)
-        return load_image(path, go_on)
-
-    monkeypatch.setattr(window.session._opener, "_core", Core(load_image=load))
-    hand.key(*NEXT)
-    hand.key(*NEXT)
-    ready.set()
-    hand.wait(lambda: name(window) == "Hand10.npy")
-
-
-def test_an_image_that_is_opened_itself_is_fresh_and_keeps_the_session_beside_it_apart(window, hand, folder) -> None:
-    open_image(window, hand, folder / "hand2.npy")
-    assert window.session.document.shapes == ()
 
 
 def draw(window: MainWindow) -> None:

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QMimeData, QStandardPaths, Qt, QUrl
+from PySide6.QtCore import QMimeData, QStandardPaths, Qt
 from PySide6.QtGui import QColor, QImage
 from PySide6.QtWidgets import QApplication
 
-from app.model.document.imported import MOST, Imported
 from app.views.main_window import MainWindow
 from cpm_core import Contour
 from cpm_core.formats import encoded
-from cpm_core.formats.contours.reading.contour_file import ContourFile
 from cpm_core.shapes import Points, Polygon, Stroke
 from tests.app.session.test_saving import answering, drop
 from tests.core.formats.drawn import RESULT
@@ -75,13 +72,6 @@ def test_dropped_contours_are_the_truth_that_the_run_is_compared_with(window, ha
     assert window.workspace.truth.truth.labels.sum() == 25 * 25
 
 
-def test_cancelled_contours_change_nothing(window, hand, tmp_path) -> None:
-    before = window.session.document
-    with answering("Cancel"):
-        drop(window, file_of(tmp_path, RING))
-    assert window.session.document == before
-
-
 @pytest.mark.parametrize("kind", ["image_svg__xml", "application_geo__json", "text"])
 def test_copied_contours_are_pasted_back(window, hand, kind) -> None:
     suffix = ".geojson" if "geo" in kind else ".svg"
@@ -107,15 +97,6 @@ def test_a_pasted_picture_is_kept_in_a_file_and_opened(window, hand, tmp_path, m
     assert Path(window.session.document.image.path).parent == tmp_path / "cpm" / "pasted"
 
 
-def test_a_pasted_file_is_opened(window, hand, tmp_path) -> None:
-    data = QMimeData()
-    data.setUrls([QUrl.fromLocalFile(str(file_of(tmp_path, RING)))])
-    QApplication.clipboard().setMimeData(data)
-    with answering("Start"):
-        hand.key(Qt.Key.Key_V, CTRL)
-        hand.wait(lambda: bool(window.session.document.shapes))
-
-
 @pytest.mark.parametrize(("text", "told"), [("hello", "clipboard"), ("", "no picture")])
 def test_what_cannot_be_pasted_is_told(window, hand, text, told) -> None:
     put(text=text)
@@ -129,14 +110,3 @@ def test_a_table_of_points_needs_no_question(window: MainWindow, hand, tmp_path)
     drop(window, tmp_path / "seeds.csv")
     hand.wait(lambda: bool(window.session.document.shapes))
     assert window.session.document.shapes == (Points(((10.0, 12.0), (20.0, 22.5))),)
-
-
-def test_a_damaged_file_is_told(window, hand, tmp_path) -> None:
-    (tmp_path / "a.geojson").write_text(json.dumps({"type": "Sphere"}), "utf-8")
-    drop(window, tmp_path / "a.geojson")
-    hand.wait(lambda: "a.geojson" in window.canvas_area.messages.text)
-
-
-def test_more_contours_than_a_document_holds_are_refused() -> None:
-    with pytest.raises(ValueError, match=f"no more than {MOST} can be taken over"):
-        Imported.of(ContourFile((RING,) * (MOST + 1)), "many.zip")

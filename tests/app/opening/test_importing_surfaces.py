@@ -12,8 +12,7 @@ from PySide6.QtWidgets import QApplication, QFileDialog
 
 from app.views.main_window import MainWindow
 from cpm_core import Result, centerlines, export
-from cpm_core.contours.surface.inside import inside_of
-from cpm_core.contours.surface.of_labels import surface_of_labels
+from cpm_core.contours.surface import inside_of, surface_of_labels
 from cpm_core.shapes import Points, Stroke
 from tests.app.conftest import Hand
 from tests.app.session.test_saving import answering, drop
@@ -77,20 +76,6 @@ def test_a_dropped_surface_gives_an_object_for_each_body(volume, hand, tmp_path)
     assert not volume.session.document.objects.items
 
 
-def test_an_object_of_a_file_stands_beside_a_run_and_is_not_proposed_again(volume, hand, tmp_path) -> None:
-    hand.drag((14, 16), (14, 20))
-    hand.key(Qt.Key.Key_Space)
-    hand.wait_for_phase("finished")
-    export(RESULT, tmp_path / "a.ply")
-    with answering("Objects"):
-        drop(volume, tmp_path / "a.ply")
-        hand.wait(lambda: len(volume.session.document.objects.items) == 2)
-    volume.actions_by_name["objects"].trigger()
-    hand.wait(lambda: volume.session.idle and volume.workspace.object_selection.idle)
-    assert volume.session.scene.objects.proposals == ()
-    assert "shapes" not in volume.canvas_area.messages.text
-
-
 def test_a_dropped_surface_is_the_truth(volume, hand, tmp_path) -> None:
     export(RESULT, tmp_path / "a.vtk")
     with answering("Ground truth"):
@@ -129,9 +114,3 @@ def test_what_lies_in_the_other_kind_of_image_is_refused(volume, hand, tmp_path)
     QApplication.clipboard().setText("<svg/>")
     hand.key(Qt.Key.Key_V, CTRL)
     hand.wait(lambda: "clipboard has contours for an image" in volume.canvas_area.messages.text)
-
-
-def test_an_image_takes_no_surface(window, hand, tmp_path) -> None:
-    export(RESULT, tmp_path / "a.ply")
-    drop(window, tmp_path / "a.ply")
-    hand.wait(lambda: "a.ply lies in a volume, but an image is open" in window.canvas_area.messages.text)

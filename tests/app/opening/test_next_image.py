@@ -16,10 +16,8 @@ from app.model.document import edits
 from app.model.document.modes import fresh_parameters
 from app.model.preferences.table import KEEP_PARAMETERS
 from app.session.exchange.core_functions import Core
-from app.views.features.edit import ModesFeature
 from app.views.features.files import OpenSaveFeature
-from app.views.features.help import HelpFeature, PreferencesFeature
-from app.views.features.run import RunControlFeature
+from app.views.features.help import PreferencesFeature
 from app.views.main_window import MainWindow
 from app.views.window import dialogs
 from app.views.window.dialogs import Answer
@@ -126,15 +124,6 @@ def test_an_image_without_room_for_all_scales_limits_only_its_own(window, hand, 
     assert window.session.document.parameters == FRESH
 
 
-def test_a_preset_and_a_mode_fit_a_small_image(window, hand, tmp_path) -> None:
-    np.save(tmp_path / "small.npy", np.eye(20))
-    open_image(window, hand, tmp_path / "small.npy")
-    window.feature(ModesFeature)._use("automatic")
-    assert window.session.document.parameters == replace(PRESETS["automatic"], scales=2)
-    window.session.edit("preset", lambda document: edits.set_parameters(document, PRESETS["noisy"]))
-    assert window.session.document.parameters == replace(PRESETS["noisy"], scales=2)
-
-
 # While an image is being opened
 
 
@@ -162,47 +151,3 @@ def test_work_saved_at_the_question_is_in_its_file(window, hand, other, held, as
     held.set()
     hand.wait(lambda: window.session.document.image.name == "other.npy")
     assert (tmp_path / "kept.cpm").is_file()
-
-
-def test_what_has_been_given_up_is_not_asked_about_twice(window, hand, other, held, asked) -> None:
-    names = asked("discard")
-    draw(window)
-    window.open_image(str(other))
-    assert names == ["disc.cpm"]
-    held.set()
-    hand.wait(lambda: window.session.document.image.name == "other.npy")
-    assert names == ["disc.cpm"]
-
-
-def test_a_sample_of_the_guide_is_opened_after_the_question(window, hand, asked) -> None:
-    names = asked("cancel")
-    draw(window)
-    window.feature(HelpFeature)._open_sample("rings.png")
-    hand.wait(lambda: window.session.idle)
-    assert names == ["disc.cpm"]
-    assert window.session.document.image.name == "disc.npy"
-
-
-def test_the_run_panel_tells_of_the_open_image_while_another_is_being_opened(window, hand, other, held) -> None:
-    panel = window.feature(RunControlFeature).panel.status
-    before = panel.state
-    window.open_image(str(other))
-    assert "other.npy" in window.session.opening
-    window.session.show_status()
-    assert panel.state == before
-    held.set()
-    hand.wait(lambda: window.session.document.image.name == "other.npy")
-
-
-def test_the_value_under_a_resting_pointer_is_that_of_the_new_image(window, hand, other) -> None:
-    hand.move(32.0, 32.0)
-    assert window.pointer_readout.text().endswith("200")
-    open_image(window, hand, other)
-    assert window.pointer_readout.text().endswith(("1000", "1001"))
-
-
-def test_the_place_under_a_resting_pointer_follows_the_zoom(window, hand) -> None:
-    hand.move(32.0, 10.0)
-    before = window.pointer_readout.text()
-    hand.canvas.zoom(2.0)
-    assert window.pointer_readout.text() != before

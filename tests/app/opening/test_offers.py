@@ -10,10 +10,9 @@ from PySide6.QtCore import Qt
 from scipy.ndimage import gaussian_filter
 
 from app.model.document.modes import ADVICE
-from app.model.preferences.table import OFFER_SETTINGS
 from app.views.features.offers import BeginningFeature
 from app.views.main_window import MainWindow
-from app.views.widgets.offer_bar import OfferBar
+from app.views.widgets.containers import OfferBar
 from cpm_core import PRESETS
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_session
 from cpm_core.shapes import Circle, Everywhere
@@ -59,31 +58,11 @@ def test_settings_for_the_kind_are_used_by_one_click_and_taken_back_by_one_key(w
     assert window.session.document == before
 
 
-def test_an_offer_that_is_turned_down_changes_nothing(window, hand, nuclei) -> None:
-    open_image(window, hand, nuclei)
-    before = window.session.document
-    press(hand, bar(window).cross)
-    assert not bar(window).text
-    assert window.session.document == before
-
-
 def test_the_canvas_has_the_keyboard_with_an_offer_above_it_and_a_run_withdraws_it(window, hand, nuclei) -> None:
     open_image(window, hand, nuclei)
     window.session.edit("draw", lambda document: document.__class__(document.image, (Circle((20.0, 24.0), 9.0),)))
     hand.key(Qt.Key.Key_Period)
     hand.wait(lambda: window.session.status.started)
-    assert not bar(window).text
-
-
-def test_another_image_withdraws_the_offer(window, hand, nuclei, image_file) -> None:
-    open_image(window, hand, nuclei)
-    open_image(window, hand, image_file)
-    assert not bar(window).text
-
-
-def test_nothing_is_offered_by_choice(window, hand, nuclei) -> None:
-    window.preferences.choose(OFFER_SETTINGS, False)
-    open_image(window, hand, nuclei)
     assert not bar(window).text
 
 

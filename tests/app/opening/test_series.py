@@ -7,10 +7,9 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.views.features.offers import StackFeature
-from app.views.features.volumes import SlicesFeature
 from cpm_core import load_volume
 from tests.app.volumes.conftest import open_file
-from tests.core.formats.images.volumes.made import OBLIQUE, VALUES, write_series, write_slice
+from tests.core.formats.images.made import VALUES, write_series, write_slice
 
 pytestmark = pytest.mark.shared_window
 
@@ -58,24 +57,6 @@ def test_a_series_with_a_gap_opens_its_longest_even_part_says_so_and_offers_the_
     assert np.array_equal(window.session.image.values, MANY[:9])
 
 
-def test_of_two_spacings_one_is_opened_and_the_window_says_which(window, hand, tmp_path) -> None:
-    write_series(tmp_path / "s", [*range(9), *(8 + 1.7 * k for k in range(1, 6))], values=MANY)
-    open_file(window, hand, tmp_path / "s")
-    assert window.session.image.spacing == pytest.approx((1.0, 0.75, 0.5))
-    assert "from 1 to 1.7 mm apart. The longest even part has 9 slices, 1 to 9, 1 mm apart." in bar(window).text
-    assert window.feature(SlicesFeature).bar.voxel.text() == "1 × 0.75 × 0.5 mm"
-
-
-def test_an_oblique_series_is_a_volume_like_any_other_with_the_sides_of_the_patient(window, hand, tmp_path) -> None:
-    write_series(tmp_path / "s", [2.0 * k for k in range(10)], OBLIQUE)
-    open_file(window, hand, tmp_path / "s")
-    image = window.session.image
-    assert np.array_equal(image.values, VALUES)
-    assert image.geometry.oblique > 1.0
-    np.testing.assert_allclose(image.geometry.affine(image.spacing)[:3, 2], 0.5 * np.array(OBLIQUE[0]), atol=1e-6)
-    assert bar(window).text == ""
-
-
 def test_of_several_times_the_first_is_opened_and_the_others_are_offered(window, hand, tmp_path) -> None:
     write_times(tmp_path / "s")
     open_file(window, hand, tmp_path / "s")
@@ -99,13 +80,6 @@ def test_without_an_even_part_a_slice_is_opened_and_no_volume_is_offered(window,
     assert bar(window).text.endswith("4 slices are missing. The longest even part has 5 slices, 1 to 5, 1 mm apart.")
     assert [button.text() for button in bar(window).buttons] == ["Choose…"]
     assert not window.actions_by_name["open_stack"].isEnabled()
-
-
-def test_slices_without_a_place_are_called_that_and_their_distance_can_be_given(window, hand, tmp_path) -> None:
-    write_series(tmp_path / "s", range(10), ImagePositionPatient=None)
-    open_file(window, hand, tmp_path / "s")
-    assert "It does not tell where its slices lie" in bar(window).text
-    assert [button.text() for button in bar(window).buttons] == ["Size of a voxel…", "Choose…"]
 
 
 def test_a_slice_offers_the_series_around_it(window, hand, tmp_path) -> None:

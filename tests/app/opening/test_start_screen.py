@@ -7,19 +7,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QColor, QImage
-from PySide6.QtWidgets import QFileDialog, QMenu
+from PySide6.QtWidgets import QFileDialog
 from pytestqt.qtbot import QtBot
 
 from app.model.document.samples import samples
 from app.session.features.workspace import Workspace
-from app.session.storage.pictures import MOST, SIZE, Pictures
+from app.session.storage.pictures import SIZE
 from app.views.application import make_application
 from app.views.features.files import OpenSaveFeature, StartFeature
 from app.views.features.offers import BeginningFeature
 from app.views.files.start_screen import StartScreen
 from app.views.main_window import MainWindow
-from app.views.theme.theme import DARK, LIGHT
 from app.views.window import dialogs
 
 pytestmark = pytest.mark.usefixtures("pictures_taken")
@@ -62,25 +60,6 @@ def test_recent_work_is_opened_by_keys_alone(window, hand, other) -> None:
     assert hand.canvas.hasFocus()
 
 
-def test_escape_and_the_same_key_lead_back_to_the_image(window, hand) -> None:
-    hand.key(KEY.Key_Home, ALT)
-    hand.key(KEY.Key_Escape)
-    assert not screen(window).isVisible()
-    hand.key(KEY.Key_Home, ALT)
-    hand.key(KEY.Key_Home, ALT)
-    assert not screen(window).isVisible()
-    assert hand.canvas.hasFocus()
-
-
-def test_letters_lead_to_a_name_and_do_not_choose_a_tool(window, hand, other) -> None:
-    open_image(window, hand, other)
-    tool = hand.canvas.tool
-    hand.key(KEY.Key_Home, ALT)
-    hand.key(KEY.Key_D)
-    assert screen(window).recent.currentItem().text().startswith("disc.npy")
-    assert hand.canvas.tool is tool
-
-
 def test_a_sample_is_opened_by_a_click(window, hand) -> None:
     hand.key(KEY.Key_Home, ALT)
     grid = screen(window).samples
@@ -119,42 +98,6 @@ def test_a_session_saved_when_asked_is_recent_work_and_has_a_picture(
     pictures = ready.feature(StartFeature).pictures
     assert not pictures.get(tmp_path / "work.cpm").isNull()
     assert not pictures.get(image_file).isNull()
-
-
-@pytest.mark.parametrize("theme", [LIGHT, DARK], ids=["light", "dark"])
-def test_only_the_marked_picture_is_colored(window, hand, theme) -> None:
-    window.use_theme(theme)
-    hand.key(KEY.Key_Home, ALT)
-    samples_grid = screen(window).samples
-    samples_grid.setFocus()
-    hand.wait(samples_grid.hasFocus)
-    shown = screen(window).grab().toImage()
-    grid = samples_grid.geometry()
-    assert shown.pixelColor(grid.right() - 3, grid.top() + 5) == shown.pixelColor(2, 2)
-
-
-def test_clearing_the_list_of_files_removes_their_pictures(window, hand, other, image_file) -> None:
-    open_image(window, hand, other)
-    menu = QMenu()
-    window.feature(OpenSaveFeature).recent.fill(menu)
-    menu.actions()[-1].trigger()
-    assert window.feature(StartFeature).pictures.get(image_file).isNull()
-
-
-def test_no_more_pictures_are_kept_than_wanted(qapp, tmp_path) -> None:
-    pictures, image = Pictures(tmp_path / "pictures"), QImage(500, 40, QImage.Format.Format_RGB32)
-    image.fill(QColor("red"))
-    for number in range(MOST + 3):
-        pictures.put(tmp_path / f"{number}.png", image)
-    assert len(list((tmp_path / "pictures").iterdir())) == MOST
-    assert pictures.get(tmp_path / f"{MOST + 2}.png").size() == SIZE
-
-
-def test_a_folder_that_cannot_be_made_keeps_no_pictures(qapp, tmp_path) -> None:
-    (tmp_path / "file").write_text("-")
-    pictures = Pictures(tmp_path / "file" / "pictures")
-    pictures.put(tmp_path / "a.png", QImage(9, 9, QImage.Format.Format_RGB32))
-    assert pictures.get(tmp_path / "a.png").isNull()
 
 
 def test_where_nothing_can_be_opened_the_start_screen_is_shown(qtbot: QtBot, workspace: Workspace, tmp_path) -> None:

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 
 import numpy as np
 import pytest
 import tifffile
 from PySide6.QtCore import QCoreApplication, Qt
-from PySide6.QtWidgets import QFileDialog
 
 from app.model.document import edits
 from app.views.features.files import OpenSaveFeature
 from app.views.features.volumes import PagesFeature
 from app.views.window import dialogs
-from cpm_core import Parameters, cli
-from cpm_core.formats.sessions.session_file import load_session
+from cpm_core import Parameters
 from cpm_core.shapes import Circle, Everywhere, Polygon, Region
 from tests.app.conftest import disc
 
@@ -144,7 +141,7 @@ def test_a_double_click_in_the_table_goes_to_the_contour_and_selects_it(window, 
     feature = window.feature(PagesFeature)
     table, review = feature.panel.table, window.workspace.review
     for row in reversed(range(table.model().rowCount())):
-        told = table.rows.row(table.model().mapToSource(table.model().index(row, 0)).row())
+        told = table.rows.items[table.row_at(table.model().index(row, 0))]
         table.scrollTo(table.model().index(row, 0))
         place = table.visualRect(table.model().index(row, 0)).center()
         hand.qtbot.mouseClick(table.viewport(), LEFT, pos=place)
@@ -186,23 +183,6 @@ def test_a_page_with_a_start_of_its_own_keeps_it(stack, hand) -> None:
     assert own in session.document.shapes
 
 
-def test_window_and_command_line_find_the_same_to_the_bit(stack, hand, stack_file, tmp_path, monkeypatch) -> None:
-    documents = stack.feature(OpenSaveFeature).document_file
-    assert documents.save_at_once(tmp_path / "a.cpm")
-    run_all(stack, hand)
-    for name in ("a.json", "a.measures.csv", "a.tif", "a.zip", "a.geojson", "a.csv"):
-        chosen = tmp_path / name
-        monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_, path=chosen: (str(path), ""))
-        stack.feature(PagesFeature).export()
-        settled(stack, hand)
-        told = tmp_path / f"told_{name}"
-        cli.main(["run", str(stack_file), "--session", str(tmp_path / "a.cpm"), "--pages", "all", "--follow",
-                  "--export", str(told)])  # fmt: skip
-        assert chosen.read_bytes() == told.read_bytes(), name
-    rows = list(csv.DictReader((tmp_path / "a.measures.csv").read_text(encoding="utf-8").splitlines()))
-    assert [(row["page"], row["track"]) for row in rows] == [("1", "1"), ("2", "1"), ("3", "1"), ("5", "1")]
-
-
 def test_stop_keeps_the_pages_that_are_done(stack, hand) -> None:
     pages = stack.workspace.pages
     bar = stack.feature(PagesFeature).bar
@@ -239,19 +219,6 @@ def test_a_session_keeps_the_pages(stack, hand, tmp_path) -> None:
     assert not documents.unsaved
 
 
-def test_damaged_pages_of_a_session_are_left_out_with_a_sentence(stack, hand, tmp_path) -> None:
-    run_all(stack, hand)
-    stack.feature(OpenSaveFeature).document_file.save_at_once(tmp_path / "a.cpm")
-    text = (tmp_path / "a.cpm").read_text(encoding="utf-8")
-    assert load_session(tmp_path / "a.cpm").pages["found"]
-    (tmp_path / "b.cpm").write_text(text.replace('"page": 2', '"page": 99'), encoding="utf-8")
-    stack.session.open(tmp_path / "b.cpm")
-    hand.wait(lambda: stack.session.idle and stack.workspace.pages.result is not None)
-    settled(stack, hand)
-    assert [page.number for page in stack.workspace.pages.result.pages] == [1, 3, 4, 5]
-    assert "Some pages of the stack are damaged" in stack.canvas_area.messages.text
-
-
 def test_paging_asks_nothing_and_loses_nothing(stack, hand, monkeypatch) -> None:
     asked = []
     monkeypatch.setattr(dialogs, "ask_about_unsaved", lambda *question: asked.append(question) or "discard")
@@ -261,21 +228,3 @@ def test_paging_asks_nothing_and_loses_nothing(stack, hand, monkeypatch) -> None
     assert documents.unsaved  # the circle on the page before
     assert "the other pages" in documents.lost
     assert asked == []
-
-
-def test_paging_faster_than_pages_open_loses_none_of_them(stack, hand) -> None:
-    run_all(stack, hand)
-    pages = stack.workspace.pages
-    for key in (*[Qt.Key.Key_PageDown] * 4, *[Qt.Key.Key_PageUp] * 2, *[Qt.Key.Key_PageDown] * 2):
-        hand.key(key)
-        hand.qtbot.wait(20)
-    hand.wait(lambda: pages.number == 5)
-    settled(stack, hand)
-    others = {number: page for number, page in pages._kept.items() if number != 5}
-    assert sorted(others) == [1, 2, 3, 4] or sorted(others) == [1, 2, 3]  # nothing was done on the fourth
-    assert all(others[number].file.runs and not others[number].own_start for number in (2, 3))
-
-
-def test_one_image_has_no_line_of_pages(ready) -> None:
-    assert not ready.feature(PagesFeature).bar.isVisible()
-    assert ready.workspace.pages.count == 0

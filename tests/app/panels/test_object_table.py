@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
-from PySide6.QtWidgets import QLineEdit
 
 from app.model.document.edits import set_pixel_size
 from app.views.features.objects import ObjectsFeature
@@ -84,17 +83,6 @@ def test_a_click_on_a_row_chooses_its_object_and_a_heading_sorts(window, hand, t
     assert window.workspace.object_list.chosen == {1, 2}
 
 
-def test_a_double_click_renames_and_undo_brings_the_name_back(window, hand, table) -> None:
-    at = choose(hand, table, 1)
-    hand.qtbot.mouseDClick(table.viewport(), Qt.MouseButton.LeftButton, pos=at)
-    editor = table.findChild(QLineEdit)
-    hand.qtbot.keyClicks(editor, "pupil")
-    hand.qtbot.keyClick(editor, KEY.Key_Return)
-    hand.wait(lambda: items(window)[1].name == "pupil")
-    window.session.undo()
-    assert items(window)[1].name == ""
-
-
 def test_keys_classify_and_remove_the_chosen_objects(window, hand, table) -> None:
     choose(hand, table, 0)
     hand.qtbot.keyClick(table, KEY.Key_4)
@@ -134,20 +122,6 @@ def test_the_layer_draws_objects_in_the_color_of_their_class_and_gaps_dashed(win
     assert picture.pixelColor(int(hole.x() * ratio), int(hole.y() * ratio)).name() != "#ff0000"
     canvas.layers["objects"].set_shown(False)
     assert canvas.grab().toImage().pixelColor(int(at.x() * ratio), int(at.y() * ratio)).name() != "#ff0000"
-
-
-def test_a_name_that_is_typed_for_an_object_that_is_taken_back_changes_nothing(window, hand, table) -> None:
-    field = window.feature(ObjectsFeature).name_field
-    choose(hand, table, 0)
-    hand.canvas.setFocus()
-    window.actions_by_name["name_object"].trigger()
-    hand.wait(field.isVisible)
-    hand.qtbot.keyClicks(field, "late")
-    window.session.undo()
-    hand.qtbot.keyClick(field, KEY.Key_Return)
-    assert not field.isVisible()
-    assert window.session.redo_name == "draw"
-    assert not items(window)
 
 
 def test_a_name_that_is_typed_goes_to_no_object_of_another_image(window, hand, table, image_file) -> None:

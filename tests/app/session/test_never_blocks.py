@@ -19,19 +19,15 @@ from types import FrameType
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt, QTimer
-from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QDockWidget
 
 import cpm_core
 from app.model.document import edits
 from app.session.features.workspace import Workspace
 from app.views.application import make_application
 from app.views.canvas.layers.layer import Layer
-from app.views.features.files import OpenSaveFeature
 from app.views.main_window import MainWindow
 from cpm_core import Parameters, uniform_grid
-from cpm_core.field.pppm import pppm_field
-from cpm_core.shapes import Circle, Points
+from cpm_core.shapes import Points
 
 MOST_CALLS = 100_000
 """Calls of Python between two returns to the loop: 60,000 when a thousand contours arrive; too few for loops over the
@@ -168,21 +164,6 @@ def large(window: MainWindow, qtbot, image_file: Path) -> MainWindow:
     return window
 
 
-def test_the_watch_sees_what_blocks(qtbot) -> None:
-    def block() -> None:
-        for _ in range(MOST_CALLS + 1):
-            abs(0)
-
-    with Watch() as watch:
-        QTimer.singleShot(0, block)
-        qtbot.wait(50)
-    assert watch.most > MOST_CALLS
-    with Watch() as watch:
-        QTimer.singleShot(0, lambda: pppm_field(np.zeros((8, 8))))
-        qtbot.wait(50)
-    assert watch.computed
-
-
 def test_nothing_blocks_the_window_while_it_runs(large: MainWindow, hand, qtbot) -> None:
     session, canvas = large.session, hand.canvas
 
@@ -222,42 +203,3 @@ def test_nothing_blocks_the_window_while_it_runs(large: MainWindow, hand, qtbot)
         free(f"showing and hiding the layer {layer.name}", switch)
     free("zooming", zoom)
     free("pausing", pause)
-
-
-@pytest.mark.parametrize("image_file", [LARGE], indirect=True)
-def test_nothing_blocks_the_window_while_it_is_worked_with(large: MainWindow, hand, qtbot, tmp_path: Path) -> None:
-    session = large.session
-    document_file = large.feature(OpenSaveFeature).document_file
-
-    def edit() -> None:
-        for row in range(5):
-            circle = Circle((100.0 * row, 500.0), 60.0)
-            session.edit("draw", lambda document, circle=circle: edits.add_shape(document, circle))
-            qtbot.wait(10)
-        for key in (Qt.Key.Key_Z, Qt.Key.Key_Z, Qt.Key.Key_Y, Qt.Key.Key_Z):
-            hand.key(key, Qt.KeyboardModifier.ControlModifier)
-            qtbot.wait(10)
-
-    def save() -> None:
-        session.edit("draw", lambda document: edits.add_shape(document, Circle((9.0, 9.0), 5.0)))
-        document_file.save(tmp_path / "large.cpm")
-        qtbot.waitUntil(lambda: not document_file.unsaved, timeout=PATIENCE)
-
-    def open_again() -> None:
-        session.open(tmp_path / "large.cpm")
-        qtbot.wait(20)
-        qtbot.waitUntil(lambda: session.idle, timeout=PATIENCE)
-
-    for dock, action in zip(large.docks, large.docks.actions, strict=True):
-
-        def reveal(dock: QDockWidget = dock, action: QAction = action) -> None:
-            action.trigger()
-            qtbot.wait(20)
-            action.trigger()
-            large.docks.reveal(dock.objectName())
-            qtbot.wait(20)
-
-        free(f"opening the panel {dock.objectName()}", reveal)
-    free("editing, undo and redo", edit)
-    free("saving", save)
-    free("opening the session again", open_again)

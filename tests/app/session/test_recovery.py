@@ -3,27 +3,15 @@
 from __future__ import annotations
 
 import os
-import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 
-import numpy as np
-import pytest
-from PySide6.QtCore import Qt
-from PySide6.QtGui import QGuiApplication
-from PySide6.QtWidgets import QLabel, QMessageBox
+from PySide6.QtWidgets import QMessageBox
 
 from app.model.document import edits
-from app.session.storage.autosave import KEY, folder_of_journals, lock_of
-from app.session.storage.recovery import left_behind
+from app.session.storage.recovery import KEY, folder_of_journals, left_behind
 from app.views.features.files import OpenSaveFeature, RecoveryFeature
-from app.views.window.dialogs import Button, Question
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
 from cpm_core.shapes import Circle
-
-ROOT = Path(__file__).parents[3]
 
 
 def leave(folder: Path, image: Path, name: str = "left.cpm", session: str = "") -> Path:
@@ -58,18 +46,6 @@ def offer(window) -> QMessageBox | None:
 
 def press(box: QMessageBox, text: str) -> None:
     next(button for button in box.buttons() if button.text().replace("&", "").startswith(text)).click()
-
-
-@pytest.mark.parametrize("length", [1, 30, 80])
-def test_the_whole_name_of_the_work_is_in_the_question(window, length) -> None:
-    text = "Restore “" + "long name " * length + "”?"
-    box = Question(window, "Restore", text, "More.", (Button("later", "&Later", "cancel"),))
-    box.open()
-    label = box.findChild(QLabel, "qt_msgbox_label")
-    needed = label.fontMetrics().boundingRect(label.rect(), Qt.TextFlag.TextWordWrap, text)
-    assert label.wordWrap() or label.fontMetrics().horizontalAdvance(text) <= label.width()
-    assert needed.height() <= label.height()
-    box.close()
 
 
 def test_a_change_is_in_the_journal_a_moment_later_by_itself(window, hand) -> None:
@@ -160,82 +136,3 @@ def test_a_journal_of_a_missing_image_is_reported_and_stays(window, hand, tmp_pa
     press(offer(window), "Restore")
     hand.wait(lambda: "gone.png" in window.canvas_area.messages.text)
     assert left.exists()
-
-
-PROGRAM = """
-import sys
-from pathlib import Path
-from PySide6.QtCore import QSettings, QTimer
-from app.model.document import edits
-from app.views.application import make_application, open_window
-from cpm_core.shapes import Circle
-from app.views.features.files import RecoveryFeature
-from app.views.window.dialogs import Button, Question
-
-QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, sys.argv[1])
-application = make_application()
-window = open_window(sys.argv[2])
-journal = window.feature(RecoveryFeature).journal
-journal._timer.setInterval(50)
-
-def work():
-    if window.session.document.image is None:
-        QTimer.singleShot(20, work)
-        return
-    window.canvas_area.canvas.layers["image"].set_opacity(0.25)
-    for radius in (5.0, 6.0, 7.0):
-        circle = Circle((30.0, 31.0), radius)
-        window.session.edit("draw", lambda document, circle=circle: edits.add_shape(document, circle))
-
-QTimer.singleShot(20, work)
-application.exec()
-"""
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="signals are those of POSIX")
-def test_a_process_that_is_killed_leaves_its_work_to_the_next_window(window, hand, image_file, tmp_path) -> None:
-    np.save(tmp_path / "killed.npy", np.load(image_file))
-    command = [sys.executable, "-c", PROGRAM, str(tmp_path / "preferences"), str(tmp_path / "killed.npy")]
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), "QT_QPA_PLATFORM": "offscreen"}
-    with subprocess.Popen(command, env=environment, cwd=tmp_path) as process:
-        end = time.monotonic() + 60
-        while not _journals_with_three_shapes():
-            assert time.monotonic() < end
-            assert process.poll() is None
-            time.sleep(0.05)
-        assert left_behind(folder_of_journals()).leftovers == []
-        process.send_signal(signal.SIGKILL)
-    press(offer(window), "Restore")
-    hand.wait(lambda: window.session.document.image.name == "killed.npy")
-    assert window.session.document.shapes == tuple(Circle((30.0, 31.0), radius) for radius in (5.0, 6.0, 7.0))
-    assert hand.canvas.layers["image"].opacity == 0.25
-    assert window.feature(OpenSaveFeature).document_file.unsaved
-
-
-def _journals_with_three_shapes() -> bool:
-    return any(len(load_session(path).shapes) == 3 for path in folder_of_journals().glob("*.cpm"))
-
-
-def test_a_lock_is_free_as_soon_as_its_holder_has_ended(tmp_path) -> None:
-    first, second = (lock_of(tmp_path / "a.cpm") for _ in range(2))
-    assert first.tryLock(0)
-    assert not second.tryLock(0)
-    first.unlock()
-    assert second.tryLock(0)
-    second.unlock()
-
-
-@pytest.mark.parametrize("answer", ["Ask me later", "Discard", ""])
-def test_the_keyboard_belongs_to_the_window_when_the_question_is_answered(ready, hand, image_file, answer) -> None:
-    """Without a window manager no other program gives the keyboard to the window."""
-    leave(folder_of_journals(), image_file)
-    box = offer(ready)
-    hand.wait(box.isActiveWindow)
-    if answer:
-        press(box, answer)
-    else:
-        hand.qtbot.keyClick(box, Qt.Key.Key_Escape)
-    hand.wait(lambda: QGuiApplication.focusWindow() is ready.windowHandle())
-    assert ready.canvas_area.canvas.hasFocus()
-    hand.qtbot.keyClick(QGuiApplication.focusWindow(), Qt.Key.Key_Space)
-    hand.wait(lambda: ready.session.status.started)

@@ -11,10 +11,7 @@ from PySide6.QtCore import Qt
 
 from app.model.document import edits
 from app.model.document.contours import add_hand_edits
-from app.session.exchange.messages import Saved
 from app.session.storage.session_file import DocumentFile
-from app.session.tasks.opening import Wanted
-from app.session.timeline.stored.plain_runs import RunsWriter
 from app.views.features.files import OpenSaveFeature
 from app.views.features.run import TimelineFeature
 from cpm_core.contours.hand_edits import HandEdit
@@ -208,35 +205,6 @@ def test_a_damaged_piece_is_one_sentence_and_the_rest_is_opened(steered, hand, t
         assert steered.session.document.shapes == (Circle((30.0, 28.0), 6.0),)
 
 
-def test_runs_that_are_no_mapping_leave_the_document(ready, hand, tmp_path) -> None:
-    content = json.loads(saved(ready, hand, tmp_path / "a.cpm").read_text())
-    (tmp_path / "b.cpm").write_text(json.dumps({**content, "runs": [1], "truth": {"path": ""}}))
-    said = reopened(ready, hand, tmp_path / "b.cpm")
-    assert "recorded runs were left out" in said[0]
-    assert "ground truth was left out" in said[0]
-    assert ready.session.document.shapes
-
-
-def test_the_size_is_bounded_and_what_is_left_out_is_computed_again(steered, hand, tmp_path) -> None:
-    before = particles(steered)
-    writer = RunsWriter()
-    saved(steered, hand, tmp_path / "a.cpm")
-    content = json.loads((tmp_path / "a.cpm").read_text())
-    content["runs"] = writer.to_plain(steered.session._worker_thread._run.recorded.stored({}), most=0)
-    assert content["runs"]["states"] == []
-    assert not any("figures" in branch for run in content["runs"]["runs"] for branch in run["branches"])
-    (tmp_path / "b.cpm").write_text(json.dumps(content))
-    reopened(steered, hand, tmp_path / "b.cpm")
-    assert particles(steered) == before
-
-
-def test_runs_on_an_image_that_has_changed_are_not_shown(steered, hand, image_file, tmp_path) -> None:
-    saved(steered, hand, tmp_path / "a.cpm")
-    np.save(image_file, np.load(image_file) + 1.0)
-    reopened(steered, hand, tmp_path / "a.cpm")
-    assert steered.session.scene.snapshot is None
-
-
 def test_the_truth_comes_back(ready, hand, tmp_path) -> None:
     truth = ready.workspace.truth
     np.save(tmp_path / "mask.npy", (np.load(tmp_path / "disc.npy") > 100).astype(np.uint8))
@@ -249,14 +217,6 @@ def test_the_truth_comes_back(ready, hand, tmp_path) -> None:
     reopened(ready, hand, tmp_path / "a.cpm")
     hand.wait(lambda: truth.truth is not None)
     assert truth.tolerance == 3.0
-
-
-def test_the_mode_alone_is_no_work(window, hand) -> None:
-    modes = {KEY.Key_F2: "automatic", KEY.Key_F3: "skeleton", KEY.Key_F1: "shape"}
-    for key, mode in [*modes.items(), *modes.items()]:
-        hand.key(key, Qt.KeyboardModifier.ControlModifier)
-        assert window.session.document.mode == mode
-        assert file_of(window).lost == ()
 
 
 def test_a_run_that_running_again_gives_is_no_work_and_a_steered_one_is(ready, hand, tmp_path) -> None:
@@ -272,13 +232,3 @@ def test_a_run_that_running_again_gives_is_no_work_and_a_steered_one_is(ready, h
     assert file_of(ready).lost == ("the runs",)
     saved(ready, hand, tmp_path / "a.cpm")
     assert file_of(ready).lost == ()
-
-
-def test_runs_restored_after_a_crash_count_as_unsaved(steered, hand, tmp_path) -> None:
-    path = saved(steered, hand, tmp_path / "a.cpm")
-    file = load_session(path)
-    steered.session.begin(Wanted(path, file.parameters, saved=Saved(path, file, recovered=True)))
-    hand.wait(lambda: steered.session.document.image is not None and file_of(steered).unsaved and steered.session.idle)
-    hand.wait(lambda: "the runs" in file_of(steered).lost)
-    file_of(steered).save(path)
-    hand.wait(lambda: not file_of(steered).unsaved)

@@ -13,7 +13,7 @@ from app.session.scene import Scene
 from app.views.canvas.image_view import ImageView
 from app.views.canvas.items.curves import Curves
 from app.views.canvas.items.discs import Discs
-from app.views.export.frames import NoRequests
+from app.views.canvas.layers.layer import NoRequests
 
 pytestmark = pytest.mark.shared_window
 
@@ -83,36 +83,3 @@ def test_another_image_leaves_nothing_of_the_one_before_in_the_scene(rested, han
     assert (scene.contours, scene.differences, scene.selected_contours) == (empty.contours, (), frozenset())
     assert hand.canvas.layers.contours.counts == (0, 0)
     assert rested.workspace.review.items == ()
-
-
-def test_what_changes_together_is_announced_once(session) -> None:
-    told: list[int] = []
-    session.status_changed.connect(lambda: told.append(1))
-    with session._signals.gathering():
-        session.show_status()
-        session.show_status()
-        assert not told
-    assert len(told) == 1
-    with session._signals.gathering():
-        pass
-    session.show_status()
-    assert len(told) == 2
-
-
-def test_discs_that_have_not_moved_are_not_drawn_again(qapp, monkeypatch) -> None:
-    drawn: list[object] = []
-    monkeypatch.setattr(Discs, "update", lambda discs, *_: drawn.append(discs))
-    discs, places = Discs("#ffffff", 6.0, 1.0), np.array([[1.0, 2.0], [3.0, 4.0]])
-    assert not discs.isVisible()
-    discs.show(places, None, np.ones(2))
-    assert discs.isVisible()
-    discs.show(places.copy(), None, np.ones(2))
-    assert len(drawn) == 1
-    discs.show(places, None, np.full(2, 0.5))
-    discs.show(places + 1.0, None, np.full(2, 0.5))
-    assert len(drawn) == 3
-    discs.use_palette(["#000000"])
-    assert len(drawn) == 4
-    discs.show(places[:0])
-    assert len(drawn) == 5
-    assert not discs.isVisible()

@@ -26,9 +26,8 @@ from app.model.document import edits
 from app.model.document.document import Document
 from app.session.features.timeline import TimelineNavigation
 from app.session.session import Session
-from app.session.storage.autosave import Journal
 from app.session.storage.preferences import Preferences
-from app.session.storage.recovery import left_behind
+from app.session.storage.recovery import Journal, left_behind
 from app.session.storage.session_file import DocumentFile
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.parameters import Parameters
@@ -321,6 +320,6 @@ def test_whatever_is_done_in_whatever_order_everything_stays_consistent() -> Non
     run_state_machine_as_test(
         SessionMachine,
         settings=settings(
-            max_examples=15, stateful_step_count=20, deadline=None, suppress_health_check=list(HealthCheck)
+            max_examples=8, stateful_step_count=20, deadline=None, suppress_health_check=list(HealthCheck)
         ),
     )

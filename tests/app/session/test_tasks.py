@@ -9,12 +9,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from PySide6.QtCore import QObject, Qt
-from PySide6.QtWidgets import QProgressBar, QToolButton
+from PySide6.QtWidgets import QToolButton
 
-from app.model.state.situation import SURE_AFTER, in_words, seconds_left
 from app.session.exchange.core_functions import Core
 from app.session.exchange.messages import CommandFailed, Report
 from app.session.features.workspace import Workspace
@@ -23,54 +20,9 @@ from app.session.worker.commands import Command, CommandContext
 from app.views.application import make_application
 from app.views.features.run import TasksFeature
 from app.views.main_window import MainWindow
-from app.views.window.bars import SHOWN_AFTER, TaskBar
 from cpm_core import Image, load_image
 
 PATIENCE = 20_000
-
-
-class Clock:
-    """A clock that is set by hand."""
-
-    now = 0.0
-
-    def __call__(self) -> float:
-        return self.now
-
-
-@given(st.floats(SURE_AFTER, 1e5), st.floats(0.02, 1.0))
-def test_a_task_with_constant_speed_ends_at_the_estimated_time(elapsed: float, fraction: float) -> None:
-    left = seconds_left(elapsed, fraction)
-    assert left is not None
-    assert elapsed / (elapsed + left) == pytest.approx(fraction)
-
-
-@given(st.floats(0.0, 1e6))
-def test_the_text_of_a_remaining_time_is_within_a_quarter(seconds: float) -> None:
-    said = in_words(seconds)
-    assert said.endswith("left")
-    number = next((float(word) for word in said.split() if word.isdigit()), None)
-    if number is None:
-        assert seconds < 10.0
-    else:
-        unit = {"s": 1.0, "min": 60.0, "h": 3600.0}[said.split()[-2]]
-        assert number * unit == pytest.approx(seconds, rel=0.25)
-
-
-def test_there_is_no_text_for_an_unknown_remaining_time() -> None:
-    assert seconds_left(10.0, None) is None
-    assert seconds_left(0.5, 0.5) is None
-    assert seconds_left(10.0, 0.0) is None
-    assert in_words(None) == ""
-
-
-def test_a_task_estimates_the_remaining_time_from_its_own_speed() -> None:
-    clock = Clock()
-    task = Task("Counting", clock=clock)
-    clock.now = 30.0
-    assert task.seconds_left is None
-    task.advance(0.25)
-    assert task.seconds_left == pytest.approx(90.0)
 
 
 def test_advance_of_a_cancelled_task_raises() -> None:
@@ -80,15 +32,6 @@ def test_advance_of_a_cancelled_task_raises() -> None:
     with pytest.raises(Cancelled):
         task.advance(0.2)
     assert task.over
-
-
-def test_what_cannot_be_given_up_or_is_done_stays_as_it_is() -> None:
-    steady, done = Task("Steady", cancellable=False), Task("Done")
-    done.end()
-    for task in (steady, done):
-        task.cancel()
-        assert not task.cancelled
-    assert (steady.over, done.over) == (False, True)
 
 
 @pytest.fixture
@@ -222,17 +165,6 @@ def test_an_image_that_takes_long_is_given_up_by_a_click_and_the_one_before_runs
     assert session.status.step > 0
 
 
-def test_an_image_is_given_up_by_a_key(ready, hand, slow_file, reader) -> None:
-    ready.session.open(slow_file)
-    assert ready.actions_by_name["cancel_task"].isEnabled()
-    hand.key(Qt.Key.Key_Period, Qt.KeyboardModifier.ControlModifier)
-    assert not ready.session.tasks.current
-    assert not ready.actions_by_name["cancel_task"].isEnabled()
-    reader.gate.set()
-    hand.wait(lambda: ready.session.idle)
-    assert ready.session.document.image.name == "disc.npy"
-
-
 def test_of_two_images_opened_in_a_row_the_later_one_is_open(window, hand, slow_file, reader, tmp_path) -> None:
     np.save(tmp_path / "quick.npy", np.eye(24))
     window.session.open(slow_file)
@@ -270,25 +202,3 @@ def test_closing_while_an_image_is_being_opened_ends_at_once_and_well(
     window.close()
     assert session.document.image is None
     window.deleteLater()
-
-
-def test_the_bar_shows_the_part_done_and_hides_what_is_over_soon(qtbot, tasks) -> None:
-    bar = TaskBar(tasks)
-    qtbot.addWidget(bar)
-    clock = Clock()
-
-    def shown(change: Callable[[], None]) -> str:
-        change()
-        tasks.changed.emit()
-        return bar.text
-
-    part = bar.findChild(QProgressBar)
-    task = tasks.begin("Writing a.gif…")
-    task._clock, task._began = clock, 0.0
-    assert shown(lambda: setattr(clock, "now", 0.5 * SHOWN_AFTER)) == ""
-    assert shown(lambda: setattr(clock, "now", 30.0)) == "Writing a.gif…"
-    assert part.maximum() == 0
-    assert shown(lambda: task.advance(0.25)) == "Writing a.gif… about 90 s left"
-    assert part.value() / part.maximum() == pytest.approx(0.25)
-    assert shown(task.end) == ""
-    tasks.look()

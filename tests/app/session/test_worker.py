@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import gc
-import os
-import sys
 import threading
 import time
-import weakref
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -19,19 +14,17 @@ import pytest
 from app.model.document import edits
 from app.model.document.document import Document
 from app.session.exchange.core_functions import Core
-from app.session.exchange.mailbox import Mailbox, Pacer
-from app.session.exchange.messages import CommandFailed, Opened, Reconstruction, RunFailed, SeedsFound, Snapshot, WentOn
+from app.session.exchange.mailbox import Mailbox
+from app.session.exchange.messages import Opened, Reconstruction, RunFailed, SeedsFound, Snapshot, WentOn
 from app.session.tasks.tasks import Task
 from app.session.worker.commands import Export, FindSeeds, RunCall, Start, WarmUp
-from app.session.worker.recorded_run import RunRecord
-from app.session.worker.requests import Probe, Probed
 from app.session.worker.run import Run
 from app.session.worker.worker_thread import WorkerThread
-from cpm_core import Engine, Image, Parameters, Regions, uniform_grid
+from cpm_core import Image, Parameters, Regions, uniform_grid
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.model.state import Particles
 from cpm_core.parameters.provenance import Provenance
-from cpm_core.shapes import Barrier, Everywhere, Points, Region
+from cpm_core.shapes import Barrier, Everywhere, Points
 
 
 def disc() -> np.ndarray:
@@ -257,13 +250,6 @@ def test_parameters_sent_between_steps_act_at_exactly_the_next_one(bench: Bench)
     assert engine.states[-1].betas == (0.5, 1.5, 1.0)
 
 
-def test_the_newest_snapshot_wins_and_carries_the_whole_trace(bench: Bench) -> None:
-    _, snapshot = bench.run_to_the_end(2500)
-    assert snapshot is not None
-    assert (snapshot.state.step, snapshot.state.stop_reason, snapshot.generation) == (2500, "far enough", 2)
-    np.testing.assert_array_equal(snapshot.metrics.step, np.arange(1, 2501))
-
-
 def test_a_stopped_run_does_not_go_on(bench: Bench) -> None:
     engine, _ = bench.run_to_the_end(3)
     bench.worker_thread.post(RunCall(2, Run.go))
@@ -330,20 +316,6 @@ def test_placed_charges_act_at_the_next_step_and_of_many_moves_the_last_wins(ben
     assert engine.charges == [charges[-1], ()]
 
 
-def test_garbage_is_found_however_many_volumes_have_been_opened(bench: Bench) -> None:
-    bench.open()
-    bench.worker_thread.post(WarmUp(volumes=True))
-    bench.settle()
-    knot: Any = threading.Event()
-    knot.itself = knot
-    seen = weakref.ref(knot)
-    bench.worker_thread.post(WarmUp(volumes=True))
-    bench.settle()
-    del knot
-    gc.collect()
-    assert seen() is None
-
-
 def test_a_run_that_has_ended_goes_on_when_a_charge_is_placed_and_a_halted_one_does_not(bench: Bench) -> None:
     engine = bench.open()
     bench.worker_thread.post(Start(2, 1, DOCUMENT))
@@ -379,20 +351,6 @@ def test_of_many_wishes_for_places_to_start_from_only_the_last_is_worked_out(ben
     np.testing.assert_array_equal(found.image_seeds[Everywhere("grid")], uniform_grid((64, 64)))
 
 
-def test_places_to_start_from_lie_in_the_regions_of_interest_and_are_where_the_run_starts(bench: Bench) -> None:
-    bench.open()
-    region = Region(((10.0, 10.0), (10.0, 40.0), (30.0, 40.0), (30.0, 10.0)))
-    document = edits.toggle_everywhere(Document(shapes=(region,)), "grid")
-    bench.worker_thread.post(FindSeeds(1, document))
-    bench.worker_thread.post(Start(2, 1, document))
-    bench.settle()
-    (found,) = [report for report in bench.reports if isinstance(report, SeedsFound)]
-    grid = uniform_grid((64, 64))
-    inside = (grid[:, 0] > 10) & (grid[:, 0] < 30) & (grid[:, 1] > 10) & (grid[:, 1] < 40)
-    np.testing.assert_array_equal(found.image_seeds[Everywhere("grid")], grid[inside])
-    np.testing.assert_array_equal(bench.engines[-1].seeds, grid[inside])
-
-
 def test_an_engine_that_fails_is_reported_in_a_sentence_and_the_worker_lives(bench: Bench, caplog) -> None:
     bench.open()
     bench.worker_thread.post(Start(2, 1, DOCUMENT))
@@ -408,18 +366,6 @@ def test_an_engine_that_fails_is_reported_in_a_sentence_and_the_worker_lives(ben
     snapshot = bench.settle()
     assert snapshot is not None
     assert snapshot.state.step == 2
-
-
-def test_a_start_without_an_image_or_a_drawing_is_refused_in_words(bench: Bench) -> None:
-    bench.worker_thread.post(Start(1, 0, DOCUMENT))
-    bench.settle()
-    bench.open(generation=2)
-    bench.worker_thread.post(Start(3, 2, Document()))
-    bench.settle()
-    failures = [report.sentence for report in bench.reports if isinstance(report, RunFailed)]
-    assert len(failures) == 2
-    assert "open one first" in failures[0]
-    assert "draw a circle" in failures[1]
 
 
 def test_the_last_state_is_always_reconstructed(bench: Bench) -> None:
@@ -455,13 +401,6 @@ def test_closing_waits_for_the_step_that_is_being_taken_and_no_more(bench: Bench
     bench.worker_thread.close()
 
 
-def test_warming_up_is_done_on_the_worker(bench: Bench) -> None:
-    bench.worker_thread.post(WarmUp())
-    bench.settle()
-    assert bench.warm.is_set()
-    assert not [report for report in bench.reports if isinstance(report, CommandFailed | Opened)]
-
-
 def test_a_mailbox_gives_the_newest_once() -> None:
     box: Mailbox[int] = Mailbox()
     assert box.take() is None
@@ -471,53 +410,8 @@ def test_a_mailbox_gives_the_newest_once() -> None:
     assert box.take() is None
 
 
-def test_a_record_given_out_never_changes() -> None:
-    record = RunRecord()
-    record.record(1, {"epsilon": 0.5, "count": 10.0, "potential": -3.0})
-    first = record.metrics()
-    for step in range(2, 3000):
-        record.record(step, {"epsilon": 0.1, "count": 20.0})
-    assert (first.step.tolist(), first.epsilon.tolist(), first.count.tolist()) == ([1.0], [0.5], [10.0])
-    assert len(record.metrics().step) == 2999
-    assert set(record.metrics().potential.tolist()) == {-3.0}  # the last one that was measured
-    assert np.isnan(record.metrics().kinetic).all()
-
-
-def test_the_pacer_spaces_steps_evenly_and_does_not_make_up_for_a_pause() -> None:
-    now = [0.0]
-    pacer = Pacer(lambda: now[0])
-    pacer.limit(10.0)
-    taken = []
-    for _ in range(5):
-        now[0] += pacer.wait()
-        taken.append(now[0])
-        pacer.stepped()
-    assert np.diff(taken) == pytest.approx(0.1)
-    now[0] += 60.0
-    late = 0
-    while pacer.wait() == 0.0:
-        pacer.stepped()
-        late += 1
-    assert late <= 2
-    pacer.limit(None)
-    assert pacer.wait() == 0.0
-
-
-def test_the_pace_can_be_changed_while_a_slow_step_is_waited_for(bench: Bench) -> None:
-    engine = bench.open()
-    engine.last_step = 50
-    bench.worker_thread.post(RunCall(None, Run.set_pace, 0.01))
-    bench.worker_thread.post(Start(2, 1, DOCUMENT))
-    bench.worker_thread.post(RunCall(2, Run.go))
-    bench.wait(lambda: len(engine.states) >= 1)
-    bench.worker_thread.post(RunCall(None, Run.set_pace, None))
-    snapshot = bench.settle()
-    assert snapshot is not None
-    assert snapshot.state.step == 50
-
-
 def export(bench: Bench, shown: Reconstruction | None = None) -> None:
-    bench.worker_thread.post(Export(Task("Writing a.csv…"), shown, (), Path("a.csv")))
+    bench.worker_thread.post(Export(Task("Writing a.csv…"), shown, Document(), ".csv", Path("a.csv")))
 
 
 def test_what_is_written_is_the_very_reconstruction_that_is_shown(bench: Bench) -> None:
@@ -556,47 +450,3 @@ def test_the_export_during_a_run_writes_the_contours_shown_at_its_request(bench:
     bench.worker_thread.post(RunCall(None, Run.halt))
     bench.settle()
     assert bench.written == [shown.result]
-
-
-def test_before_there_are_contours_an_export_is_refused_in_words(bench: Bench) -> None:
-    bench.open()
-    bench.worker_thread.post(Start(2, 1, DOCUMENT))
-    export(bench)
-    bench.settle()
-    (failed,) = [report.sentence for report in bench.reports if isinstance(report, CommandFailed)]
-    assert "nothing to export yet" in failed
-    assert bench.written == []
-
-
-def test_no_forces_are_reported_of_a_particle_that_a_new_region_deletes(bench: Bench) -> None:
-    image = Image(disc())
-    engine = Engine(image, Parameters(scales=1))
-    bench.worker_thread.post(RunCall(None, Run.use, 1, engine, Parameters(scales=1)))
-    document = Document(shapes=(Points(((32.0, 20.0), (32.0, 44.0), (20.0, 40.0))),), parameters=Parameters(scales=1))
-    bench.worker_thread.post(Start(2, 1, document))
-    right = Regions(interest=(((1, 30), (1, 62), (62, 62), (62, 30)),))
-    bench.worker_thread.post(RunCall(2, Run.limit, right))
-    for place in ((32.0, 20.0), (20.0, 40.0)):
-        bench.worker_thread.post(Probe(2, place, 3.0))
-        bench.settle()
-    taken, stays = (report for report in bench.reports if isinstance(report, Probed))
-    assert (taken.identity, dict(taken.forces)) == (-1, {})
-    assert stays.identity == 2
-    alone = engine.with_regions(right)
-    expected = alone.forces(alone.start([(20.0, 40.0)]), Parameters(scales=1)).lorentz[0]
-    np.testing.assert_array_equal(stays.forces["lorentz"], expected)
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="only Linux has priorities of threads")
-def test_the_reconstruction_lets_the_run_go_first() -> None:
-    worker = WorkerThread()
-    try:
-        priorities = {
-            thread.name: os.getpriority(os.PRIO_PROCESS, thread.native_id)
-            for thread in threading.enumerate()
-            if thread.name in ("cpm-engine", "cpm-reconstruction")
-        }
-    finally:
-        worker.close()
-    assert priorities["cpm-engine"] == os.getpriority(os.PRIO_PROCESS, threading.get_native_id())
-    assert priorities["cpm-reconstruction"] == min(priorities["cpm-engine"] + 5, 19)

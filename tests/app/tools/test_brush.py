@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
-from app.model.document.objects import freeze
 from cpm_core.numerics import polyline
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
 
@@ -24,8 +22,8 @@ PIXELS = np.stack([ROW, COL], axis=-1).reshape(-1, 2).astype(float)
 def brush(hand):
     """The tool in use."""
     hand.key(KEY.Key_Z)
-    assert hand.canvas.tool.name == "brush"
-    return hand.canvas.tool
+    assert hand.canvas.hold.tool.name == "brush"
+    return hand.canvas.hold.tool
 
 
 def items(window) -> tuple[SegmentedObject, ...]:
@@ -102,17 +100,6 @@ def test_with_alt_the_brush_takes_away_makes_holes_and_parts_an_object_in_two(wi
     assert differ(item.mask((64, 64)), (whole <= large) & (cut > small), edge) == 0
 
 
-def test_an_object_that_is_taken_away_whole_is_gone_until_undo(window, hand, brush) -> None:
-    stroke(hand, (30, 30))
-    (item,) = items(window)
-    for _ in range(3):
-        hand.key(KEY.Key_Greater)
-    stroke(hand, (30, 28), (30, 32), away=True)
-    assert items(window) == ()
-    hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
-    assert items(window) == (item,)
-
-
 def test_escape_in_a_stroke_brings_the_objects_back(window, hand, brush) -> None:
     stroke(hand, (20, 20), (20, 30))
     before = window.session.document
@@ -124,54 +111,6 @@ def test_escape_in_a_stroke_brings_the_objects_back(window, hand, brush) -> None
     assert items(window) == before.objects.items
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
     assert items(window) == ()
-
-
-def test_of_two_objects_that_the_brush_touches_the_chosen_one_is_painted(window, hand, brush) -> None:
-    stroke(hand, (20, 20))
-    stroke(hand, (20, 32))
-    first, second = items(window)
-    for chosen, other in ((first, second), (second, first)):
-        window.workspace.object_list.choose((chosen.number,))
-        stroke(hand, (20, 26))
-        found = {item.number: item for item in items(window)}
-        assert found[chosen.number].area > chosen.area
-        assert found[other.number] == other
-        hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
-
-
-def test_a_frozen_object_and_an_empty_place_are_not_painted_and_a_word_says_so(window, hand, brush) -> None:
-    stroke(hand, (50, 50), away=True)
-    assert items(window) == ()
-    hand.wait(
-        lambda: window.canvas_area.messages.text == "There is no object under the brush from which it could take away."
-    )
-    stroke(hand, (20, 20))
-    window.session.edit("", lambda document: freeze(document, (1,), True))
-    before = items(window)
-    stroke(hand, (20, 20), (20, 30))
-    assert items(window) == before
-    hand.wait(lambda: "is frozen: release it to paint it" in window.canvas_area.messages.text)
-
-
-def test_what_is_painted_ends_at_the_border_of_the_image(window, hand, brush) -> None:
-    stroke(hand, (30, 2), (30, 1))
-    (item,) = items(window)
-    assert min(corner[1] for curve in item.boundary for corner in curve) == -0.5
-
-
-def test_a_painted_stretch_counts_as_one_that_follows_no_contour(window, hand, brush) -> None:
-    stroke(hand, (30, 20), (30, 40))
-    (item,) = items(window)
-    assert item.bridged() == pytest.approx(item.perimeter())
-    window.session.edit("", _without_gaps)
-    stroke(hand, (30, 40), (30, 46))
-    (item,) = items(window)
-    assert item.bridged() == pytest.approx(2 * 6 + math.pi * brush.radius, rel=0.1)
-
-
-def _without_gaps(document):
-    changed = tuple(replace(item, gaps=()) for item in document.objects.items)
-    return replace(document, objects=replace(document.objects, items=changed))
 
 
 def test_enter_and_arrow_keys_paint_and_with_alt_take_away(window, hand, brush) -> None:

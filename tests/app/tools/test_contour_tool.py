@@ -84,13 +84,6 @@ def test_a_frame_selects_what_lies_in_it_shift_adds_and_ctrl_or_alt_removes(foun
     assert hand.canvas.layers.contours._chosen.count == 1
 
 
-def test_a_contour_belongs_to_a_frame_that_holds_half_of_it(found, hand) -> None:
-    drag(hand, (3.0, 3.0), (40.0, 64.0))
-    assert selected(found) == {(20, 20), (20, 60)}
-    drag(hand, (3.0, 3.0), (40.0, 56.0))
-    assert selected(found) == {(20, 20)}
-
-
 def test_a_drag_from_a_contour_selects_all_that_it_crosses(found, hand) -> None:
     drag(hand, (20.0, 31.0), (20.0, 60.0), (60.0, 60.0))
     assert selected(found) == {(20, 20), (20, 60), (60, 60)}
@@ -110,23 +103,3 @@ def test_a_click_removes_a_contour_and_one_away_from_all_of_them_clears_the_sele
     assert len(selected(found)) == 5
     drag(hand, (40.0, 40.0))
     assert selected(found) == set()
-
-
-def test_esc_during_a_drag_selects_what_was_selected_before(found, hand) -> None:
-    drag(hand, (3.0, 3.0), (40.0, 40.0))
-    drag(hand, (40.0, 3.0), (80.0, 118.0), release=False)
-    assert selected(found) == {(60, 20), (60, 60), (60, 100)}
-    hand.key(KEY.Key_Escape)
-    assert selected(found) == {(20, 20)}
-    hand.qtbot.mouseRelease(hand.canvas.viewport(), LEFT, NONE, hand.at(80.0, 118.0))
-    assert selected(found) == {(20, 20)}
-
-
-def test_one_key_rejects_all_that_are_selected_as_one_step_and_the_rest_can_be_selected(found, hand) -> None:
-    drag(hand, (3.0, 3.0), (40.0, 118.0))
-    hand.key(KEY.Key_X)
-    assert sum(item.reviewed.rejected for item in found.workspace.review.items) == 3
-    hand.key(KEY.Key_I, Qt.KeyboardModifier.ControlModifier)
-    assert selected(found) == {(60, 20), (60, 60), (60, 100)}
-    hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
-    assert not any(item.reviewed.rejected for item in found.workspace.review.items)

@@ -10,11 +10,9 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
-from app.model.document.contours import add_hand_edits
 from app.views.features.contours import ContoursFeature
 from app.views.features.files import OpenSaveFeature
 from app.views.main_window import MainWindow
-from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.formats.sessions.session_file import load_session
 from tests.app.conftest import Hand
 
@@ -90,14 +88,6 @@ def test_a_drag_from_end_to_end_closes_the_contour_along_the_edge(gap, hand) -> 
     assert gap.session.undo_name == "join contours"
 
 
-def test_shift_c_closes_the_selected_contour(gap, hand) -> None:
-    hand.click(*at(math.pi))
-    hand.key(KEY.Key_C, SHIFT)
-    settle(gap, hand)
-    (closed,) = contours(gap)
-    assert closed.closed and closed.area == pytest.approx(AREA, rel=0.04)
-
-
 def test_shift_j_joins_the_selected_contours(gap, hand) -> None:
     hand.qtbot.mouseClick(hand.canvas.viewport(), Qt.MouseButton.LeftButton, SHIFT, hand.at(*at(math.pi)))
     settle(gap, hand)
@@ -140,15 +130,15 @@ def test_a_click_with_shift_or_alt_cuts_and_shift_x_cuts_at_the_mark(outlined, h
 def test_a_stretch_is_pulled_and_with_shift_not_snapped(outlined, hand) -> None:
     hand.press(*at(0.0))
     hand.qtbot.keyPress(hand.canvas, KEY.Key_Shift)
-    hand.canvas.bend(SHIFT)
-    hand.canvas.lead_to(at(0.0, RADIUS + 3.0))
-    hand.canvas.lead_to(at(0.0, RADIUS + 6.0))
+    hand.canvas.hold.set_modifiers(SHIFT)
+    hand.canvas.move_to(at(0.0, RADIUS + 3.0))
+    hand.canvas.move_to(at(0.0, RADIUS + 6.0))
     assert np.linalg.norm(preview(hand) - at(0.0, RADIUS + 6.0), axis=1).min() < 0.5
-    hand.canvas.let_go()
+    hand.canvas.hold.release()
     settle(outlined, hand)
     (one,) = contours(outlined)
     assert one.closed and np.hypot(*(one.points - CENTER).T).max() == pytest.approx(RADIUS + 6.0, abs=0.6)
-    hand.canvas.bend(Qt.KeyboardModifier.NoModifier)
+    hand.canvas.hold.set_modifiers(Qt.KeyboardModifier.NoModifier)
     hand.press(*at(0.0, RADIUS + 6.0))
     hand.move(*at(0.0, RADIUS + 3.0))
     hand.move(*at(0.0, RADIUS + 1.0))
@@ -156,28 +146,6 @@ def test_a_stretch_is_pulled_and_with_shift_not_snapped(outlined, hand) -> None:
     settle(outlined, hand)
     (one,) = contours(outlined)
     assert one.closed and one.area == pytest.approx(AREA, rel=0.04), "it snaps back to the edge"
-
-
-def test_escape_gives_a_drag_up_and_removes_marks(gap, hand) -> None:
-    edits = gap.session.document.hand_edits
-    hand.press(*at(0.5))
-    hand.move(*at(0.3))
-    hand.move(*at(0.0))
-    assert len(preview(hand)) > 2
-    hand.key(KEY.Key_Escape)
-    hand.release(*at(0.0))
-    assert gap.session.document.hand_edits == edits and len(preview(hand)) == 0
-    hand.click(*at(2.0))
-    assert len(gap.workspace.hand_editing.marked) == 1
-    hand.key(KEY.Key_Escape)
-    assert gap.workspace.hand_editing.marked == ()
-
-
-def test_the_end_of_a_contour_cannot_be_cut(gap, hand) -> None:
-    edits = gap.session.document.hand_edits
-    hand.qtbot.mouseClick(hand.canvas.viewport(), Qt.MouseButton.LeftButton, SHIFT, hand.at(*at(0.5)))
-    assert gap.session.document.hand_edits == edits
-    assert "cannot be cut at its end" in gap.canvas_area.messages.text
 
 
 def test_edits_are_carried_out_again_after_another_run(gap, hand) -> None:
@@ -190,18 +158,6 @@ def test_edits_are_carried_out_again_after_another_run(gap, hand) -> None:
     (rest,) = contours(gap)
     assert not rest.closed and np.linalg.norm(rest.points - at(0.0), axis=1).min() > 6.0
     assert gap.workspace.hand_editing.missed == ()
-
-
-def test_an_edit_without_its_contour_is_told_and_can_be_removed(outlined, hand) -> None:
-    session = outlined.session
-    piece = HandEdit(added=((3.0, 3.0), (3.0, 9.0)), before=((3.0, 1.0),))
-    session.edit("edit", lambda document: add_hand_edits(document, (piece,)))
-    settle(outlined, hand)
-    assert outlined.workspace.hand_editing.missed == (0,) and len(contours(outlined)) == 2
-    assert "1 of 1 edits by hand no longer find their contours" in outlined.canvas_area.messages.text
-    outlined.actions_by_name["drop_missed_edits"].trigger()
-    settle(outlined, hand)
-    assert session.document.hand_edits == () and len(contours(outlined)) == 1
 
 
 def draw_outline(hand: Hand) -> None:
@@ -237,13 +193,13 @@ def test_an_outline_along_the_edge_is_a_contour_before_any_run(window, hand, tmp
 def test_an_outline_between_two_places_of_a_contour_redraws_the_stretch(outlined, hand) -> None:
     hand.key(KEY.Key_U)
     hand.click(*at(-0.4))
-    hand.canvas.bend(SHIFT)
-    hand.canvas.press_at(at(0.0, RADIUS + 8.0))
-    hand.canvas.let_go()
-    hand.canvas.lead_to(at(0.4))
-    hand.canvas.bend(Qt.KeyboardModifier.NoModifier)
-    hand.canvas.press_at(at(0.4))
-    hand.canvas.let_go()
+    hand.canvas.hold.set_modifiers(SHIFT)
+    hand.canvas.hold.press(hand.canvas, at(0.0, RADIUS + 8.0))
+    hand.canvas.hold.release()
+    hand.canvas.move_to(at(0.4))
+    hand.canvas.hold.set_modifiers(Qt.KeyboardModifier.NoModifier)
+    hand.canvas.hold.press(hand.canvas, at(0.4))
+    hand.canvas.hold.release()
     hand.key(KEY.Key_Return)
     settle(outlined, hand)
     (one,) = contours(outlined)
@@ -258,65 +214,6 @@ def test_a_freehand_outline_snaps_and_closes_where_it_began(window, hand) -> Non
     settle(window, hand)
     (one,) = contours(window)
     assert one.closed and one.area == pytest.approx(AREA, rel=0.04)
-
-
-def test_a_double_click_beside_the_edge_ends_a_line_on_it(window, hand) -> None:
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_U)
-    hand.wait(lambda: window.workspace.hand_editing.edges is not None)
-    hand.click(*at(0.0, RADIUS + 1.5))
-    hand.move(*at(2.0, RADIUS + 1.5))
-    hand.double_click(*at(2.0, RADIUS + 1.5))
-    settle(window, hand)
-    (one,) = contours(window)
-    assert not one.closed and one.length == pytest.approx(2.0 * RADIUS, rel=0.05)
-
-
-def test_backspace_takes_the_last_anchor_of_an_outline_back(window, hand) -> None:
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_U)
-    hand.wait(lambda: window.workspace.hand_editing.edges is not None)
-    hand.click(*at(0.0))
-    hand.click(*at(1.0))
-    hand.move(*at(2.0))
-    before = preview(hand)
-    hand.click(*at(2.0))
-    hand.move(*at(3.0))
-    hand.key(KEY.Key_Backspace)
-    hand.move(*at(2.0))
-    tool = hand.canvas.tool
-    assert tool.drafting
-    np.testing.assert_array_equal(preview(hand), before)
-    hand.key(KEY.Key_Escape)
-    assert not tool.drafting and window.session.document.hand_edits == ()
-
-
-def test_an_outline_can_be_drawn_by_keys_alone(window, hand) -> None:
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_U)
-    hand.key(KEY.Key_Return)
-    moves = [(KEY.Key_Up, 1), (KEY.Key_Right, 1), (KEY.Key_Down, 1), (KEY.Key_Left, 1)]
-    for key, many in moves:
-        hand.key(KEY.Key_Return)
-        for _ in range(many):
-            hand.key(key, SHIFT)
-    hand.key(KEY.Key_Return)
-    settle(window, hand)
-    assert [contour.closed for contour in contours(window)] == [True]
-
-
-def test_contours_are_joined_by_keys_alone(gap, hand) -> None:
-    """The cross-hair takes hold of one end, and lets go on the other."""
-    crosshair = gap.canvas_area.crosshair
-    ends = contours(gap)[0].points[[0, -1]]
-    crosshair.show()
-    row, col = crosshair.at
-    crosshair.move(round(ends[0, 0]) - row, round(ends[0, 1]) - col)
-    hand.key(KEY.Key_Return)
-    crosshair.move(round(ends[1, 0]) - round(ends[0, 0]), round(ends[1, 1]) - round(ends[0, 1]))
-    hand.key(KEY.Key_Return)
-    settle(gap, hand)
-    assert [contour.closed for contour in contours(gap)] == [True]
 
 
 def test_edits_by_hand_are_saved_and_come_back(gap, hand, tmp_path: Path) -> None:
@@ -335,22 +232,3 @@ def test_edits_by_hand_are_saved_and_come_back(gap, hand, tmp_path: Path) -> Non
     hand.wait_for_phase("finished")
     settle(gap, hand)
     assert [contour.closed for contour in contours(gap)] == [False]
-
-
-def test_reset_keeps_what_was_drawn_by_hand(outlined, hand) -> None:
-    hand.key(KEY.Key_U)
-    draw_outline(hand)
-    settle(outlined, hand)
-    outlined.session.reset()
-    settle(outlined, hand)
-    (one,) = contours(outlined)
-    assert one.closed and one.length_by_hand == pytest.approx(one.length)
-
-
-def test_another_image_begins_without_edits_by_hand(gap, hand, tmp_path: Path) -> None:
-    path = tmp_path / "other.npy"
-    np.save(path, np.random.default_rng(0).normal(0.0, 1.0, (64, 64)))
-    gap.session.open(path)
-    hand.wait(lambda: gap.session.document.image.name == "other.npy")
-    settle(gap, hand)
-    assert gap.session.document.hand_edits == () and contours(gap) == []

@@ -3,18 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
-from app.model.document.objects import made
-from app.session.features import object_selection
-from app.session.features.selector import Selector
 from app.session.storage.session_file import DocumentFile
-from cpm_core import circle, partition
-from cpm_core.objects.segmented.segmented_object import Click
 from cpm_core.shapes import Barrier, Circle, Polygon, Region
 
 pytestmark = pytest.mark.shared_window
@@ -151,26 +145,6 @@ def test_a_stroke_says_the_same_of_all_that_it_crosses_and_is_one_step_of_undo(w
     assert not objects.selecting
 
 
-def test_what_the_pointer_showed_where_a_stroke_begins_does_not_count(window, hand, objects, monkeypatch) -> None:
-    partition, begun_with = objects.partitions.partition, []
-    select = type(partition).select
-
-    def recording(self, inside, outside=(), *, previous=None):
-        begun_with.append(previous)
-        return select(self, inside, outside, previous=previous)
-
-    monkeypatch.setattr(type(partition), "select", recording)
-    hand.move(5, 50)  # a pointer that is there already does not move
-    hand.move(18, 18)
-    hand.wait(lambda: window.session.scene.objects.preview is not None)
-    hand.drag((18, 18), (26, 26), (34, 33), (43, 42))
-    hand.wait(lambda: bool(objects.proposals))
-    stroke = objects.proposals[0].clicks
-    assert len(stroke) == 1 and len(stroke[0].places) > 2
-    assert len(begun_with) >= 2
-    assert all(previous is not None and not previous.mask.any() for previous in begun_with[:2])
-
-
 def test_escape_drops_the_proposal_and_backspace_takes_a_click_back(window, hand, objects, layer) -> None:
     click(hand, 18, 18)
     click(hand, 43, 42)
@@ -180,27 +154,6 @@ def test_escape_drops_the_proposal_and_backspace_takes_a_click_back(window, hand
     hand.wait(lambda: not objects.proposals)
     assert not objects.selecting
     assert layer.offered == 0
-
-
-def test_digits_set_the_class_of_the_next_object_and_of_a_chosen_one(window, hand, objects) -> None:
-    click(hand, 18, 18)
-    hand.key(KEY.Key_3)
-    take(hand)
-    assert taken(window)[0].category == 3
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_5)
-    assert taken(window)[0].category == 5
-    assert window.session.document.objects.category == 5
-
-
-def test_delete_removes_the_chosen_object_and_undo_brings_it_back(window, hand, objects) -> None:
-    click(hand, 18, 18)
-    take(hand)
-    before = taken(window)
-    hand.key(KEY.Key_Delete)
-    assert taken(window) == ()
-    hand.key(KEY.Key_Z, CONTROL)
-    assert taken(window) == before
 
 
 def test_a_click_in_an_object_changes_it_and_keeps_its_number(window, hand, objects) -> None:
@@ -216,32 +169,6 @@ def test_a_click_in_an_object_changes_it_and_keeps_its_number(window, hand, obje
     assert item.encloses(np.array([[18.0, 18.0], [43.0, 42.0]])).all()
 
 
-def test_escape_leaves_an_object_that_was_being_changed_as_it_was(window, hand, objects) -> None:
-    click(hand, 18, 18)
-    take(hand)
-    before = taken(window)
-    click(hand, 20, 20)
-    click(hand, 43, 42)
-    hand.key(KEY.Key_Escape)
-    assert taken(window) == before
-    assert window.session.document.objects.edited == 0
-
-
-def test_objects_are_selected_by_keys_alone(window, hand, objects) -> None:
-    hand.canvas.leave()
-    crosshair = window.canvas_area.crosshair
-    crosshair.show()
-    crosshair.move(18.0 - crosshair.at[0], 18.0 - crosshair.at[1])
-    hand.key(KEY.Key_Return)
-    crosshair.move(43.0 - 18.0, 42.0 - 18.0)
-    hand.key(KEY.Key_Return, SHIFT)
-    hand.wait(lambda: objects.idle and bool(objects.proposals))
-    clicks = window.session.document.objects.clicks
-    assert clicks == (Click(((18.0, 18.0),)), Click(((43.0, 42.0),), inside=False))
-    hand.key(KEY.Key_Return, CONTROL)
-    assert len(taken(window)) == 1
-
-
 def test_who_draws_a_circle_in_an_object_and_runs_gets_it_offered_and_enter_takes_it(window, hand) -> None:
     selection, session = window.workspace.object_selection, window.session
     hand.drag((18, 18), (18, 20), (18, 22))
@@ -255,94 +182,6 @@ def test_who_draws_a_circle_in_an_object_and_runs_gets_it_offered_and_enter_take
     (item,) = taken(window)
     assert overlap(item.mask((64, 64)), disk(*SMALL)) > 0.9
     hand.wait(lambda: selection.idle and not selection.proposals)
-
-
-def test_escape_drops_what_is_offered_around_a_start_until_a_run_ends_again(window, hand) -> None:
-    selection, session = window.workspace.object_selection, window.session
-    session.edit("draw", lambda d: replace(d, shapes=(Circle(SMALL[0], 4.0),)))
-    session.run()
-    hand.wait(lambda: bool(selection.proposals))
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_Escape)
-    hand.wait(lambda: not selection.proposals)
-    session.reset()
-    session.run()
-    hand.wait(lambda: bool(selection.proposals))
-    assert taken(window) == ()
-
-
-def test_a_run_that_is_reset_or_looked_back_into_offers_nothing_and_its_end_offers_again(window, hand) -> None:
-    selection, session = window.workspace.object_selection, window.session
-    session.edit("draw", lambda d: replace(d, shapes=(Circle(SMALL[0], 4.0),)))
-    session.run()
-    hand.wait(lambda: bool(selection.proposals))
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_Comma)
-    hand.wait(lambda: session.idle and selection.idle and not selection.proposals)
-    hand.key(KEY.Key_End, Qt.KeyboardModifier.ControlModifier)
-    hand.wait(lambda: bool(selection.proposals))
-    hand.key(KEY.Key_R)
-    hand.wait(lambda: session.idle and selection.idle and not selection.proposals)
-
-
-def test_on_a_large_image_objects_are_found_only_for_who_uses_the_tool(window, hand, monkeypatch) -> None:
-    monkeypatch.setattr(object_selection, "MOST_OFFERED", 64 * 64 - 1)
-    selection, session = window.workspace.object_selection, window.session
-    session.edit("draw", lambda d: replace(d, shapes=(Circle(SMALL[0], 4.0),)))
-    session.run()
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: session.idle and selection.idle and session.scene.contours.result is not None)
-    assert not selection.ready and not selection.proposals
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_W)
-    hand.wait(lambda: bool(selection.proposals))
-
-
-def test_each_start_offers_its_own_object_and_all_are_taken_in_one_step(window, hand) -> None:
-    selection, session = window.workspace.object_selection, window.session
-    for center, _ in (SMALL, LARGE):
-        session.edit("draw", lambda d, at=center: d.__class__(d.image, (*d.shapes, Circle(at, 4.0)), d.parameters))
-    session.run()
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: len(selection.proposals) == 2)
-    selection.take()
-    assert len(taken(window)) == 2
-    session.undo()
-    assert taken(window) == ()
-
-
-def test_a_start_around_which_no_object_is_found_offers_none() -> None:
-    values = np.zeros((64, 64))
-    values[:, 26:38] = 200.0
-    selector = Selector(partition(values), (), 0)
-    across, within = (circle(center=(32.0, 32.0), radius=radius) for radius in (14.0, 3.0))
-    assert selector.proposals([across]) == ()
-    assert len(selector.proposals([across, within])) == 1
-
-
-def test_a_circle_around_an_object_offers_it_once() -> None:
-    row, col = np.indices((80, 80))
-    noise = np.random.default_rng(0).normal(0.0, 10.0, (80, 80))
-    cut = partition(60.0 + 90.0 * (np.hypot(row - 40, col - 40) <= 16) + noise)
-    around = circle(center=(40.0, 40.0), radius=21.0)
-    (proposal,) = Selector(cut, (), 0).proposals([around])
-    taken = made(proposal.selection, proposal.clicks, 1, 1)
-    assert Selector(cut, (taken,), 0).proposals([around]) == ()
-
-
-def test_what_is_frozen_is_not_offered_again_and_holds_particles_back(window, hand, objects) -> None:
-    click(hand, 18, 18)
-    take(hand)
-    window.actions_by_name["freeze_object"].trigger()
-    (item,) = taken(window)
-    assert item.frozen
-    assert window.session.document.regions.barriers == window.session.document.objects.barriers
-    session, starts = window.session, tuple(Circle(center, 4.0) for center, _ in (SMALL, LARGE))
-    session.edit("draw", lambda d: d.__class__(d.image, starts, d.parameters, objects=d.objects))
-    session.run()
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: bool(objects.proposals))
-    assert overlap(offered(objects), disk(*LARGE)) > 0.9
 
 
 @pytest.mark.parametrize(
@@ -375,51 +214,6 @@ def test_a_session_file_keeps_objects_classes_and_the_selection_in_progress(wind
     assert overlap(offered(objects), disk(*LARGE)) > 0.9
 
 
-def test_all_like_a_chosen_one_are_added_in_one_step_of_undo(window, hand, objects) -> None:
-    values = np.full((64, 64), 20.0)
-    for center in ((16.0, 16.0), (16.0, 46.0), (46.0, 18.0)):
-        values[disk(center, 8.0)] = 200.0
-    session = window.session
-    path = Path(session.document.image.path).with_name("like.npy")
-    np.save(path, values)
-    session.open(path)
-    hand.wait(lambda: session.document.image.name == "like.npy" and objects.ready)
-    click(hand, 16, 16)
-    take(hand)
-    hand.key(KEY.Key_L, CONTROL)
-    hand.wait(lambda: len(taken(window)) == 3)
-    for item, center in zip(taken(window), ((16.0, 16.0), (16.0, 46.0), (46.0, 18.0)), strict=True):
-        assert overlap(item.mask((64, 64)), disk(center, 8.0)) > 0.85
-    session.undo()
-    assert len(taken(window)) == 1
-
-
-def test_an_object_is_fitted_to_the_contours_of_another_run_unless_it_is_frozen(window, hand, objects) -> None:
-    click(hand, 18, 18)
-    take(hand)
-    click(hand, 43, 42)
-    take(hand)
-    window.workspace.object_list.toggle_frozen()
-    before = taken(window)
-    window.workspace.object_list.choose((1, 2))
-    session = window.session
-    grown = tuple(replace(item, boundary=item.boundary[:1] + item.boundary[:0], confidence=0.1) for item in before)
-    session.edit("spoil", lambda d: replace(d, objects=replace(d.objects, items=grown)))
-    window.actions_by_name["fit_objects"].trigger()
-    hand.wait(lambda: taken(window)[0] == before[0])
-    assert taken(window)[1] == grown[1]
-
-
-def test_clicks_on_an_image_that_is_not_prepared_yet_are_answered_later(window, hand) -> None:
-    selection = window.workspace.object_selection
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_W)
-    hand.click(18, 18)
-    assert selection.selecting
-    hand.wait(lambda: bool(selection.proposals))
-    assert overlap(offered(selection), disk(*SMALL)) > 0.9
-
-
 def test_the_proposal_follows_the_contours_of_a_run(window, hand, objects) -> None:
     click(hand, 18, 18)
     before = objects.proposals[0].selection
@@ -433,23 +227,3 @@ def test_the_proposal_follows_the_contours_of_a_run(window, hand, objects) -> No
     assert overlap(offered(objects), disk(*SMALL)) > 0.85
     session.reset()
     hand.wait(lambda: np.array_equal(offered(objects), before.mask))
-
-
-def test_the_proposal_stays_while_another_tool_is_used(window, hand, objects) -> None:
-    click(hand, 18, 18)
-    hand.key(KEY.Key_C)
-    assert objects.selecting
-    hand.key(KEY.Key_W)
-    assert objects.selecting
-
-
-def test_a_click_that_changes_nothing_says_so(window, hand, objects) -> None:
-    said: list[str] = []
-    window.session.said.connect(lambda sentence, trouble: said.append(sentence))
-    click(hand, *LARGE[0])
-    hand.wait(lambda: objects.idle and len(objects.proposals) == 1 and bool(objects.proposals[0].clicks))
-    assert not any("changes nothing" in words for words in said)
-    click(hand, LARGE[0][0] + 3.0, LARGE[0][1])
-    hand.wait(lambda: any("belongs to the object already" in words for words in said))
-    click(hand, 5.0, 58.0, SHIFT)
-    hand.wait(lambda: any("does not belong to the object" in words for words in said))

@@ -8,9 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QImage
 
-from cpm_core import Regions
 from cpm_core.numerics import polyline
 from cpm_core.shapes import Barrier, Region, Stroke
 
@@ -18,7 +16,6 @@ pytestmark = pytest.mark.shared_window
 
 KEY = Qt.Key
 CONTROL = Qt.KeyboardModifier.ControlModifier
-ALT = Qt.KeyboardModifier.AltModifier
 PIXEL = 0.5
 
 KINDS = {KEY.Key_T: Stroke, KEY.Key_I: Region, KEY.Key_B: Barrier}
@@ -71,15 +68,6 @@ def test_a_drag_draws_freehand_and_the_path_follows_the_pointer(window, hand, ca
         assert 8 <= len(shape.points) < len(way)
 
 
-def test_a_double_click_places_the_last_corner_and_ends_the_path(window, hand, cases) -> None:
-    for key in cases(KINDS):
-        hand.key(key)
-        for corner in CORNERS[:-1]:
-            hand.click(*corner)
-        hand.double_click(*CORNERS[-1])
-        assert near(only(window).points, CORNERS)
-
-
 def test_a_click_on_the_first_corner_closes_a_region_but_not_a_barrier(window, hand) -> None:
     hand.key(KEY.Key_I)
     for corner in (*CORNERS, CORNERS[0]):
@@ -108,42 +96,6 @@ def test_escape_discards_a_path_and_leaves_nothing_to_undo(window, hand, cases) 
         assert window.session.document.shapes == ()
         assert not window.actions_by_name["undo"].isEnabled()
         assert "Esc cancels" not in window.canvas_area.hint.text()
-
-
-def test_backspace_removes_the_last_corner_and_not_the_selected_shape(ready, hand) -> None:
-    ready.session.select(0)
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_B)
-    for corner in CORNERS:
-        hand.click(*corner)
-    hand.key(KEY.Key_Backspace)
-    hand.key(KEY.Key_Return)
-    circle, barrier = ready.session.document.shapes
-    assert near(barrier.points, CORNERS[:-1])
-    hand.key(KEY.Key_Backspace)
-    assert ready.session.document.shapes == (circle,)
-
-
-def test_a_single_click_makes_nothing_and_says_how(window, hand, cases) -> None:
-    for key in cases(KINDS):
-        hand.canvas.setFocus()
-        hand.key(key)
-        hand.click(20, 20)
-        hand.key(KEY.Key_Return)
-        assert window.session.document.shapes == ()
-        assert "corner by corner" in window.canvas_area.messages.text
-
-
-def test_another_tool_discards_the_path_that_was_begun(window, hand) -> None:
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_I)
-    hand.click(10, 10)
-    hand.click(10, 40)
-    hand.key(KEY.Key_C)
-    hand.drag((32, 32), (32, 36), (32, 42))
-    hand.key(KEY.Key_I)
-    hand.key(KEY.Key_Return)
-    assert len(window.session.document.shapes) == 1
 
 
 def test_a_path_is_selected_on_its_line_moved_by_drag_and_keys_and_deleted(window, hand, cases) -> None:
@@ -181,64 +133,3 @@ def test_a_corner_of_the_selected_path_can_be_dragged_with_any_tool(window, hand
         assert near(only(window).points, (CORNERS[0], (20.0, 54.0), *CORNERS[2:]))
         hand.key(KEY.Key_Z, CONTROL)
         assert near(only(window).points, CORNERS)
-
-
-def test_limits_alone_ask_for_a_start_and_go_to_the_engine_in_px_of_the_image(window, hand) -> None:
-    draw(hand, KEY.Key_I)
-    draw(hand, KEY.Key_B, CORNERS[:2])
-    region, barrier = window.session.document.shapes
-    assert window.session.document.regions == Regions(interest=(region.points,), barriers=(barrier.points,))
-    assert "where particles start" in window.canvas_area.hint.text()
-    hand.key(KEY.Key_Space)
-    assert window.session.status.phase == "ready"
-    assert "nothing to start from" in window.canvas_area.messages.text
-
-
-def test_a_limit_drawn_during_a_run_acts_in_it_at_once(ready, hand) -> None:
-    session = ready.session
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_Period)
-    hand.wait(lambda: session.idle)
-    generation = session.generation
-    draw(hand, KEY.Key_I, ((2.0, 2.0), (2.0, 60.0), (40.0, 60.0), (40.0, 2.0)))
-    assert not session.status.stale
-    hand.wait(lambda: session.idle)
-    hand.key(KEY.Key_Space)
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: session.idle)
-    assert session.generation == generation
-    assert len(ready.session.scene.snapshot.position) > 10
-    assert ready.session.scene.snapshot.position[:, 0].max() < 40.0 + PIXEL
-
-
-def test_a_region_outside_the_image_is_rejected_with_a_message(ready, hand) -> None:
-    hand.canvas.fit()
-    hand.canvas.zoom(0.5)
-    draw(hand, KEY.Key_I, ((70.0, 70.0), (70.0, 90.0), (90.0, 90.0)))
-    hand.key(KEY.Key_Space)
-    hand.wait(lambda: ready.session.idle)
-    assert ready.canvas_area.messages.text.startswith("Region of interest 1 holds no pixel")
-    assert ready.session.status.phase == "ready"
-
-
-def test_the_outside_of_a_region_is_dimmed_and_a_barrier_is_shown_until_the_drawing_is_hidden(window, hand) -> None:
-    def seen() -> QImage:
-        return hand.canvas.viewport().grab().toImage()
-
-    def value(image: QImage, row: float, col: float) -> int:
-        ratio = hand.canvas.devicePixelRatioF()
-        return image.pixelColor((hand.at(row, col).toPointF() * ratio).toPoint()).value()
-
-    hand.key(KEY.Key_Escape)
-    without = seen()
-    draw(hand, KEY.Key_I, ((20.0, 10.0), (20.0, 54.0), (44.0, 54.0), (44.0, 10.0)))
-    hand.key(KEY.Key_Escape)
-    region = seen()
-    assert value(region, 32, 32) == value(without, 32, 32)
-    assert value(region, 17, 32) < 0.7 * value(without, 17, 32)
-    draw(hand, KEY.Key_B, ((5.0, 5.0), (5.0, 60.0)))
-    hand.key(KEY.Key_Escape)
-    assert value(seen(), 5, 30) > 2 * value(region, 5, 30)
-    hand.key(KEY.Key_6, ALT)
-    assert value(seen(), 17, 32) == value(without, 17, 32)
-    assert value(seen(), 5, 30) == value(without, 5, 30)

@@ -72,19 +72,6 @@ def test_a_run_begins_with_the_particles_that_were_shown(window, hand, seen, kin
     np.testing.assert_array_equal(np.unique(first, axis=0), np.unique(shown, axis=0))
 
 
-def test_it_is_selected_in_turn_and_deleted_like_any_shape(ready, hand) -> None:
-    hand.key(*KEYS["grid"])
-    hand.key(KEY.Key_N)
-    hand.key(KEY.Key_N)
-    assert isinstance(ready.session.document.shapes[ready.session.selected], Everywhere)
-    assert "Del removes" in ready.canvas_area.hint.text()
-    hand.key(KEY.Key_Up)
-    hand.key(KEY.Key_Delete)
-    assert not ready.session.document.image_starts
-    assert not ready.actions_by_name["start_grid"].isChecked()
-    assert hand.canvas.layers.drawing.everywhere == 0
-
-
 def test_a_region_of_interest_limits_the_seeds_and_the_smoothing_moves_them(window, hand, seen) -> None:
     hand.key(*KEYS["gradient"])
     hand.wait(lambda: bool(seen))
@@ -100,28 +87,3 @@ def test_a_region_of_interest_limits_the_seeds_and_the_smoothing_moves_them(wind
     window.session.edit("damping", lambda document: edits.set_parameter(document, "beta", 1.0))
     hand.wait(lambda: window.session.idle)
     assert len(seen) == 3
-
-
-def test_the_window_reports_the_search_for_seeds_and_its_errors(window, hand, monkeypatch, caplog) -> None:
-    def fail(*_: object) -> None:
-        raise RuntimeError("out of places")
-
-    monkeypatch.setattr("app.session.worker.prepared_methods.SeedCache.seeds_for", fail)
-    hand.key(*KEYS["centers"])
-    assert window.panels["run"].status.state.startswith("Looking for places")
-    hand.wait(lambda: window.session.idle)
-    assert window.panels["run"].status.state == "Ready"
-    assert "out of places" in window.canvas_area.messages.text
-    assert "out of places" in caplog.text
-
-
-def test_seeds_found_late_are_not_shown_on_another_image(window, hand, seen, tmp_path) -> None:
-    other = tmp_path / "other.npy"
-    np.save(other, np.indices((40, 50)).sum(axis=0) % 17 * 1.0)
-    hand.key(*KEYS["grid"])
-    window.session.open(other)
-    hand.wait(lambda: window.session.document.image.name == "other.npy" and window.session.idle)
-    assert hand.canvas.layers.drawing.everywhere == 0
-    hand.key(*KEYS["grid"])
-    hand.wait(lambda: window.session.idle)
-    assert hand.canvas.layers.drawing.everywhere == len(uniform_grid((40, 50)))

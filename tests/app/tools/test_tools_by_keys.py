@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QCursor
 
 from app.model.document import edits
 from app.views.canvas.tools import TOOLS
-from app.views.features.help import HelpFeature
-from cpm_core.shapes import Barrier, Charge, Circle, Ellipse, Grid, Points, Polygon, Region, Stroke, Threshold
+from cpm_core.shapes import Barrier, Circle, Ellipse, Grid, Polygon, Region, Stroke, Threshold
 
 pytestmark = pytest.mark.shared_window
 
@@ -71,17 +69,6 @@ def test_paths_are_drawn_corner_by_corner_and_ended_by_a_second_enter(window, ha
     assert shape.points == ((row, col), (row + 10, col), (row + 10, col + 10))
 
 
-def test_backspace_removes_the_last_corner_and_ctrl_enter_ends_a_path(window, hand, keys) -> None:
-    hand.key(KEYS["stroke"])
-    keys("!")
-    row, col = window.canvas_area.crosshair.at
-    keys("!v!>!")
-    hand.key(KEY.Key_Backspace)
-    hand.key(KEY.Key_Return, MODIFIER.ControlModifier)
-    (stroke,) = drawn(window)
-    assert stroke.points == ((row, col), (row + 10, col))
-
-
 @pytest.mark.parametrize(("name", "kind"), [("circle", Circle), ("ellipse", Ellipse)])
 def test_circles_and_ellipses_are_dragged(window, hand, keys, name, kind) -> None:
     hand.key(KEYS[name])
@@ -92,14 +79,6 @@ def test_circles_and_ellipses_are_dragged(window, hand, keys, name, kind) -> Non
     assert shape == (
         Circle((row, col), math.hypot(10, 10)) if kind is Circle else Ellipse((row + 5, col + 5), (5.0, 5.0))
     )
-
-
-def test_points_are_placed_one_enter_each(window, hand, keys) -> None:
-    hand.key(KEYS["points"])
-    keys("!")
-    row, col = window.canvas_area.crosshair.at
-    keys("!>!v!")
-    assert drawn(window) == tuple(Points((at,)) for at in ((row, col), (row, col + 10), (row + 10, col + 10)))
 
 
 @pytest.mark.parametrize("name", ["attract", "repel"])
@@ -117,18 +96,6 @@ def test_a_charge_is_placed_dragged_released_and_dragged_again(window, hand, key
     assert len(drawn(window)) == 2
 
 
-def test_the_eraser_and_the_spray_work_between_two_enters(window, hand, keys) -> None:
-    hand.key(KEYS["spray"])
-    keys("!!>>!")
-    (points,) = drawn(window)
-    assert len(points.positions) > 5
-    hand.key(KEYS["eraser"])
-    for _ in range(4):
-        hand.key(KEY.Key_Greater)
-    keys("!<<!")
-    assert drawn(window) == ()
-
-
 def test_a_shape_and_its_handle_are_dragged_with_the_select_tool(window, hand, keys) -> None:
     keys("!")
     row, col = window.canvas_area.crosshair.at
@@ -140,17 +107,6 @@ def test_a_shape_and_its_handle_are_dragged_with_the_select_tool(window, hand, k
     assert drawn(window) == (Circle((row, col + 10), 13.0),)
 
 
-def test_escape_cancels_the_drag_before_it_hides_the_cross_hair(window, hand, keys) -> None:
-    keys("!!>")
-    assert len(drawn(window)) == 1
-    hand.key(KEY.Key_Escape)
-    assert drawn(window) == ()
-    assert window.canvas_area.crosshair.at is not None
-    assert not hand.canvas.dragging
-    hand.key(KEY.Key_Escape)
-    assert window.canvas_area.crosshair.at is None
-
-
 def test_a_press_of_the_pointer_hides_the_cross_hair(window, hand, keys) -> None:
     keys("!")
     hand.move(5, 5)
@@ -159,60 +115,3 @@ def test_a_press_of_the_pointer_hides_the_cross_hair(window, hand, keys) -> None
     assert window.canvas_area.crosshair.at is None
     (circle,) = drawn(window)
     assert circle.radius == pytest.approx(8, abs=0.5)
-
-
-def test_the_image_scrolls_with_the_cross_hair(window, hand, keys) -> None:
-    hand.canvas.zoom(8.0)
-    keys("!>>>vvv")
-    assert hand.canvas.view.viewRect().contains(*reversed(window.canvas_area.crosshair.at))
-
-
-def test_another_image_has_neither_the_cross_hair_nor_the_corners_drawn_on_the_one_before(
-    window, hand, keys, tmp_path
-) -> None:
-    np.save(tmp_path / "small.npy", np.eye(20))
-    hand.key(KEYS["polygon"])
-    keys("!>>!vv!")
-    assert hand.canvas.tool.drafting
-    window.open_image(str(tmp_path / "small.npy"))
-    hand.wait(lambda: window.session.document.image.name == "small.npy")
-    assert window.canvas_area.crosshair.at is None
-    assert not hand.canvas.tool.drafting
-
-
-def test_space_still_runs_while_the_cross_hair_is_shown(window, hand, keys) -> None:
-    window.session.edit("add", lambda document: edits.add_shape(document, Circle((32.0, 32.0), 10.0)))
-    keys("!")
-    hand.key(KEY.Key_Space)
-    hand.wait_for_phase("finished")
-    assert window.canvas_area.crosshair.at is not None
-
-
-def test_a_question_mark_opens_the_page_of_all_keys_and_closes_it(window, hand) -> None:
-    help_ = window.feature(HelpFeature)
-    for close in (KEY.Key_Question, KEY.Key_Escape):
-        window.activateWindow()
-        hand.wait(window.isActiveWindow)
-        hand.canvas.setFocus()
-        hand.key(KEY.Key_Question)
-        text = help_.guide.text.toPlainText()
-        for entry in window.actions_by_name.specs:
-            if entry.shortcuts:
-                assert entry.title in text
-        for word in ("Ctrl+Z", "cross-hair", "wheel", "Layers", "Tools"):
-            assert word in text
-        hand.wait(help_.guide.isActiveWindow)
-        hand.qtbot.keyClick(help_.guide, close)
-        hand.wait(lambda: help_.guide is None)
-
-
-def test_the_strength_and_place_of_a_charge_are_changed_by_keys_alone(window, hand, keys) -> None:
-    hand.key(KEYS["attract"])
-    keys("!!!")
-    hand.key(KEY.Key_Greater)
-    (charge,) = drawn(window)
-    assert charge.strength == Charge((0.0, 0.0)).strength + 0.5
-    hand.key(KEY.Key_Escape)
-    assert f"of strength {charge.strength:g}" in window.canvas_area.hint.text()
-    hand.key(KEY.Key_Down)
-    assert drawn(window)[0].position == (charge.position[0] + 1, charge.position[1])

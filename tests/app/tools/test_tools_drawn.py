@@ -14,7 +14,6 @@ from app.model.document import edits
 from app.model.text.keys import with_keys
 from app.views.canvas.tools import TOOLS
 from app.views.window.bars import ToolPalette
-from cpm_core import edge_map
 from cpm_core.numerics import polyline
 from cpm_core.shapes import Barrier, Charge, Circle, Ellipse, Grid, Points, Polygon, Region, Stroke, Threshold
 
@@ -101,30 +100,6 @@ def test_an_ellipse_is_resized_and_turned_by_its_handles_with_any_tool(window, h
     assert turned.radii == pytest.approx((12, 10), abs=PIXEL)
 
 
-def test_a_closed_line_is_drawn_corner_by_corner_and_its_particles_are_shown(window, hand, cases) -> None:
-    for key, kind in cases([(KEY.Key_O, Polygon), (KEY.Key_G, Grid), (KEY.Key_H, Threshold)]):
-        hand.canvas.setFocus()
-        hand.key(key)
-        assert "corner by corner" in window.canvas_area.hint.text()
-        for corner in CORNERS:
-            hand.click(*corner)
-        hand.key(KEY.Key_Return)
-        shape = only(window)
-        assert type(shape) is kind
-        assert max(math.dist(a, b) for a, b in zip(shape.points, CORNERS, strict=True)) <= PIXEL
-        hand.wait(lambda: window.session.idle)
-        layer = hand.canvas.layers.drawing
-        values = window.session.image.values
-        shown = {Polygon: layer._seeds.count, Grid: layer._points.count, Threshold: layer.everywhere}[kind]
-        if kind is Threshold:
-            strength = edge_map(values, 1.0)
-            pixels = np.argwhere(np.ones(values.shape, bool)).astype(float)
-            within = polyline.inside(shape.points, pixels).reshape(values.shape)
-            assert shown == np.count_nonzero(within & (strength > shape.fraction * strength[within].max())) > 10
-        else:
-            assert shown == len(shape.seeds()) > 10
-
-
 SIZES = [
     (Circle((30.0, 30.0), 10.0), lambda shape: shape.radius),
     (Ellipse((30.0, 30.0), (10.0, 5.0)), lambda shape: shape.radii[0]),
@@ -159,7 +134,7 @@ def test_spraying_scatters_points_in_the_ring_as_one_step_of_undo_and_never_two_
     hand.drag(*way)
     points = only(window)
     assert isinstance(points, Points)
-    radius = window.canvas_area.canvas.tool.radius
+    radius = window.canvas_area.canvas.hold.tool.radius
     positions = np.array(points.positions)
     assert len(positions) > 5
     assert polyline.distances(way, positions).max() <= radius + PIXEL
@@ -171,65 +146,19 @@ def test_spraying_scatters_points_in_the_ring_as_one_step_of_undo_and_never_two_
     assert (np.array(only(window).positions) >= -0.5).all()
 
 
-@pytest.mark.parametrize("key", [KEY.Key_Y, KEY.Key_E])
-def test_less_and_greater_change_the_ring_which_is_shown_and_hidden_with_the_pointer(window, hand, key) -> None:
-    hand.canvas.setFocus()
-    hand.key(key)
-    ring = hand.canvas.layers.drawing._draft._ring
-    hand.move(10, 10)
-    hand.move(32, 32)
-    first = np.ptp(ring.getData()[0])
-    assert first == pytest.approx(2 * hand.canvas.tool.radius, rel=1e-3)
-    hand.key(KEY.Key_Greater)
-    assert np.ptp(ring.getData()[0]) > 1.1 * first
-    assert np.mean(ring.getData()[0]) == pytest.approx(32, abs=PIXEL)
-    hand.key(KEY.Key_Less)
-    hand.key(KEY.Key_Less)
-    assert np.ptp(ring.getData()[0]) < first
-    hand.key(KEY.Key_S)
-    assert len(ring.getData()[0]) == 0
-    hand.key(key)
-    assert len(ring.getData()[0]) > 0
-
-
-def test_escape_during_a_drag_leaves_the_drawing_as_it_was_and_nothing_to_undo(window, hand, cases) -> None:
-    for key in cases([KEY.Key_Y, KEY.Key_E, KEY.Key_L, KEY.Key_A]):
-        hand.key(key)
-        window.session.begin_document(edits.add_shape(window.session.document, Circle((30.0, 30.0), 8.0)))
-        before = window.session.document
-        hand.press(20, 20)
-        hand.move(24, 30)
-        hand.move(30, 38)
-        assert window.session.document != before
-        hand.qtbot.keyClick(hand.canvas, KEY.Key_Escape)
-        hand.release(30, 38)
-        assert window.session.document.shapes == before.shapes
-        assert not window.actions_by_name["undo"].isEnabled()
-
-
 def test_the_eraser_deletes_single_points_and_other_shapes_that_it_touches_and_keeps_the_rest(window, hand) -> None:
     far = Circle((50.0, 50.0), 5.0)
     points = Points(((10.0, 10.0), (10.0, 20.0), (10.0, 30.0), (40.0, 10.0)))
     touched = (Barrier(((5.0, 15.0), (15.0, 15.0))), Stroke(((12.0, 25.0), (30.0, 25.0))), Charge((10.0, 27.0)))
     add(window, far, points, *touched)
     hand.key(KEY.Key_E)
-    radius = hand.canvas.tool.radius
+    radius = hand.canvas.hold.tool.radius
     assert radius < 6
     hand.drag((10, 8), (10, 32))
     assert window.session.document.shapes == (far, Points(((40.0, 10.0),)))
     assert window.actions_by_name["undo"].text() == "Undo erase"
     hand.key(KEY.Key_Z, MODIFIER.ControlModifier)
     assert window.session.document.shapes == (far, points, *touched)
-
-
-def test_the_eraser_does_not_touch_a_circle_in_its_center(window, hand) -> None:
-    circle = Circle((32.0, 32.0), 20.0)
-    add(window, circle)
-    hand.key(KEY.Key_E)
-    hand.drag((30, 30), (34, 34))
-    assert window.session.document.shapes == (circle,)
-    hand.click(32, 50)
-    assert window.session.document.shapes == ()
 
 
 @pytest.mark.parametrize(("key", "sign"), [(KEY.Key_A, 1), (KEY.Key_D, -1)])
@@ -266,7 +195,7 @@ def test_every_tool_has_a_key_of_its_own_a_tip_and_a_button_within_a_window_720_
         assert with_keys(tool.tip) in button.toolTip()
         assert not button.icon().isNull()
         qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
-        assert hand.canvas.tool.name == tool.name
+        assert hand.canvas.hold.tool.name == tool.name
         assert button.isChecked()
 
 
@@ -275,16 +204,3 @@ def test_no_key_is_taken_twice(window) -> None:
     keys += [action.shortcut().toString() for action in window.docks.actions]
     keys = [key for key in keys if key]
     assert sorted(keys) == sorted(set(keys))
-
-
-def test_what_has_not_been_drawn_is_not_selected(window, monkeypatch, hand) -> None:
-    def refuse(*_: object) -> None:
-        raise ValueError("There is no room for more.")
-
-    add(window, Circle((20.0, 20.0), 6.0))
-    window.session.select(0)
-    monkeypatch.setattr(edits, "add_shape", refuse)
-    hand.key(KEY.Key_L)
-    hand.drag((10, 12), (20, 30), (30, 52))
-    assert isinstance(only(window), Circle)
-    assert window.session.selected is None

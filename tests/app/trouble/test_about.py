@@ -6,8 +6,8 @@ import platform
 
 import numpy as np
 import pytest
-from PySide6.QtCore import Qt, qVersion
-from PySide6.QtWidgets import QApplication, QMessageBox, QPushButton
+from PySide6.QtCore import qVersion
+from PySide6.QtWidgets import QMessageBox
 
 import cpm_core
 
@@ -29,12 +29,3 @@ def about(window, qtbot) -> QMessageBox:
 )
 def test_about_tells_version_license_paper_and_libraries(about, told) -> None:
     assert told in about.text() + about.informativeText()
-
-
-def test_the_button_copies_all_of_it_as_plain_text(about, qtbot) -> None:
-    (copy,) = (button for button in about.findChildren(QPushButton) if "Copy" in button.text())
-    qtbot.mouseClick(copy, Qt.MouseButton.LeftButton)
-    copied = QApplication.clipboard().text()
-    for told in (f"CPM: {cpm_core.__version__}", "MIT license", "Jalba", f"NumPy: {np.__version__}", qVersion()):
-        assert told in copied
-    assert "<" not in copied

@@ -5,20 +5,14 @@ from __future__ import annotations
 import sys
 import threading
 
-import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
 from app.session.exchange.contour_tracking import ContourTracker
-from app.session.features import truth_comparison
-from app.session.features.latest import Latest
+from app.session.features.background import LatestOnlyWorker
 from app.session.worker import prepared_methods, reconstruction
-from app.session.worker.requests import Probe
-from app.views.export import dialog as export_dialog
-from app.views.features.exchange import ExportFeature
 from app.views.window.python_hooks import UnexpectedErrors
 from cpm_core.segmentation.engine import Engine
-from tests.app.conftest import disc
 
 pytestmark = pytest.mark.shared_window
 
@@ -68,16 +62,6 @@ def test_trouble_with_contours_is_said_while_the_run_goes_on_with_the_last_ones(
     hand.wait(lambda: session.scene.contours is not before)
 
 
-def test_trouble_with_contours_is_taken_back_once_there_are_new_ones(ready, hand, monkeypatch) -> None:
-    with monkeypatch.context() as broken:
-        broken.setattr(Engine, "result", raising(ValueError("No triangles.")))
-        hand.key(KEY.Key_Period)
-        hand.wait(lambda: said(ready) == "No triangles.")
-    hand.key(KEY.Key_Period)
-    hand.wait(lambda: bool(ready.session.scene.contours.items))
-    assert said(ready) == ""
-
-
 def test_contours_of_an_earlier_step_are_not_exported_as_those_of_the_last_one(
     ready, hand, monkeypatch, tmp_path
 ) -> None:
@@ -106,16 +90,8 @@ def test_a_run_starts_and_goes_on_where_an_overlay_fails(ready, hand, monkeypatc
     assert said(ready) == ""
 
 
-def test_trouble_with_the_forces_on_a_particle_is_said(ready, hand, monkeypatch) -> None:
-    hand.key(KEY.Key_Period)
-    hand.wait(lambda: ready.session.status.step == 1)
-    monkeypatch.setattr(Engine, "forces", raising(ValueError("No forces.")))
-    ready.session.post(Probe(ready.session.generation, (32.0, 32.0), 64.0))
-    hand.wait(lambda: said(ready) == "No forces.")
-
-
 def test_what_background_work_fails_with_is_said_once_and_taken_back(window, hand) -> None:
-    latest, results = Latest(window.session, "test", "measuring"), []
+    latest, results = LatestOnlyWorker(window.session, "test", "measuring"), []
     latest.done.connect(results.append)
     latest.ask(raising(ZeroDivisionError("by zero")))
     hand.wait(lambda: said(window) == "Something unexpected happened while measuring: by zero.")
@@ -127,53 +103,6 @@ def test_what_background_work_fails_with_is_said_once_and_taken_back(window, han
     hand.wait(lambda: results == ["done"])
     assert said(window) == ""
     latest.close()
-
-
-@pytest.fixture
-def found(ready, hand):
-    """A window with the contour of the disc."""
-    hand.key(KEY.Key_Space)
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: bool(ready.session.scene.contours.items) and ready.session.idle)
-    return ready
-
-
-def test_a_comparison_with_the_truth_that_fails_shows_no_figures_of_other_contours(
-    found, hand, monkeypatch, tmp_path
-) -> None:
-    np.save(tmp_path / "truth.npy", (disc() > 100).astype(np.uint8))
-    truth = found.workspace.truth
-    truth.load(tmp_path / "truth.npy")
-    hand.wait(lambda: truth.verified is not None)
-    monkeypatch.setattr(truth_comparison, "compare", raising(ValueError("No matches.")))
-    truth.set_tolerance(5.0)
-    hand.wait(lambda: said(found) == "No matches.")
-    assert truth.verified is None
-
-
-def test_a_preview_of_an_export_that_fails_is_said_in_the_dialog(found, hand, monkeypatch) -> None:
-    found.feature(ExportFeature)._export()
-    made = found.feature(ExportFeature).dialog
-    monkeypatch.setattr(export_dialog, "closed", raising(ValueError("No bridges.")))
-    made.closing.clear()
-    made.closing.addItem("Close", "edges")
-    monkeypatch.setattr(made, "_offer_closing", lambda *_: None)
-    made._follow()
-    hand.wait(lambda: "No bridges." in made.note.text())
-    assert not made.export_button.isEnabled()
-    made.reject()
-
-
-def test_edges_that_could_not_be_found_are_looked_for_again(found, hand, monkeypatch) -> None:
-    editing = found.workspace.hand_editing
-    with monkeypatch.context() as broken:
-        broken.setattr(Engine, "scale_field", raising(ValueError("No edges.")))
-        editing.prepare()
-        hand.wait(lambda: said(found) == "No edges.")
-    editing.prepare()
-    assert found.session.idle, "not whenever the pointer moves"
-    editing.join_selected(closing=False)
-    hand.wait(lambda: editing.edges is not None)
 
 
 def test_an_error_that_nothing_expects_is_said_from_every_thread(window, hand, monkeypatch, caplog) -> None:

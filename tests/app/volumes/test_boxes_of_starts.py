@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
-from cpm_core.shapes import BoxGrid, BoxThreshold, Everywhere
+from cpm_core.shapes import BoxGrid, BoxThreshold
 from tests.app.volumes.conftest import SHAPE
 
 pytestmark = pytest.mark.shared_window
@@ -43,22 +43,6 @@ def test_a_drag_fills_a_box_with_a_grid_that_every_slice_shows(volume, hand) -> 
     assert volume.session.scene.reconstruction.result.labels[12, 14, 16] == 1
 
 
-def test_the_faces_of_the_box_are_moved_in_any_slice(volume, hand) -> None:
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_G)
-    hand.drag((4, 4), (10, 12), (20, 26))
-    (grid,) = volume.session.document.shapes
-    hand.key(KEY.Key_S)
-    volume.workspace.slices.turn(2)
-    volume.workspace.slices.at(15)
-    low, high = grid.first[0], grid.last[0]
-    hand.drag((low, 12), (low - 1, 12), (low - 2, 12))
-    (deeper,) = volume.session.document.shapes
-    assert deeper.first[0] == pytest.approx(low - 2, abs=0.5)
-    assert deeper.last[0] == pytest.approx(high)
-    assert deeper.spacing == grid.spacing
-
-
 def test_a_threshold_shows_the_strong_edges_in_its_box_and_starts_there(volume, hand) -> None:
     hand.canvas.setFocus()
     hand.key(KEY.Key_H)
@@ -81,20 +65,3 @@ def test_a_threshold_shows_the_strong_edges_in_its_box_and_starts_there(volume, 
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
     assert volume.session.scene.snapshot.state.step > 0
-
-
-def test_starts_at_centers_are_offered_shown_and_run(volume, hand) -> None:
-    hand.canvas.setFocus()
-    action = volume.actions_by_name["start_centers"]
-    assert action.isEnabled()
-    hand.key(KEY.Key_C, CONTROL | SHIFT)
-    start = Everywhere("centers")
-    assert volume.session.document.shapes == (start,)
-    hand.wait(lambda: start in volume.session.scene.image_seeds)
-    seeds = volume.session.scene.image_seeds[start]
-    assert np.linalg.norm(seeds - (np.array(SHAPE) - 1) / 2, axis=1).min() < 2.0
-    assert drawing(hand).everywhere > 0
-    hand.key(KEY.Key_Space)
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: volume.session.idle)
-    assert volume.session.scene.reconstruction.result.surface.components == 1

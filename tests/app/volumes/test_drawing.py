@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt
 
 from app.views.features.files import OpenSaveFeature
 from app.views.features.volumes import SlicesFeature
-from cpm_core.shapes import Box, BoxRegion, Charge, Points, Polygon, PrismRegion, Sphere, Stroke, Wall
+from cpm_core.shapes import Box, BoxRegion, Charge, Polygon, PrismRegion, Stroke, Wall
 from tests.app.volumes.conftest import SHAPE, drag, move, press, release
 
 pytestmark = pytest.mark.shared_window
@@ -52,18 +52,6 @@ def test_a_drag_draws_a_box_whose_faces_are_dragged_in_any_slice(volume, hand, c
         assert volume.session.document.shapes == ()
 
 
-def test_the_depth_of_a_box_is_dragged_in_another_slice(volume, hand) -> None:
-    hand.key(KEY.Key_L)
-    hand.drag((8, 10), (9, 10), (18, 22))
-    box = only(volume, Box)
-    rows = volume.feature(SlicesFeature).sides[0]
-    middle = 0.5 * (box.first[2] + box.last[2])
-    drag(rows, (box.first[0], middle), (5, middle), (2, middle))
-    deeper = only(volume, Box)
-    assert deeper.first[0] == pytest.approx(2, abs=PIXEL)
-    assert (deeper.first[1:], deeper.last) == (box.first[1:], box.last)
-
-
 def test_every_slice_takes_the_tool_in_use_and_shows_its_draft(volume, hand, cases) -> None:
     for view in cases(views(volume)):
         hand.key(KEY.Key_T)
@@ -79,21 +67,6 @@ def test_every_slice_takes_the_tool_in_use_and_shows_its_draft(volume, hand, cas
         assert [place[here.axis] for place in stroke.points] == [here.index] * 2
         (line,) = view.drawn.document.shapes
         assert np.array(line.points) == pytest.approx(np.array([(5, 6), (9, 15)]), abs=PIXEL)
-
-
-def test_a_stroke_goes_on_in_another_slice(volume, hand) -> None:
-    hand.key(KEY.Key_T)
-    hand.click(10, 10)
-    for _ in range(4):
-        hand.key(KEY.Key_PageDown)
-    hand.click(14, 14)
-    hand.key(KEY.Key_Return)
-    stroke = only(volume, Stroke)
-    assert [place[0] for place in stroke.points] == [12, 16]
-    volume.workspace.slices.at(14)
-    (middle,) = volume.canvas_area.canvas.drawn.document.shapes
-    assert isinstance(middle, Points), "a slice between shows the particles near it"
-    assert np.array(middle.positions).mean(axis=0) == pytest.approx((12, 12), abs=1.0)
 
 
 def test_each_drawing_tool_makes_its_shape_in_a_slice(volume, hand) -> None:
@@ -117,12 +90,12 @@ def test_a_drag_with_the_tool_for_regions_is_a_box_that_dims_what_is_outside(vol
     assert "a sphere, a box" in volume.canvas_area.hint.text()
     assert region.first[1:] == pytest.approx((8, 8), abs=PIXEL)
     canvas = volume.canvas_area.canvas
-    veil = canvas.layers.drawing._limits._dim._veil
+    veil = canvas.layers.drawing._dim._veil
     assert not veil.isEmpty()
     volume.workspace.slices.at(0)
-    outside = canvas.layers.drawing._limits._dim._veil
+    outside = canvas.layers.drawing._dim._veil
     assert outside.boundingRect().contains(veil.boundingRect())
-    assert outside.contains(canvas.layers.drawing._limits._dim._room.center()), "nothing of this slice lies in it"
+    assert outside.contains(canvas.layers.drawing._dim._room.center()), "nothing of this slice lies in it"
 
 
 def test_charges_are_placed_moved_and_changed_in_every_slice(volume, hand, cases) -> None:
@@ -146,7 +119,7 @@ def test_the_eraser_takes_away_particles_in_a_ball_and_no_others(volume, hand) -
     hand.wait(lambda: volume.session.idle)
     before = volume.session.scene.snapshot.position
     hand.key(KEY.Key_E)
-    radius = volume.canvas_area.canvas.tool.radius
+    radius = volume.canvas_area.canvas.hold.tool.radius
     hand.click(7, 16)
     hand.wait(lambda: volume.session.idle and len(volume.session.scene.snapshot.position) < len(before))
     after = volume.session.scene.snapshot.position
@@ -177,53 +150,3 @@ def test_limits_and_charges_act_on_the_run_and_come_back_with_the_session(volume
     hand.wait(lambda: volume.session.document.shapes == document.shapes and volume.session.idle)
     hand.wait(lambda: volume.session.scene.snapshot is not None)
     np.testing.assert_array_equal(volume.session.scene.snapshot.position, found)
-
-
-def test_a_start_that_is_drawn_during_a_run_joins_it_and_is_kept(volume, hand, tmp_path) -> None:
-    hand.drag((14, 16), (14, 18), (14, 20))
-    hand.key(KEY.Key_Period)
-    hand.wait(lambda: volume.session.status.step == 1 and volume.session.idle)
-    count = len(volume.session.scene.snapshot.position)
-    hand.key(KEY.Key_P)
-    hand.click(3, 3)
-    hand.wait(lambda: len(volume.session.scene.snapshot.position) == count + 1)
-    path = tmp_path / "work.cpm"
-    volume.feature(OpenSaveFeature).document_file.save_at_once(path)
-    position = volume.session.scene.snapshot.position
-    volume.open_image(str(path))
-    hand.wait(lambda: volume.session.idle and volume.session.scene.snapshot is not None)
-    np.testing.assert_array_equal(volume.session.scene.snapshot.position, position)
-
-
-def test_spray_scatters_points_in_the_slice(volume, hand, cases) -> None:
-    for view in cases(views(volume)):
-        hand.key(KEY.Key_Y)
-        drag(view, (8, 8), (9, 10), (12, 16))
-        points, here = only(volume, Points), view.here
-        assert {place[here.axis] for place in points.positions} == {here.index}
-
-
-def test_a_sphere_is_drawn_and_dragged_beside_the_canvas(volume, hand) -> None:
-    _, columns = volume.feature(SlicesFeature).sides
-    drag(columns, (10, 12), (10, 14), (10, 17))
-    sphere = only(volume, Sphere)
-    assert sphere.center == pytest.approx((10, 12, 16), abs=PIXEL)
-    assert sphere.radius == pytest.approx(5, abs=PIXEL)
-    drag(columns, (10, 17), (10, 18), (10, 19))
-    assert only(volume, Sphere).radius == pytest.approx(7, abs=2 * PIXEL)
-
-
-def test_starts_all_over_the_volume_are_shown_in_slices_and_run(volume, hand) -> None:
-    volume.actions_by_name["start_grid"].trigger()
-    hand.wait(lambda: bool(volume.session.scene.image_seeds) and volume.session.idle)
-    (whole,) = volume.session.scene.image_seeds.values()
-    assert whole.shape[1] == 3
-    reach = volume.session.document.parameters.d_min
-    for index in (0, 12):
-        volume.workspace.slices.at(index)
-        (shown,) = volume.canvas_area.canvas.drawn.image_seeds.values()
-        expected = whole[np.abs(whole[:, 0] - index) < reach][:, 1:]
-        np.testing.assert_array_equal(shown, expected)
-    hand.key(KEY.Key_Period)
-    hand.wait(lambda: volume.session.status.step == 1 and volume.session.idle)
-    assert len(volume.session.scene.snapshot.position) > 10

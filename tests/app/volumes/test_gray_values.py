@@ -10,7 +10,6 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
 from app.views.canvas.layers.image_layer import dragged
-from app.views.features.files import OpenSaveFeature
 from app.views.features.volumes import SlicesFeature, SpaceFeature
 from tests.app.volumes.conftest import open_file
 
@@ -59,16 +58,6 @@ def test_a_drag_in_any_view_changes_the_window_of_all(volume, hand, which) -> No
     assert volume.canvas_area.canvas.view.viewRect() == zoom
 
 
-def test_a_drag_says_the_window_and_gives_the_line_back(volume, hand) -> None:
-    strip, viewport = volume.canvas_area.strip, volume.canvas_area.canvas.viewport()
-    before = strip.hint.text()
-    QTest.mousePress(viewport, Qt.MouseButton.RightButton, CONTROL, QPoint(60, 60))
-    QTest.mouseMove(viewport, QPoint(20, 60))
-    assert strip.hint.text() == "Black 29, white 191"
-    QTest.mouseRelease(viewport, Qt.MouseButton.RightButton, CONTROL, QPoint(20, 60))
-    assert strip.hint.text() == before
-
-
 def test_keys_choose_all_gray_values_and_the_automatic_range(volume, hand) -> None:
     drag_levels(volume.canvas_area.canvas.viewport(), -100, 0)
     assert layer(volume).window != ENDS
@@ -91,31 +80,6 @@ def test_the_automatic_range_of_a_volume_leaves_out_its_extremes(window, hand, t
     hand.key(KEY.Key_W, Qt.KeyboardModifier.AltModifier)
     hand.wait(lambda: layer(window).window == (50.0, 100.0))
     assert in_space(window).contents.shaded.window.high == 100.0
-
-
-def test_the_colors_of_the_canvas_are_those_in_space(volume, hand) -> None:
-    layer(volume).choose("map", "viridis")
-    np.testing.assert_array_equal(in_space(volume).contents.table, layer(volume).table)
-
-
-def test_a_plain_image_has_the_same_drag(window, hand, image_file) -> None:
-    open_file(window, hand, image_file)
-    drag_levels(window.canvas_area.canvas.viewport(), -100, 0)
-    low, high = layer(window).window
-    ends = layer(window).ends
-    assert high - low == pytest.approx(0.75 * (ends[1] - ends[0]))
-
-
-def test_a_session_keeps_the_window_of_a_volume(volume, hand, tmp_path, volume_file) -> None:
-    drag_levels(volume.canvas_area.canvas.viewport(), -100, 40)
-    window = layer(volume).window
-    files = volume.feature(OpenSaveFeature)
-    assert files.document_file.save_at_once(tmp_path / "ball.cpm")
-    hand.key(KEY.Key_W, Qt.KeyboardModifier.AltModifier | Qt.KeyboardModifier.ShiftModifier)
-    files.document_file.forget()
-    volume.open_image(str(tmp_path / "ball.cpm"))
-    hand.wait(lambda: layer(volume).window == window)
-    assert in_space(volume).contents.shaded.window.low == window[0]
 
 
 @given(

@@ -9,7 +9,6 @@ from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QWheelEvent
 from PySide6.QtWidgets import QApplication
 
-from app.model.state.situation import NOT_IN_VOLUMES, OTHERWISE_IN_VOLUMES
 from app.views.features.offers import StackFeature
 from app.views.features.volumes import SlicesFeature
 from cpm_core import PRESETS
@@ -46,11 +45,6 @@ def test_a_volume_opens_at_its_middle_plane_with_the_preset_for_volumes(volume) 
     np.testing.assert_array_equal(volume.canvas_area.canvas.drawn.image.values, ball()[MIDDLE[0]])
 
 
-def test_an_image_has_no_line_of_slices(window) -> None:
-    assert not bar(window).isVisible()
-    assert window.session.scene.slices is None
-
-
 def test_keys_wheel_slider_and_field_go_through_the_slices(volume, hand) -> None:
     hand.key(KEY.Key_PageDown)
     assert shown(volume) == (0, 13)
@@ -81,49 +75,6 @@ def test_each_axis_has_its_slices_in_the_same_gray_values(volume, hand, axis) ->
         np.testing.assert_array_equal(canvas.drawn.image.values, np.take(ball(), index, axis=axis))
         assert canvas.layers["image"].window == (20.0, 200.0)
     assert canvas.layers["image"].shades.max() == 0, "what is even in one slice stays as dark as in the volume"
-
-
-def test_zoom_stays_from_slice_to_slice_and_the_whole_is_shown_across_another_axis(volume, hand) -> None:
-    canvas = volume.canvas_area.canvas
-    turn_wheel(volume, -4, Qt.KeyboardModifier.NoModifier)
-    zoomed = canvas.view.viewRect()
-    hand.key(KEY.Key_PageDown)
-    assert canvas.view.viewRect() == zoomed
-    hand.qtbot.mouseClick(bar(volume).axes[2], Qt.MouseButton.LeftButton)
-    assert canvas.view.viewRect().width() > zoomed.width()
-
-
-def test_the_pointer_reads_plane_row_column_and_value(volume, hand) -> None:
-    hand.move(13, 15)
-    assert volume.pointer_readout.text() == "plane 12, row 13, col 15:  200"
-    hand.qtbot.mouseClick(bar(volume).axes[1], Qt.MouseButton.LeftButton)
-    hand.move(3, 5)
-    assert volume.pointer_readout.text() == "plane 3, row 14, col 5:  20"
-    hand.key(KEY.Key_PageDown)
-    assert "row 15" in volume.pointer_readout.text(), "the pointer rests, and another slice has come under it"
-
-
-def test_what_volumes_lack_is_gray_with_a_sentence_and_returns_with_an_image(volume, hand, image_file) -> None:
-    actions = volume.actions_by_name
-    assert set(NOT_IN_VOLUMES) | set(OTHERWISE_IN_VOLUMES) <= {spec.name for spec in actions.specs}
-    for name, sentence in NOT_IN_VOLUMES.items():
-        assert not actions[name].isEnabled(), name
-        assert actions[name].toolTip().endswith(sentence)
-    assert actions["circle"].text().replace("&", "") == "Sphere tool"
-    open_file(volume, hand, image_file)
-    assert actions["grid_area"].isEnabled()
-    assert actions["mode_automatic"].isEnabled()
-    assert not any(actions[name].toolTip().endswith(sentence) for name, sentence in NOT_IN_VOLUMES.items())
-    assert actions["circle"].text().replace("&", "") == "Circle tool"
-    assert volume.session.document.parameters == PRESETS["shape"]
-
-
-def test_a_tool_that_volumes_lack_gives_way_to_the_sphere(window, hand, volume_file) -> None:
-    window.actions_by_name["outline"].trigger()
-    assert window.canvas_area.canvas.tool.name == "outline"
-    open_file(window, hand, volume_file)
-    assert window.canvas_area.canvas.tool.name == "circle"
-    assert window.actions_by_name["circle"].isChecked()
 
 
 def test_a_stack_opens_at_its_first_page_and_as_one_volume_on_request(window, hand, tmp_path) -> None:

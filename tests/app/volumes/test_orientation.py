@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from PySide6.QtCore import Qt
 
 from app.model.volume.slices import Slices, directions_of, edges_of, first_seen
-from app.views.features.volumes import SlicesFeature, SpaceFeature
+from app.views.features.volumes import SlicesFeature
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 from tests.app.volumes.conftest import ball, open_file
@@ -85,22 +85,6 @@ def test_a_patient_is_never_mirrored(order, signs) -> None:
         assert right not in "RA"
         assert {top, bottom} in OPPOSITE
         assert {left, right} in OPPOSITE
-
-
-def test_the_axes_in_space_have_the_same_letters(patient) -> None:
-    assert patient.feature(SpaceFeature).panel.view.marks.names == (("I", "S"), ("A", "P"), ("R", "L"))
-
-
-def test_the_letters_can_be_hidden(patient) -> None:
-    patient.actions_by_name["layer_orientation"].trigger()
-    assert shown(patient.canvas_area.canvas) == ("", "", "", "")
-    assert shown(patient.feature(SlicesFeature).sides[0]) == ("", "", "", "")
-
-
-@pytest.mark.own_window
-def test_a_volume_that_tells_nothing_has_the_names_of_its_axes(volume) -> None:
-    assert shown(volume.canvas_area.canvas) == ("", "row", "", "column")
-    assert volume.feature(SpaceFeature).panel.view.marks.names[0] == ("", "plane")
 
 
 @pytest.mark.own_window

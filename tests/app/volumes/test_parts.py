@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 
 import numpy as np
-import PIL.Image
 import pytest
 import tifffile
 from PySide6.QtCore import Qt
@@ -13,7 +12,7 @@ from PySide6.QtCore import Qt
 from app.views.features.files import OpenSaveFeature
 from app.views.features.offers import StackFeature
 from cpm_core import load_image, load_volume
-from tests.app.volumes.conftest import SHAPE, ball, open_file
+from tests.app.volumes.conftest import ball, open_file
 
 pytestmark = pytest.mark.shared_window
 
@@ -104,78 +103,3 @@ def test_sessions_and_recent_files_keep_the_part(window, hand, hyperstack, image
     open_file(window, hand, image_file)
     open_file(window, hand, hyperstack)
     np.testing.assert_array_equal(window.session.image.values, values)
-
-
-def test_frames_of_a_film_are_pages(window, hand, tmp_path) -> None:
-    frames = [PIL.Image.fromarray(np.full((20, 20), 40 * k, np.uint8) + np.eye(20, dtype=np.uint8)) for k in range(4)]
-    frames[0].save(tmp_path / "film.gif", save_all=True, append_images=frames[1:])
-    open_file(window, hand, tmp_path / "film.gif")
-    assert feature(window).bar.text == "film.gif holds 4 frames. Open now: frame 1."
-    choose(window, hand, ask(window, hand), page=3)
-    np.testing.assert_array_equal(window.session.image.values, load_image(tmp_path / "film.gif", page=3).values)
-
-
-def test_arrays_of_an_archive_are_series_and_the_first_is_open(window, hand, tmp_path) -> None:
-    path = tmp_path / "two.npz"
-    np.savez(path, size=np.array([2.0, 1.0]), first=ball(), second=ball()[:, :, ::2] + 7.0)
-    open_file(window, hand, path)
-    assert window.session.image.shape == SHAPE
-    assert "holds 24 planes, 3 series. Open now: series first." in feature(window).bar.text
-    dialog = ask(window, hand)
-    dialog.series.setFocus()
-    hand.qtbot.keyClick(dialog.series, Qt.Key.Key_Down)
-    assert not dialog.open_button.isEnabled(), "what the other series holds is looked for first"
-    hand.wait(dialog.open_button.isEnabled)
-    choose(window, hand, dialog)
-    np.testing.assert_array_equal(window.session.image.values, ball()[:, :, ::2] + 7.0)
-
-
-def test_points_in_time_of_a_volume_are_chosen(window, hand, tmp_path) -> None:
-    nibabel = pytest.importorskip("nibabel")
-    values = np.stack([ball().T, ball(4.0).T], axis=-1).astype(np.uint8)
-    nibabel.save(nibabel.Nifti1Image(values, np.eye(4)), tmp_path / "beat.nii")
-    open_file(window, hand, tmp_path / "beat.nii")
-    assert feature(window).bar.text == "beat.nii holds 24 planes, 2 points in time. Open now: time 1."
-    choose(window, hand, ask(window, hand), time=2)
-    np.testing.assert_array_equal(window.session.image.values, ball(4.0))
-
-
-def test_gray_levels_of_a_colored_volume_are_chosen(window, hand, tmp_path) -> None:
-    colors = np.stack([ball(), ball(4.0), 0.0 * ball()], axis=-1).astype(np.uint8)
-    np.savez(tmp_path / "colors.npz", colors=colors, other=ball())
-    open_file(window, hand, tmp_path / "colors.npz")
-    dialog = ask(window, hand)
-    dialog.color.setFocus()
-    for _ in range(2):
-        hand.qtbot.keyClick(dialog.color, Qt.Key.Key_Down)
-    choose(window, hand, dialog)
-    np.testing.assert_array_equal(window.session.image.values, ball(4.0))
-
-
-def test_slices_too_uneven_for_a_volume_open_as_an_image_with_the_reason(window, hand, tmp_path) -> None:
-    pydicom = pytest.importorskip("pydicom")
-    folder = tmp_path / "series"
-    folder.mkdir()
-    for index, place in enumerate(np.cumsum(1.0 + np.arange(12.0))):
-        write_slice(pydicom, folder / f"{index}.dcm", float(place))
-    window.open_image(str(folder))
-    hand.wait(lambda: window.session.document.image.name == "series" and window.session.idle)
-    assert window.session.image.ndim == 2
-    assert "mm apart" in window.canvas_area.messages.text
-
-
-def write_slice(pydicom, path, place: float) -> None:
-    """A slice of a series at a place along the body [mm]."""
-    made = pydicom.Dataset()
-    made.file_meta = pydicom.dataset.FileMetaDataset()
-    made.file_meta.TransferSyntaxUID = pydicom.uid.ExplicitVRLittleEndian
-    made.file_meta.MediaStorageSOPClassUID = made.SOPClassUID = pydicom.uid.MRImageStorage
-    made.file_meta.MediaStorageSOPInstanceUID = made.SOPInstanceUID = pydicom.uid.generate_uid()
-    made.SeriesInstanceUID, made.Modality = "1.2.3", "MR"
-    made.ImagePositionPatient, made.ImageOrientationPatient = [0.0, 0.0, place], [1.0, 0.0, 0.0, 0.0, 1.0, 0.0]
-    made.PixelSpacing = [1.0, 1.0]
-    made.Rows, made.Columns, made.SamplesPerPixel, made.PhotometricInterpretation = 20, 20, 1, "MONOCHROME2"
-    made.BitsAllocated = made.BitsStored = 16
-    made.HighBit, made.PixelRepresentation = 15, 0
-    made.PixelData = (np.arange(400).reshape(20, 20) % 37).astype(np.uint16).tobytes()
-    made.save_as(path, enforce_file_format=True)

@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
-from app.views.features.volumes import SlicesFeature
-from cpm_core.shapes import Everywhere, Points, Sphere
-from tests.app.volumes.conftest import open_file
+from cpm_core.shapes import Everywhere, Sphere
 
 pytestmark = pytest.mark.shared_window
 
@@ -39,8 +37,8 @@ def test_a_drag_draws_a_sphere_that_each_slice_shows_as_its_circle(volume, hand)
     for off in (0, 3, -3):
         volume.workspace.slices.at(12 + off)
         section = section_of(volume)
-        assert section.center == pytest.approx(sphere.center[1:])
-        assert section.radii == pytest.approx((math.sqrt(sphere.radius**2 - off**2),) * 2)
+        assert section.line.center == pytest.approx(sphere.center[1:])
+        assert section.line.radii == pytest.approx((math.sqrt(sphere.radius**2 - off**2),) * 2)
     volume.workspace.slices.at(12 + 8)
     assert volume.canvas_area.canvas.drawn.document.shapes == ()
     assert volume.canvas_area.canvas.drawn.selected is None
@@ -54,7 +52,7 @@ def test_a_sphere_is_moved_and_resized_in_any_slice_that_cuts_it(volume, hand) -
     hand.drag((row, col), (row, col + 1), (row, col + 3))
     grown = sphere_of(volume)
     assert grown.center == before.center
-    assert section_of(volume).radii[0] == pytest.approx(math.sqrt(before.radius**2 - 9) + 3, abs=PIXEL)
+    assert section_of(volume).line.radii[0] == pytest.approx(math.sqrt(before.radius**2 - 9) + 3, abs=PIXEL)
     hand.key(KEY.Key_S)
     hand.drag((14, 16), (15, 16), (17, 18))
     moved = sphere_of(volume)
@@ -65,27 +63,6 @@ def test_a_sphere_is_moved_and_resized_in_any_slice_that_cuts_it(volume, hand) -
     assert sphere_of(volume) == grown
     hand.key(KEY.Key_Down)
     assert sphere_of(volume).center == pytest.approx(np.add(grown.center, (0, 1, 0)))
-
-
-def test_what_is_drawn_in_a_volume_goes_with_it_when_an_image_is_opened(volume, hand, image_file) -> None:
-    hand.key(KEY.Key_P)
-    hand.click(14, 16)
-    assert isinstance(volume.session.document.shapes[0], Points)
-    open_file(volume, hand, image_file)
-    assert volume.session.document.shapes == () and volume.session.scene.slices is None
-
-
-def test_points_are_shown_in_the_slices_next_to_them(volume, hand) -> None:
-    hand.key(KEY.Key_P)
-    hand.click(10, 12)
-    (points,) = volume.session.document.shapes
-    assert isinstance(points, Points)
-    assert points.positions[0] == pytest.approx((12, 10, 12), abs=PIXEL)
-    seen = []
-    for plane in range(9, 16):
-        volume.workspace.slices.at(plane)
-        seen.append(len(volume.canvas_area.canvas.drawn.document.shapes))
-    assert seen == [0, 0, 1, 1, 1, 0, 0]
 
 
 def test_a_run_covers_the_ball_and_each_slice_shows_the_particles_near_it(volume, hand) -> None:
@@ -106,40 +83,9 @@ def test_a_run_covers_the_ball_and_each_slice_shows_the_particles_near_it(volume
         np.testing.assert_allclose(drawn[np.lexsort(drawn.T)], expected[np.lexsort(expected.T)])
 
 
-def test_steps_are_taken_scrubbed_and_branched_as_in_an_image(volume, hand) -> None:
-    hand.drag((14, 16), (14, 18), (14, 20))
-    for _ in range(3):
-        hand.key(KEY.Key_Period)
-        hand.wait(lambda: volume.session.idle)
-    assert volume.session.status.step == 3
-    third = volume.session.scene.snapshot.position
-    hand.key(KEY.Key_Comma)
-    hand.wait(lambda: volume.session.status.step == 2 and volume.session.idle)
-    hand.key(KEY.Key_Period)
-    hand.wait(lambda: volume.session.status.step == 3 and volume.session.idle)
-    np.testing.assert_array_equal(volume.session.scene.snapshot.position, third)
-    hand.key(KEY.Key_Z, CONTROL)
-    assert volume.session.document.shapes == ()
-
-
 def test_without_a_start_a_run_says_what_a_volume_starts_from(volume, hand) -> None:
     hand.key(KEY.Key_Space)
     assert "sphere" in volume.canvas_area.messages.text
-
-
-def test_a_sphere_in_the_middle_needs_no_mouse(volume, hand) -> None:
-    hand.qtbot.mouseClick(volume.feature(SlicesFeature).bar.axes[2], Qt.MouseButton.LeftButton)
-    hand.key(KEY.Key_K, CONTROL)
-    assert sphere_of(volume).center == pytest.approx((11.5, 13.5, 16), abs=1.0)
-
-
-def test_the_end_of_a_run_looks_for_no_objects_of_the_plane(volume, hand) -> None:
-    hand.drag((14, 16), (14, 18), (14, 22))
-    hand.key(KEY.Key_Space)
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: volume.session.idle and volume.session.tasks.idle)
-    assert not volume.workspace.object_selection.partitions.preparing
-    assert volume.canvas_area.messages.text == ""
 
 
 def test_the_automatic_mode_starts_everywhere_in_a_volume_and_keeps_its_parameters(volume, hand) -> None:

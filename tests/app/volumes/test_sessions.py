@@ -10,7 +10,6 @@ from PySide6.QtCore import Qt
 
 from app.views.features.files import OpenSaveFeature
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
-from cpm_core.objects.segmented.segmented_object import SegmentedObject, SegmentedObjects
 from cpm_core.shapes import Circle, Sphere
 from tests.app.volumes.conftest import open_file
 
@@ -66,16 +65,3 @@ def test_a_drawing_of_another_dimension_is_refused_and_nothing_is_lost(
     words = "shape 1 (sphere) is for volumes" if volumes else "shape 1 (circle) is for images"
     hand.wait(lambda: words in volume.canvas_area.messages.text.lower())
     assert volume.session.document is before
-
-
-def test_objects_of_another_dimension_are_refused(volume, hand, tmp_path, volume_file) -> None:
-    line = ((2.0, 2.0), (2.0, 9.0), (9.0, 9.0))
-    objects = SegmentedObjects((SegmentedObject(1, (), (line,)),))
-    save_session(SessionFile(ImageFile(str(volume_file)), objects=objects), tmp_path / "objects.cpm")
-    volume.open_image(str(tmp_path / "objects.cpm"))
-    hand.wait(lambda: "objects.cpm holds objects of an image" in volume.canvas_area.messages.text)
-
-
-def test_slices_beyond_the_volume_are_shown_at_its_end(volume) -> None:
-    volume.workspace.slices.use_view_state({"slices": {"axis": 1, "voxel": [-5, 99, 3]}})
-    assert volume.session.scene.slices.voxel == (0, 27, 3)

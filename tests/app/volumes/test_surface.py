@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import tifffile
 from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QFileDialog
 
-from app.model.export.order import ExportOrder
-from app.views.export.surface import SurfaceDialog
+from app.model.export import listed
 from app.views.features.exchange import ExportFeature
 from app.views.features.run import RunControlFeature
 from cpm_core.formats import FOR_VOLUMES
-from cpm_core.image.geometry import Geometry
 
 pytestmark = pytest.mark.shared_window
 
@@ -64,18 +61,17 @@ def test_an_image_has_no_figures_of_a_surface(window) -> None:
     assert "Contours" in numbers(window)
 
 
-def test_surface_labels_and_particles_are_exported(found, hand, tmp_path) -> None:
+def test_surface_labels_and_particles_are_exported(found, hand, tmp_path, monkeypatch) -> None:
     action, feature = found.actions_by_name["export"], found.feature(ExportFeature)
     assert action.text().replace("&", "") == "Export surface…"
-    for number, suffix in enumerate(FOR_VOLUMES):
+    for number, suffix in enumerate(sorted(set(map(listed, FOR_VOLUMES)))):
+        path = tmp_path / f"found{number}{suffix}"
+        monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_, path=path: (str(path), ""))
         action.trigger()
         dialog = feature.dialog
-        dialog.file.folder.setText(str(tmp_path))
-        dialog.file.name.clear()
-        hand.qtbot.keyClicks(dialog.file.name, f"found{number}{suffix}")
-        assert "1 part" in dialog.figures.text()
+        dialog.format.setCurrentIndex(dialog.format.findData(suffix))
+        assert "1 part" in dialog.summary.text()
         hand.qtbot.mouseClick(dialog.export_button, Qt.MouseButton.LeftButton)
-        path = tmp_path / f"found{number}{suffix}"
         hand.wait(lambda path=path: path.exists() and found.session.idle)
         assert "triangles" in found.canvas_area.messages.text
         assert path.stat().st_size > 100
@@ -83,45 +79,3 @@ def test_surface_labels_and_particles_are_exported(found, hand, tmp_path) -> Non
     assert (labels > 0).sum() == pytest.approx(4 / 3 * np.pi * RADIUS**3, rel=0.1)
     rows = np.loadtxt(next(tmp_path.glob("*.points.csv")), delimiter=",", skiprows=1, usecols=(0, 1, 2))
     np.testing.assert_allclose(rows, found.session.scene.snapshot.position, rtol=1e-5)
-
-
-def test_coordinates_of_a_surface_are_those_of_the_patient_that_are_chosen(found, hand, tmp_path) -> None:
-    feature = found.feature(ExportFeature)
-    found.actions_by_name["export"].trigger()
-    assert feature.dialog.space.isHidden(), "the file does not say where it lies"
-    feature.dialog.reject()
-    placed = replace(found.session.image, geometry=Geometry(origin=(10.0, 20.0, 30.0)))
-    dialog = SurfaceDialog(
-        found, found.session.status.surface, 0, placed, tmp_path / "ball.npy", tmp_path / "a", ".ply"
-    )
-    ordered = []
-    dialog.ordered.connect(lambda path, order: ordered.append(order.space))
-    dialog.open()
-    assert dialog.space.isVisible()
-    dialog.space.setFocus()
-    hand.qtbot.keyClick(dialog.space, Qt.Key.Key_Down)
-    hand.qtbot.mouseClick(dialog.export_button, Qt.MouseButton.LeftButton)
-    assert ordered == ["RAS"]
-
-
-def test_the_order_says_where_coordinates_point(found, hand, tmp_path) -> None:
-    for space in ("LPS", "RAS"):
-        found.session.export(tmp_path / f"{space}.obj", ExportOrder(space=space))
-        hand.wait(lambda space=space: (tmp_path / f"{space}.obj").exists() and found.session.idle)
-    lps, ras = (
-        np.array(
-            [line.split()[1:4] for line in (tmp_path / f"{space}.obj").read_text().splitlines() if line[:2] == "v "]
-        )
-        for space in ("LPS", "RAS")
-    )
-    np.testing.assert_allclose(lps.astype(float) * (-1, -1, 1), ras.astype(float))
-
-
-def test_a_name_for_contours_is_refused_with_a_sentence(found, hand) -> None:
-    found.actions_by_name["export"].trigger()
-    dialog = found.feature(ExportFeature).dialog
-    dialog.file.name.clear()
-    hand.qtbot.keyClicks(dialog.file.name, "found.svg")
-    assert not dialog.export_button.isEnabled()
-    assert "contours" in dialog.note.text()
-    dialog.reject()

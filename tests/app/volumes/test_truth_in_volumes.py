@@ -10,13 +10,11 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
-from app.model.display.space.view_in_space import ShownParts
-from app.views.features.files import OpenSaveFeature
 from app.views.features.volumes import SpaceFeature
 from app.views.main_window import MainWindow
 from cpm_core.contours.agreement import TOLERANCE
 from tests.app.conftest import Hand
-from tests.app.volumes.conftest import SHAPE, ball, open_file
+from tests.app.volumes.conftest import SHAPE, ball
 
 pytestmark = pytest.mark.shared_window
 
@@ -102,34 +100,6 @@ def test_space_shows_the_true_surface_while_its_layer_is_shown(compared, hand) -
     hand.wait(lambda: panel.contents is not None and len(panel.contents.truth) == 1)
     (shown,) = panel.contents.truth
     assert shown.mesh.surface.vertices.shape == compared.session.scene.truth.surface.vertices.shape
-    assert shown in panel.contents.view(ShownParts(objects=False)).objects
+    assert shown in panel.contents.truth
     compared.actions_by_name["layer_truth"].trigger()
     hand.wait(lambda: panel.contents.truth == ())
-
-
-def test_what_is_no_truth_of_the_volume_is_refused_in_a_sentence(volume, hand, tmp_path) -> None:
-    np.save(tmp_path / "other.npy", np.zeros((9, 9, 9), np.uint8))
-    volume.workspace.truth.load(tmp_path / "other.npy")
-    hand.wait(lambda: "other.npy" in volume.canvas_area.messages.text)
-    assert "9 x 9 x 9 voxels" in volume.canvas_area.messages.text
-    assert volume.workspace.truth.truth is None
-
-
-def test_a_session_brings_the_truth_back(compared, hand, tmp_path, image_file) -> None:
-    dice = figure(compared, "dice")
-    compared.feature(OpenSaveFeature).document_file.save_at_once(tmp_path / "work.cpm")
-    open_file(compared, hand, image_file)
-    assert compared.workspace.truth.truth is None
-    assert compared.panels["truth"].holes.isVisibleTo(compared.panels["truth"])
-    compared.open_image(str(tmp_path / "work.cpm"))
-    hand.wait(lambda: compared.workspace.truth.verified is not None)
-    assert figure(compared, "dice") == dice
-
-
-def test_the_truth_is_compared_side_by_side(compared, hand) -> None:
-    other = compared.workspace.other_result
-    other.choose(next(each for each in other.choices if each.kind == "truth"))
-    far = other.far(compared.session.scene)
-    assert far.reconstruction.result.surface is compared.workspace.truth.truth.surface
-    assert other.near(compared.session.scene).truth is None
-    other.choose(None)

@@ -9,7 +9,7 @@ import pytest
 from PySide6.QtCore import QDate, QLocale
 
 from app.views.application import locale_of
-from app.views.widgets.fields.decimal_field import DecimalField
+from app.views.widgets.fields import DecimalField
 
 
 def field_in(qtbot, language: str, most: float = 100.0) -> DecimalField:

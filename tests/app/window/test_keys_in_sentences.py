@@ -12,12 +12,10 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QAbstractButton, QLabel, QTableView, QWidget
 
-from app.model.document import edits
 from app.model.text.keys import Named, use_names, with_keys
 from app.views.features.help import HelpFeature
 from app.views.features.run import TimelineFeature
-from app.views.widgets.key_text import native
-from cpm_core.shapes import Circle, Everywhere
+from app.views.widgets.actions import native
 
 pytestmark = pytest.mark.shared_window
 
@@ -112,11 +110,6 @@ def test_no_translation_says_a_key_that_is_not_in_its_sentence(catalog) -> None:
     assert [other for said, other in told.items() if other != said and keys.search(without(other, ALIKE_FIXED))] == []
 
 
-def test_every_key_in_a_sentence_is_that_of_an_action(window) -> None:
-    known = {action.name for action in window.shortcuts.actions}
-    assert {name for said in sentences() for name in NAMED.findall(said)} <= known
-
-
 def test_changed_keys_are_in_every_sentence_of_the_window(window, renamed) -> None:
     said = texts_of(window)
     assert not [text for text in said if "{key:" in text]
@@ -129,28 +122,11 @@ def test_changed_keys_are_in_every_sentence_of_the_window(window, renamed) -> No
     assert renamed["reject"] in window.actions_by_name["contours"].statusTip()
 
 
-@pytest.mark.parametrize(("shape", "action"), [(Circle((32.0, 32.0), 10.0), "select"), (Everywhere("grid"), "run")])
-def test_the_hint_follows_a_changed_key_at_once(window, shape, action) -> None:
-    window.session.edit("draw", lambda document: edits.add_shape(document, shape))
-    window.session.select(0)
-    hint, before = window.canvas_area.hint, native(window.shortcuts.keys(action)[0])
-    assert before in hint.text()
-    window.shortcuts.choose(action, "Ctrl+F7")
-    assert native("Ctrl+F7") in hint.text()
-    assert before not in hint.text()
-    window.shortcuts.reset()
-    assert before in hint.text()
-
-
-def test_guide_and_tour_follow_changed_keys_while_they_are_open(window, hand) -> None:
+def test_the_guide_follows_changed_keys_while_it_is_open(window, hand) -> None:
     feature = window.feature(HelpFeature)
     feature.show_guide("canvas")
-    window.actions_by_name["tour"].trigger()
-    feature.tour.go(2)
     window.shortcuts.choose("run", "Ctrl+F7")
     assert native("Ctrl+F7") in feature.guide.text.toPlainText()
-    assert native("Ctrl+F7") in feature.tour.text.text()
-    feature.tour.end()
     feature.guide.close()
     hand.wait(lambda: feature.guide is None)
     window.shortcuts.choose("keys", "Ctrl+F8")

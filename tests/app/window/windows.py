@@ -19,7 +19,7 @@ from app.views.canvas.canvas_area import FIRST_TOOL
 from app.views.canvas.tools.brush_tools import RingTool
 from app.views.features.files import StartFeature
 from app.views.main_window import MainWindow
-from app.views.panels.item_table.view import ItemTable
+from app.views.panels.tables import ItemTable
 from app.views.window import dialogs
 
 SIZE = 1000, 700

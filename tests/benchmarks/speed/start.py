@@ -14,7 +14,7 @@ from tests.benchmarks.speed.measurement import Measurement, Patience
 _IMPORT = "import cpm_core"
 _LIBRARIES = "import numba, numpy, scipy.ndimage, scipy.spatial, skimage"
 _WARM_UP = "warm_up()"
-_GET_WARM_UP = "from cpm_core.objects.warm_up import warm_up"
+_GET_WARM_UP = "from cpm_core.warm_up import warm_up"
 
 
 def starts(patience: Patience) -> Iterator[Measurement]:

@@ -8,7 +8,7 @@ from importlib.metadata import version
 
 from cpm_core.image.image import Image
 from cpm_core.numerics.parallel import cores
-from cpm_core.objects.warm_up import warm_up
+from cpm_core.warm_up import warm_up
 from tests.benchmarks.speed.coulomb import coulomb_forces
 from tests.benchmarks.speed.field import fields
 from tests.benchmarks.speed.measurement import Measurement, Patience

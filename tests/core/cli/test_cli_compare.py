@@ -13,10 +13,8 @@ import tifffile
 from cpm_core.formats import load_surface
 from cpm_core.formats.sessions.session_file import SessionFile, load_session, save_session
 from cpm_core.objects.methods import CONTOUR_METHODS, Compared, runnable
-from cpm_core.objects.methods.comparison import FIRST
 from cpm_core.objects.methods.level_sets import GeodesicSettings
-from cpm_core.objects.methods.regions import GRAB_CUT
-from cpm_core.shapes import Ellipse, Stroke
+from cpm_core.shapes import Ellipse
 
 ROW, COL = np.indices((56, 60))
 DISK = np.hypot(ROW - 27, COL - 30) < 14
@@ -44,27 +42,6 @@ def test_methods_are_told_as_json_in_the_order_in_which_they_are_named(image, ma
     for row in facts["methods"]:
         assert row["converged"] and row["contours"] == row["closed"] == 1 and row["steps"] > 1 and row["seconds"] > 0.0
         assert row["dice"] > 0.95 and row["f"] > 0.99 and row["hausdorff"] < 2.0 and row["mean_distance"] < 1.0
-
-
-def test_a_person_sees_a_line_for_each_method(image, mask, command):
-    status, out, _ = command("compare", image, *CIRCLE, "--methods", "cpm", "chan_vese", "--truth", mask)
-    head, *lines = out.splitlines()
-    assert status == 0
-    assert head.split() == ["steps", "time", "Dice", "F", "Hausdorff", "mean", "dist.", "contours", "closed", "end"]
-    assert [line[:24].strip() for line in lines] == ["Charged particles", "Chan-Vese"]
-
-
-def test_without_a_truth_nothing_is_said_of_agreement(image, command):
-    status, out, _ = command("compare", image, *CIRCLE, "--methods", "gvf")
-    assert status == 0
-    assert out.splitlines()[0].split() == ["steps", "time", "contours", "closed", "end"]
-
-
-def test_a_method_that_finds_nothing_is_told_as_well(image, mask, command):
-    options = ("--methods", "snake", "--set", "snake.alpha=1", "--truth", mask)
-    row = json.loads(command("compare", image, *CIRCLE, *options, "--json")[1])["methods"][0]
-    assert (row["contours"], row["dice"], row["hausdorff"]) == (0, 0.0, None)
-    assert command("compare", image, *CIRCLE, *options)[1].splitlines()[1].split()[5:8] == ["0.000", "0.000", "-"]
 
 
 def test_all_methods_are_compared_unless_some_are_named(image, command):
@@ -110,31 +87,6 @@ def test_the_contours_of_each_method_are_written_in_the_formats_of_runs(image, c
         assert 2 * (labels.astype(bool) & DISK).sum() / (labels.astype(bool).sum() + DISK.sum()) > 0.95
 
 
-def test_one_method_is_written_to_the_very_file(image, command, tmp_path):
-    assert command("compare", image, *CIRCLE, "--methods", "gvf", "--export", tmp_path / "a.svg")[0] == 0
-    assert (tmp_path / "a.svg").exists()
-
-
-def test_a_method_without_contours_is_said_and_the_others_are_written(image, command, tmp_path):
-    options = ("--methods", "snake", "gvf", "--set", "snake.alpha=1", "--export", tmp_path / "a.roi")
-    status, out, err = command("compare", image, *CIRCLE, *options)
-    assert status == 1
-    assert out.splitlines()[-1] == f"Wrote {tmp_path / 'a.gvf.roi'}"
-    assert err.startswith(
-        f"cpm: {tmp_path / 'a.gvf.roi'} was written, but {tmp_path / 'a.snake.roi'} was not written: "
-    )
-    assert not (tmp_path / "a.snake.roi").exists()
-
-
-def test_settings_of_methods_are_set_by_name(image, mask, command):
-    options = ("--methods", "gac", "--max-steps", 30, "--truth", mask, "--json")
-    found = [
-        json.loads(command("compare", image, *CIRCLE, *options, *more)[1])["methods"][0]["mean_distance"]
-        for more in ((), ("--set", "gac.balloon=0.9"), ("--set", "gac.balloon=0.9", "gac.exponent=4"))
-    ]
-    assert len(set(found)) == 3
-
-
 def test_a_start_around_the_object_is_one_when_it_is_said_so(image, mask, command):
     options = ("--circle", "27,30,22", "--methods", "gac", "morph_gac", "--truth", mask, "--json")
     outwards, inwards = (
@@ -142,68 +94,6 @@ def test_a_start_around_the_object_is_one_when_it_is_said_so(image, mask, comman
         for more in ((), ("--around",))
     )
     assert max(outwards) < 0.1 and min(inwards) > 0.9
-
-
-def test_methods_start_from_the_contours_of_a_file_as_from_the_same_lines(image, command, tmp_path):
-    corners = "17,20,17,40,37,40,37,20"
-    (tmp_path / "box.svg").write_text(
-        '<svg viewBox="0 0 60 56"><polygon points="20.5,17.5 40.5,17.5 40.5,37.5 20.5,37.5"/>'
-        '<polyline points="1,1 9,5 3,9"/></svg>'
-    )
-    told = []
-    for start in (("--polygon", corners), ("--start", tmp_path / "box.svg")):
-        status, out, err = command("compare", image, *start, "--methods", *QUICK, "--json")
-        rows = json.loads(out)["methods"]
-        told.append([{key: value for key, value in row.items() if key != "seconds"} for row in rows])
-        assert status == 0
-    assert told[0] == told[1]
-    assert err.startswith("cpm: box.svg: 1 start without an inside left out") and err.count("\n") == 1
-
-
-def test_methods_start_from_a_mask_with_a_hole(image, command, tmp_path):
-    ring = DISK & (np.hypot(ROW - 27, COL - 30) > 6)
-    PIL.Image.fromarray((255 * ring).astype(np.uint8)).save(tmp_path / "ring.png")
-    options = ("--methods", "gac", "morph_chan_vese", "--max-steps", 1, "--json")
-    rows = json.loads(command("compare", image, "--start", tmp_path / "ring.png", *options)[1])["methods"]
-    assert [row["contours"] for row in rows] == [2, 2]
-
-
-def test_a_file_without_closed_contours_is_refused_in_one_sentence(image, command, tmp_path):
-    (tmp_path / "line.svg").write_text('<svg viewBox="0 0 60 56"><polyline points="1,1 9,5 3,9"/></svg>')
-    status, out, err = command("compare", image, "--start", tmp_path / "line.svg")
-    assert (status, out) == (2, "")
-    assert err == (
-        "cpm: line.svg has no closed contour, but methods are compared from closed lines: close its contours, or add "
-        "--circle ROW,COL,RADIUS.\n"
-    )
-
-
-def test_starts_of_a_session_that_enclose_nothing_are_said_to_be_left_out(image, command, tmp_path):
-    shapes = Ellipse((27.0, 30.0), (9.0, 8.0)), Stroke(((5.0, 5.0), (9.0, 9.0)))
-    save_session(SessionFile(shapes=shapes), tmp_path / "a.cpm")
-    told = command("compare", image, "--session", tmp_path / "a.cpm", "--methods", "gvf")
-    assert told[0] == 0
-    assert told[2] == "cpm: the session: 1 start without an inside left out, as most of the methods need one.\n"
-
-
-def test_a_session_gives_image_and_start(image, command, tmp_path):
-    shapes = (Ellipse((27.0, 30.0), (9.0, 7.0)), Stroke(((1.0, 1.0), (5.0, 5.0))))
-    session = tmp_path / "a.cpm"
-    save_session(SessionFile(image=None, shapes=shapes), session)
-    status, out, _ = command("compare", image, "--session", session, "--methods", "gvf", "--json")
-    assert status == 0
-    assert json.loads(out)["methods"][0]["contours"] == 1
-
-
-def test_a_method_whose_package_is_missing_is_left_out_and_said(image, command, monkeypatch):
-    monkeypatch.setitem(vars(GRAB_CUT), "needs", ("no_such_package", "opencv"))
-    status, out, err = command("compare", image, *CIRCLE, "--max-steps", 1, "--json")
-    assert status == 0
-    assert "grab_cut" not in {row["method"] for row in json.loads(out)["methods"]}
-    assert 'pip install "cpm-particles[opencv]"' in err
-    status, _, err = command("compare", image, *CIRCLE, "--methods", "cpm", "grab_cut")
-    assert status == 2
-    assert "Grab cut needs a package: install it" in err
 
 
 def test_a_session_gives_methods_settings_and_the_side_of_the_start(image, mask, command, tmp_path):
@@ -221,29 +111,6 @@ def test_a_session_gives_methods_settings_and_the_side_of_the_start(image, mask,
     assert [
         row["method"] for row in json.loads(command("compare", image, *options, "--methods", "gvf")[1])["methods"]
     ] == ["gvf"]
-
-
-@pytest.mark.parametrize(
-    ("entry", "said"),
-    [
-        ({"methods": ["gac", "gfv"]}, '"gfv"'),
-        ({"methods": "gac"}, "methods of the comparison"),
-        ({"methods": ["gac"], "around": 1}, "must be true or false"),
-        ({"methods": ["gac"], "settings": {"gac": {"balloon": 1e9}}}, "balloon is 1e+09"),
-        ({"methods": ["gac"], "settings": {"gac": {"ballon": 1}}}, 'it has no "ballon"'),
-        ({"methods": ["gac"], "settings": {"cpm": {}}}, "the parameters of the run"),
-        (7, "must be an object"),
-    ],
-)
-def test_a_session_opens_without_a_comparison_that_cannot_be_used(tmp_path, entry, said):
-    session = tmp_path / "a.cpm"
-    save_session(SessionFile(shapes=(Ellipse((27.0, 30.0), (9.0, 7.0)),)), session)
-    plain = json.loads(session.read_text(encoding="utf-8"))
-    session.write_text(json.dumps({**plain, "comparison": entry}), encoding="utf-8")
-    opened = load_session(session)
-    assert len(opened.shapes) == 1
-    assert said in " ".join(opened.notes)
-    assert opened.comparison.methods in {FIRST, ("gac",)}
 
 
 @pytest.fixture
@@ -265,43 +132,3 @@ def test_surfaces_are_compared_in_a_volume(volume, command, tmp_path):
     rows = list(csv.DictReader(io.StringIO(paths[0].read_text(encoding="utf-8"))))
     assert [row["method"] for row in rows] == ["cpm", "morph_chan_vese"]
     assert " vx" in command("compare", volume, *options)[1]
-
-
-@pytest.mark.parametrize(
-    ("options", "sentence"),
-    [
-        (("--methods", "gvf"), "GVF snake is for images: in a volume choose among cpm, morph_gac"),
-        (("--circle", "9,9,3"), "--circle is for images, but --sphere is for volumes"),
-        (("--sphere", "1,2,3"), "must be four numbers, PLANE,ROW,COL,RADIUS"),
-        (("--export", "a.png"), "in a volume surfaces are compared: choose one of .csv, .ply"),
-    ],
-)
-def test_what_a_volume_does_not_have_is_refused_in_one_sentence(volume, command, options, sentence):
-    status, out, err = command("compare", volume, "--sphere", "10,11,12,4", *options)
-    assert (status, out) == (2, "")
-    assert err.count("\n") == 1
-    assert sentence in err
-
-
-@pytest.mark.parametrize(
-    ("options", "sentence"),
-    [
-        ((), "No start is given"),
-        (("--circle", "1,2"), '--circle is "1,2" but must be three numbers'),
-        (("--polygon", "1,2,3,4,1,2"), "of three different corners at least"),
-        ((*CIRCLE, "--methods", "gfv"), '"gfv" is no method: choose among cpm, object, snake'),
-        ((*CIRCLE, "--set", "gac=1"), "must be METHOD.NAME=VALUE"),
-        ((*CIRCLE, "--methods", "cpm", "--set", "gac.balloon=1"), "none of the methods compared"),
-        ((*CIRCLE, "--set", "gac.baloon=1"), '"baloon" is no setting of gac: choose among balloon'),
-        ((*CIRCLE, "--set", "gac.balloon=much"), 'balloon is "much" but must be a number'),
-        ((*CIRCLE, "--set", "cpm.beta=9"), "beta is 9 but must be"),
-        ((*CIRCLE, "--export", "a.ply"), "a.ply would be a file of a surface"),
-        ((*CIRCLE, "--export", "a.doc"), 'ends in ".doc", which names no format'),
-        ((*CIRCLE, "--max-steps", "0"), "--max-steps is 0 but must be"),
-    ],
-)
-def test_what_cannot_be_done_is_refused_in_one_sentence(image, command, options, sentence):
-    status, out, err = command("compare", image, *options)
-    assert (status, out) == (2, "")
-    assert err.count("\n") == 1
-    assert sentence in err

@@ -7,7 +7,7 @@ import PIL.Image
 import pytest
 
 from app.model.document.document import ImageReference
-from app.session.timeline.stored.plain_runs import from_plain
+from app.session.timeline.plain_runs import runs_from_plain
 from cpm_core import load_centerlines, load_contours, load_image, load_surface, load_volume
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.shapes import Circle, Polygon
@@ -40,7 +40,7 @@ def test_a_saved_session_holds_the_run_at_its_end_as_the_window_reads_it(found, 
     assert session.shapes == (Circle((40.0, 50.0), 9.0),)
     assert session.image.path == disk.name
     reference = ImageReference.of(disk, load_image(disk))
-    stored, fault = from_plain(session.runs, reference)
+    stored, fault = runs_from_plain(session.runs, reference)
     assert fault == ""
     ((place, state),) = stored.states.items()
     assert place == stored.here
@@ -83,30 +83,6 @@ def test_export_turns_one_format_into_another(found, disk, command, tmp_path):
     assert apart.max() < 0.01
 
 
-def test_export_tells_what_size_it_takes_where_no_image_is_named(found, command, tmp_path):
-    (tmp_path / "b.geojson").write_text('{"type": "LineString", "coordinates": [[1, 2], [30, 40]]}', "utf-8")
-    status, _, err = command("export", tmp_path / "b.geojson", "--to", tmp_path / "b.svg")
-    assert status == 0
-    assert "does not tell the size of its image: 41 x 31 px is taken" in err
-
-
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        (("none.cpm", "--to", "a.svg"), "does not exist"),
-        (("none.roi", "--to", "a.svg"), "cannot be read"),
-        (("a.json", "--to", "a.xyz"), "names no format"),
-        (("a.json", "--to", "a.json"), "would overwrite"),
-    ],
-)
-def test_bad_exports_are_refused_in_one_line(arguments, sentence, found, command, monkeypatch):
-    monkeypatch.chdir(found[0].parent)
-    status, _, err = command("export", *arguments)
-    assert status == 2
-    assert sentence in err
-    assert err.count("\n") == 1
-
-
 def test_a_run_starts_from_contours_of_a_file_and_keeps_them_as_shapes(found, disk, command, tmp_path):
     ring = {"type": "Polygon", "coordinates": [[[44, 34], [57, 34], [57, 47], [44, 47], [44, 34]]]}
     (tmp_path / "start.geojson").write_text(json.dumps(ring), "utf-8")
@@ -129,46 +105,6 @@ def test_a_run_is_compared_with_a_truth(found, disk, command, tmp_path):
         assert agreed["dice"] > 0.98
     _, out, _ = command("run", disk, "--circle", "40,50,9", "--truth", tmp_path / "a.json")
     assert "Beside a.json: Dice 1.000" in out
-
-
-@pytest.mark.parametrize(
-    ("more", "sentence"),
-    [
-        (("--save-session", "a.json"), "must name a session file"),
-        (("--save-session", "none/a.cpm"), "none"),
-        (("--save-session", "b.cpm", "--pages", "all"), "is for one image"),
-        (("--start", "none.roi"), "cannot be read"),
-        (("--truth", "none.roi"), "cannot be read"),
-    ],
-)
-def test_bad_files_are_refused_before_anything_is_written(more, sentence, disk, command, monkeypatch):
-    monkeypatch.chdir(disk.parent)
-    status, _, err = command("run", disk, "--circle", "40,50,9", *more)
-    assert status == 2
-    assert sentence in err
-    assert err.count("\n") == 1
-
-
-def test_figures_are_written_of_a_run_a_session_and_a_file_and_in_a_batch(found, disk, command, tmp_path):
-    session, contours = found
-    for number, words in enumerate(
-        [
-            ("export", session, "--to"),
-            ("export", contours, "--image", disk, "--to"),
-            ("run", disk, "--session", session, "--export"),
-        ]
-    ):
-        status, _, err = command(*words, tmp_path / f"{number}.figure.png")
-        assert (status, err) == (0, "")
-        with PIL.Image.open(tmp_path / f"{number}.figure.png") as figure:
-            gray = np.asarray(figure.convert("L"))
-        tall, wide = gray.shape
-        assert wide / tall == pytest.approx(100 / 80, rel=0.01)
-        assert gray[tall // 2, wide // 2] > gray[tall // 8, wide // 8] + 50
-    status, _, _ = command("batch", disk, "--session", session, "--output", tmp_path / "out", "--export", "figure.pdf",
-                           "--workers", "1")  # fmt: skip
-    assert status == 0
-    assert (tmp_path / "out" / "disk_contours.figure.pdf").read_bytes().startswith(b"%PDF")
 
 
 @pytest.fixture(scope="module")
@@ -224,24 +160,3 @@ def test_labels_become_a_surface_and_center_lines_change_their_space(ball, comma
     assert (status, err) == (0, "")
     one, other = (load_centerlines(tmp_path / name, load_volume(ball)) for name in ("a.swc", "b.swc"))
     assert len(one.branches) == len(other.branches) == json.loads(out)["contours"]
-
-
-@pytest.mark.parametrize(
-    ("words", "answer"),
-    [
-        (("export", "a.ply", "--to", "b.tif"), "has the voxels of a volume: name the volume with --image"),
-        (("export", "a.ply", "--to", "b.stl", "--page", "2"), "--page is for contours in a stack"),
-        (("export", "a.ply", "--image", "ball.nii", "--to", "b.svg"), "is a volume, but a file with the suffix"),
-        (("run", "ball.nii", "--volume", "--start", "a.svg"), "a.svg has contours, which lie in a plane"),
-        (("run", "ball.nii", "--volume", "--start", "bad.ply"), "bad.ply holds no surface that can be read"),
-    ],
-)
-def test_what_makes_no_sense_of_a_surface_is_refused(ball, command, words, answer, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "ball.nii").write_bytes(ball.read_bytes())
-    (tmp_path / "bad.ply").write_text("ply")
-    (tmp_path / "a.svg").write_text("<svg/>")
-    command("export", ball.with_name("labels.nii"), "--to", "a.ply")
-    status, _, err = command(*words)
-    assert status == 2
-    assert answer in err

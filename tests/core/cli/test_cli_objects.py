@@ -47,28 +47,3 @@ def test_a_person_is_told_of_the_object(disk, command):
     assert status == 0
     assert "Object: area 4" in out  # of pi 12 ^ 2 = 452
     assert "across gaps, confidence" in out
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (("--object", "40"), '--object is "40" but must be two numbers'),
-        (("--object", "40,a"), '--object is "40,a" but must be two numbers'),
-        (("--object", "40,nan"), "must be two numbers"),
-        (("--object", "40,50", "--not", "1,2,3"), '--not is "1,2,3" but must be two numbers'),
-        (("--not", "1,2", "--auto", "grid"), "--not is given without --object"),
-    ],
-)
-def test_places_that_are_none_are_told_in_one_line(disk, command, tmp_path, arguments, message):
-    status, out, err = command("run", disk, *arguments, "--export", tmp_path / "a.svg")
-    assert (status, out) == (2, "")
-    assert message in err
-    assert err.count("\n") == 1
-    assert not (tmp_path / "a.svg").exists()
-
-
-def test_a_place_outside_the_regions_of_interest_is_no_object(disk, command):
-    region = "--region", "10,10,10,80,70,80,70,10"
-    status, _, err = command("run", disk, *region, "--object", "40,110")
-    assert status == 2
-    assert "no object at 40,110" in err

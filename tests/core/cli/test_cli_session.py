@@ -4,21 +4,12 @@ from __future__ import annotations
 
 import csv
 import json
-import logging
-import os
-import pickle
+import multiprocessing
 import shutil
-import signal
-import subprocess
 import sys
-import time
 import types
-import weakref
-from asyncio import CancelledError
 from concurrent.futures import Future
-from dataclasses import replace
 from pathlib import Path
-from unittest.mock import Mock
 
 import numpy as np
 import PIL.Image
@@ -26,18 +17,15 @@ import pytest
 
 import cpm_core
 from cpm_core import Parameters, load_image
-from cpm_core.cli.batch import batch, workers
-from cpm_core.cli.batch.jobs import Done, Job, do
+from cpm_core.cli import workers
+from cpm_core.cli.workers import Job, do
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark
-from cpm_core.formats.common.atomic import write_together
 from cpm_core.formats.common.content import fingerprint
-from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
-from cpm_core.numerics import parallel
-from cpm_core.shapes import Circle, Everywhere, Region, Sphere
+from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_session
+from cpm_core.shapes import Circle, Everywhere, Region
 
 ROOT = Path(__file__).parents[3]
-SAMPLES = ROOT / "assets" / "samples"
 CENTERS, RADIUS = ((40.0, 30.0), (40.0, 75.0)), 14.0
 
 
@@ -63,28 +51,11 @@ def facts(out):
     return json.loads(out)
 
 
-def test_a_session_is_run_on_its_own_image_from_any_folder(command, session, tmp_path, monkeypatch):
-    other = tmp_path / "other"
-    other.mkdir()
-    monkeypatch.chdir(other)
-    status, out, err = command("run", "--session", "../left.cpm", "--json")
-    assert (status, err) == (0, "")
-    assert (facts(out)["contours"], facts(out)["closed"]) == (1, 1)
-
-
 def test_a_session_does_what_its_parts_do_as_flags(command, session, disks, tmp_path):
     flags = ("--circle", "40,30,6", "--scales", 2, "--max-steps", 60)
     command("run", disks, *flags, "--export", tmp_path / "flags.csv")
     command("run", "--session", session, "--max-steps", 60, "--export", tmp_path / "session.csv")
     assert (tmp_path / "flags.csv").read_text() == (tmp_path / "session.csv").read_text()
-
-
-def test_a_session_is_applied_to_another_image_that_is_named(command, session, tmp_path):
-    values = np.zeros((60, 60), np.uint8)
-    values[25:55, 15:45] = 200
-    PIL.Image.fromarray(values).save(tmp_path / "square.png")
-    _, out, _ = command("run", tmp_path / "square.png", "--session", session)
-    assert out.startswith("square.png: 1 contour (1 closed)")
 
 
 def test_flags_take_the_place_of_parameters_and_add_to_the_start(command, session):
@@ -127,52 +98,17 @@ def test_what_a_person_should_know_of_a_session_is_told_beside_the_result(comman
     assert "has changed since" in err
 
 
-BAD = [
-    ("run --session none.cpm", "none.cpm does not exist"),
-    ("run --session free.cpm", "IMAGE"),
-    ("run --session lost.cpm", "gone.png"),
-    ("run disks.png --session empty.cpm", "--circle"),
-    ("run --session left.cpm --export left.cpm", "overwrite|known|format"),
-    ("batch disks.png --session empty.cpm --output out", "has no start"),
-    ("batch disks.png --session left.cpm --output out --workers 0", "--workers"),
-    ("batch disks.png --session left.cpm --output out --workers two", "--workers"),
-    ("batch disks.png --session left.cpm --output out --export svg doc", '".doc"'),
-    ("batch disks.png --session left.cpm --output disks.png", "--output"),
-    ("batch disks.png --session left.cpm --output out --max-steps 0", "--max-steps"),
-    ("batch disks.png --session left.cpm", "--output"),
-    ("batch disks.png --output out", "--session"),
-    ("batch --session left.cpm --output out", "IMAGE"),
-    ("batch disks.png --session left.cpm --output out --workers 2 --scheduler here", "--workers"),
-    ("batch disks.png --session left.cpm --output out --beta 9", "beta"),
-]
-
-
-@pytest.mark.parametrize(("line", "words"), BAD)
-def test_bad_input_is_one_line_and_exit_status_two(command, session, tmp_path, monkeypatch, line, words):
-    monkeypatch.chdir(tmp_path)
-    save_session(SessionFile(shapes=(Circle((1.0, 1.0), 2.0),)), tmp_path / "free.cpm")
-    save_session(SessionFile(ImageFile("gone.png"), (Circle((1.0, 1.0), 2.0),)), tmp_path / "lost.cpm")
-    save_session(SessionFile(), tmp_path / "empty.cpm")
-    status, out, err = command(*line.split())
-    assert (status, out) == (2, "")
-    assert err.startswith("cpm: ")
-    assert err.count("\n") == 1
-    assert any(word in err for word in words.split("|"))
-    assert not (tmp_path / "out").exists() or not any((tmp_path / "out").iterdir())
-
-
 def table(folder):
     with (folder / "summary.csv").open(newline="") as stream:
         return list(csv.DictReader(stream))
 
 
-@pytest.mark.parametrize("count", [1, 2])
-def test_a_batch_does_to_each_image_what_a_run_does_and_reports_a_bad_one(command, session, disks, tmp_path, count):
+def test_a_batch_does_to_each_image_what_a_run_does_and_reports_a_bad_one(command, session, disks, tmp_path):
     (tmp_path / "bad.png").write_text("no picture")
     out = tmp_path / "deep" / "out"
     status, reported, err = command(
         "batch", disks, tmp_path / "bad.png", disks, "--session", session, "--output", out,
-        "--workers", count, "--max-steps", 40, "--export", "csv", ".svg",
+        "--workers", 1, "--max-steps", 40, "--export", "csv", ".svg",
     )  # fmt: skip
     assert status == 1
     assert "bad.png is" in err
@@ -199,97 +135,22 @@ def test_a_batch_tells_json(command, session, disks, tmp_path):
     assert all(Path(file).is_file() for file in image["files"])
 
 
-def test_a_batch_beside_its_images_overwrites_none_of_them(command, session, disks, tmp_path):
-    before = disks.read_bytes()
-    command("batch", disks, "--session", session, "--output", tmp_path, "--max-steps", 5, "--export", "png")
-    assert disks.read_bytes() == before
-    assert (tmp_path / "disks_contours.png").exists()
+def test_an_image_whose_process_dies_is_tried_once_more_and_the_others_go_on(disks, monkeypatch):
+    whole, killed = workers.wait, []
 
+    def killing(working, *given):
+        if not killed:
+            killed.extend(multiprocessing.active_children())
+            for process in killed:
+                process.kill()
+        return whole(working, *given)
 
-def test_the_samples_go_through_the_real_command(tmp_path):
-    save_session(SessionFile(shapes=(Everywhere("gradient"),), parameters=Parameters(scales=2)), tmp_path / "a.cpm")
-    images = [str(SAMPLES / name) for name in ("u_shape.png", "rings.png")]
-    line = [sys.executable, "-m", "app", "batch", *images, "--session", str(tmp_path / "a.cpm"), "--output", "out"]
-    done = subprocess.run(
-        [*line, "--max-steps", "30", "--workers", "2"],
-        cwd=tmp_path, env=environment(), capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert (done.returncode, done.stderr) == (0, "")
-    assert all(int(row["contours"]) >= 1 for row in table(tmp_path / "out"))
-    assert "u_shape.png: " in done.stdout
-
-
-def environment():
-    return {**os.environ, "PYTHONPATH": str(ROOT)}
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="interrupts are those of POSIX")
-def test_an_interrupt_ends_a_batch_at_once_and_leaves_whole_files_only(tmp_path, interrupts_heeded):
-    save_session(SessionFile(shapes=(Everywhere("grid"),)), tmp_path / "a.cpm")
-    images = [str(SAMPLES / "u_shape.png")] + 8 * [str(SAMPLES / "cells.png")]
-    out = tmp_path / "out"
-    line = [sys.executable, "-m", "app", "batch", *images, "--session", str(tmp_path / "a.cpm"), "--output", str(out)]
-    with subprocess.Popen(
-        [*line, "--workers", "2", "--export", "svg"],
-        env=environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
-    ) as process:  # fmt: skip
-        end = time.monotonic() + 60
-        while not list(out.glob("*.svg")):
-            assert time.monotonic() < end
-            assert process.poll() is None
-            time.sleep(0.02)
-        os.killpg(process.pid, signal.SIGINT)  # like Ctrl+C: all processes of the terminal get the signal
-        _, err = process.communicate(timeout=30)
-    assert process.returncode == 130
-    assert err.startswith("cpm: interrupted; ")
-    assert err.count("\n") == 1
-    drawings = [path for path in out.iterdir() if path.name != "summary.csv"]
-    assert all(path.suffix == ".svg" and path.read_text().rstrip().endswith("</svg>") for path in drawings)
-    told = {name for row in table(out) for name in row["files"].split("; ")}
-    assert told <= {path.name for path in drawings}  # one may be written and not yet told, and is done again later
-
-
-@pytest.mark.parametrize(
-    ("given", "jobs", "shared"),
-    [(None, 200, (7, 1)), (None, 3, (3, 2)), (None, 0, (0, 7)), (2, 200, (2, 1)), (2, 1, (1, 1))],
-)
-def test_processes_of_a_batch_share_the_cores_and_as_many_as_were_asked_for_use_one_each(
-    monkeypatch, given, jobs, shared
-):
-    monkeypatch.setattr(parallel.os, "sched_getaffinity", lambda _: set(range(7)), raising=False)
-    assert workers._shared(given, jobs) == shared
-
-
-def test_a_process_of_a_batch_uses_as_many_cores_as_it_is_told(monkeypatch):
-    monkeypatch.setattr(parallel.os, "sched_getaffinity", lambda _: set(range(4)), raising=False)
-    monkeypatch.setattr(workers, "do", lambda job: parallel.cores())
-    assert list(workers.here(["job"], 1)) == [1]
-    assert list(workers.here(["job"], None)) == [4]
-    line = Mock(recv=Mock(side_effect=["job", EOFError]))
-    workers._work(line, 2)
-    line.send.assert_called_once_with(2)
-    assert parallel.cores() == 4
-
-
-@pytest.mark.parametrize("deaths", [1, 2])
-def test_an_image_whose_worker_dies_is_tried_once_more_and_the_others_go_on(disks, monkeypatch, deaths):
-    lines = []
-    whole = workers._Worker.give
-
-    def give(worker, job):
-        if job.number == 1 and len(lines) < deaths:
-            worker._process.kill()
-            worker._process.join()
-            lines.append(worker)
-        whole(worker, job)
-
-    monkeypatch.setattr(workers._Worker, "give", give)
+    monkeypatch.setattr(workers, "wait", killing)
     made = SessionFile(shapes=(Circle(CENTERS[0], 6.0),))
-    jobs = [Job(number, str(disks), made, Parameters(scales=2), 3, ()) for number in range(4)]
-    done = {each.number: each for each in workers.here(jobs, 2)}
-    assert len(lines) == deaths
-    assert [bool(done[number].error) for number in range(4)] == [False, deaths == 2, False, False]
-    assert deaths == 1 or "ended unexpectedly" in done[1].error
+    jobs = [Job(number, str(disks), made, Parameters(scales=2), 3, ()) for number in range(3)]
+    found = sorted((done.number, done.error) for done in workers.here(jobs, 2))
+    assert killed
+    assert found == [(0, ""), (1, ""), (2, "")]
 
 
 class Cluster:
@@ -322,14 +183,6 @@ class Cluster:
         Cluster.cancelled = futures
 
 
-def test_a_session_about_a_skeleton_says_which_command_finds_one(command, disks, tmp_path):
-    path = tmp_path / "bones.cpm"
-    save_session(SessionFile(ImageFile(str(disks), fingerprint(disks), (80, 105)), mode="skeleton"), path)
-    status, out, err = command("run", "--session", path)
-    assert (status, out) == (2, "")
-    assert "cpm skeleton" in err
-
-
 @pytest.fixture
 def dask(monkeypatch):
     module = types.ModuleType("distributed")
@@ -359,25 +212,6 @@ def test_a_scheduler_that_does_not_answer_or_cannot_be_asked_is_told(
     status, _, err = command(*line)
     assert (status, err.count("\n")) == (2, 1)
     assert "cpm-particles[batch]" in err
-
-
-def test_a_scheduler_that_goes_away_leaves_its_images_to_the_next_batch(
-    command, dask, session, disks, monkeypatch, tmp_path, caplog
-):
-    def one_and_gone(futures):
-        yield futures[0]
-        logging.getLogger("distributed.client").error("a traceback")  # as dask does
-        raise CancelledError
-
-    monkeypatch.setattr(sys.modules["distributed"], "as_completed", one_and_gone)
-    line = ("batch", disks, disks, "--session", session, "--output", tmp_path / "o", "--max-steps", 5)
-    status, _, err = command(*line, "--scheduler", "tcp://there:8786")
-    assert status == 1
-    assert "The scheduler at tcp://there:8786 has gone" in err
-    assert "a traceback" not in caplog.text
-    assert [bool(row["trouble"]) for row in table(tmp_path / "o")] == [False, True]
-    assert command(*line, "--workers", 1)[0] == 0
-    assert [bool(row["trouble"]) for row in table(tmp_path / "o")] == [False, False]
 
 
 @pytest.fixture
@@ -424,44 +258,6 @@ def test_a_second_batch_does_only_what_is_not_done_in_the_same_way(command, sess
     assert table(out)[:2] == rows and len(table(out)) == 3
 
 
-def test_a_batch_that_is_killed_at_any_image_keeps_all_that_were_finished(
-    command, session, tmp_path, monkeypatch, counted_jobs
-):
-    """A copy of the folder at the beginning of each image is what a process that is killed there leaves behind."""
-    images = [tmp_path / f"{number}.npy" for number in range(6)]
-    for number, image in enumerate(images):
-        np.save(image, np.pad(np.full((20, 20 + number), 200.0), 20, constant_values=20.0))
-    line = ("batch", *images, "--session", session, "--workers", 1, "--max-steps", 2, "--export", "svg")
-    counting = workers.do
-
-    def copying(job):
-        shutil.copytree(tmp_path / "whole", tmp_path / f"killed {job.number}")
-        return counting(job)
-
-    monkeypatch.setattr(workers, "do", copying)
-    assert command(*line, "--output", tmp_path / "whole")[0] == 0
-    monkeypatch.setattr(workers, "do", counting)
-    for number in range(6):
-        counted_jobs.clear()
-        assert command(*line, "--output", tmp_path / f"killed {number}")[0] == 0
-        assert counted_jobs == [image.name for image in images[number:]]
-        assert [Path(row["image"]) for row in table(tmp_path / f"killed {number}")] == images
-
-
-def test_an_interrupt_between_files_and_row_waits_for_the_row(
-    command, session, disks, tmp_path, monkeypatch, interrupts_heeded
-):
-    def interrupted(files):
-        write_together(files)
-        signal.raise_signal(signal.SIGINT)
-
-    monkeypatch.setattr(batch, "write_together", interrupted)
-    line = ("batch", disks, disks, "--session", session, "--output", tmp_path / "o", "--export", "svg")
-    status, _, err = command(*line, "--workers", 1, "--max-steps", 2)
-    assert (status, [row["files"] for row in table(tmp_path / "o")]) == (130, ["disks_contours.svg"])
-    assert "interrupted; 1 of 2 images were done, and their files are complete; the same command does the" in err
-
-
 def test_a_row_that_a_kill_cuts_short_is_that_of_an_image_not_done(command, session, disks, tmp_path, counted_jobs):
     other, out = tmp_path / "other.png", tmp_path / "o"
     shutil.copy(disks, other)
@@ -501,14 +297,6 @@ def test_a_batch_of_images_of_the_same_name_overwrites_nothing_of_an_earlier_one
     assert [row["files"] for row in table(out)] == ["disks_contours.csv", "disks_contours_2.csv"]
 
 
-def test_a_table_that_is_none_of_a_batch_is_not_replaced(command, session, disks, tmp_path):
-    (tmp_path / "o").mkdir()
-    (tmp_path / "o" / "summary.csv").write_text("my,own\n1,2\n")
-    status, _, err = command("batch", disks, "--session", session, "--output", tmp_path / "o", "--max-steps", 5)
-    assert status == 2 and "is not the table of a batch" in err
-    assert (tmp_path / "o" / "summary.csv").read_text() == "my,own\n1,2\n"
-
-
 def test_an_image_with_open_contours_only_keeps_all_files_that_can_hold_them(command, tmp_path):
     row, col = np.mgrid[:60, :100]
     PIL.Image.fromarray((220 * (np.hypot(row - 12, col - 50) < 20)).astype(np.uint8)).save(tmp_path / "cut.png")
@@ -527,31 +315,6 @@ def test_an_image_with_open_contours_only_keeps_all_files_that_can_hold_them(com
     assert command(*line, "--export", "png", "--again")[0] == 1  # nothing at all can be written
 
 
-def test_a_batch_keeps_no_files_in_memory(command, session, disks, tmp_path, monkeypatch):
-    alive = weakref.WeakSet()
-
-    class Watched(dict):
-        __hash__ = object.__hash__
-
-    def watching(job):
-        done = do(job)
-        content = Watched(done.files)
-        alive.add(content)
-        return replace(done, files=content)
-
-    most = []
-    monkeypatch.setattr(workers, "do", lambda job: (most.append(len(alive)), watching(job))[1])
-    command("batch", *[disks] * 5, "--session", session, "--output", tmp_path / "o", "--max-steps", 2, "--workers", 1)
-    assert len(most) == 5 and max(most) <= 1
-
-
-def test_what_goes_to_other_processes_can_be_sent():
-    job = Job(3, "a.png", SessionFile(shapes=(Everywhere("grid"),)), Parameters(), None, (".svg",))
-    assert pickle.loads(pickle.dumps(job)) == job
-    done = Done(3, {"contours": 1}, {".svg": b"x"})
-    assert pickle.loads(pickle.dumps(done)) == done
-
-
 def test_edits_by_hand_of_a_session_are_carried_out(command, disks, tmp_path):
     """One disk is found by particles, the other is outlined by hand; a run by itself and a batch give the same."""
     start = Circle(CENTERS[0], 0.7 * RADIUS)
@@ -567,13 +330,3 @@ def test_edits_by_hand_of_a_session_are_carried_out(command, disks, tmp_path):
     out = tmp_path / "out"
     assert command("batch", disks, "--session", session, "--output", out, "--export", ".measures.csv")[0] == 0
     assert (out / "disks_contours.measures.csv").read_text() == (tmp_path / "a.measures.csv").read_text()
-
-
-def test_a_drawing_of_a_volume_is_refused_for_an_image(command, tmp_path):
-    save_session(SessionFile(shapes=(Sphere((8.0, 9.0, 9.0), 4.0),)), tmp_path / "volume.cpm")
-    status, out, err = command("run", SAMPLES / "rings.png", "--session", tmp_path / "volume.cpm")
-    assert (status, out) == (2, "")
-    assert err.startswith("cpm: shape 1 (sphere) is for volumes, but rings.png is taken as an image of ")
-    assert err.count("\n") == 1
-    job = Job(0, str(SAMPLES / "rings.png"), load_session(tmp_path / "volume.cpm"), Parameters(), 5, ())
-    assert do(job).error.startswith("shape 1 (sphere) is for volumes")

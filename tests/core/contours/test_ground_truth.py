@@ -1,15 +1,13 @@
 """Ground truth: masks and contours in files become objects and boundaries."""
 
-import tracemalloc
-
 import numpy as np
 import PIL.Image
 import pytest
 import tifffile
 
 from cpm_core import Contour, Result, load_truth
-from cpm_core.contours.ground_truth import truth_of_contours, truth_of_mask
-from cpm_core.contours.rasterize import inside, paint
+from cpm_core.contours.ground_truth import truth_of_mask
+from cpm_core.contours.rasterize import inside
 from cpm_core.formats import export
 
 from ..scenes import circle_points
@@ -64,15 +62,6 @@ def test_the_image_border_is_no_boundary():
     assert np.ptp(boundary.points[:, 0]) == 19.0
 
 
-@pytest.mark.parametrize(("low", "high"), [(0, 255), (0, 1), (1, 2), (7, 9)])
-def test_two_gray_levels_are_one_class_for_any_values(tmp_path, low, high):
-    mask = np.where(inside([ROUND], SHAPE), high, low).astype(np.uint8)
-    PIL.Image.fromarray(mask).save(tmp_path / "t.png")
-    truth = load_truth(tmp_path / "t.png", SHAPE)
-    assert np.array_equal(truth.labels, (mask == high).astype(int))
-    assert truth.source == "t.png"
-
-
 def test_the_gray_levels_of_a_label_mask_are_objects(tmp_path):
     labels = np.zeros(SHAPE, np.uint16)
     labels[5:20, 5:20], labels[30:50, 30:60] = 300, 70
@@ -108,15 +97,6 @@ def test_exported_contours_are_read_as_the_same_truth(tmp_path, suffix):
     assert np.array_equal(filled.labels > 0, inside([ROUND], SHAPE))
 
 
-def test_contours_of_an_image_of_another_size_are_refused(tmp_path):
-    export(result_of(ROUND), *(tmp_path / f"t{suffix}" for suffix in (".json", ".labelme.json", ".png", ".csv")))
-    for name in ("t.json", "t.labelme.json", "t.png"):
-        with pytest.raises(ValueError, match=r"is for an image of 60 x 80 px, but this image has 80 x 60 px"):
-            load_truth(tmp_path / name, (80, 60))
-    with pytest.raises(ValueError, match=r"t\.csv has contours that reach out of the image of 30 x 80 px"):
-        load_truth(tmp_path / "t.csv", (30, 80))
-
-
 def test_a_noisy_image_and_a_constant_one_are_no_masks(tmp_path):
     noise = np.random.default_rng(0).integers(0, 200, SHAPE).astype(np.uint8)
     PIL.Image.fromarray(noise).save(tmp_path / "noise.png")
@@ -125,37 +105,3 @@ def test_a_noisy_image_and_a_constant_one_are_no_masks(tmp_path):
     PIL.Image.fromarray(np.full(SHAPE, 9, np.uint8)).save(tmp_path / "blank.png")
     with pytest.raises(ValueError, match=r"blank\.png has one gray level everywhere"):
         load_truth(tmp_path / "blank.png", SHAPE)
-
-
-def test_contours_can_be_the_truth():
-    truth = truth_of_contours([ROUND, LINE], SHAPE)
-    assert np.array_equal(truth.labels > 0, inside([ROUND], SHAPE))
-    assert len(truth.boundary) == pytest.approx(4 * (ROUND.length + LINE.length), rel=0.02)
-    assert truth.source == "ground truth"
-
-
-@pytest.mark.parametrize("kind", [np.int8, np.int16, np.int32, np.float64])
-def test_gray_levels_from_one_end_of_their_type_to_the_other_are_objects(kind):
-    low, high = (np.iinfo(kind).min, np.iinfo(kind).max) if np.issubdtype(kind, np.integer) else (-1e30, 1e30)
-    mask = np.full((20, 20), low, kind)
-    mask[4:9, 4:9], mask[12:17, 4:9] = high, 0
-    assert np.unique(truth_of_mask(mask).labels).tolist() == [0, 1, 2]
-    assert truth_of_mask(mask).labels[5, 5] == 2
-
-
-def test_the_boundary_of_a_large_mask_takes_memory_for_its_pixels_alone():
-    mask = np.zeros((1500, 1500), np.uint8)
-    mask[700:720, 30:900] = 1
-    truth_of_mask(mask)
-    tracemalloc.start()
-    truth = truth_of_mask(mask)
-    most = tracemalloc.get_traced_memory()[1]
-    tracemalloc.stop()
-    assert truth.contours[0].closed
-    assert most < 32 * mask.size
-
-
-@pytest.mark.parametrize("shape", [(), (64,), (64, 64, 1)])
-def test_contours_are_painted_on_rows_and_columns_only(shape):
-    with pytest.raises(ValueError, match="but must be rows and columns"):
-        paint([Contour(np.array([[3.0, 3.0], [3.0, 9.0], [9.0, 9.0]]), closed=True)], shape)

@@ -1,7 +1,5 @@
 """The table of contours: nesting against brute force, lengths and areas against geometry."""
 
-import pickle
-
 import matplotlib.path
 import numpy as np
 import pytest
@@ -37,42 +35,6 @@ def brute_force(contours):
         ]
         found.append(min(around)[1] if around else None)
     return tuple(found)
-
-
-def test_the_innermost_contour_around_is_found_whatever_the_order():
-    nested = [ring(50, 50, radius) for radius in (40, 30, 20, 10)]
-    assert containment(nested) == (None, 0, 1, 2)
-    assert containment(nested[::-1]) == (1, 2, 3, None)
-
-
-def test_neighbors_and_open_contours_contain_nothing():
-    left, right = ring(30, 30, 20), ring(30, 71, 20)
-    bow = line((0, 0), (0, 100), (60, 100), (60, 0))
-    assert containment([left, right, bow]) == (None, None, None)
-    assert containment([left, line((25, 30), (35, 32)), line((25, 70), (35, 72)), right]) == (None, 0, 3, None)
-
-
-def test_a_concave_part_of_a_contour_is_outside():
-    u = Contour(
-        np.array([(0, 0), (0, 20), (60, 20), (60, 40), (0, 40), (0, 60), (80, 60), (80, 0)], dtype=float), closed=True
-    )
-    assert containment([u, ring(20, 30, 8), ring(70, 30, 8)]) == (None, None, 0)
-
-
-def test_a_contour_that_touches_another_from_inside_lies_in_it_and_one_from_outside_does_not():
-    around = ring(50, 50, 30, 400)
-    chord = line((50 - 30, 50), (50, 50), (50 + 30, 50))
-    tail = line((50 + 30, 50), (90, 50), (95, 50))
-    assert containment([around, ring(50, 65, 15, 200), ring(50, 95, 15, 200), chord, tail]) == (None, 0, None, 0, None)
-
-
-def test_equal_contours_do_not_contain_each_other():
-    assert containment([ring(30, 30, 10), ring(30, 30, 10)]) == (None, None)
-
-
-def test_no_contours_have_no_rows():
-    assert containment([]) == ()
-    assert measure([]) == ()
 
 
 @settings(max_examples=40, deadline=None)
@@ -117,14 +79,3 @@ def test_contrast_is_measured_where_there_is_an_image_and_only_on_request():
     assert measure([seen])[0].contrast == pytest.approx(1.0, abs=0.1)
     assert measure([seen], contrast=False)[0].contrast is None
     assert measure([line((1, 1), (5, 5))])[0].contrast is None
-
-
-def test_a_name_and_a_color_survive_pickling():
-    again = pickle.loads(pickle.dumps(Contour(np.zeros((1, 2)), False, name="Ärmel", color="#00ff7F")))
-    assert (again.name, again.color) == ("Ärmel", "#00ff7F")
-
-
-@pytest.mark.parametrize("color", ["red", "#12345", "#1234567", "#00ff7g", "00ff7f", "#00ff7f\n"])
-def test_an_invalid_color_is_refused(color):
-    with pytest.raises(ValueError, match='must be "#rrggbb"'):
-        Contour(np.zeros((1, 2)), False, color=color)

@@ -1,16 +1,13 @@
 """Review: a mark finds its contour after every reconstruction, and rejected contours are not exported."""
 
-from dataclasses import replace
-
 import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Parameters, circle, segment
 from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.result import Result
-from cpm_core.contours.review import REACH, Mark, Neighborhood, anchor, apply, attached, middle, reviewed
+from cpm_core.contours.review import Mark, anchor, apply, attached, reviewed
 
 
 def ring(row: float, col: float, radius: float, count: int = 60, turn: float = 0.0) -> Contour:
@@ -49,59 +46,12 @@ def test_marks_find_contours_that_have_moved_turned_and_changed_their_order(orde
         assert one.contour.name == (f"ring {index}" if index in chosen else "")
 
 
-@settings(max_examples=60, deadline=None)
-@given(st.lists(st.tuples(st.floats(0, 60), st.floats(0, 60)), max_size=12), st.integers(0, 5))
-def test_each_mark_has_at_most_one_contour_and_none_out_of_reach(anchors, count):
-    contours = [ring(10 + 9 * index, 20 + 4 * index, 6.0) for index in range(count)]
-    found = attached(contours, anchors)
-    taken = [index for index in found if index is not None]
-    assert len(taken) == len(set(taken))
-    for place, index in zip(anchors, found, strict=True):
-        brute = [np.hypot(*(finely(contour) - place).T).min() for contour in contours]
-        if index is not None:
-            assert brute[index] <= REACH + 0.02
-        else:  # whatever is near belongs to a nearer anchor
-            for other, away in enumerate(brute):
-                assert away > REACH - 0.02 or other in taken
-
-
-def finely(contour: Contour) -> np.ndarray:
-    """Many positions along a contour."""
-    share = np.linspace(0, 1, 200)[:, None, None]
-    path = contour.path
-    return (path[:-1] * (1 - share) + path[1:] * share).reshape(-1, 2)
-
-
-def test_a_contour_that_splits_leaves_its_mark_with_the_piece_at_the_anchor() -> None:
-    whole = line((10, 10), (10, 110))
-    mark = Mark(anchor([whole], 0), "kept", "vein")
-    left, right = line((10, 10), (10, 40)), line((10, 44), (10, 110))
-    assert [one.contour.name for one in reviewed([left, right], [mark])] == ["", "vein"]
-    assert [one.contour.name for one in reviewed([left], [mark])] == [""]
-
-
-def test_of_two_marks_on_merged_contours_the_nearer_one_counts_and_both_return_when_they_part() -> None:
-    marks = [Mark((10.4, 20.0), name="left"), Mark((10.1, 80.0), name="right")]
-    assert [one.contour.name for one in reviewed([line((10, 0), (10, 100))], marks)] == ["right"]
-    apart = [line((10, 60), (10, 100)), line((10, 0), (10, 40))]
-    assert [one.contour.name for one in reviewed(apart, marks)] == ["right", "left"]
-
-
 def test_an_anchor_is_far_from_other_contours() -> None:
     shared = [(20.0, 0.0), (20.0, 40.0)]
     contours = [line(*shared, (20, 60)), line((21, 0), (21, 45))]
     row, col = anchor(contours, 0)
     assert (row, col > 50) == (20.0, True)
     assert attached(contours, [(row, col)]) == [0]
-
-
-def test_the_middle_of_a_contour_lies_halfway_along_it() -> None:
-    assert middle(line((0, 0), (0, 10), (30, 10))) == (10.0, 10.0)
-
-
-def test_contours_near_a_position_are_sorted_by_distance() -> None:
-    contours = [line((0, 0), (0, 50)), line((3, 0), (3, 50)), line((30, 0), (30, 50))]
-    assert [index for index, _ in Neighborhood(contours).passing((2.0, 20.0), 5.0)] == [1, 0]
 
 
 def test_the_exported_result_has_no_rejected_contours_and_has_names_and_colors() -> None:
@@ -118,24 +68,6 @@ def test_a_bridge_is_dropped_with_its_contour() -> None:
     bridges = tuple(Bridge(np.array([[20.0, c - 1.0], [20.0, c], [20.0, c + 1.0]]), 2.0, 1.0) for c in (30.0, 90.0))
     written = apply(result_of(ring(30, 30, 10), ring(30, 90, 10), bridges=bridges), [Mark((30.0, 40.0), "rejected")])
     assert written.bridges == bridges[1:]
-
-
-@pytest.mark.parametrize(
-    ("wrong", "said"),
-    [
-        ({"anchor": (float("nan"), 0.0)}, "finite"),
-        ({"anchor": (0.0, 0.0), "verdict": "perhaps"}, "perhaps"),
-        ({"anchor": (0.0, 0.0), "color": "red"}, "#rrggbb"),
-    ],
-)
-def test_an_invalid_mark_is_refused(wrong, said) -> None:
-    with pytest.raises(ValueError, match=said):
-        Mark(**wrong)
-
-
-def test_only_an_empty_mark_says_nothing() -> None:
-    assert Mark((1.0, 2.0)).says_nothing
-    assert not any(replace(Mark((1.0, 2.0)), **said).says_nothing for said in ({"name": "a"}, {"verdict": "kept"}))
 
 
 def test_marks_survive_a_run_from_another_start() -> None:

@@ -35,39 +35,3 @@ def test_topology_is_told_by_counting():
     assert (fin.nonmanifold_edges, fin.free_edges) == (1, 2)
     two = Surface(np.concatenate([CORNERS, CORNERS + 5.0]), np.concatenate([TETRAHEDRON, TETRAHEDRON + 4]))
     assert (two.components, two.euler) == (2, 4)
-
-
-def test_an_empty_surface_has_measures_too():
-    nothing = Surface(np.empty((0, 3)), np.empty((0, 3)))
-    assert (nothing.area, nothing.volume, nothing.euler, nothing.components, nothing.closed) == (0.0, 0.0, 0, 0, False)
-    assert nothing.normals.shape == (0, 3)
-
-
-def test_a_surface_cannot_be_changed():
-    surface = Surface(CORNERS, TETRAHEDRON)
-    with pytest.raises(ValueError, match="read-only"):
-        surface.vertices[0] = 1.0
-
-
-@pytest.mark.parametrize(
-    ("vertices", "faces", "said"),
-    [
-        (CORNERS * np.nan, TETRAHEDRON, "NaN"),
-        (CORNERS, TETRAHEDRON + 1, "vertex 4"),
-        (CORNERS, TETRAHEDRON - 1, "vertex"),
-    ],
-)
-def test_what_is_no_surface_is_refused_in_a_sentence(vertices, faces, said):
-    with pytest.raises(ValueError, match=said):
-        Surface(vertices, faces)
-
-
-@pytest.mark.parametrize("spacing", [(1.0, 2.0), (1.0,), (), (1.0, 0.0, 1.0), (1.0, np.nan, 1.0), (1e-200, 1.0, 1.0)])
-def test_the_spacing_of_a_surface_is_that_of_voxels(spacing):
-    with pytest.raises(ValueError, match="The spacing of a surface"):
-        Surface(np.eye(3), np.array([[0, 1, 2]]), spacing)
-
-
-def test_a_surface_beyond_any_volume_is_refused():
-    with pytest.raises(ValueError, match=r"A vertex lies at 1e\+300 voxels, but must lie within 1e\+09"):
-        Surface(1e300 * np.eye(3), np.array([[0, 1, 2]]))

@@ -11,15 +11,13 @@ from cpm_core import Parameters, Regions
 from cpm_core.field.interpolation import interpolate
 from cpm_core.field.scale_field import build_scale_field
 from cpm_core.model.plane import births as deletions
-from cpm_core.model.plane import births as insertions
 from cpm_core.model.plane.births import Search, deletion, insertion, search_range, thinned
 from cpm_core.model.plane.motion import contact_at
 from cpm_core.model.state import Particles
-from cpm_core.numerics import parallel
 
 from ..scenes import disk, ring
-from .moving import cloud, edge_contact, even_scale_field
 from .moving import crowds as crowded
+from .moving import edge_contact, even_scale_field
 
 SHAPE = (40, 48)
 EDGE = 21.3
@@ -69,52 +67,6 @@ class TestDeletion:
         np.testing.assert_array_equal(kernels.deletion(points[order], strength[order], shape, 2.0), kept[order])
 
 
-@pytest.mark.parametrize(("kernels", "shape"), [pytest.param(insertions, SHAPE, id="plane")])
-class TestInsertion:
-    """What holds for insertion in any dimension, on a flat edge across the last axis."""
-
-    def born(self, kernels, shape, points, d_max, ahead):
-        share = np.clip(np.arange(shape[-1]) + 0.5 - EDGE, 0.0, 1.0)
-        scale_field = build_scale_field(np.broadcast_to(100.0 * share, shape).copy(), 1.0, 0.0)
-        parameters = Parameters(d_max=max(d_max, 3.0))
-        contact, every = edge_contact(points, scale_field, search_range(parameters)), np.ones(len(points), bool)
-        search = Search(every, every, every, ahead & every)
-        return contact, kernels.insertion(contact, search, scale_field, d_max, parameters)
-
-    def beside(self, shape, seed, on_edge):
-        """Particles on the edge, and some elsewhere."""
-        points = cloud(shape, on_edge + 8, seed)
-        points[:on_edge, -1] = EDGE + np.random.default_rng(seed).normal(0.0, 0.2, on_edge)
-        return points
-
-    @settings(max_examples=40, deadline=None)
-    @given(seed=st.integers(0, 10**6), d_max=st.floats(0.0, 4.0))
-    def test_those_between_halve_a_pair_within_range_that_none_is_inside_of(self, kernels, shape, seed, d_max):
-        points = self.beside(shape, seed, 32)
-        contact, births = self.born(kernels, shape, points, d_max, ahead=False)
-        one, other = points[births.parent], points[births.other]
-        assert contact.on_edge[births.parent].all()
-        assert contact.on_edge[births.other].all()
-        np.testing.assert_allclose(births.position, 0.5 * (one + other), atol=1e-12)
-        gap = np.linalg.norm(one - other, axis=1)
-        assert np.all((gap > 2.0) & (gap <= 2.0 + d_max))
-        distance = np.linalg.norm(births.position[:, None] - points, axis=2)
-        assert np.all(distance.min(axis=1, initial=np.inf) >= 0.5 * gap - 1e-8)
-        assert np.all((distance < 3.0).sum(axis=1) <= 3)
-
-    @settings(max_examples=40, deadline=None)
-    @given(seed=st.integers(0, 10**6))
-    def test_those_ahead_are_on_the_edge_a_stride_from_one_and_keep_their_room_from_all(self, kernels, shape, seed):
-        points = self.beside(shape, seed, 5)
-        contact, births = self.born(kernels, shape, points, 0.0, ahead=True)
-        assert len(births.position)
-        assert contact.on_edge[births.parent].all()
-        np.testing.assert_array_equal(births.parent, births.other)
-        assert np.abs(births.position[:, -1] - EDGE).max() < 1.0
-        assert np.linalg.norm(births.position - points[births.parent], axis=1).max() < 2.8
-        assert apart(np.concatenate([points, births.position]))[len(points) :].min() >= 1.6
-
-
 coordinate = st.tuples(st.integers(-4, 39 * 8 + 4), st.integers(-4, 47 * 8 + 4)).map(lambda p: (p[0] / 8, p[1] / 8))
 crowds = st.one_of(
     st.lists(coordinate, max_size=30),
@@ -143,38 +95,7 @@ def test_among_thinned_particles_only_those_that_have_moved_need_a_search(points
         edge_contact(every, even_scale_field(SHAPE, (0.0, 0.0)), search_range(Parameters())), strength=strength
     )
     truth = deletion(every, strength, SHAPE, 2.0)
-    np.testing.assert_array_equal(thinned(contact, has_moved, 2.0), truth)
-
-
-@pytest.mark.parametrize("distance", [0.25, 0.6, 0.99, 1.01])
-def test_of_two_too_near_either_one_may_have_moved(distance):
-    """It is enough that one of them has, whichever it is."""
-    pair = np.array([(10.0, 10.0), (10.0, 10.0 + distance)])
-    contact = replace(
-        edge_contact(pair, even_scale_field(SHAPE, (0.0, 0.0)), search_range(Parameters())),
-        strength=np.array([1.0, 2.0]),
-    )
-    for has_moved in ([True, False], [False, True], [True, True]):
-        assert thinned(contact, np.array(has_moved), 2.0).tolist() == [distance > 1.0, True]
-
-
-@pytest.mark.parametrize(
-    ("lorentz", "strength", "on_edge"),
-    [
-        ((0.0, 0.1), 5.0, True),
-        ((0.0, -1.0), 5.0, False),
-        ((0.6, 0.8), 5.0, False),
-        ((0.55, 0.74), 5.0, True),
-        ((0.0, 0.1), 1.5, False),
-        ((0.0, 0.1), 2.0, True),
-    ],
-    ids=str,
-)
-def test_edge_contact_needs_a_weak_force_and_an_edge_that_is_strong_enough(lorentz, strength, on_edge):
-    scale_field = even_scale_field((20, 30), lorentz, strength=strength, floor=2.0)
-    points = np.array([(3.2, 4.7), (10.0, 29.5), (-0.5, -0.5)])
-    assert contact_at(points, scale_field)[1].tolist() == [on_edge] * 3
-    assert edge_contact(points, scale_field, search_range(Parameters())).on_edge.tolist() == [on_edge] * 3
+    np.testing.assert_array_equal(thinned(every, contact, has_moved, 2.0), truth)
 
 
 def test_edge_contact_follows_the_field_between_the_pixels(edge):
@@ -226,45 +147,6 @@ def test_a_pair_within_range_on_an_edge_gets_its_midpoint(edge, distance):
     assert sorted([*births.parent, *births.other]) == [0, 1]
 
 
-@pytest.mark.parametrize("distance", [0.5, 1.99, 2.0, 5.01, 7.0, 20.0])
-def test_a_pair_too_near_or_too_far_gets_none(edge, distance):
-    assert len(births_between(edge, [(15.0, EDGE), (15.0 + distance, EDGE)]).position) == 0
-
-
-def test_range_shrinks_with_annealing_and_grows_with_d_min(edge):
-    pair = [(15.0, EDGE), (18.5, EDGE)]
-    assert len(births_between(edge, pair, d_max=1.51).position) == 1
-    assert len(births_between(edge, pair, d_max=1.49).position) == 0
-    assert len(births_between(edge, pair, d_min=3.1).position) == 1
-    assert len(births_between(edge, pair, d_min=3.6).position) == 0
-
-
-@pytest.mark.parametrize("on_edge", [(True, False), (False, True), (False, False)], ids=str)
-def test_a_pair_of_which_one_is_off_the_edge_gets_none(edge, on_edge):
-    assert len(births_between(edge, [(15.0, EDGE), (18.0, EDGE)], on_edge=on_edge).position) == 0
-
-
-def test_a_pair_around_another_particle_gets_none(edge):
-    assert (
-        len(
-            births_between(edge, [(15.0, EDGE), (18.0, EDGE), (16.4, EDGE + 0.2)], on_edge=(True, True, False)).position
-        )
-        == 0
-    )
-
-
-def test_no_particle_is_born_where_there_is_no_edge(edge):
-    assert len(births_between(edge, [(15.0, EDGE + 9.0), (18.0, EDGE + 9.0)]).position) == 0
-    assert len(births_between(edge, [(15.0, EDGE - 15.0), (18.0, EDGE - 15.0)]).position) == 0
-
-
-def test_a_chain_gets_one_particle_in_every_gap(edge):
-    rows = np.array([5.0, 8.0, 11.5, 15.9, 18.5, 26.0])
-    births = births_between(edge, np.stack([rows, np.full(6, EDGE)], axis=1))
-    np.testing.assert_allclose(sorted(births.position[:, 0]), [6.5, 9.75, 13.7, 17.2], atol=1e-12)
-    np.testing.assert_allclose(births.position[:, 0], 0.5 * (rows[births.parent] + rows[births.other]), atol=1e-12)
-
-
 @settings(max_examples=40, deadline=None)
 @given(st.lists(st.floats(2.3, 8.0), min_size=1, max_size=5), st.floats(0.4, 5.0))
 def test_gaps_within_range_are_filled_and_no_others(edge, gaps, d_max):
@@ -297,13 +179,6 @@ def grown(scale_field, start, rounds, d_min=2.0):
     return points
 
 
-def test_insertion_continues_along_an_edge_in_both_directions(edge):
-    row = 20.0
-    newborn = grown(edge, [(row, EDGE)], 1)[1:]
-    assert newborn[:, 0].min() < row - 1.0
-    assert newborn[:, 0].max() > row + 1.0
-
-
 def test_a_front_covers_an_edge_from_end_to_end_and_nothing_else(edge):
     points = grown(edge, [(20.0, EDGE)], 40)
     assert np.abs(points[:, 1] - EDGE).max() < 1.0
@@ -324,40 +199,6 @@ def test_a_front_goes_all_the_way_round_a_disk(angle):
     assert np.linalg.norm(scene.boundary[:, None] - points, axis=2).min(axis=1).max() < 2.0
     again = grown(scale_field, points, 1)
     assert len(again) == len(points)
-
-
-def test_no_particle_is_inserted_on_an_edge_below_the_floor():
-    """Two upright edges: beside one of full contrast, one of 5 percent counts as none."""
-    image = upright()
-    image[:, 40:] += 5.0
-    scale_field = build_scale_field(image, 1.0, 0.0)
-    assert len(grown(scale_field, [(20.0, 39.5)], 3)) == 1
-
-
-def test_a_front_stops_where_the_edge_fades():
-    contrast = np.interp(np.arange(40.0), [15.0, 22.0], [100.0, 0.0])
-    scale_field = build_scale_field(upright(contrast), 1.0, 0.0)
-    points = grown(scale_field, [(6.0, EDGE)], 40)
-    at = points[points[:, 0] > 3.0]
-    assert at[:, 0].max() > 14.0
-    assert not np.any((np.abs(points[:, 1] - EDGE) < 4.0) & (points[:, 0] > 26.0))
-
-
-@pytest.mark.parametrize("missing", ["on_edge", "looking", "ahead", "present"])
-def test_no_particle_searches_ahead_unless_selected(edge, missing):
-    assert len(births_of(edge, [(20.0, EDGE)]).position) > 1
-    assert len(births_of(edge, [(20.0, EDGE)], **{missing: False}).position) == 0
-
-
-@pytest.mark.parametrize("looking", [(True, False), (False, True), (True, True)], ids=str)
-def test_one_of_a_pair_that_searches_is_enough_and_two_make_no_second(edge, looking):
-    births = births_of(edge, [(15.0, EDGE), (18.6, EDGE)], looking=looking, ahead=False)
-    np.testing.assert_allclose(births.position, [(16.8, EDGE)], atol=1e-12)
-    assert sorted([*births.parent, *births.other]) == [0, 1]
-
-
-def test_a_pair_that_does_not_search_gets_no_particle(edge):
-    assert len(births_of(edge, [(15.0, EDGE), (18.6, EDGE)], looking=False).position) == 0
 
 
 def test_a_deleted_particle_is_no_parent_and_blocks_no_position(edge):
@@ -419,69 +260,6 @@ def test_places_ahead_are_at_rest_on_the_edge_one_stride_off(curved, seed):
     assert np.all((stride >= 1.6) & (stride < 2.8))
 
 
-def test_no_third_row_is_born_beside_two_on_one_edge(edge):
-    """A gap in a row with another row beside it is left alone where more than three are around."""
-    row = np.arange(6.0, 34.0, 1.2)
-    beside = np.concatenate([np.stack([row, np.full(len(row), EDGE + off)], axis=1) for off in (-0.6, 0.6)])
-    births = births_of(edge, beside, d_max=1.5)
-    assert not np.any((births.position[:, 0] > row[0]) & (births.position[:, 0] < row[-1]))
-
-
-@pytest.mark.parametrize(("d_min", "d_max"), [(0.5, 10.0), (0.5, 50.0), (1.0, 10.0), (4.0, 20.0)])
-def test_a_gap_is_filled_however_many_particles_are_within_the_range(edge, d_min, d_max):
-    rows = np.arange(1.0, 38.0, 1.01 * d_min)
-    rows = rows[(rows < 17.0) | (rows > 21.0)]
-    gap = rows[rows < 17.0].max(), rows[rows > 21.0].min()
-    births = births_of(edge, np.stack([rows, np.full(len(rows), EDGE)], axis=1), d_max, ahead=False, d_min=d_min)
-    middle = births.position[(births.position[:, 0] > gap[0]) & (births.position[:, 0] < gap[1])]
-    np.testing.assert_allclose(middle, [(0.5 * sum(gap), EDGE)], atol=1e-9)
-
-
-@pytest.mark.parametrize(("d_min", "d_max"), [(2.0, 3.0), (0.5, 0.0), (5.0, 0.0), (1.0, 30.0)])
-def test_cells_reach_as_far_as_a_step_searches(d_min, d_max):
-    """To the other one of a pair, and from the position of a new particle to all around it."""
-    parameters = Parameters(d_min=d_min, d_max=d_max)
-    reach = search_range(parameters)
-    assert reach >= d_min + d_max
-    assert reach >= 0.5 * (d_min + d_max) + 1.5 * d_min
-    assert reach >= (0.9 + 1.5) * d_min
-    assert (
-        edge_contact(np.zeros((1, 2)), even_scale_field(SHAPE, (0.0, 0.0)), search_range(parameters)).cells.size
-        >= reach
-    )
-
-
-@settings(max_examples=20, deadline=None)
-@given(st.lists(st.floats(3.01, 8.0), min_size=1, max_size=5), st.integers(0, 10**6))
-def test_the_order_of_the_particles_does_not_matter_without_conflicts(edge, gaps, seed):
-    """Midpoints less than 3 px apart count as near each other, so that the first may exclude the other."""
-    rows = 0.5 + np.cumsum([0.0, *gaps])
-    points = np.stack([rows, np.full(len(rows), EDGE)], axis=1)
-    order = np.random.default_rng(seed).permutation(len(points))
-    one, other = births_between(edge, points), births_between(edge, points[order])
-    np.testing.assert_allclose(np.sort(other.position[:, 0]), np.sort(one.position[:, 0]), rtol=0, atol=1e-12)
-    pairs = {frozenset(p) for p in zip(one.parent.tolist(), one.other.tolist(), strict=True)}
-    assert pairs == {frozenset((int(order[i]), int(order[j]))) for i, j in zip(other.parent, other.other, strict=True)}
-
-
-def test_births_and_deletions_are_the_same_bits_at_every_call_and_on_any_number_of_cores(monkeypatch):
-    scene = ring((400, 400), (199.3, 201.2), 130.0, 180.0)
-    scale_field = build_scale_field(scene.values, 1.0, 0.0)
-    points = scene.boundary + np.random.default_rng(0).normal(0.0, 0.4, scene.boundary.shape)
-    points = np.concatenate([points, points[:400] + 0.1])
-    assert len(points) > 1500
-    found = []
-    for cores in (1, 2, 3, 3):
-        monkeypatch.setattr(parallel, "cores", lambda cores=cores: cores)
-        contact = edge_contact(points, scale_field, search_range(Parameters()))
-        kept = thinned(contact, np.ones(len(points), bool), 2.0)
-        births = births_of(scale_field, points, present=kept)
-        arrays = (contact.strength, contact.on_edge, kept, births.position, births.parent, births.other)
-        found.append([array.tobytes() for array in arrays])
-    assert len(births.position) > 0
-    assert found[0] == found[1] == found[2] == found[3]
-
-
 def parents(count=6, first=10):
     rng = np.random.default_rng(0)
     position, velocity = rng.normal(size=(2, count, 2))
@@ -503,62 +281,3 @@ def test_new_particles_inherit_the_mean_motion_of_their_parents():
     assert np.isnan(after.distance[6:]).all()
     for name in ("position", "velocity", "force", "distance", "identity"):
         np.testing.assert_array_equal(getattr(after, name)[:6], getattr(old, name))
-
-
-def test_identities_are_numbered_on_and_go_with_their_particles():
-    after = parents().joined_by(np.zeros((3, 2)), np.array([0, 0, 1]), np.array([1, 2, 2]), 40)
-    assert after.identity.tolist() == [10, 11, 12, 13, 14, 15, 40, 41, 42]
-    kept = np.array([True, False] * 4 + [True])
-    left = after.where(kept)
-    assert left.identity.tolist() == [10, 12, 14, 40, 42]
-    np.testing.assert_array_equal(left.position, after.position[kept])
-    np.testing.assert_array_equal(left.velocity, after.velocity[kept])
-    np.testing.assert_array_equal(left.force, after.force[kept])
-    np.testing.assert_array_equal(left.distance, after.distance[kept])
-
-
-def test_particles_taken_in_another_order_keep_all_that_is_theirs():
-    old = parents()
-    order = np.array([3, 0, 5])
-    after = old.taken(order)
-    for name in ("position", "velocity", "force", "distance", "identity"):
-        np.testing.assert_array_equal(getattr(after, name), getattr(old, name)[order])
-
-
-def test_the_young_are_those_whose_history_is_not_full():
-    old = parents()
-    old.distance[2, -1] = np.nan
-    old.distance[4, 1:] = np.nan
-    assert old.young.tolist() == [False, False, True, False, True, False]
-    assert Particles.at_rest(np.zeros((3, 2))).young.all()
-
-
-def test_particles_at_rest_have_no_motion_and_a_copy_of_their_places():
-    place = np.array([(1.0, 2.0), (3.0, 4.0)])
-    rest = Particles.at_rest(place, 5)
-    place[:] = 0.0
-    assert rest.position.tolist() == [[1.0, 2.0], [3.0, 4.0]]
-    assert not rest.velocity.any()
-    assert not rest.force.any()
-    assert rest.identity.tolist() == [5, 6]
-
-
-def test_a_flanked_particle_searches_only_if_thorough(edge):
-    chain = [(15.0, EDGE), (18.0, EDGE), (21.0, EDGE)]
-    middle = (False, True, False)
-    assert len(births_of(edge, chain, looking=middle, thorough=False).position) == 0
-    assert len(births_of(edge, chain, looking=middle, thorough=True).position) == 2
-    # and with an open side it looks in any case
-    assert len(births_of(edge, chain[:2], looking=middle[:2], thorough=False).position) == 2
-
-
-def test_directions_that_are_not_along_the_edge_take_turns():
-    """Where there is room everywhere but along the edge, which others have taken: across it and diagonally in turn."""
-    scale_field = even_scale_field(SHAPE, (0.0, 0.0), (1.0, 0.0), 1.0, 0.5)
-    points = [(20.0, 20.0), (20.0, 23.0), (20.0, 17.0)]
-    for turn in range(8):
-        births = births_of(scale_field, points, d_max=0.0, looking=(True, False, False), turn=turn)
-        places = births.position - 20.0
-        np.testing.assert_allclose(np.linalg.norm(places, axis=1), 1.8)
-        angles = np.degrees(np.arctan2(places[:, 0], places[:, 1])) % 180.0
-        np.testing.assert_allclose(angles, [[], [45.0] * 2, [90.0] * 2, [135.0] * 2][turn % 4])

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from cpm_core import Engine, Forces, Parameters, PlacedCharge, circle
+from cpm_core import Engine, Parameters, PlacedCharge, circle
 from cpm_core.field.convolution import convolved_potential
 from cpm_core.field.interpolation import interpolate
 from cpm_core.model.equations import damping, repulsion_left
@@ -94,16 +94,6 @@ def test_the_forces_are_those_of_eq_12(engine, states):
         np.testing.assert_array_equal(forces.total, parts)
 
 
-def test_friction_has_no_part_across_the_edge(engine, states):
-    for state in scales_of(states)[-3:]:
-        forces = engine.forces(state, PARAMETERS, CHARGES)
-        moving = np.linalg.norm(forces.total - forces.damping, axis=1) > 0.0
-        normal = engine.scale_field(PARAMETERS, state.scale).normals(state.particles.position)
-        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)
-        across = np.einsum("ni,ni->n", forces.friction, normal)
-        np.testing.assert_allclose(across[moving], 0.0, atol=1e-5)
-
-
 @pytest.mark.parametrize("index", [[3], [7, 2, 7], np.arange(10)[::-1], 5])
 def test_the_forces_on_some_are_theirs_among_all(engine, states, index):
     for state in scales_of(states):
@@ -111,22 +101,6 @@ def test_the_forces_on_some_are_theirs_among_all(engine, states, index):
         for name in NAMES:
             want = getattr(all_, name)[np.atleast_1d(index)]
             np.testing.assert_allclose(getattr(some, name), want, atol=1e-12)
-
-
-def test_asking_for_forces_and_energies_changes_nothing(engine, states):
-    state = states[20]
-    plain = engine.step(state, PARAMETERS, CHARGES)
-    assert isinstance(engine.forces(state, PARAMETERS, ()), Forces)
-    engine.energies(state, PARAMETERS)
-    again = engine.step(state, PARAMETERS, CHARGES)
-    np.testing.assert_array_equal(plain.particles.position, again.particles.position)
-
-
-def test_the_forces_of_an_empty_state_are_empty(engine, states):
-    empty = engine.erased(states[20], np.ones(states[20].count, bool))
-    assert engine.forces(empty, PARAMETERS, CHARGES).total.shape == (0, 2)
-    assert engine.energies(empty, PARAMETERS, CHARGES).kinetic == 0.0
-    assert engine.energies(empty, PARAMETERS, CHARGES).potential == 0.0
 
 
 def test_the_potential_is_the_sum_over_all_other_pixels():

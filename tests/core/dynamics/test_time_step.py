@@ -53,15 +53,6 @@ def test_the_first_half_moves_all_particles_and_measures_it(scale_field):
     assert (after.born, after.deleted) == (0, 0)
 
 
-def test_the_first_half_removes_what_leaves_the_image(scale_field):
-    before = state_of(cloud(SHAPE, 40, 1))
-    before.particles.position[:3, 0], before.particles.velocity[:3, 0] = 0.0, -50.0
-    after, moved = displaced(before, idle(before), scale_field, PARAMETERS)
-    assert set(range(40)) - set(after.particles.identity.tolist()) >= {0, 1, 2}
-    assert after.deleted == 40 - after.count == 40 - len(moved.motion)
-    assert np.all(after.particles.position >= -0.5)
-
-
 def test_the_first_half_lets_no_particle_through_a_barrier():
     barred = build_scale_field(SCENE.values, 1.0, 0.0, Regions(barriers=(((20.2, -5.0), (20.2, 65.0)),)))
     before = state_of(cloud(SHAPE, 60, 2))
@@ -79,24 +70,6 @@ def second_half(scale_field, before, **changes):
     return half, populated(half, moved, False, scale_field, PARAMETERS)
 
 
-def test_the_second_half_balances_births_and_deletions(scale_field):
-    """New particles have new numbers, of two too near one is deleted, and d_max is annealed; over a number of steps."""
-    state, born, deleted = state_of(cloud(SHAPE, 200, 3)), 0, 0
-    for _ in range(25):
-        half, state = second_half(scale_field, state)
-        born, deleted = born + state.born, deleted + state.deleted - half.deleted
-        assert state.count == half.count + state.born - (state.deleted - half.deleted)
-        assert state.next_identity == half.next_identity + state.born
-        identity = state.particles.identity
-        assert len(set(identity.tolist())) == state.count
-        assert sorted(identity[identity >= half.next_identity]) == [*range(half.next_identity, state.next_identity)]
-        apart = np.linalg.norm(state.particles.position[:, None] - state.particles.position, axis=2)
-        assert apart[np.triu_indices(state.count, 1)].min() >= 0.5 * PARAMETERS.d_min
-        assert state.annealed == half.annealed * PARAMETERS.annealing
-    assert born > 0
-    assert deleted > 0
-
-
 def test_late_in_a_run_the_second_half_waits_every_other_step(scale_field):
     before = state_of(cloud(SHAPE, 300, 4), 25)
     changed = []
@@ -106,11 +79,3 @@ def test_late_in_a_run_the_second_half_waits_every_other_step(scale_field):
         assert after.annealed == half.annealed * PARAMETERS.annealing
         assert after.idle in (0, IDLE_STEPS + 1)
     assert changed == [True, False]
-
-
-def test_the_second_half_works_without_particles(scale_field):
-    before = state_of(cloud(SHAPE, 5, 5))
-    empty = replace(before, particles=before.particles.where(np.zeros(5, bool)))
-    _, after = second_half(scale_field, empty)
-    assert (after.count, after.born, after.deleted) == (0, 0, 0)
-    assert np.isnan(after.displacement)

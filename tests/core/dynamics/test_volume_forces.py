@@ -1,7 +1,6 @@
 """Forces and energies of particles in volumes: what a step applies, and sums over all pairs by brute force."""
 
 from functools import cache
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -109,15 +108,6 @@ def test_the_forces_on_some_are_theirs_among_all():
         np.testing.assert_allclose(some.total, every.total[np.atleast_1d(index)])
 
 
-def test_particles_outside_new_regions_have_no_force():
-    state = states()[9]
-    limited = engine().with_regions(cpm.VolumeRegions([((0, 0, 0), (30, 29, 10))]))
-    forces = limited.forces(state, VOLUME, CHARGES)
-    outside = ~limited.regions.allows(state.position)
-    assert outside.any()
-    np.testing.assert_array_equal(np.isnan(forces.total).any(axis=1), outside)
-
-
 def test_the_energy_is_the_sum_over_all_pairs_and_charges():
     for state in states()[2::7]:
         energies = engine().energies(state, VOLUME, CHARGES)
@@ -156,35 +146,6 @@ def test_the_potential_has_the_field_as_its_slope_between_edges(exponent):
     np.testing.assert_allclose(slope[:, far], field[:, far], atol=0.1 * np.abs(field[:, far]).max())
 
 
-def test_energies_are_finite_and_fall():
-    """The potential energy of a particle falls on its way to the edge, and damping takes all motion out."""
-    found = states(())
-    measured = [engine().measures(state, VOLUME, thorough=True) for state in found]
-    potential, kinetic = (np.array([m[name] for m in measured]) for name in ("potential", "kinetic"))
-    assert np.isfinite(potential).all()
-    assert np.isfinite(kinetic).all()
-    each = potential / [state.count for state in found]
-    flying = [k for k, state in enumerate(found) if state.next_identity == 60]
-    assert len(flying) > 5
-    assert (np.diff(each[flying]) < 0.05).all()
-    assert each[flying[-1]] + 1.5 < each[0]
-    assert each[-1] < each[flying[-1]] + 3.0
-    assert kinetic.max() > 50.0
-    assert kinetic[-1] < 0.001 * kinetic.max()
-
-
-def test_sleeping_particles_have_no_motion_and_no_kinetic_energy():
-    found = states(())
-    slept = 0
-    for before, after in pairwise(found[:-1]):
-        contact = before.particles.contact
-        asleep = before.particles.identity[contact.seated & (before.step_of_scale - contact.woken >= 12)]
-        still = np.isin(after.particles.identity, asleep)
-        assert not after.particles.velocity[still].any()
-        slept += int(still.sum())
-    assert slept > 100
-
-
 def test_the_energy_of_particles_that_stay_the_same_falls_until_they_settle(monkeypatch):
     """On the ridge of a curved edge the potential is a little higher than beside it, as the module tells."""
     nothing = Births(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
@@ -203,21 +164,3 @@ def test_the_energy_of_particles_that_stay_the_same_falls_until_they_settle(monk
     assert seated[-1] == 1.0
     assert energies[-1] - min(energies) < 0.15 * fallen
     assert energies[-1] == energies[-2]
-
-
-def test_a_state_without_particles_has_no_forces_and_no_energy():
-    empty = engine().erased(states()[9], np.ones(states()[9].count, bool))
-    assert engine().forces(empty, VOLUME, CHARGES).total.shape == (0, 3)
-    assert engine().energies(empty, VOLUME, CHARGES) == cpm.Energies(0.0, 0.0)
-
-
-@pytest.mark.parametrize("exponent", [None, 2.0, 3.0, 1.5])
-def test_the_electric_field_of_a_volume_is_the_sum_over_all_charges(exponent):
-    f = np.random.default_rng(4).uniform(0.0, 9.0, (6, 9, 7))
-    places = np.argwhere(f >= 0.0).astype(float)
-    away = places[:, None] - places
-    distance = np.linalg.norm(away, axis=-1)
-    distance[distance == 0.0] = np.inf
-    power = 3.0 if exponent is None else exponent
-    wanted = -(f.ravel()[:, None] * away / distance[..., None] ** (power + 1.0)).sum(axis=1)
-    np.testing.assert_allclose(cpm.electric_field(f, exponent=exponent), wanted.T.reshape(3, *f.shape), atol=1e-10)

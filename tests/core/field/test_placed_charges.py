@@ -21,10 +21,7 @@ from cpm_core.field.placed_charges import (
 )
 from cpm_core.image.pyramid import to_image
 from cpm_core.model.coverage import idle_at
-from cpm_core.model.plane.motion import mesh_force_for, move
-from cpm_core.model.state import Particles
 
-from ..dynamics.moving import even_scale_field
 from ..scenes import antialiased, disk
 
 SHAPE = (160, 160)
@@ -93,15 +90,6 @@ def test_forces_are_the_slopes_of_the_potentials_added_up_and_cut(placed):
     np.testing.assert_allclose(placed_potential(at_scale(placed, 0, SHAPE), RADIUS, points), apart, atol=1e-9)
 
 
-def test_a_charge_acts_alike_in_all_directions_and_opposite_charges_cancel():
-    placed = at_scale([PlacedCharge((40.0, 40.0), 3.0)], 0, SHAPE)
-    force = placed_force(placed, RADIUS, (0, 81, 0, 81))
-    np.testing.assert_allclose(force, -force[::-1, ::-1], atol=1e-12)
-    np.testing.assert_allclose(force, np.swapaxes(force, 0, 1)[..., ::-1], atol=1e-12)
-    both = at_scale([PlacedCharge((40.0, 40.0), 3.0), PlacedCharge((40.0, 40.0), -3.0)], 0, SHAPE)
-    assert np.abs(placed_force(both, RADIUS, (0, 81, 0, 81))).max() < 1e-12
-
-
 @pytest.mark.parametrize("scale", [1, 2, 3])
 def test_the_force_at_a_place_of_the_image_is_the_same_at_all_scales(scale):
     placed = [PlacedCharge((70.3, 61.8), 2.5), PlacedCharge((20.0, 90.0), -4.0)]
@@ -143,23 +131,6 @@ def test_a_particle_far_from_all_edges_comes_to_rest_at_an_attracting_charge(str
         assert not engine.result(last, PARAMETERS).contours
 
 
-def test_a_repelling_charge_pushes_a_particle_straight_away():
-    scale_field = even_scale_field((160, 160), (0.0, 0.0))
-    engine_of = Engine(disk((160, 160), (79.5, 79.5), 75.0).values, PARAMETERS)._charged
-    for angle in (0.3, 2.0, 3.7):
-        away = np.array([np.sin(angle), np.cos(angle)])
-        particles = Particles.at_rest(79.5 + 10.0 * away[None])
-        charged = engine_of.of(scale_field, 0, (PlacedCharge((79.5, 79.5), -3.0),))
-        idle = np.zeros(1, np.int64)
-        for _ in range(30):
-            particles = move(
-                particles, idle, mesh_force_for(particles, idle, scale_field, PARAMETERS), charged, PARAMETERS
-            ).particles
-        offset = particles.position[0] - 79.5
-        assert offset @ away > 2.0 * RADIUS
-        assert abs(offset @ (away[1], -away[0])) < 1e-2 * (offset @ away)
-
-
 def test_many_particles_gather_around_a_charge_and_keep_their_distance():
     engine = Engine(disk((160, 160), (79.5, 79.5), 75.0).values, PARAMETERS)
     last = run(engine, engine.start(circle((79.5, 79.5), 12.0)), PARAMETERS, [PlacedCharge((79.5, 79.5), 5.0)])
@@ -184,14 +155,6 @@ def test_a_strong_charge_clears_the_edge_near_it_and_the_run_comes_to_rest(engin
     assert abs(strength) < 10.0 or closed.count(True) == 1  # a narrow gap is walked across
 
 
-def test_a_weak_charge_takes_no_particle_off_an_edge(engine, resting):
-    at = (63.4, 80.3 + RADIUS)
-    last = run(engine, resting.resumed(), PARAMETERS, [PlacedCharge(at, 0.1)])
-    assert last.converged
-    assert abs(last.count - resting.count) <= 4
-    assert np.hypot(*(last.position[:, None] - resting.position).transpose(2, 0, 1)).min(axis=1).max() < 1.5
-
-
 def test_a_charge_that_changes_reactivates_the_particles_in_reach_and_no_others(engine, resting):
     before = (PlacedCharge((63.4, 60.0), 0.5),)
     calm = run(engine, resting.resumed(), PARAMETERS, before)
@@ -210,22 +173,6 @@ def test_a_charge_that_changes_reactivates_the_particles_in_reach_and_no_others(
         moved = engine.step(step, PARAMETERS, after)
         both = moved.particles.position[np.isin(moved.particles.identity, state.particles.identity[others])]
         assert sorted(map(tuple, both)) == sorted(map(tuple, state.particles.position[others]))
-
-
-def test_a_charge_that_is_not_moved_reactivates_no_particle(engine, resting):
-    placed = [PlacedCharge((63.4, 60.0), 2.0), PlacedCharge((10.0, 130.0), -1.0)]
-    last = run(engine, resting.resumed(), PARAMETERS, placed)
-    assert last.converged
-    again = engine.step(last.resumed(), PARAMETERS, placed[::-1])
-    assert again.reactivated == last.reactivated
-    assert again.moving == 0
-
-
-def test_charges_act_at_the_very_next_step(engine, resting):
-    before = engine.step(resting.resumed(), PARAMETERS)
-    after = engine.step(resting.resumed(), PARAMETERS, [PlacedCharge((63.4, 60.0), 5.0)])
-    assert before.moving == 0
-    assert after.moving > 20
 
 
 @pytest.mark.parametrize(

@@ -22,26 +22,11 @@ def halves(left, right, noise=0.0):
     return image + noise * np.random.default_rng(4).normal(size=image.shape)
 
 
-def test_even_regions_that_differ_have_all_contrast():
-    np.testing.assert_allclose(region_contrast(halves(10, 90), POINTS, NORMALS, 1.0), 1.0, atol=0.12)
-
-
-def test_regions_alike_have_none():
-    np.testing.assert_allclose(region_contrast(halves(40, 40), POINTS, NORMALS, 1.0), 0.0)
-    assert region_contrast(halves(40, 40, noise=10.0), POINTS, NORMALS, 1.0).mean() < 0.3
-
-
 @pytest.mark.parametrize("noise", [5.0, 20.0, 60.0])
 def test_noise_takes_contrast_as_its_strength_says(noise):
     found = region_contrast(halves(50, 110, noise), POINTS, NORMALS, 1.0).mean()
     # interpolation between pixels quiets the noise by up to a half
     assert 60.0 / (60.0 + noise) - 0.05 < found < 60.0 / (60.0 + 0.5 * noise) + 0.05
-
-
-def test_contrast_depends_on_neither_the_sign_nor_the_scale_of_gray_values():
-    image = halves(50, 110, 15.0)
-    found = region_contrast(image, POINTS, NORMALS, 1.0)
-    np.testing.assert_allclose(region_contrast(255.0 - 3.0 * image, POINTS, -NORMALS, 1.0), found, atol=1e-9)
 
 
 def test_the_contrast_of_a_contour_is_the_mean_along_it_and_stays_with_it_elsewhere():

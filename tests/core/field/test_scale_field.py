@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import ndimage, special
 
-from cpm_core import Engine, Parameters, Regions, circle, edge_map, electric_field, segment
+from cpm_core import Engine, Parameters, Regions, circle, electric_field, segment
 from cpm_core.field import scale_field as scale_field_module
 from cpm_core.field.convolution import convolved_potential
 from cpm_core.field.edge_map import magnitude
@@ -55,12 +55,6 @@ def test_force_is_a_unit_vector_of_the_field_away_from_edges(angle):
     np.testing.assert_allclose(scale_field.lorentz[:, away], (field / np.hypot(*field))[:, away], rtol=0, atol=SINGLE)
 
 
-@pytest.mark.parametrize("image", [uneven_edge(), disk((60, 50), (29.3, 25.1), 17.0).values], ids=["edge", "disk"])
-def test_force_is_at_most_of_unit_size(image):
-    scale_field = build_scale_field(image, 1.0, 0.0)
-    assert np.hypot(*scale_field.lorentz).max() <= 1.0 + SINGLE
-
-
 @pytest.mark.parametrize("offset", [-0.4, -0.2, 0.0, 0.25, 0.5])
 def test_force_points_to_a_straight_edge_and_vanishes_on_it(offset):
     """Its zero lies within 0.1 px of the edge, wherever between the pixels that is."""
@@ -72,24 +66,6 @@ def test_force_points_to_a_straight_edge_and_vanishes_on_it(offset):
     assert np.all(across[col > edge + 0.1] < 0.0)
 
 
-def test_edge_floor_removes_weak_charges_and_no_others():
-    image = np.zeros((48, 64))
-    image[:, 20:] += 100.0
-    image[:, 44:] += 30.0
-    whole, some = build_scale_field(image, 1.0, 0.0), build_scale_field(image, 1.0, 0.5)
-    f = edge_map(image, 1.0)
-    for scale_field in (whole, some):  # what is known of the edges between the charges does not change
-        np.testing.assert_array_equal(scale_field.edge_map, f)
-    np.testing.assert_array_equal(whole.fixed_charges, f)
-    np.testing.assert_array_equal(some.fixed_charges, np.where(f >= 0.5 * f.max(), f, 0.0))
-    assert whole.fixed_charges[24, 44] > 0.0
-    assert not some.fixed_charges[:, 35:].any()
-    # between the two edges the weak one pulls to itself only as long as it is charged
-    assert whole.lorentz[1, 24, 40] > 0.9
-    assert some.lorentz[1, 24, 40] < -0.9
-    assert some.floor >= 0.5 * f.max()
-
-
 def test_floor_is_above_the_background_of_a_noisy_image():
     image = disk((96, 96), (48.0, 47.0), 25.0).values + np.random.default_rng(0).normal(0.0, 15.0, (96, 96))
     scale_field = build_scale_field(image, 1.0, 0.0)
@@ -97,37 +73,6 @@ def test_floor_is_above_the_background_of_a_noisy_image():
     assert np.mean(scale_field.edge_map[away] > scale_field.floor) < 0.005
     assert scale_field.floor >= WEAKEST_EDGE * scale_field.edge_map.max()
     assert scale_field.floor < 0.5 * scale_field.edge_map.max()
-
-
-def test_the_packed_force_field_of_a_pixel_is_contiguous_in_single_precision():
-    scale_field = build_scale_field(disk((40, 44), (20.0, 21.0), 11.0).values, 1.0, 0.0)
-    assert scale_field.packed.shape == (40, 44, 5)
-    assert scale_field.packed.dtype == np.float32
-    assert scale_field.packed.flags.c_contiguous
-    np.testing.assert_array_equal(np.moveaxis(scale_field.packed[..., :2], -1, 0), scale_field.lorentz)
-    np.testing.assert_array_equal(
-        np.moveaxis(scale_field.packed[..., 2:4], -1, 0), scale_field.gradient.astype(np.float32)
-    )
-    np.testing.assert_array_equal(scale_field.packed[..., 4], scale_field.edge_map.astype(np.float32))
-    assert scale_field.edge_map.dtype == scale_field.gradient.dtype == np.float64
-    assert scale_field.shape == (40, 44)
-
-
-def test_gradient_is_that_of_the_smoothed_image_and_the_edge_map_its_length():
-    scale_field = build_scale_field(disk((40, 44), (20.0, 21.0), 11.0).values, 1.0, 0.0)
-    np.testing.assert_allclose(
-        np.hypot(*scale_field.gradient), edge_map(scale_field.values, 1.0), rtol=1e-12, atol=1e-9
-    )
-    np.testing.assert_array_equal(scale_field.edge_map, edge_map(scale_field.values, 1.0))
-
-
-def test_mirrored_and_turned_images_have_such_forces():
-    image = disk((40, 47), (18.3, 21.7), 11.0).values + np.random.default_rng(1).normal(0.0, 5.0, (40, 47))
-    row, col = build_scale_field(image, 1.0, 0.0).lorentz
-    np.testing.assert_allclose(build_scale_field(image[::-1], 1.0, 0.0).lorentz, [-row[::-1], col[::-1]], atol=SINGLE)
-    np.testing.assert_allclose(build_scale_field(image.T, 1.0, 0.0).lorentz, [col.T, row.T], atol=SINGLE)
-    turned = build_scale_field(np.rot90(image), 1.0, 0.0).lorentz
-    np.testing.assert_allclose(turned, [-np.rot90(col), np.rot90(row)], atol=SINGLE)
 
 
 @pytest.mark.parametrize(

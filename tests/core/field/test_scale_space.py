@@ -1,6 +1,5 @@
 """The scale space of an image: each part is computed when what it depends on has changed, and at no other time."""
 
-import gc
 import sys
 from collections import Counter
 from dataclasses import replace
@@ -12,7 +11,6 @@ import pytest
 from cpm_core.field import convolution as convolution_module
 from cpm_core.field import scale_field as scale_field_module
 from cpm_core.field import scale_space as scale_space_module
-from cpm_core.field.scale_field import ScaleField
 from cpm_core.field.scale_space import ScaleSpace
 from cpm_core.image.regions import Regions
 from cpm_core.parameters import OF_STARTS, OF_VOLUMES, PARAMETERS, Parameters, invalidating
@@ -97,53 +95,6 @@ def test_every_parameter_that_invalidates_the_field_builds_a_scale_field():
     assert len({id(scale_field) for scale_field in built}) == 8
 
 
-def test_another_smoothing_leaves_pyramid_and_barriers(calls):
-    space = UsedScaleSpace(IMAGE, 2, REGIONS)
-    space.prepare(START)
-    assert others(calls) == {"pyramid": 1, "toned": 1} | dict.fromkeys(
-        ("build_scale_field", "gradient", "convolved_field", "build_barrier_map", "inside_border"), 2
-    )
-    space.at(1, replace(START, smoothing=2.0))
-    assert others(calls) == dict.fromkeys(("build_scale_field", "gradient", "convolved_field", "inside_border"), 1)
-
-
-@pytest.mark.parametrize("change", [{"edge_floor": 0.3}, {"max_border": 0.1}], ids=str)
-def test_another_edge_floor_or_border_leaves_the_gradient_too(calls, change):
-    space = UsedScaleSpace(IMAGE, 2, REGIONS)
-    space.prepare(START)
-    calls.clear()
-    space.at(0, replace(START, **change))
-    assert others(calls) == dict.fromkeys(("build_scale_field", "convolved_field", "inside_border"), 1)
-
-
-def test_another_exponent_leaves_the_edges(calls):
-    space = UsedScaleSpace(IMAGE, 2, REGIONS)
-    before = space.at(0, START)
-    calls.clear()
-    after = space.at(0, replace(START, exponent=3.0))
-    assert others(calls) == dict.fromkeys(("build_scale_field", "convolved_field", "inside_border"), 1)
-    np.testing.assert_array_equal(after.edge_map, before.edge_map)
-    assert not np.allclose(after.lorentz, before.lorentz, atol=0.01)
-    assert space.at(0, replace(START, exponent=2.0)) is before
-
-
-def test_going_back_costs_nothing(calls):
-    space = UsedScaleSpace(IMAGE, 3)
-    before = [space.at(scale, START) for scale in range(3)]
-    space.prepare(replace(START, smoothing=2.0))
-    calls.clear()
-    assert all(space.at(scale, START) is before[scale] for scale in range(3))
-    assert others(calls) == {}
-
-
-def test_noise_is_measured_once(calls):
-    space = UsedScaleSpace(IMAGE, 2)
-    for floor in (0.0, 0.1, 0.2, 0.3):
-        space.prepare(replace(START, smoothing="auto", edge_floor=floor))
-    assert (calls["prepared"], calls["automatic_smoothing"]) == (1, 1)  # the coarser scale has its own
-    assert (calls["gradient"], calls["pyramid"]) == (2, 1)
-
-
 @pytest.mark.parametrize("regions", [None, REGIONS], ids=["whole", "regions"])
 @pytest.mark.parametrize(
     "taken", [{"smoothing": 1.5}, {"smoothing": "auto"}, {"gamma": 0.6}, {"edges": "vessels"}], ids=str
@@ -159,28 +110,6 @@ def test_a_scale_field_does_not_depend_on_its_history(regions, taken):
         np.testing.assert_array_equal(roundabout.barrier_map.segments, straight.barrier_map.segments)
         assert roundabout.floor == straight.floor
         assert roundabout.smoothing == straight.smoothing
-
-
-@pytest.mark.parametrize("other", [{"gamma": 0.5}, {"edges": "vessels"}], ids=str)
-def test_another_source_is_made_once_and_shared_by_other_regions(calls, other):
-    space = UsedScaleSpace(IMAGE, 2)
-    for _ in range(2):
-        for floor in (0.0, 0.1, 0.2):
-            space.prepare(replace(START, **other, edge_floor=floor))
-        space = space.with_regions(REGIONS)
-    assert (calls["pyramid"], calls["toned"], calls["vesselness"]) == (2, 1, "edges" in other)
-
-
-def test_not_more_is_kept_than_the_last_two_settings(calls):
-    space = UsedScaleSpace(IMAGE, 2)
-    for smoothing in (1.0, 2.0, 3.0, 4.0):
-        space.prepare(replace(START, smoothing=smoothing))
-    calls.clear()
-    for smoothing in (4.0, 3.0):
-        space.prepare(replace(START, smoothing=smoothing))
-    assert calls["build_scale_field"] == 0
-    space.prepare(START)
-    assert calls["build_scale_field"] == 2
 
 
 def test_many_threads_get_the_same_scale_field(calls):
@@ -211,12 +140,6 @@ def test_the_parts_in_which_an_image_is_worked_on_fit_together(monkeypatch):
     np.testing.assert_array_equal(UsedScaleSpace(image, 1).at(0, START).packed, pieces.packed)
 
 
-def test_no_field_of_a_large_image_is_made_before_it_is_needed(calls, monkeypatch):
-    monkeypatch.setattr(scale_space_module, "LARGE", IMAGE.size - 1)
-    ScaleSpace(IMAGE, 3).prepare(START)
-    assert others(calls) == {"pyramid": 1}
-
-
 def test_the_force_of_a_field_is_made_when_particles_need_it_and_shared_beyond_barriers(calls):
     space = ScaleSpace(IMAGE, 1)
     plain = space.at(0, START)
@@ -235,17 +158,3 @@ def test_fields_of_a_large_image_take_half_the_memory_and_differ_by_rounding_onl
         assert getattr(single, name).dtype == np.float32
         np.testing.assert_allclose(getattr(single, name), getattr(double, name), rtol=0, atol=1e-6 * double.strongest)
     np.testing.assert_allclose(single.packed[..., :2], double.packed[..., :2], rtol=0, atol=2e-4)
-
-
-def test_fields_in_former_regions_of_interest_do_not_pile_up():
-    """However often regions and smoothing change, as many fields stay as after a few changes."""
-    space, alive = ScaleSpace(IMAGE, 2), []
-    for change in range(12):
-        parameters = replace(START, smoothing=1.0 + 0.1 * change)
-        corner = 50 + change
-        space = space.with_regions(Regions(interest=[[(4, 4), (4, corner), (corner, corner), (corner, 4)]]))
-        for scale in range(2):
-            space.at(scale, parameters)
-        gc.collect()
-        alive.append(sum(isinstance(thing, ScaleField) for thing in gc.get_objects()))
-    assert alive[-1] == alive[5]

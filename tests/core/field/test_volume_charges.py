@@ -82,17 +82,6 @@ def test_a_strong_charge_draws_particles_off_the_surface_near_it_and_leaves_thos
     assert (off[side] > 1.0).sum() > 20
 
 
-def test_friction_holds_particles_against_a_weak_charge():
-    before, charge = at_rest().resumed(), cpm.PlacedCharge((14.0, 45.0, 20.0), 0.1)
-    state = before
-    for _ in range(6):
-        state = engine().step(state, VOLUME, [charge])
-    kept = np.isin(before.particles.identity, state.particles.identity)
-    assert kept.mean() > 0.97
-    _, old, new = np.intersect1d(before.particles.identity, state.particles.identity, return_indices=True)
-    assert np.median(np.linalg.norm(state.position[new] - before.position[old], axis=1)) < 0.1
-
-
 def test_a_repelling_charge_keeps_a_run_away_and_its_removal_lets_it_go_on():
     charge = cpm.PlacedCharge((14.0, 28.0, 45.0), -1.1)
     state = engine().start(START)

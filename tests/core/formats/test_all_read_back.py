@@ -31,7 +31,7 @@ def test_there_is_a_reader_for_every_file_of_lines_surfaces_or_points(suffix, tm
         inside = np.zeros((12, 12, 40), bool)
         inside[4:9, 4:9, 4:36] = True
         export(centerlines(inside), file)
-        assert load_centerlines(file, tell=lambda _: None).branches
+        assert load_centerlines(file, warn=lambda _: None).branches
         return
     if suffix in FOR_VOLUMES:
         particles = np.array([(1.0, 2.0, 3.25)])
@@ -44,7 +44,7 @@ def test_there_is_a_reader_for_every_file_of_lines_surfaces_or_points(suffix, tm
             assert load_surface(file).closed and load_volume(file).shape == VOLUME.shape
     if suffix in WRITABLE.keys() - TABLES:
         one = replace(RESULT, contours=RESULT.contours[:1]) if suffix == ".roi" else RESULT
-        export(one, file, tell=lambda _: None)
+        export(one, file, warn=lambda _: None)
         assert load_contours(file)
     assert suffix in WRITABLE or suffix in FOR_VOLUMES
 

@@ -40,13 +40,6 @@ def test_a_border_and_its_edge_are_left_out_and_nothing_else(gray, sides):
     assert inside[nearest > 16].all()
 
 
-def test_a_border_wider_than_allowed_is_kept():
-    grad = gradient(bordered(20), 1.0)
-    assert inside_of(grad, 0.08).all()
-    assert not inside_of(grad, 0.2).all()
-    assert inside_of(grad, 0.0).all()
-
-
 def test_an_object_at_the_side_of_the_image_is_no_border():
     image = np.full((160, 200), 120.0)
     image[:10, 40:120] = 20.0  # along less than half of the side

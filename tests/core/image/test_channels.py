@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 
 import numpy as np
 import PIL.Image
@@ -16,7 +15,6 @@ from cpm_core.image.colors import Colors, channel_of
 from cpm_core.image.image import Image
 from cpm_core.model.starts import circle
 from cpm_core.objects import objects_result
-from cpm_core.parameters.choices import CHOICES
 from cpm_core.shapes import Everywhere
 from cpm_core.shapes.image_starts import SeedCache
 
@@ -54,21 +52,6 @@ def test_a_primary_color_is_its_samples_in_the_range_of_the_file(index, channel,
     assert found.dtype == np.float64
 
 
-@pytest.mark.parametrize("channel", CHOICES["channel"].choices)
-def test_a_gray_image_has_its_own_gray_levels_in_every_channel(channel):
-    image = Image(two_discs()[..., 0])
-    assert image.gray(channel) is image.values
-    assert image.channel(channel) == "luminance"
-
-
-@pytest.mark.parametrize("channel", ["ultraviolet", "x\n" * 10**5, None, 1j, ["red"]])
-def test_a_channel_of_another_name_is_refused_in_a_sentence(image, channel):
-    for given in (image, Image(two_discs()[..., 0])):
-        with pytest.raises(ValueError, match=r'^channel is .{2,40} but must be "luminance" or "red" or') as refused:
-            given.gray(channel)
-        assert str(refused.value).isprintable()
-
-
 @pytest.mark.parametrize(("stain", "name"), list(enumerate(("hematoxylin", "eosin", "dab"))))
 def test_a_stain_darkens_its_own_channel_and_no_other(stain, name):
     amounts = np.zeros((SIDE, SIDE, 3))
@@ -78,13 +61,6 @@ def test_a_stain_darkens_its_own_channel_and_no_other(stain, name):
         found = channel_of(np.zeros((SIDE, SIDE)), colors, other)
         difference = found[~IN_RED].mean() - found[IN_RED].mean()
         assert (difference > 100.0) if other == name else abs(difference) < 10.0
-
-
-@pytest.mark.parametrize("channel", CHOICES["channel"].choices)
-def test_a_single_pixel_has_the_gray_level_of_its_channel(image, channel):
-    whole = image.gray(channel)
-    for pixel in ((0, 0), (32, 18), (32, 46), (63, 63)):
-        assert image.gray_at(pixel, channel) == pytest.approx(whole[pixel], rel=1e-12)
 
 
 def found_in(image: Image, channel: str):
@@ -105,14 +81,6 @@ def test_a_run_finds_what_is_in_its_channel_and_tells_it(image, channel, col, tm
     chosen = cut.select([[32.0, col]])
     assert abs(chosen.mask.sum() - IN_RED.sum()) < 40
     assert objects_result([chosen], image, channel=channel).channel == channel
-
-
-def test_a_change_of_the_channel_during_a_run_acts_at_the_next_step(image):
-    engine, red = Engine(image, Parameters(scales=1)), Parameters(scales=1, channel="red")
-    assert engine.steering(red) != engine.steering(replace(red, channel="blue"))
-    assert engine.edge_map(red)[32, 46 - 11] < 0.01 * engine.edge_map(red)[32, 18 - 11]
-    blue = engine.edge_map(replace(red, channel="blue"))
-    assert blue[32, 18 - 11] < 0.01 * blue[32, 46 - 11]
 
 
 def test_seeds_on_edges_are_those_of_the_channel(image):
@@ -144,11 +112,3 @@ def test_the_command_line_takes_a_channel_and_tells_it_in_what_it_writes(path, t
     assert "channel" not in json.loads(target.read_text())["image"]
     assert cli.main([*asked, "violet"]) == 2
     assert 'channel is "violet" but must be "luminance" or "red"' in capsys.readouterr().err
-
-
-def test_the_command_line_says_that_a_gray_image_has_no_channels(tmp_path, capsys):
-    PIL.Image.fromarray(two_discs()[..., 0]).save(tmp_path / "gray.png")
-    assert (
-        cli.main(["run", str(tmp_path / "gray.png"), "--circle", "32,18,16", "--scales", "1", "--channel", "red"]) == 0
-    )
-    assert "The image is gray: it has no channel red." in capsys.readouterr().err

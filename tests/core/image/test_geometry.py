@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from cpm_core import Image, Result, Surface
 from cpm_core.contours.contour import Contour
 from cpm_core.formats import encoded
-from cpm_core.image.geometry import Geometry, from_affine
+from cpm_core.image.geometry import from_affine
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.grids import zero_surface
 
@@ -102,30 +102,6 @@ def test_a_plane_of_a_volume_lies_where_it_was():
     skeleton = Skeleton((line,), (np.ones(2),), (14, 16), spacing[1:], "mm", "a.nii", geometry=plane)
     found = nibabel.Nifti1Image.from_bytes(encoded(skeleton, ".nii"))
     np.testing.assert_allclose(found.affine, plane.affine(spacing[1:])[:, [2, 1, 0, 3]], atol=1e-5)
-
-
-def test_letters_tell_where_the_axes_lead():
-    assert Geometry().letters == ("S", "P", "L")
-    assert Geometry(convention="RAS").letters == ("S", "A", "R")
-    turned, _ = from_affine(affine_of((8.0, 0.0, 0.0), (1.0, 1.0, 1.0)), "RAS")
-    assert (turned.letters, round(turned.oblique)) == (("S", "A", "R"), 8)
-
-
-@pytest.mark.parametrize(
-    ("given", "words"),
-    [
-        ({"origin": (0, 1)}, "origin is"),
-        ({"origin": (0, 1, np.nan)}, "three finite numbers"),
-        ({"directions": ((1, 0, 0), (0, 1, 0))}, "three vectors"),
-        ({"directions": ((1, 0, 0), (0, 1, 0), (1, 1, 0))}, "lie in one plane"),
-        ({"directions": ((1, 0, 0), (0, 1, 0), (0, 0, 0))}, "lie in one plane"),
-        ({"convention": "LPI"}, '"LPI" but must be "LPS" or "RAS"'),
-        ({"depth": 0.0}, "above 0"),
-    ],
-)
-def test_what_is_no_geometry_is_refused(given, words):
-    with pytest.raises(ValueError, match=words):
-        Geometry(**given)
 
 
 @given(st.integers(0, 2**32 - 1))

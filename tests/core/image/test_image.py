@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from cpm_core.image.image import MINIMUM_SIDE, Image, as_plane
+from cpm_core.image.image import MINIMUM_SIDE, Image
 
 
 def test_values_become_a_read_only_float64_copy():
@@ -18,37 +18,12 @@ def test_values_become_a_read_only_float64_copy():
         image.values[0, 0] = 1
 
 
-def test_shape_counts_rows_then_columns():
-    image = Image(np.zeros((9, 20)))
-    assert image.shape == (9, 20)
-    assert image.ndim == 2
-
-
 def test_a_volume_has_planes_rows_and_columns():
     volume = Image(np.zeros((9, 20, 8)), spacing=(2.0, 0.5, 0.5))
     assert (volume.shape, volume.ndim, volume.spacing) == ((9, 20, 8), 3, (2.0, 0.5, 0.5))
     assert Image(np.zeros((9, 20, 8))).spacing == (1.0, 1.0, 1.0)
     with pytest.raises(ValueError, match="must be three positive numbers"):
         Image(np.zeros((9, 20, 8)), spacing=(1.0, 1.0))
-
-
-@pytest.mark.parametrize("values", [np.zeros((9, 20, 8)), Image(np.zeros((9, 20, 8)))])
-def test_a_volume_is_no_plane(values):
-    with pytest.raises(
-        ValueError, match=r"has 3 dimensions \(9, 20, 8\), but an image has two, \(rows, columns\): choose"
-    ):
-        as_plane(values)
-
-
-def test_a_plane_is_taken_as_it_is():
-    image = Image(np.zeros((8, 9)))
-    assert as_plane(image) is image
-    assert as_plane([[0.0] * 9] * 8).shape == (8, 9)
-
-
-def test_size_of_a_pixel_is_unknown_unless_given():
-    image = Image(np.zeros((8, 8)))
-    assert (image.spacing, image.unit) == ((1.0, 1.0), None)
 
 
 @pytest.mark.parametrize("kind", [bool, np.uint8, np.int16, np.uint32, np.float32, np.float64])
@@ -77,9 +52,3 @@ def test_what_is_no_image_is_refused_in_one_sentence_that_names_it(values, words
         Image(values, source="dot.png")
     assert "\n" not in str(caught.value)
     assert str(caught.value).endswith(".")
-
-
-@pytest.mark.parametrize("spacing", [(1.0,), (1.0, 0.0), (1.0, -2.0), (np.nan, 1.0), (1.0, 1.0, 1.0)])
-def test_spacing_must_be_one_positive_number_for_each_axis(spacing):
-    with pytest.raises(ValueError, match="spacing"):
-        Image(np.zeros((8, 8)), spacing=spacing)

@@ -5,9 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import skimage.data
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from hypothesis.extra.numpy import arrays
 from scipy.ndimage import gaussian_filter, uniform_filter
 from skimage.draw import disk
 
@@ -63,10 +60,6 @@ def test_each_kind_is_guessed_whatever_its_range_of_gray_levels(draw, kind, scal
     assert guessed_kind(scale * values[:, ::-1]) == kind
 
 
-def test_a_large_image_is_guessed_as_a_small_one() -> None:
-    assert guessed_kind(np.kron(fluorescence(), np.ones((6, 6)))) == "fluorescence"
-
-
 @pytest.mark.parametrize(
     "name", ["camera", "coins", "moon", "page", "text", "brick", "grass", "gravel", "clock", "cell"]
 )
@@ -74,16 +67,6 @@ def test_photographs_and_textures_are_of_no_kind(name) -> None:
     assert guessed_kind(getattr(skimage.data, name)().astype(float)) is None
 
 
-def test_a_silhouette_is_line_art() -> None:
-    assert guessed_kind(skimage.data.horse().astype(float)) == "line art"
-
-
 @pytest.mark.parametrize("values", [np.eye(8), np.ones((200, 200)), np.indices((200, 200))[0].astype(float)])
 def test_images_without_signs_are_of_no_kind(values) -> None:
     assert guessed_kind(values) is None
-
-
-@settings(max_examples=40, deadline=None)
-@given(arrays(np.float64, st.tuples(st.integers(8, 60), st.integers(8, 60)), elements=st.floats(-1e6, 1e6)))
-def test_any_image_has_one_kind_or_none(values) -> None:
-    assert guessed_kind(values) in {None, "line art", "fluorescence", "angiogram", "ultrasound"}

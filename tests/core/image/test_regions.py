@@ -8,11 +8,10 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Engine, Parameters, Regions, circle, segment, uniform_grid
-from cpm_core.field.scale_field import build_scale_field
 from cpm_core.image.pyramid import pyramid, to_image
 from cpm_core.image.regions import build_barrier_map
 
-from ..scenes import disk, outline_distance, ring
+from ..scenes import disk, ring
 
 SHAPE = (56, 60)
 SCENE = ring(SHAPE, (27.3, 29.6), 9.0, 19.0)
@@ -110,17 +109,6 @@ def test_every_particle_stays_in_the_union_of_the_regions_of_interest(interest, 
         assert in_union(interest, after.position).all()
 
 
-@pytest.mark.parametrize("beta", [0.0, 0.8])
-def test_particles_faster_than_any_region_is_wide_stay_in_it(beta):
-    parameters = Parameters(beta=beta, time_step=1.0, w1=90.0, w2=100.0, scales=1)
-    polygon = ((5.0, 6.0), (7.5, 50.0), (50.0, 52.0), (30.0, 26.0), (52.0, 8.0))
-    moved = 0.0
-    for before, after in steps(Regions((polygon,), (((20.0, 0.0), (22.0, 59.0)),)), parameters):
-        assert in_union([polygon], after.position).all()
-        moved = max(moved, np.abs(after.particles.velocity).max(), before.displacement)
-    assert moved > 20.0
-
-
 @settings(max_examples=60, deadline=None)
 @given(st.lists(polygons, min_size=1, max_size=3), st.integers(0, 10**6))
 def test_the_rim_parts_the_inside_of_a_union_from_its_outside_and_nothing_else(interest, seed):
@@ -144,22 +132,6 @@ def test_the_rim_parts_the_inside_of_a_union_from_its_outside_and_nothing_else(i
             assert beside.sum() == 1
 
 
-@settings(max_examples=40, deadline=None)
-@given(polygons, st.integers(0, 10**6))
-def test_a_region_holds_what_its_polygon_winds_around(polygon, seed):
-    points = np.random.default_rng(seed).uniform(-5.0, 65.0, (200, 2))
-    np.testing.assert_array_equal(Regions((polygon,)).contains(points), winding(polygon, points) != 0)
-
-
-def test_the_middle_of_two_regions_that_overlap_or_touch_is_no_rim():
-    left, right = ((5, 5), (5, 30), (40, 30), (40, 5)), ((10, 20), (10, 50), (35, 50), (35, 20))
-    beside = ((5, 30), (5, 50), (40, 50), (40, 30))
-    for one, other in ((left, right), (left, beside)):
-        barrier_map = build_barrier_map(Regions((one, other)), SHAPE)
-        assert not barrier_map.crossed(np.array([(20.0, 15.0)]), np.array([(20.0, 45.0)])).any()
-        assert barrier_map.crossed(np.array([(20.0, 15.0)]), np.array([(20.0, 55.0)])).all()
-
-
 def test_moves_are_tested_alike_near_and_far_from_barriers():
     """The clearance only saves time: with it or without, the same moves cross."""
     regions = Regions(barriers=(((3.2, 4.1), (30.7, 33.3), (31.0, 80.0)), ((50.1, -3.0), (40.2, 20.9))))
@@ -176,21 +148,6 @@ def test_moves_are_tested_alike_near_and_far_from_barriers():
 ONE, OTHER = disk((80, 110), (36.3, 30.2), 18.0), disk((80, 110), (42.0, 80.4), 20.0)
 BOTH = ONE.values + 2.5 * (OTHER.values - OTHER.values.min())
 AROUND_ONE = Regions(interest=(((3, 3), (3, 54), (70, 54), (70, 3)),))
-
-
-def test_a_region_around_one_object_finds_it_as_when_it_is_alone():
-    seeds = circle((36.0, 30.0), 9.0)
-    found, alone = segment(BOTH, seeds, regions=AROUND_ONE), segment(ONE.values, seeds)
-    assert found.converged
-    assert [c.closed for c in found.contours] == [True]
-    assert outline_distance(found.contours[0].points, [c.path for c in alone.contours]).max() < 0.1
-    assert outline_distance(alone.contours[0].points, [c.path for c in found.contours]).max() < 0.1
-
-
-def test_a_start_all_over_the_image_finds_only_what_is_in_the_region():
-    found = segment(BOTH, uniform_grid((80, 110)), regions=AROUND_ONE)
-    assert [c.closed for c in found.contours] == [True]
-    assert ONE.distance(found.contours[0].points).max() < 0.15
 
 
 def test_strong_edges_outside_do_not_hide_faint_ones_inside():
@@ -210,24 +167,6 @@ def test_behind_a_barrier_nothing_is_found_and_particles_held_back_come_to_rest(
     assert found.converged
     assert [c.closed for c in found.contours] == [True]
     assert ONE.distance(found.contours[0].points).max() < 0.15
-
-
-def test_a_contour_that_runs_out_of_the_region_ends_there_open():
-    half = Regions(interest=(((3, 3), (3, 54), (36.5, 54), (36.5, 3)),))
-    (contour,) = segment(ONE.values, circle((30.0, 30.0), 9.0), regions=half).contours
-    assert not contour.closed
-    assert half.contains(contour.points).all()
-    assert (contour.points[[0, -1], 0] > 34.0).all()
-    assert contour.length == pytest.approx(np.pi * 18.0, abs=5.0)
-
-
-def test_a_barrier_across_a_contour_cuts_it():
-    cut = Regions(barriers=(((36.0, -1.0), (36.5, 54.0)),))
-    found = segment(ONE.values, circle((36.2, 30.0), 9.0), regions=cut)
-    assert [c.closed for c in found.contours] == [False, False]
-    for contour in found.contours:
-        assert len({bool(row < 36.0 + 0.5 * (col + 1.0) / 55.0) for row, col in contour.points.tolist()}) == 1
-        assert contour.length == pytest.approx(np.pi * 18.0, abs=6.0)
 
 
 @settings(max_examples=12, deadline=None)
@@ -254,42 +193,6 @@ def test_the_rim_is_no_edge():
     assert max(ONE.distance(c.points).max() for c in found.contours) < 0.2
 
 
-def test_fixed_charges_outside_pull_no_particle():
-    """The force inside is that of an image without the other object."""
-    inside = AROUND_ONE.pixels(ONE.values.shape)
-    with_other = build_scale_field(BOTH, 1.0, 0.0, AROUND_ONE).lorentz[:, inside]
-    without = build_scale_field(ONE.values, 1.0, 0.0, AROUND_ONE).lorentz[:, inside]
-    np.testing.assert_allclose(with_other, without, atol=1e-6)
-
-
-def test_without_regions_a_run_is_what_it_was():
-    """The same bits as with regions that are empty, and as with a barrier that is nowhere near."""
-    results = [
-        segment(SCENE.values, GRID, regions=regions)
-        for regions in (None, Regions(), Regions(barriers=(((-50.0, -50.0), (-40.0, 20.0)),)))
-    ]
-    for result in results[1:]:
-        assert result.particles.tobytes() == results[0].particles.tobytes()
-        assert [c.points.tobytes() for c in result.contours] == [c.points.tobytes() for c in results[0].contours]
-
-
-def test_a_run_continues_with_other_regions():
-    """Particles outside are left out, and particles at rest are reactivated."""
-    free = Engine(SCENE.values, Parameters())
-    state = free.start(GRID)
-    while not state.stop_reason:
-        state = free.step(state, Parameters())
-    polygon = ((2, 2), (2, 30), (54, 30), (54, 2))
-    engine = Engine(SCENE.values, Parameters(), Regions((polygon,)))
-    state = engine.step(state.resumed(), Parameters())
-    assert in_union([polygon], state.position).all()
-    assert state.reactivated == state.step_of_scale - 1
-    while not state.stop_reason:
-        state = engine.step(state, Parameters())
-    assert state.converged
-    assert all(not c.closed for c in engine.result(state, Parameters()).contours)
-
-
 @pytest.mark.parametrize("scale", [0, 1, 2])
 def test_regions_lie_where_they_do_at_every_scale(scale):
     polygon = ((5.0, 6.0), (7.5, 50.0), (50.0, 42.0))
@@ -297,16 +200,6 @@ def test_regions_lie_where_they_do_at_every_scale(scale):
     points = np.random.default_rng(1).uniform(0.0, 1.0, (500, 2)) * shape
     scaled = Regions((polygon,)).at_scale(scale, SHAPE).contains(points)
     np.testing.assert_array_equal(scaled, winding(polygon, to_image(points, scale, SHAPE)) != 0)
-
-
-def test_regions_are_values():
-    """Alike when made of arrays, lists or tuples; of use as a key."""
-    one = Regions(interest=(((1, 2), (3, 40), (50, 6)),), barriers=(((0, 0), (5, 5)),))
-    other = Regions(interest=[np.array([(1.0, 2.0), (3.0, 40.0), (50.0, 6.0)])], barriers=[[[0, 0], [5, 5]]])
-    assert one == other
-    assert hash(one) == hash(other)
-    assert one.interest == (((1.0, 2.0), (3.0, 40.0), (50.0, 6.0)),)
-    assert one != Regions()
 
 
 @pytest.mark.parametrize(
@@ -336,15 +229,3 @@ def test_a_region_without_a_pixel_of_the_image_is_refused(polygon):
     around = ((1, 1), (1, 50), (50, 50))
     with pytest.raises(ValueError, match=r"region of interest 2 holds no pixel of the image \(56 x 60 pixels\)"):
         Engine(SCENE.values, Parameters(), Regions((around, polygon)))
-
-
-def test_a_start_outside_the_regions_is_refused_and_one_partly_outside_cut():
-    engine = Engine(SCENE.values, Parameters(), Regions((((2, 2), (2, 30), (54, 30), (54, 2)),)))
-    with pytest.raises(ValueError, match="none of the 2 starting particles lies inside the regions of interest"):
-        engine.start([(20.0, 40.0), (30.0, 50.0)])
-    np.testing.assert_array_equal(engine.start([(20.0, 40.0), (30.0, 20.0)]).start, [(30.0, 20.0)])
-
-
-def test_no_particle_starts_on_a_barrier():
-    engine = Engine(SCENE.values, Parameters(), Regions(barriers=(((20, 2), (20, 50)),)))
-    np.testing.assert_array_equal(engine.start([(20.0, 40.0), (21.0, 40.0)]).start, [(21.0, 40.0)])

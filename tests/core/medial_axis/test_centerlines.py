@@ -7,9 +7,7 @@ from scipy.ndimage import distance_transform_edt, label
 from skimage.measure import euler_number
 
 import cpm_core as cpm
-from cpm_core.contours.contour import Contour
-from cpm_core.formats.meshes.swc import write_swc
-from cpm_core.medial_axis.space.centerlines import centerlines
+from cpm_core.medial_axis.centerlines import centerlines
 from cpm_core.numerics.voxel_graph import thinned
 from tests.core.reconstruction.surface.solids import ball, grid, ring, rod, union
 
@@ -92,39 +90,6 @@ def test_a_tree_with_bumps_has_its_own_branches_alone():
     assert len(centerlines(union(tree, *bumps)(places) > 0.0, pruning=0.0).branches) > 15
 
 
-def test_a_knob_that_hardly_sticks_out_of_a_thin_vessel_is_no_branch():
-    mask = np.zeros((20, 20, 40), bool)
-    mask[9:12, 9:12, 5:35] = True
-    mask[10, 12:14, 20] = True
-    assert len(centerlines(mask, pruning=0.0).branches) == 3
-    assert len(centerlines(mask).branches) == 1
-
-
-def test_lengths_and_radii_are_in_the_unit_of_the_spacing():
-    spacing = (2.0, 1.0, 1.0)
-    solid = rod((8, MIDDLE, MIDDLE), (31, MIDDLE, MIDDLE), 5)
-    coarse = centerlines(inside(solid, spacing), spacing, "mm")
-    fine = centerlines(inside(solid))
-    assert coarse.lengths.sum() == pytest.approx(fine.lengths.sum(), rel=0.2)
-    assert np.median(coarse.branches[0].radii) == pytest.approx(5.0, abs=1.0)
-
-
-def test_every_part_has_its_lines():
-    mask = inside(union(rod((8, 8, 8), (8, 8, 30), 3), rod((30, 30, 8), (30, 30, 30), 3)))
-    assert label(mask)[1] == 2
-    assert len(centerlines(mask).branches) == 2
-    assert centerlines(np.zeros((9, 9, 9))).branches == ()
-
-
-@pytest.mark.parametrize(
-    ("mask", "spacing", "said"),
-    [(np.ones((5, 5)), (1, 1, 1), "must be a volume"), (np.ones((5, 5, 5)), (1, 0, 1), "three numbers above 0")],
-)
-def test_what_is_no_volume_is_refused(mask, spacing, said):
-    with pytest.raises(ValueError, match=said):
-        centerlines(mask, spacing)
-
-
 @settings(max_examples=40, deadline=None)
 @given(arrays(bool, st.tuples(*[st.integers(1, 6)] * 3)))
 def test_thinning_keeps_the_topology(mask):
@@ -139,22 +104,6 @@ def test_thinning_keeps_the_topology(mask):
 
 def euler(mask):
     return euler_number(mask, connectivity=3)
-
-
-def test_center_lines_are_written_as_a_tree(tmp_path):
-    middle = np.full(3, MIDDLE)
-    ends = [middle + 15 * np.array(way) for way in ((0, 0, 1), (0, 0.87, -0.5), (0, -0.87, -0.5))]
-    found = centerlines(inside(union(*[rod(middle, end, 3) for end in ends])), (2.0, 1.0, 1.0), "mm")
-    write_swc(found, tmp_path / "lines.swc")
-    text = (tmp_path / "lines.swc").read_text()
-    assert "# SPACE=LPS\n# UNIT=mm\n" in text
-    rows = np.loadtxt(tmp_path / "lines.swc")
-    assert rows[:, 0].tolist() == list(range(1, len(rows) + 1))
-    assert (rows[1:, 6] < rows[1:, 0]).all() and rows[0, 6] == -1 and (rows[1:, 6] > 0).all()
-    steps = np.linalg.norm(rows[1:, 2:5] - rows[rows[1:, 6].astype(int) - 1, 2:5], axis=1)
-    assert steps.sum() == pytest.approx(found.lengths.sum(), rel=1e-3)
-    assert rows[:, 4] == pytest.approx(2.0 * MIDDLE, abs=3.0)  # z is the plane
-    assert rows[:, 5].max() == pytest.approx(max(branch.radii.max() for branch in found.branches), rel=1e-4)
 
 
 def gray(solid, noise=0.0):
@@ -189,47 +138,3 @@ def test_the_skeleton_of_three_vessels_has_one_junction():
     at = [point for point, joined in ends if joined]
     assert len(at) == 3
     assert np.ptp(at, axis=0) == pytest.approx(0.0)
-
-
-def test_the_skeleton_is_of_what_is_dark_if_asked():
-    found = cpm.skeleton(200.0 - gray(ring(11, 3)), of="dark")
-    assert [line.closed for line in found.contours] == [True]
-
-
-def test_a_mask_says_what_a_skeleton_in_a_volume_is_of():
-    found = cpm.skeleton(cpm.Image(gray(three_vessels()), (2.0, 1.0, 1.0), "mm", "y.nii"), within=inside(ring(11, 3)))
-    assert [line.closed for line in found.contours] == [True]
-    assert (found.spacing, found.unit, found.source) == ((2.0, 1.0, 1.0), "mm", "y.nii")
-
-
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        ({"outside": True}, "outside is True but has no meaning in a volume"),
-        ({"max_width": 9.0}, r"max_width is 9 but has no meaning in a volume"),
-        ({"within": np.ones((40, 40, 41))}, r"within has the shape \(40, 40, 41\)"),
-        ({"within": [Contour(np.zeros((3, 2)), True)]}, "within holds contours"),
-        ({"pruning": -1.0}, "pruning is -1"),
-        ({"params": cpm.Parameters(min_length=5.0)}, "min_length is 5 but has no meaning in a volume"),
-    ],
-)
-def test_what_has_no_meaning_for_a_skeleton_in_a_volume_is_refused(options, said):
-    with pytest.raises(ValueError, match=said):
-        cpm.skeleton(gray(ring(11, 3)), **options)
-
-
-def test_a_constant_volume_is_refused():
-    with pytest.raises(ValueError, match="constant"):
-        cpm.skeleton(np.full((9, 9, 9), 5.0))
-
-
-def test_center_lines_are_exported_as_swc_alone(tmp_path):
-    found = cpm.skeleton(inside(three_vessels()))
-    cpm.export(found, tmp_path / "a.swc")
-    write_swc(found, tmp_path / "b.swc")
-    assert (tmp_path / "a.swc").read_bytes() == (tmp_path / "b.swc").read_bytes()
-    with pytest.raises(ValueError, match="holds no center lines"):
-        cpm.export(found, tmp_path / "a.svg")
-    with pytest.raises(ValueError, match="has no center lines"):
-        cpm.export(cpm.skeleton(inside(three_vessels())[20]), tmp_path / "c.swc")
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.swc", "b.swc"]

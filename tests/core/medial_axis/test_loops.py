@@ -2,77 +2,12 @@
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
-from hypothesis import strategies as st
 
-from cpm_core.numerics.voxel_graph import loops_of, neighbors, passes, winds
+from cpm_core.numerics.voxel_graph import loops_of
 
 from ..reconstruction.surface.solids import MIDDLE, ball, brick, grid, ring, union, without
 
 ASIDE = np.array([0.0, 7.0, 0.0])
-
-
-def gauss(one, other):
-    """Linking number of two closed polygons: the solid angles of all pairs of sides (Arai 2013)."""
-    total = 0.0
-    for a, b in zip(one, np.roll(one, -1, axis=0), strict=True):
-        for c, d in zip(other, np.roll(other, -1, axis=0), strict=True):
-            p = [c - a, d - a, d - b, c - b]
-            for x, y, z in ((p[0], p[1], p[2]), (p[2], p[3], p[0])):
-                n = [np.linalg.norm(v) for v in (x, y, z)]
-                below = n[0] * n[1] * n[2] + (x @ y) * n[2] + (y @ z) * n[0] + (z @ x) * n[1]
-                total += 2.0 * np.arctan2(x @ np.cross(y, z), below)
-    return total / (4.0 * np.pi)
-
-
-def are_linked(one, other):
-    """By the graph of the places of one and its sides."""
-    pairs = np.stack([np.arange(len(one)), np.roll(np.arange(len(one)), -1)], axis=1)
-    turns = passes(one, np.roll(one, -1, axis=0), other)
-    assert abs(turns.sum()) == abs(round(gauss(one, other)))
-    return winds(len(one), pairs, turns)
-
-
-def along(loop):
-    """Places along a closed polygon."""
-    sides = zip(loop, np.roll(loop, -1, axis=0), strict=True)
-    return np.concatenate([a + np.linspace(0.0, 1.0, 100)[:, None] * (b - a) for a, b in sides])
-
-
-@settings(max_examples=25, deadline=None)
-@given(st.integers(0, 10**6), st.integers(3, 9), st.integers(3, 9))
-def test_loops_are_linked_where_their_linking_number_is_not_zero(seed, n, m):
-    rng = np.random.default_rng(seed)
-    one, other = rng.normal(0.0, 10.0, (n, 3)), rng.normal(0.0, 10.0, (m, 3))
-    number = gauss(one, other)
-    assume(abs(number - round(number)) < 1e-6)
-    fine, near = along(one), along(other)  # those that nearly meet may cross within the offset from the grid
-    assume(np.linalg.norm(fine[:, None] - near, axis=-1).min() > 0.3)
-    assert are_linked(one, other) == are_linked(other, one) == (round(number) != 0)
-
-
-@settings(max_examples=25, deadline=None)
-@given(st.integers(0, 10**6))
-def test_neighbors_are_all_pairs_that_touch(seed):
-    rng = np.random.default_rng(seed)
-    voxels = np.unique(rng.integers(-3, 4, (rng.integers(0, 60), 3)), axis=0)
-    rng.shuffle(voxels)
-    found = {frozenset(pair) for pair in neighbors(voxels).tolist()}
-    apart = np.abs(voxels[:, None] - voxels).max(axis=2)
-    assert found == {frozenset((i, j)) for i, j in np.argwhere(apart == 1).tolist()}
-    assert len(found) == len(neighbors(voxels))
-
-
-@settings(max_examples=25, deadline=None)
-@given(st.integers(0, 10**6), st.booleans())
-def test_a_graph_with_heights_makes_no_turns_and_another_one_does(seed, spoiled):
-    rng = np.random.default_rng(seed)
-    height = rng.integers(-2, 3, 12)
-    ring = np.stack([np.arange(12), np.roll(np.arange(12), -1)], axis=1)
-    pairs = np.concatenate([ring, rng.integers(0, 12, (10, 2))])
-    turns = height[pairs[:, 1]] - height[pairs[:, 0]]
-    turns[rng.integers(0, 12)] += spoiled
-    assert winds(12, pairs, turns) == spoiled
 
 
 @pytest.mark.parametrize(

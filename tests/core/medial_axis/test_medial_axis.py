@@ -7,10 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core.medial_axis.blur_correction import half_width
-from cpm_core.medial_axis.disks import along, covered
-from cpm_core.medial_axis.medial_axis import Axis
-from cpm_core.medial_axis.pruning import parts, prune
+from cpm_core.medial_axis.medial_axis import Axis, parts, prune
+from cpm_core.medial_axis.skeleton import along, covered
+from cpm_core.medial_axis.structure import half_width
 
 
 def axis_of(points, edges, radius):
@@ -55,28 +54,6 @@ def test_the_pruned_axis_is_connected_and_its_disks_enlarged_by_the_pruning_cove
     assert sticking.max() <= pruning + 2.0 + 1e-9  # and a branch of less than a pixel
 
 
-@settings(max_examples=40, deadline=None)
-@given(st.integers(0, 10**6), st.floats(0.0, 6.0))
-def test_the_order_of_the_vertices_does_not_matter(seed, pruning):
-    axis = random_tree(seed, 1.0)
-    order = np.random.default_rng(seed).permutation(len(axis.points))
-    place = np.argsort(order)
-    shuffled = Axis(axis.points[order], place[axis.edges], axis.radius[order], axis.nearest[order])
-    long = Axis(axis.points * 1.0, axis.edges, axis.radius, axis.nearest)
-    ours, theirs = prune(long, pruning), prune(shuffled, pruning)
-    assert {tuple(p) for p in ours.points} == {tuple(p) for p in theirs.points}
-
-
-def test_a_cycle_is_never_pruned():
-    angle = np.linspace(0.0, 2.0 * np.pi, 30, endpoint=False)
-    ring = np.stack([20.0 * np.sin(angle), 20.0 * np.cos(angle)], axis=1)
-    twig = [(0.0, 21.0), (0.0, 22.5)]
-    edges = [*pairwise(range(30)), (29, 0), (0, 30), (30, 31)]
-    axis = axis_of([*ring, *twig], edges, [*[6.0] * 30, 5.0, 4.0])
-    rest = prune(axis, 100.0)
-    assert len(rest.points) == len(rest.edges) == 30
-
-
 def test_edges_are_clipped_by_a_rectangle():
     axis = axis_of([(5, 5), (5, 15), (-4, 5), (12, -8), (-8, 12), (30, 30)], [(0, 1), (0, 2), (3, 4), (1, 5)], range(6))
     cut = axis.within(np.zeros(2), np.full(2, 10.0))
@@ -86,11 +63,6 @@ def test_edges_are_clipped_by_a_rectangle():
     assert radius[5.0, 10.0] == pytest.approx(0.5)
     assert radius[0.0, 5.0] == pytest.approx(2.0 * 5.0 / 9.0)
     assert radius[0.0, 4.0] == pytest.approx(3.6)
-
-
-def test_an_isolated_vertex_stays_if_it_lies_inside():
-    axis = axis_of([(5, 5), (15, 5)], np.zeros((0, 2)), [1.0, 2.0])
-    assert axis.within(np.zeros(2), np.full(2, 10.0)).points.tolist() == [[5.0, 5.0]]
 
 
 @settings(max_examples=40, deadline=None)
@@ -108,10 +80,6 @@ def test_covered_pixels_are_those_whose_centers_lie_in_a_disk(seed, count):
         expected |= away <= radius
         unclear |= np.abs(away - radius) < 0.01
     assert (covered(disks, (20, 30)) == expected)[~unclear].all()
-
-
-def test_a_disk_covers_the_pixels_on_its_line():
-    assert covered(np.array([(5.0, 5.0, 3.0)]), (11, 11)).sum() == 29
 
 
 def test_disks_between_two_vertices_lie_on_the_cone_through_theirs():

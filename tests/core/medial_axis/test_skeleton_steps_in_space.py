@@ -5,11 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cpm_core import METHODS, PRESETS, Image, VolumeRegions, VolumeTruth, example, skeleton
-from cpm_core.contours.surface.packing import PackedSurface
+from cpm_core import METHODS, PRESETS, Image, VolumeRegions, VolumeTruth, skeleton
+from cpm_core.contours.packed_surface import PackedSurface
 from cpm_core.formats import encoded
-from cpm_core.medial_axis.skeleton_method import SkeletonMethod
-from cpm_core.medial_axis.space.steps import VolumeSkeletonMethod
 
 VOLUME = PRESETS["volume"]
 
@@ -30,11 +28,6 @@ def run(method, parameters=VOLUME):
         state = method.step(state, parameters)
         states.append(state)
     return states
-
-
-def test_the_same_name_gives_the_method_that_fits_the_image():
-    assert isinstance(METHODS["skeleton"](tubes()), VolumeSkeletonMethod)
-    assert type(METHODS["skeleton"](example("ring"))) is SkeletonMethod
 
 
 @pytest.mark.parametrize("sides", [(1.0, 1.0, 1.0), (1.0, 0.5, 0.5)])
@@ -61,10 +54,10 @@ def test_pruning_alone_begins_with_the_last_step_and_everything_else_with_the_fi
     last = run(method)[-1].resumed()
     pruned = method.step(last, replace(VOLUME, pruning=9.0))
     assert pruned.stop_reason
-    assert pruned.inside is last.inside
+    assert pruned.structure is last.structure
     again = method.step(last, replace(VOLUME, edge_floor=0.3))
     assert not again.stop_reason
-    assert again.unpruned is None
+    assert again.axis is None
 
 
 def test_regions_and_surfaces_say_what_has_a_skeleton():
@@ -75,16 +68,8 @@ def test_regions_and_surfaces_say_what_has_a_skeleton():
     rod = np.zeros(volume.shape, bool)
     rod[10:16, 10:16, 4:40] = True
     whole = METHODS["skeleton"](volume)
-    one = whole.of_surfaces([PackedSurface.of(VolumeTruth(rod).surface)])
+    one = whole.of_objects([PackedSurface.of(VolumeTruth(rod).surface)])
     lines = one.result(run(one)[-1], VOLUME)
     assert len(lines.contours) == 1
     assert np.allclose(np.median(lines.contours[0].points[:, :2], axis=0), 12.5, atol=0.6)
     assert len(whole.result(run(whole)[-1], VOLUME).contours) == 4
-
-
-def test_dark_vessels_have_one_too():
-    volume = tubes()
-    dark = replace(volume, values=200.0 - volume.values)
-    method = METHODS["skeleton"](dark)
-    parameters = replace(VOLUME, polarity=-1.0)
-    assert len(method.result(run(method, parameters)[-1], parameters).contours) == 4

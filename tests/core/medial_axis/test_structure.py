@@ -1,7 +1,5 @@
 """What a skeleton is of: dark or light structures, up to a width, in uneven images, and given outlines."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from scipy import ndimage
@@ -81,10 +79,6 @@ def test_dark_on_light_and_light_on_dark_have_the_same_skeleton(max_width):
         assert np.abs(radii(one)[near] - radii(other)).max() < 0.2
 
 
-def test_the_other_polarity_has_nothing():
-    assert cpm.skeleton(y_shape(8.0), of="light", max_width=16.0).contours == ()
-
-
 def test_what_is_wider_has_no_skeleton():
     values = y_shape(8.0) - 100.0 * (scenes.disk(SHAPE, (25.0, 125.0), 20.0).values > 127.0)
     thin, wide = (cpm.skeleton(values, of="dark", max_width=width) for width in (16.0, 60.0))
@@ -93,16 +87,6 @@ def test_what_is_wider_has_no_skeleton():
     assert len(thin.contours) == 3
     assert cpm.skeleton(scenes.square(SHAPE, (40.0, 40.0), 70.0).values, max_width=30.0).contours == ()
     assert wide.length >= thin.length
-
-
-def test_a_wide_background_between_thin_structures_has_nothing():
-    rows = [20.3, 60.1, 100.4, 140.2]
-    values = scenes.antialiased(SHAPE, lambda row, col: np.min([abs(row - r) for r in rows], axis=0) + 0 * col < 3.0)
-    for max_width in (0.0, 12.0):
-        skeleton = cpm.skeleton(255.0 - values, max_width=max_width)
-        assert skeleton.polarity == -1
-        assert np.abs(vertices(skeleton)[:, 0, None] - rows).min(axis=1).max() < 0.2
-        assert radii(skeleton).max() == pytest.approx(3.0, abs=0.15)
 
 
 def test_the_side_of_a_wide_dark_region_has_nothing_and_does_not_hide_thin_structures():
@@ -161,31 +145,6 @@ def test_a_mask_has_the_skeleton_of_its_objects():
     assert np.abs(vertices(thin)[:, 0] - 44.5).max() < 6.0
 
 
-def test_an_object_continues_where_its_outline_follows_the_border():
-    corners = np.array([(40.0, -0.5), (40.0, 60.0), (52.0, 60.0), (52.0, -0.5)])
-    skeleton = cpm.skeleton(NOISE, within=[Contour(corners, closed=True)], pruning=3.0)
-    (contour,) = skeleton.contours
-    assert contour.points[:, 1].min() == -0.5  # no fork toward the corners at the border
-    assert np.abs(contour.points[:, 0] - 46.0).max() < 0.1
-    assert np.abs(skeleton.radii[0] - 6.0).max() < 0.1
-
-
-@pytest.mark.parametrize(
-    ("options", "sentence"),
-    [
-        ({"within": []}, "there is no closed outline"),
-        ({"within": np.zeros((120, 130), bool)}, "there is no closed outline"),
-        ({"within": np.ones((4, 5), bool)}, r"the mask has shape \(4, 5\) but the image \(120, 130\)"),
-        ({"within": [Contour(np.array([(1.0, 1.0), (9.0, 9.0), (9.0, 1.0)]), closed=False)]}, "no closed outline"),
-        ({"of": "grey"}, 'of is "grey" but must be one of dark, light, auto'),
-        ({"max_width": -1.0}, "max_width is -1 but must be"),
-    ],
-)
-def test_what_cannot_be_is_refused_in_one_sentence(options, sentence):
-    with pytest.raises(ValueError, match=sentence):
-        cpm.skeleton(NOISE, **options)
-
-
 def test_a_region_of_interest_limits_the_skeleton():
     values, square = y_shape(8.0), ((70.0, 85.0), (70.0, 150.0), (92.0, 150.0), (92.0, 85.0))
     parameters = cpm.Parameters(max_width=16.0)
@@ -197,17 +156,3 @@ def test_a_region_of_interest_limits_the_skeleton():
     assert (vertices(found) > (70.0, 85.0)).all()
     assert np.abs(vertices(found)[:, 0] - FORK[0]).max() < 0.5  # one arm of the Y, along a row
     assert found.length == pytest.approx(ARMS[0.0] + FORK[1] - 85.0, abs=6.0)
-
-
-def test_more_pruning_starts_with_the_last_step():
-    method, parameters = SkeletonMethod(y_shape(8.0)), cpm.PRESETS["noisy"]
-    state = method.start()
-    while not state.stop_reason:
-        state = method.step(state, parameters)
-    assert state.step == 3
-    other = replace(parameters, pruning=6.0)
-    again = method.step(state.resumed(), other)
-    assert again.stop_reason
-    assert again.step == 4
-    expected = cpm.skeleton(y_shape(8.0), pruning=6.0)
-    np.testing.assert_array_equal(vertices(method.result(again, other)), vertices(expected))

@@ -21,12 +21,6 @@ def test_every_item_is_in_exactly_one_part(count, least):
     assert all(before[1] == after[0] for before, after in pairwise(parts))
 
 
-def test_few_items_are_done_by_the_caller():
-    callers = []
-    share(lambda first, last: callers.append(threading.get_ident()), 10, 6)
-    assert callers == [threading.get_ident()]
-
-
 def test_no_caller_waits_for_the_work_of_another(monkeypatch):
     monkeypatch.setattr(parallel, "cores", lambda: 2)
     begun, done = threading.Event(), threading.Event()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from itertools import pairwise
 
 import numpy as np
@@ -35,24 +34,6 @@ def test_a_thinned_path_has_the_same_ends_and_stays_within_a_quarter_of_a_pixel(
     assert all(polyline.distance(thin, corner) <= 0.25 + 1e-9 for corner in line)
 
 
-def test_a_straight_freehand_line_needs_its_ends_alone() -> None:
-    assert polyline.thinned([(float(k), 2.0 * k) for k in range(30)]) == ((0.0, 0.0), (29.0, 58.0))
-
-
-def test_length_and_area_of_a_rectangle() -> None:
-    corners = ((1.0, 1.0), (1.0, 5.0), (4.0, 5.0), (4.0, 1.0))
-    assert polyline.length(corners) == 4.0 + 3.0 + 4.0
-    assert polyline.area(corners) == 12.0
-
-
-@settings(deadline=None)  # the first call may compile
-@given(lines, positions)
-def test_a_moved_path_keeps_its_shape(line, by) -> None:
-    moved = polyline.moved(line, by)
-    assert polyline.length(moved) == pytest.approx(polyline.length(line))
-    assert math.dist(moved[0], line[0]) == pytest.approx(math.hypot(*by))
-
-
 @settings(deadline=None)  # the first call may compile
 @given(st.lists(st.lists(positions, min_size=1, max_size=40), max_size=5), st.sampled_from([0.01, 0.4, 3.0]))
 def test_coarser_paths_have_the_same_ends_and_stay_near(lines, off) -> None:
@@ -64,12 +45,6 @@ def test_coarser_paths_have_the_same_ends_and_stay_near(lines, off) -> None:
         followed = iter(line)
         assert all(corner in followed for corner in kept)
         assert all(polyline.distance(kept, corner) <= 3 * off + 1e-9 for corner in line)
-
-
-def test_a_smooth_path_needs_few_corners() -> None:
-    angle = np.linspace(0.0, 2.0 * np.pi, 801)
-    circle = 100.0 * np.stack([np.sin(angle), np.cos(angle)], axis=1)
-    assert len(polyline.coarser([circle, circle], 0.1)[1]) <= 102
 
 
 def crossings(corners, place):
@@ -91,29 +66,9 @@ def test_a_polygon_contains_what_it_winds_around(corners, shift) -> None:
 
 @settings(deadline=None)  # the first call may compile
 @given(lines, st.floats(0.2, 5.0))
-def test_samples_are_the_midpoints_of_equal_parts(line, spacing) -> None:
-    path = np.array(line)
-    points, whole = polyline.sampled(path, spacing), polyline.length(path)
-    part = whole / len(points)
-    assert part <= spacing + 1e-9
-    assert len(points) == 1 or whole / (len(points) - 1) > spacing - 1e-9
-    where = (np.arange(len(points)) + 0.5) * part
-    np.testing.assert_allclose(points, polyline.places_at(path, where), atol=1e-9)
-    assert polyline.distances(line, points).max() < 1e-9
-
-
-@settings(deadline=None)  # the first call may compile
-@given(lines, st.floats(0.2, 5.0))
 def test_a_resampled_path_keeps_its_ends_and_has_one_vertex_between_at_least(line, spacing) -> None:
     path = polyline.resampled(np.array(line), spacing)
     assert (tuple(path[0]), tuple(path[-1])) == (line[0], line[-1])
     assert len(path) >= 3
     assert polyline.distances(line, path).max() < 1e-9
     assert np.linalg.norm(np.diff(path, axis=0), axis=1).max() <= spacing + 1e-9
-
-
-@settings(deadline=None)  # the first call may compile
-@given(st.lists(positions, min_size=1, max_size=6), st.lists(positions, min_size=1, max_size=9))
-def test_distances_of_many_places_are_those_of_each(line, places) -> None:
-    many = polyline.distances(line, np.array(places))
-    np.testing.assert_allclose(many, [polyline.distance(line, place) for place in places], atol=1e-12)

@@ -9,13 +9,11 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from cpm_core.numerics.segments import (
-    Bands,
     SegmentTree,
     cut,
     first_crossing,
     meet,
     nearest_distances,
-    winds_around,
 )
 
 places = st.tuples(st.integers(-9, 9), st.integers(-9, 9))
@@ -58,15 +56,6 @@ def test_the_first_crossing_of_a_path_is_found(path, others):
     assert first_crossing(np.array(path, dtype=float), flat) == (found[0] if found else (-1, -1))
 
 
-@given(st.lists(places, min_size=3, max_size=3, unique=True), st.floats(0.1, 3.0))
-def test_a_path_that_ends_on_a_vertex_touches_both_segments_there(corners, scale):
-    begin, middle, end = scale * np.array(corners, dtype=float) / 7.0
-    flat = np.array([[*begin, *middle], [*middle, *end]])
-    for start in (begin + 0.3, end - 0.7):
-        for number in range(2):
-            assert first_crossing(np.array([start, middle]), flat[[number]]) == (0, 0)
-
-
 @given(segments, st.lists(segments, min_size=1, max_size=5))
 def test_a_segment_is_cut_where_others_meet_it(segment, others):
     flat = np.array(segment, dtype=float).ravel()
@@ -102,28 +91,3 @@ def test_the_tree_and_the_search_of_all_give_the_same_distances(count):
         nearest_distances(points, np.concatenate([begin, end], axis=1)),
         atol=1e-12,
     )
-
-
-def test_nothing_is_near_no_segment():
-    none = np.empty((0, 2))
-    assert np.isinf(SegmentTree(none, none).distances(np.zeros((3, 2)))).all()
-    assert np.isinf(nearest_distances(np.zeros((3, 2)), np.empty((0, 4)))).all()
-
-
-@given(
-    st.lists(st.tuples(st.integers(-9, 9), st.integers(-9, 9)), min_size=1, max_size=40),
-    st.floats(0.1, 3.0),
-    st.integers(0, 2**31),
-)
-def test_a_polygon_winds_around_the_same_points_however_many_are_asked_for(corners, scale, seed) -> None:
-    polygon = scale * np.array(corners, dtype=float)
-    points = np.random.default_rng(seed).uniform(-30.0, 30.0, (200, 2))
-    alone = [bool(winds_around(polygon, point[None])[0]) for point in points]
-    assert winds_around(polygon, points).tolist() == alone
-
-
-def test_of_many_sides_only_those_at_the_height_of_a_point_are_tested() -> None:
-    angle = np.linspace(0.0, 2.0 * np.pi, 20_000)
-    row = 100.0 * np.sin(angle)
-    bands = Bands(np.minimum(row, np.roll(row, 1)), np.maximum(row, np.roll(row, 1)))
-    assert max(len(bands.between(at, at)) for at in range(-90, 90)) < 200

@@ -9,7 +9,6 @@ from cpm_core.model.starts import circle
 from cpm_core.objects.partition import partition
 from cpm_core.parameters import PRESETS
 from cpm_core.segmentation.evolve import segment
-from cpm_core.segmentation.reach.certain import is_certain
 
 ROW, COL = np.indices((112, 120)).astype(float)
 
@@ -49,13 +48,6 @@ def test_an_object_that_particles_close_from_a_circle_is_offered_exactly(shape, 
     assert not chosen.gaps
 
 
-def test_heavy_noise_inside_an_object_is_no_evidence_against_its_contours():
-    image, start = noisy(200.0 * RING, 60.0), circle((84, 60), 7)
-    result = segment(image, start, PRESETS["noisy"])
-    assert [contour.closed for contour in result.contours] == [True, True]
-    assert dice(partition(result).select(start).mask, RING > 0.5) > 0.97
-
-
 def test_a_region_inside_is_a_hole_if_the_image_changes_the_same_way_as_around_the_object_and_else_a_part():
     dark, bright = partition(200.0 * RING), partition(100.0 * disk((56, 60), 40) + 100.0 * disk((50, 64), 14))
     assert dice(dark.select([(84, 60)]).mask, RING > 0.5) > 0.985
@@ -83,14 +75,6 @@ def test_a_click_in_another_closed_object_adds_just_that_one_and_outside_takes_j
     assert dice(first.mask, one > 0.5) > 0.985
     assert dice(both.mask, one + other > 0.5) > 0.985
     assert cut.select([(30, 30)], [(84, 80)], previous=both).same(first)
-
-
-def test_an_edge_is_certain_only_if_it_is_strong_all_along_and_nothing_inside_is_like_it():
-    along, inside = np.full(100, 30.0), np.linspace(0.0, 5.0, 400)
-    assert is_certain(along, inside)
-    assert not is_certain(along, 3.0 * inside)
-    assert not is_certain(np.where(np.arange(100) < 20, 6.0, along), inside / 5)
-    assert not is_certain(along, np.empty(0))
 
 
 def test_a_start_across_the_boundary_of_an_object_traces_all_of_it_and_nothing_of_its_neighbor():

@@ -6,7 +6,6 @@ import scipy.ndimage
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core import Regions
 from cpm_core.numerics import polyline
 from cpm_core.objects.faces.basins import basins
 from cpm_core.objects.faces.crossings import Crossings, crossings
@@ -29,22 +28,6 @@ def links(shape):
                     yield (r, c), (r + down, c + right), down
 
 
-def connected_to(start, shape, blocked):
-    """Pixels that can be reached from one by links that no line crosses."""
-    reached, waiting = {start}, [start]
-    neighbors = {}
-    for p, q, down in links(shape):
-        if not (blocked.down if down else blocked.right)[p] >= 0.0:
-            neighbors.setdefault(p, []).append(q)
-            neighbors.setdefault(q, []).append(p)
-    while waiting:
-        for q in neighbors.get(waiting.pop(), []):
-            if q not in reached:
-                reached.add(q)
-                waiting.append(q)
-    return reached
-
-
 @settings(deadline=None, max_examples=60)
 @given(seeds)
 def test_a_closed_line_parts_the_pixels_inside_from_those_outside(seed):
@@ -61,20 +44,6 @@ def test_a_closed_line_parts_the_pixels_inside_from_those_outside(seed):
     for p, q, down in links(shape):
         if inside[p] != inside[q]:
             assert (found.down if down else found.right)[p] >= 0.0
-
-
-def test_the_place_of_a_crossing_is_exact():
-    found = crossings([np.array([(2.0, 1.25), (4.5, 1.25)]), np.array([(1.75, 3.0), (1.75, 9.0)])], (6, 6))
-    assert found.right[3, 1] == pytest.approx(0.25, abs=1e-6)
-    assert found.down[1, 4] == pytest.approx(0.75, abs=1e-6)
-    assert np.count_nonzero(found.right >= 0.0) == 2
-    assert np.count_nonzero(found.down >= 0.0) == 2
-
-
-def test_a_diagonal_through_the_centers_of_pixels_lets_nothing_pass():
-    found = crossings([np.array([(-1.0, -1.0), (9.0, 9.0)])], (8, 8))
-    assert len(connected_to((0, 7), (8, 8), found) | connected_to((7, 0), (8, 8), found)) == 64
-    assert not connected_to((0, 7), (8, 8), found) & connected_to((7, 0), (8, 8), found)
 
 
 @settings(deadline=None, max_examples=60)
@@ -106,16 +75,6 @@ def test_no_basin_reaches_across_a_closed_line(seed):
     inside = polyline.inside(circle, np.indices(shape).reshape(2, -1).T.astype(float)).reshape(shape)
     assert found.max() == 1
     assert np.array_equal(found == found[9, 9], inside)
-
-
-def test_small_and_shallow_basins_are_parts_of_a_neighbor_and_deep_large_ones_are_not():
-    height = np.full((8, 30), 0.5)
-    height[:, :12], height[:, 12:18] = 0.1, 0.45
-    height[:, 18:] = 0.1
-    height[4, 6] = 0.09
-    assert basins(height, none(height.shape), 0.4, 9).max() == 0  # fewer than `_LARGE` pixels
-    wide = np.repeat(np.repeat(height, 2, axis=0), 2, axis=1)
-    assert basins(wide, none(wide.shape), 0.4, 9).max() == 1
 
 
 def brute_force(labels, strength, lines, barriers):
@@ -171,16 +130,6 @@ def test_the_graph_has_the_measures_of_its_definition(seed):
         assert graph.rim[k] == pytest.approx(on_border + np.pi / 8.0 * (outer[0] + outer[4] / np.sqrt(2.0)))
 
 
-@pytest.mark.parametrize("degrees", range(0, 91, 15))
-def test_the_length_of_a_straight_border_hardly_depends_on_its_direction(degrees):
-    turn = np.radians(degrees)
-    row, col = np.indices((200, 200)) - 99.5
-    labels = (np.cos(turn) * row + np.sin(turn) * col + 0.2 > 0.0).astype(np.int32)
-    flat = np.zeros(labels.shape)
-    graph = face_graph(labels, flat, flat, none(labels.shape), none(labels.shape))
-    assert graph.length[0] == pytest.approx(200.0 / max(np.cos(turn), np.sin(turn)), rel=0.06)
-
-
 @settings(deadline=None, max_examples=60)
 @given(seeds)
 def test_a_face_that_is_cut_is_measured_as_if_it_had_always_been_two(seed):
@@ -207,13 +156,3 @@ def test_a_gap_in_an_outline_parts_the_faces_on_both_sides_of_it():
     inside = polyline.inside(outline, np.indices(flat.shape).reshape(2, -1).T.astype(float)).reshape(flat.shape)
     away = np.hypot(*(np.indices(flat.shape) - np.array([15.0, 30.0])[:, None, None])) > 6.0
     assert not set(faces.labels[inside & away]) & set(faces.labels[~inside & away])
-
-
-def test_faces_end_at_the_regions_of_interest():
-    flat = np.zeros((30, 30))
-    square = ((5.2, 5.2), (5.2, 20.8), (20.8, 20.8), (20.8, 5.2))
-    faces = find_faces(ground(flat, flat, [], Regions(interest=(square,))))
-    within = np.zeros(flat.shape, bool)
-    within[6:21, 6:21] = True
-    assert np.array_equal(faces.labels >= 0, within)
-    assert set(faces.labels[within]) == set(range(faces.graph.count))

@@ -3,13 +3,12 @@
 from itertools import product
 
 import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import maximum_flow
 
-from cpm_core.objects.minimum_cut import FreePart, arcs, minimum_cut
+from cpm_core.objects.faces.minimum_cut import FreePart, arcs, minimum_cut
 
 
 @st.composite
@@ -63,13 +62,6 @@ def test_the_cut_costs_what_the_maximum_flow_carries(graph):
     assert total(graph, cut(graph)) == maximum_flow(network, count, count + 1).flow_value
 
 
-def test_tied_nodes_are_where_they_must_be_whatever_that_costs():
-    price = np.array([1e6, 1e6])
-    graph = arcs(np.array([0, 1]), np.array([1, 2]), 3)
-    found = minimum_cut(graph, price, np.array([np.inf, 0.0, 0.0]), np.array([0.0, 0.0, np.inf]))
-    assert found.tolist() == [True, False, False]
-
-
 @settings(deadline=None, max_examples=60)
 @given(graphs(30), st.integers(0, 2**32 - 1))
 def test_a_cut_of_a_part_is_that_of_the_whole_with_the_others_tied(graph, seed):
@@ -80,29 +72,3 @@ def test_a_cut_of_a_part_is_that_of_the_whole_with_the_others_tied(graph, seed):
     whole = np.where(~free & ~inside, 0.0, tied[0]), np.where(~free & inside, 0.0, tied[1])
     assert np.array_equal(found[~free], inside[~free])
     assert np.array_equal(found, minimum_cut(arcs(first, second, len(free)), price, *whole))
-
-
-@settings(deadline=None, max_examples=60)
-@given(graphs(30))
-def test_arcs_come_in_pairs_that_lead_back(graph):
-    first, second, *_ = graph
-    found = arcs(first, second, len(graph[3]))
-    tail = np.repeat(np.arange(len(found.begin) - 1), np.diff(found.begin))
-    assert np.array_equal(found.head[found.back], tail)
-    assert np.array_equal(found.back[found.back], np.arange(len(tail)))
-    assert np.array_equal(np.sort(np.stack([tail, found.head]), axis=0), np.stack([first, second])[:, found.link])
-
-
-def test_a_graph_without_links_leaves_each_node_to_its_own_price():
-    none = np.empty(0, np.int64)
-    found = minimum_cut(arcs(none, none, 2), np.empty(0), np.array([3.0, 1.0]), np.array([2.0, 2.0]))
-    assert found.tolist() == [True, False]
-
-
-@pytest.mark.parametrize("size", [2, 9])
-def test_a_chain_is_cut_at_its_weakest_link(size):
-    price = 1.0 + np.arange(size)[::-1]
-    graph = arcs(np.arange(size), 1 + np.arange(size), size + 1)
-    tied = np.zeros(size + 1), np.zeros(size + 1)
-    tied[0][0], tied[1][-1] = np.inf, np.inf
-    assert minimum_cut(graph, price, *tied).tolist() == [True] * size + [False]

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cpm_core import PRESETS, Image, Regions, circle, partition, segment, similar
+from cpm_core import Regions, circle, partition, segment, similar
 
 from ..scenes import antialiased, disk, ring
 
@@ -49,12 +49,6 @@ def test_every_pixel_has_a_face_and_no_face_lies_on_both_sides_of_the_contour(di
     assert not set(labels[truth & (away > 1.5)]) & set(labels[~truth & (away > 1.5)])
 
 
-def test_the_circle_of_a_start_counts_as_clicks(disk_scene):
-    seeds = circle((47, 47), 8.0)
-    chosen = partition(segment(disk_scene.values, seeds, PRESETS["shape"])).select(seeds)
-    assert overlap(chosen.mask, truth_of(disk_scene)) > 0.98
-
-
 def test_a_hole_that_is_said_to_be_outside_stays_one():
     scene = ring(SHAPE, (47.3, 46.6), 10.0, 30.0)
     chosen = partition(scene.values).select([(47, 67)], [(47, 47)])
@@ -69,30 +63,12 @@ def test_a_place_outside_the_image_counts_as_the_nearest_one_in_it_and_is_told()
     assert "outside the image" in chosen.remark
 
 
-def test_nothing_inside_gives_nothing_and_a_word(disk_partition):
-    chosen = disk_partition.select([], [(3, 3)])
-    assert not chosen.mask.any()
-    assert chosen.contours == ()
-    assert chosen.remark
-
-
-def test_places_of_another_shape_are_refused(disk_partition):
-    with pytest.raises(ValueError, match="must be \\(N, 2\\)"):
-        disk_partition.select([(1.0, 2.0, 3.0)])
-
-
 def test_nothing_outside_the_regions_of_interest_is_selected(disk_scene):
     regions = Regions(interest=(((-1, -1), (-1, 60.5), (97, 60.5), (97, -1)),))
     result = segment(disk_scene.values, circle((47, 47), 8.0), regions=regions)
     chosen = partition(result).select([(47, 47)])
     within = np.indices(SHAPE)[1] < 60.5
     assert overlap(chosen.mask, truth_of(disk_scene) & within) > 0.97
-
-
-def test_a_result_without_an_image_is_refused(disk_scene):
-    result = segment(Image(disk_scene.values), circle((47, 47), 8.0))
-    with pytest.raises(ValueError, match="does not know its image"):
-        partition(replace(result, image=None))
 
 
 def two_disks(row, col):
@@ -109,14 +85,6 @@ def scene_partition():
 
 def within(row, col, radius, shape=(128, 128)):
     return np.hypot(np.indices(shape)[0] - row, np.indices(shape)[1] - col) < radius
-
-
-def test_an_object_that_the_border_of_the_image_cuts_is_closed_along_it(scene_partition):
-    chosen = scene_partition.select([(70, 4)])
-    assert overlap(chosen.mask, within(70.0, -2.0, 15.0)) > 0.95
-    (outline,) = chosen.contours
-    assert outline.points[:, 1].min() == -0.5
-    assert chosen.gaps == ()
 
 
 def test_of_two_disks_that_touch_one_is_parted_at_the_neck_by_a_click_in_the_other(scene_partition):
@@ -169,18 +137,6 @@ def test_the_same_place_inside_and_outside_is_what_was_said_last_and_told(scene_
     assert again.mask[30, 38]
 
 
-def test_two_clicks_in_one_face_cut_it(scene_partition):
-    chosen = scene_partition.select([(110, 100)], [(110, 120)])
-    assert chosen.mask[110, 100]
-    assert not chosen.mask[110, 120]
-
-
-def test_a_click_on_a_contour_takes_the_smoother_side(scene_partition):
-    chosen = scene_partition.select([(30.0, 25.2)])
-    assert chosen.mask.any()
-    assert chosen.contours[0].closed
-
-
 def test_all_like_this_finds_the_others_and_parts_those_that_touch():
     centers = [(20, 20), (20, 60), (60, 20), (60, 70), (60, 91), (100, 2), (100, 60)]
 
@@ -195,10 +151,6 @@ def test_all_like_this_finds_the_others_and_parts_those_that_touch():
         true = within(*center, 11.0)
         assert max(overlap(other.mask, true) for other in found) > 0.85
     assert np.sum([other.mask for other in found], axis=0).max() == 1
-
-
-def test_nothing_chosen_has_no_likes(scene_partition):
-    assert similar(scene_partition, scene_partition.select([])) == ()
 
 
 def test_places_on_both_sides_of_all_edges_choose_no_more_than_themselves_and_that_is_told():

@@ -7,9 +7,8 @@ import pytest
 from skimage.measure import marching_cubes
 
 import cpm_core as cpm
-from cpm_core.contours.surface import Surface
-from cpm_core.contours.surface.inside import numbered
-from cpm_core.contours.surface.packing import PackedSurface, packed
+from cpm_core.contours.packed_surface import PackedSurface
+from cpm_core.contours.surface import Surface, numbered
 
 SHAPE, SPACING = (44, 30, 30), (1.0, 1.0, 1.5)
 SHELL, LONE = np.array([13.0, 14.0, 20.0]), np.array([34.0, 14.0, 20.0])
@@ -71,39 +70,6 @@ def test_clicks_one_after_the_other_are_those_at_once_and_one_outside_takes_a_bo
     assert less.remark.startswith("The same body")
 
 
-def test_labels_number_every_body_and_nothing_outside():
-    labels = parted().labels
-    assert set(np.unique(labels)) == {0, 1, 2, 3}
-    assert labels[0, 0, 0] == labels[-1, -1, -1] == 0
-
-
-@pytest.mark.parametrize(
-    ("clicks", "remark"),
-    [
-        ([], "No place has been said to be inside."),
-        ([(0.0, 0.0, 0.0)], "A place that no surface encloses counts for nothing: click inside an object."),
-        ([(-9.0, 99.0, 0.0)], "A place that no surface encloses counts for nothing: click inside an object."),
-    ],
-)
-def test_places_outside_select_nothing_and_say_so(clicks, remark):
-    found = parted().select(clicks)
-    assert (found.remark, found.mask.any(), found.volume) == (remark, False, 0.0)
-    assert len(found.surface.faces) == 0
-
-
-def test_places_that_are_none_are_refused():
-    with pytest.raises(ValueError, match=r"^the places have the shape \(1, 2\) but must be \(N, 3\)"):
-        parted().select([(3.0, 4.0)])
-    with pytest.raises(ValueError, match=r"^some places are not finite"):
-        parted().select([(3.0, np.nan, 4.0)])
-
-
-def test_an_open_surface_encloses_nothing():
-    whole = parted()
-    with pytest.raises(ValueError, match=r"has no closed surface"):
-        cpm.VolumePartition(whole.image, Surface(whole.surface.vertices, whole.surface.faces[1:], SPACING))
-
-
 def test_the_result_of_a_run_is_cut_along_its_surface():
     inside = np.minimum(9.0 - _away(SHELL), _away(SHELL) - 5.0)
     image = cpm.Image(200.0 * np.clip(0.5 + inside / 1.5, 0.0, 1.0), spacing=SPACING, unit="mm")
@@ -122,23 +88,6 @@ def test_what_has_been_selected_is_kept_as_text_and_comes_back():
     assert again == kept
     np.testing.assert_array_equal(again.surface.faces, surface.faces)
     np.testing.assert_allclose(again.surface.vertices, surface.vertices, rtol=1e-6, atol=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("vertices", "faces", "sentence"),
-    [
-        ("", None, "is damaged"),
-        ("AAAA", None, "is damaged"),
-        (None, "", "is damaged"),
-        (packed(np.zeros(4, np.float32)), None, "does not consist of triangles"),
-        (packed(np.zeros((4, 3), np.float32)), packed(np.array([[0, 1, 2]], np.int32)), "is not closed"),
-        (packed(np.zeros((2, 3), np.float32)), packed(np.array([[0, 1, 2]], np.int32)), "names vertex 2"),
-    ],
-)
-def test_text_that_is_no_closed_surface_is_refused(vertices, faces, sentence):
-    kept = PackedSurface.of(parted().select([BALL]).surface)
-    with pytest.raises(ValueError, match=sentence):
-        PackedSurface(kept.vertices if vertices is None else vertices, kept.faces if faces is None else faces)
 
 
 def test_objects_of_a_surface_are_labeled_by_their_own_numbers():

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core.model import coverage as plane
-from cpm_core.model.coverage import cover, idle_at, no_coverage, renewed, renewed_near
+from cpm_core.model.coverage import no_coverage, renewed, renewed_near
 
 from ..dynamics.moving import cloud
 
@@ -88,30 +88,3 @@ class TestCoverage:
         corners = np.stack(np.meshgrid(*[(-0.5, n - 0.5) for n in shape]), axis=-1).reshape(-1, len(shape))
         _, new = kernels.cover(no_coverage(shape), corners, np.ones(len(corners), bool), 1)
         assert new == 2 ** len(shape)
-
-
-def test_cells_covered_before_leave_the_coverage_as_it_is():
-    points, both = np.array([(10.0, 10.0), (30.0, 20.0)]), np.ones(2, bool)
-    coverage, new = cover(no_coverage(SHAPE), points, both, 3)
-    assert new == 2
-    again, none = cover(coverage, points, both, 8)
-    assert none == 0
-    assert again is coverage
-
-
-def test_particles_on_no_edge_cover_nothing():
-    points = np.array([(10.0, 10.0), (30.0, 20.0)])
-    coverage, new = cover(no_coverage(SHAPE), points, np.array([False, True]), 3)
-    assert new == coverage.size == 1
-    assert idle_at(coverage, points, 5, 99).tolist() == [99, 2]
-
-
-def test_covering_and_renewing_do_not_change_their_input():
-    before, one = no_coverage(SHAPE), np.ones(1, bool)
-    after, _ = cover(before, np.array([(10.0, 10.0)]), one, 3)
-    assert (before.found == -1).all()
-    assert (before.latest == -1).all()
-    kept = after.found, after.latest
-    cover(after, np.array([(40.0, 10.0)]), one, 4)
-    renewed(after, 7)
-    np.testing.assert_array_equal((after.found, after.latest), kept)

@@ -112,34 +112,3 @@ def test_particles_everywhere_are_as_far_apart_along_all_axes():
     np.testing.assert_allclose(nearest, 6.0)
     low, high = places.min(axis=0), np.array((38.0, 39.0, 32.0)) - places.max(axis=0)
     np.testing.assert_allclose(low, high, atol=1e-9)
-
-
-def test_strong_edges_are_those_in_units_of_length():
-    """A step along each axis is as strong as the other, although its voxels are not as long."""
-    values = np.zeros((16, 32, 32))
-    values[8:] += 100.0
-    values[:, 16:] += 100.0
-    places = on_strong_edges(Image(values, spacing=(2.0, 1.0, 1.0)), 0.4, 4.0)
-    assert set(places[places[:, 1] == 2.0][:, 0]) >= {7.0, 8.0}
-    assert set(places[places[:, 0] == 1.0][:, 1]) >= {15.0, 16.0}
-
-
-@pytest.mark.parametrize(
-    ("make", "words"),
-    [
-        (lambda: in_slice([(1.0, 2.0, 3.0)], 1.0), "has the shape \\(1, 3\\) but must be \\(N, 2\\)"),
-        (lambda: in_slice([(1.0, np.nan)], 1.0), "1 coordinates of what is drawn in a slice are not finite"),
-        (lambda: in_slice([(1.0, 2.0)], 1.0, 3), "axis is 3 but must be 0, 1 or 2"),
-        (lambda: in_slice([(1.0, 2.0)], np.inf), "at is inf but must be a finite number"),
-        (lambda: in_slice([(1.0, 2.0)], 1.0, 0, (1.0, 0.0, 1.0)), "spacing is"),
-        (lambda: everywhere(ball(), 0.0), "spacing is 0 but must be above 0"),
-        (lambda: box((1e300, -1e300, 0.0), (9.0, 9.0, 9.0)), r"lies at 1e\+300 voxels but must lie within 1e\+09"),
-        (lambda: everywhere(np.eye(20)), r"shape \(20, 20\) but must be a volume"),
-        (lambda: on_strong_edges(np.int64(3)), "0 dimensions"),
-        (lambda: on_strong_edges(ball(), 2.0), "fraction is 2 but must be from 0 to 1"),
-        (lambda: on_strong_edges(ball(), 0.1, -1.0), "smoothing is -1 but must be 0 or more"),
-    ],
-)
-def test_starts_that_cannot_be_are_refused_in_one_sentence(make, words):
-    with pytest.raises(ValueError, match=words):
-        make()

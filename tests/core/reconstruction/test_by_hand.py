@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.hand_edits import apply
 from cpm_core.field.scale_field import build_scale_field
-from cpm_core.reconstruction.by_hand.live_wire import LiveWire, nearest_ridge, on_ridge
-from cpm_core.reconstruction.by_hand.operations import Contact, chain, connect, cut, deletion, outline, pull, wire_from
+from cpm_core.reconstruction.by_hand.live_wire import LiveWire, nearest_ridge
+from cpm_core.reconstruction.by_hand.operations import Contact, chain, connect, cut, deletion, pull, wire_from
 from cpm_core.reconstruction.curve.hysteresis import measured
 from tests.core.scenes import circle_points, disk
 
@@ -54,25 +54,6 @@ def test_a_live_wire_follows_the_edge_between_two_places_on_it(first, width):
     assert np.linalg.norm(np.diff(path, axis=0), axis=1).sum() == pytest.approx(width * RADIUS, rel=0.02, abs=0.1)
 
 
-def test_a_live_wire_goes_on_where_the_pointer_leaves_what_has_been_searched():
-    wire = LiveWire(field(), at(0.0))
-    for angle in (0.1, 3.0, -2.9, 0.2):
-        assert off_circle(wire.to(at(angle))).max() < 0.15
-
-
-def test_a_live_wire_reaches_places_outside_of_the_image():
-    assert np.isfinite(LiveWire(field(), (-20.0, 300.0)).to((150.0, -7.0))).all()
-
-
-def test_a_live_wire_of_no_length_is_its_two_places():
-    assert LiveWire(field(), (10.0, 10.0)).to((10.2, 10.0)).tolist() == [[10.0, 10.0], [10.2, 10.0]]
-
-
-def test_a_path_far_from_any_edge_stays():
-    path = np.array([[3.0, 3.0], [3.0, 30.0]])
-    np.testing.assert_allclose(on_ridge(path, field())[:, 0], 3.0)
-
-
 def test_a_place_snaps_to_an_edge_only_within_reach():
     assert off_circle(np.array([nearest_ridge(at(1.0, RADIUS + 1.5), field(), 4.0)])).max() < 0.15
     assert nearest_ridge(CENTER, field(), 4.0) == CENTER
@@ -102,16 +83,6 @@ def test_pieces_are_chained_by_their_nearest_ends_in_whatever_order_and_directio
     (closed,), missed = apply(pieces, edits)
     assert len(edits) == 3 and closed.closed and missed == ()
     assert closed.area == pytest.approx(AREA, rel=3e-3)
-
-
-def test_pieces_chained_without_closing_are_one_open_contour():
-    pieces = [arc(0.0, 1.0), arc(1.2, 2.0), arc(2.2, 3.0)]
-    (one,), _ = apply(pieces, chain(field(), pieces))
-    assert not one.closed and one.length == pytest.approx(3.0 * RADIUS, rel=0.01)
-
-
-def test_a_closed_contour_takes_no_part_in_a_chain():
-    assert chain(field(), [whole(), arc(0.0, 1.0)]) == ()
 
 
 def test_from_an_end_to_its_own_side_a_contour_is_closed_and_the_rest_stays():
@@ -147,16 +118,6 @@ def test_a_path_between_two_sides_takes_the_place_of_the_nearer_stretch():
     assert off_circle(one.points).max() == pytest.approx(6.0, abs=0.1)
 
 
-def test_a_path_that_touches_nothing_is_a_contour():
-    (one,), _ = apply([], connect(np.array([[1.0, 1.0], [1.0, 9.0]])))
-    assert one.length == 8.0 and not one.closed
-
-
-def test_an_outline_is_closed():
-    (one,), _ = apply([], [outline(circle_points(CENTER, RADIUS, 100))])
-    assert one.closed and one.area == pytest.approx(AREA, rel=2e-3)
-
-
 def test_a_cut_is_made_at_the_place_on_the_contour():
     contour = arc(0.0, 3.0)
     found, _ = apply([contour], [cut(Contact.at(contour, at(1.0, RADIUS + 3.0)))])
@@ -188,12 +149,6 @@ def test_without_edges_a_pulled_stretch_bends_to_the_place():
     assert missed == () and one.closed
     assert np.linalg.norm(one.points - at(0.0, RADIUS + 10.0), axis=1).min() < 0.5
     assert off_circle(one.points).max() == pytest.approx(10.0, abs=0.2)
-
-
-def test_the_end_of_an_open_contour_can_be_pulled():
-    contour = Contour(np.array([[10.0, 10.0], [10.0, 60.0]]), False)
-    (one,), missed = apply([contour], [pull(Contact.at(contour, (10.0, 14.0)), (16.0, 14.0))])
-    assert missed == () and not one.closed and one.points[:, 0].max() > 13.0
 
 
 def test_changed_contours_have_the_strength_of_the_edge_below_them():

@@ -58,12 +58,3 @@ def test_only_open_contours_with_near_ends_that_enclose_something_are_closed() -
     found = close_contours(result_of(line, half, there_and_back, whole), disc_edges())
     assert found.contours == (line, half, there_and_back, whole)
     assert found.bridges == ()
-
-
-def test_ends_at_the_border_of_the_image_are_closed_within_it() -> None:
-    angle = np.linspace(0.3, 2 * np.pi - 0.3, 200)
-    cut = Contour(np.column_stack([28.0 - 30.0 * np.cos(angle), 50 + 30.0 * np.sin(angle)]), False, 40.0)
-    for edges in (None, np.zeros((100, 100))):
-        (contour,) = close_contours(result_of(cut), edges).contours
-        assert contour.closed
-        assert contour.area == pytest.approx(np.pi * 900, rel=0.03)

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Engine, Parameters, uniform_grid
-from cpm_core.contours.graph.graph import Graph
+from cpm_core.contours.graph import Graph
 from cpm_core.reconstruction.curve.hysteresis import drop_unconnected, drop_under, ratings
 
 
@@ -55,21 +55,6 @@ def test_remaining_edges_are_strong_enough_and_connected_to_sure_ones(made, leas
     assert kept == truth
 
 
-@settings(max_examples=150, deadline=None)
-@given(rated_graphs(), thresholds, thresholds, thresholds, thresholds)
-def test_a_higher_threshold_only_removes(made, least, sure, more, surer):
-    kept, _ = kept_edges(made, least, sure)
-    fewer, _ = kept_edges(made, least + more, sure + surer)
-    assert fewer <= kept
-
-
-@settings(max_examples=100, deadline=None)
-@given(rated_graphs())
-def test_without_thresholds_everything_stays(made):
-    points, edges, _ = made
-    assert kept_edges(made, 0.0, 0.0)[0] == {tuple(edge) for edge in Graph(points, edges).edges().tolist()}
-
-
 @settings(max_examples=100, deadline=None)
 @given(rated_graphs())
 def test_closed_contours_and_those_between_junctions_are_rated_as_a_whole(made):
@@ -95,31 +80,6 @@ def test_a_contour_with_a_loose_end_loses_its_weak_stretch_and_keeps_the_strong_
     kept, _ = kept_edges(line([50.0] * 40 + [5.0] * 60), 25.0, 0.0)
     assert kept == {(i, i + 1) for i in range(max(b for _, b in kept))}
     assert 36 <= len(kept) <= 44
-
-
-def test_a_short_weak_stretch_does_not_cut_a_contour():
-    kept, _ = kept_edges(line([50.0] * 40 + [5.0] * 3 + [50.0] * 40), 25.0, 0.0)
-    assert len(kept) == 82
-
-
-def test_a_weak_stretch_does_not_open_a_closed_contour():
-    points, edges, strength = line([50.0] * 60 + [5.0] * 20)
-    ring = np.concatenate([edges, [(0, 79)]])
-    assert len(kept_edges((points, ring, strength), 25.0, 0.0)[0]) == 80
-    assert len(kept_edges((points, ring, strength), 40.0, 0.0)[0]) == 0
-
-
-def test_a_contour_without_its_weak_branch_is_one_contour_again():
-    points, edges, strength = line([50.0] * 41)
-    branch = np.stack([np.arange(1.0, 31.0), np.full(30, 20.0)], axis=1)
-    more = [(20 if i == 0 else 40 + i, 41 + i) for i in range(30)]
-    graph = Graph(np.concatenate([points, branch]), np.concatenate([edges, more]))
-    rated = ratings(graph, lambda _: np.concatenate([strength, np.full(30, 5.0)]))
-    assert len(graph.contours()) == 3
-    drop_under(graph, rated, 30.0)
-    graph.drop_spurs(5)
-    (contour,) = graph.contours()
-    assert len(contour.points) == 41
 
 
 SHAPE = (120, 120)
@@ -154,31 +114,3 @@ def test_faint_edges_stay_where_they_continue_strong_ones(edges_of_four_strength
     assert found(sure_edge=0.4) == (True, True, False)
     assert found(min_strength=20.0) == (True, False, False)
     assert found(min_strength=5.0, sure_edge=0.4) == (True, True, False)
-
-
-@pytest.mark.parametrize(
-    ("name", "top"), [("min_strength", 300.0), ("sure_edge", 0.99), ("min_contrast", 0.99), ("min_length", 300.0)]
-)
-def test_a_higher_threshold_never_finds_more(edges_of_four_strengths, name, top):
-    engine, state = edges_of_four_strengths
-    lengths = [
-        sum(c.length for c in engine.result(state, Parameters(**{name: share * top})).contours)
-        for share in (0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.7, 1.0)
-    ]
-    assert max(np.diff(lengths)) < 1e-9
-    assert lengths[-1] < lengths[0]
-
-
-def test_a_short_branch_does_not_open_the_outline_that_it_is_joined_to():
-    row, col = np.indices((120, 120))
-    image = np.where((row > 60) & (col > 60), 60.0, 20.0)
-    image[np.hypot(row - 60, col - 50) < 30] = 220.0
-    engine = Engine(image, Parameters())
-    state = engine.start(uniform_grid(image.shape))
-    while not state.stop_reason:
-        state = engine.step(state, Parameters())
-    branched = engine.result(state, Parameters()).contours
-    assert any(any(contour.junctions) for contour in branched)
-    (outline,) = engine.result(state, Parameters(min_length=120.0)).contours
-    assert outline.closed
-    assert outline.length > 170.0

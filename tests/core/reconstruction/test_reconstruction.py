@@ -10,7 +10,7 @@ from scipy import special
 from scipy.spatial import Delaunay, Voronoi
 
 from cpm_core import reconstruct_curve
-from cpm_core.contours.graph.graph import Graph
+from cpm_core.contours.graph import Graph
 from cpm_core.field.scale_field import build_scale_field
 from cpm_core.reconstruction.curve.crust import crust
 from cpm_core.reconstruction.curve.end_linking import close_gaps
@@ -91,10 +91,6 @@ def test_crust_does_not_depend_on_rotation_shift_scale_and_order_of_the_points(p
     assert crust_in_one_step(points[order]) == {tuple(sorted((int(place[a]), int(place[b])))) for a, b in edges}
 
 
-def kinds(points):
-    return [(c.closed, len(c.points)) for c in reconstruct_curve(points)]
-
-
 @pytest.mark.parametrize("count", [12, 61, 200])
 def test_a_circle_is_one_closed_contour_of_its_length_and_area(count):
     points = circle_points((30.3, 41.7), 20.0, count)
@@ -104,21 +100,6 @@ def test_a_circle_is_one_closed_contour_of_its_length_and_area(count):
     assert len(contour.points) == count
     assert contour.length == pytest.approx(2.0 * count * 20.0 * np.sin(np.pi / count), rel=1e-12)
     assert contour.area == pytest.approx(0.5 * count * 400.0 * np.sin(2.0 * np.pi / count), rel=1e-10)
-
-
-def test_nested_circles_are_two_closed_contours_longest_first():
-    inner, outer = circle_points((30.0, 30.0), 9.0, 40), circle_points((30.5, 30.2), 20.0, 88)
-    assert kinds(np.concatenate([inner, outer])) == [(True, 88), (True, 40)]
-
-
-def test_an_arc_is_one_open_contour_from_end_to_end():
-    points = circle_points((30.3, 41.7), 20.0, 100)[:45]
-    (contour,) = reconstruct_curve(np.random.default_rng(1).permutation(points))
-    ordered = contour.points if np.allclose(contour.points[0], points[0]) else contour.points[::-1]
-    np.testing.assert_array_equal(ordered, points)
-    assert not contour.closed
-    assert contour.junctions == (False, False)
-    assert contour.area == 0.0
 
 
 def test_a_t_is_three_open_contours_that_meet_in_one_junction():
@@ -133,53 +114,12 @@ def test_a_t_is_three_open_contours_that_meet_in_one_junction():
     assert ends == [(0.0, -20.0), (0.0, 20.0), (20.0, 0.0)]
 
 
-def test_a_cross_is_four_open_contours_that_meet_in_one_junction():
-    along = np.arange(-15.0, 16.0)
-    other = along[along != 0]
-    points = np.concatenate([np.stack([along, along], axis=1), np.stack([other, -other], axis=1)])
-    contours = reconstruct_curve(points)
-    assert [(c.closed, len(c.points), sum(c.junctions)) for c in contours] == [(False, 16, 1)] * 4
-
-
-def test_a_figure_of_eight_is_found_in_its_whole_length():
-    """At an even crossing all edges nearly belong to the crust: there may be one piece or four."""
-    t = 2.0 * np.pi * np.delete(np.arange(200), 150) / 200
-    points = 40.0 + np.stack([30.0 * np.sin(t) * np.cos(t), 30.0 * np.cos(t)], axis=1)
-    contours = reconstruct_curve(points)
-    whole = np.linalg.norm(points - np.roll(points, 1, axis=0), axis=1).sum()
-    assert sum(c.length for c in contours) == pytest.approx(whole, rel=0.03)
-    assert {tuple(p) for c in contours for p in c.points.tolist()} == {tuple(p) for p in points.tolist()}
-
-
-@pytest.mark.parametrize("count", [0, 1, 2, 3])
-def test_too_few_points_make_no_contour(count):
-    assert reconstruct_curve(np.random.default_rng(2).uniform(size=(count, 2))) == ()
-
-
 @pytest.mark.parametrize("direction", [(1.0, 0.0), (0.0, 1.0), (1.0, 1.0)], ids=str)
 def test_points_on_one_line_make_one_open_contour(direction):
     points = np.arange(12.0)[:, None] * np.array(direction) + 5.0
     (contour,) = reconstruct_curve(np.random.default_rng(3).permutation(points))
     assert not contour.closed
     assert contour.length == pytest.approx(11.0 * np.hypot(*direction))
-
-
-def test_a_point_given_twice_counts_once():
-    points = circle_points((30.0, 30.0), 9.0, 40)
-    assert kinds(np.concatenate([points, points[::3], points[5:7]])) == [(True, 40)]
-    assert reconstruct_curve(np.full((9, 2), 4.0)) == ()
-
-
-@pytest.mark.parametrize("points", [np.zeros(6), np.zeros((4, 3))], ids=str)
-def test_arrays_of_another_shape_are_refused(points):
-    with pytest.raises(ValueError, match=r"points have the shape .* must be \(N, 2\)"):
-        reconstruct_curve(points)
-
-
-@pytest.mark.parametrize("points", [np.full((5, 2), np.nan), np.array([(1.0, np.inf)] * 5)], ids=str)
-def test_points_that_are_not_finite_are_refused(points):
-    with pytest.raises(ValueError, match=r"points hold (10|5) values that are not finite"):
-        reconstruct_curve(points)
 
 
 @st.composite
@@ -193,14 +133,6 @@ def graphs(draw):
 
 def edges_of(graph):
     return {(a, b) for a, b in graph.edges().tolist()}
-
-
-def components(graph):
-    group = list(range(len(graph.points)))
-    for a, b in edges_of(graph):
-        old, new = group[a], group[b]
-        group = [new if g == old else g for g in group]
-    return [[group[a] == group[b] for b in range(len(group))] for a in range(len(group))]
 
 
 @settings(max_examples=150, deadline=None)
@@ -221,18 +153,6 @@ def test_contours_use_every_edge_exactly_once_and_end_at_ends_and_junctions(grap
     assert sorted(walked) == sorted(edges_of(graph))
 
 
-@settings(max_examples=60, deadline=None)
-@given(graphs())
-def test_contours_are_sorted_and_have_their_junctions(graph):
-    contours = graph.contours()
-    lengths = [c.length for c in contours]
-    assert lengths == sorted(lengths, reverse=True)
-    place = {tuple(p): v for v, p in enumerate(graph.points.tolist())}
-    for c in contours:
-        ends = [graph.degree(place[tuple(p)]) > 2 for p in (c.points[0].tolist(), c.points[-1].tolist())]
-        assert c.junctions == ((False, False) if c.closed else tuple(ends))
-
-
 def chain_with_branch(branch):
     """Twenty vertices in a row, and a branch of so many edges from the tenth."""
     row = [(0.0, float(x)) for x in range(20)]
@@ -248,23 +168,6 @@ def test_short_spurs_are_dropped(branch):
     assert edges_of(graph) == {(i, i + 1) for i in range(19)}
 
 
-@pytest.mark.parametrize("branch", [4, 9])
-def test_long_branches_stay(branch):
-    graph = chain_with_branch(branch)
-    before = edges_of(graph)
-    graph.drop_spurs(3)
-    assert edges_of(graph) == before
-
-
-def test_short_isolated_curves_are_dropped_and_longer_ones_stay():
-    points = np.array(
-        [(0.0, 0.0), (0.0, 2.0), (9.0, 0.0), (9.0, 2.0), (9.0, 4.5), (20.0, 0.0), (20.0, 9.0), (24.0, 5.0)]
-    )
-    graph = Graph(points, np.array([(0, 1), (2, 3), (3, 4), (5, 6), (6, 7), (5, 7)]))
-    graph.drop_specks(4.0)
-    assert edges_of(graph) == {(2, 3), (3, 4), (5, 6), (6, 7), (5, 7)}
-
-
 def ladder(rung):
     """Two rows of twenty vertices, joined by a rung of so many vertices between the tenth of each."""
     rows = [(float(y), float(x)) for y in (0, rung + 1) for x in range(20)]
@@ -272,13 +175,6 @@ def ladder(rung):
     edges = [(i, i + 1) for i in range(39) if i != 19]
     way = [9, *range(40, 40 + rung), 29]
     return Graph(np.array(rows + between), np.array(edges + list(itertools.pairwise(way)), dtype=np.int64))
-
-
-@pytest.mark.parametrize(("rung", "longest", "count"), [(0, 2.0, 2), (2, 4.0, 2), (2, 3.0, 5), (6, 4.0, 5)])
-def test_short_paths_between_junctions_are_dropped(rung, longest, count):
-    graph = ladder(rung)
-    graph.drop_ties(longest)
-    assert len(graph.contours()) == count
 
 
 @pytest.mark.parametrize(("rung", "longest", "count"), [(0, 1.0, 4), (1, 2.0, 4), (1, 1.9, 5)])
@@ -290,12 +186,6 @@ def test_junctions_close_to_each_other_are_merged(rung, longest, count):
     if count == 4:
         meeting = np.concatenate([c.points[[0, -1]][list(c.junctions)] for c in contours])
         np.testing.assert_array_equal(meeting, np.full((4, 1), 1.0) * [0.5 * (rung + 1), 9.0])
-
-
-def test_an_isolated_short_curve_is_no_spur():
-    graph = Graph(np.arange(6.0).reshape(3, 2), np.array([(0, 1), (1, 2)]))
-    graph.drop_spurs(3)
-    assert edges_of(graph) == {(0, 1), (1, 2)}
 
 
 @settings(max_examples=100, deadline=None)
@@ -361,12 +251,6 @@ def test_the_ridge_of_a_disk_is_its_boundary_except_for_the_shift_by_smoothing(c
     assert outwards.std() < 0.03
 
 
-def test_far_from_any_edge_no_ridge_is_found():
-    image, _ = smooth_step((41, 41), 0.0, 0.0)
-    _, found = ridge_points(np.array([(20.0, 5.0), (10.0, 35.0), (20.0, 26.0)]), build_scale_field(image, 1.0, 0.0))
-    assert not found.any()
-
-
 def two_pieces(gap, spacing=2.0):
     """Two lines of points along the vertical center line of a 41 by 41 image, with a gap between them."""
     upper, lower = np.arange(18.0, 3.0, -spacing)[::-1], np.arange(18.0 + gap, 37.0, spacing)
@@ -385,25 +269,6 @@ def test_ends_are_joined_along_an_edge_within_reach():
     assert edges_of(graph) - before == {bridge}
     graph, _ = two_pieces(4.0)
     close_gaps(graph, scale_field, 3.5)
-    assert edges_of(graph) == before
-
-
-def test_an_end_is_not_joined_to_its_own_branch():
-    """Otherwise the curve would end in a loop; points may be as close as d_min / 2."""
-    image, _ = smooth_step((41, 41), 0.0, 0.0)
-    graph, bridge = two_pieces(3.0, spacing=1.0)
-    before = edges_of(graph)
-    close_gaps(graph, build_scale_field(image, 1.0, 0.0), 5.0)
-    assert edges_of(graph) - before == {bridge}
-
-
-def test_ends_are_not_joined_where_the_edge_has_a_gap():
-    image, _ = smooth_step((41, 41), 0.0, 0.0)
-    rows = np.arange(41.0)
-    image = 50.0 + (image - 50.0) * (np.abs(rows - 21.0) > 3.0)[:, None]
-    graph, _ = two_pieces(6.0)
-    before = edges_of(graph)
-    close_gaps(graph, build_scale_field(image, 0.5, 0.0), 7.0)
     assert edges_of(graph) == before
 
 

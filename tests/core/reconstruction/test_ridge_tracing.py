@@ -1,7 +1,6 @@
 """Tracing ridges: on edges known exactly, through slits and around tips, to the border, to junctions."""
 
 import itertools
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,15 +9,13 @@ from hypothesis import strategies as st
 from scipy import ndimage
 
 from cpm_core import Engine, Parameters, circle, segment, uniform_grid
-from cpm_core.contours.graph.graph import Graph
-from cpm_core.field.interpolation import interpolate
+from cpm_core.contours.graph import Graph
 from cpm_core.field.scale_field import SPLINE_MARGIN, build_scale_field
-from cpm_core.reconstruction.curve import ridge_tracing
-from cpm_core.reconstruction.curve.ridge import Ridge, height, ridge_of, spline_height, uphill
+from cpm_core.reconstruction.curve.ridge import spline_height
 from cpm_core.reconstruction.curve.ridge_tracing import trace
 from cpm_core.reconstruction.curve.subpixel import ridge_points
 
-from ..scenes import antialiased, circle_points, disk, outline_distance, polygon, turned
+from ..scenes import antialiased, circle_points, disk, outline_distance, polygon
 
 
 @settings(max_examples=40, deadline=None)
@@ -30,26 +27,6 @@ def test_the_compiled_spline_is_that_of_scipy(seed, rows, cols):
     expected = ndimage.map_coordinates(coefficients, places.T, order=3, prefilter=False, mode="nearest")
     continued = np.pad(coefficients, SPLINE_MARGIN, mode="edge")
     np.testing.assert_allclose([spline_height(continued, row, col) for row, col in places], expected, atol=1e-12)
-
-
-@settings(max_examples=40, deadline=None)
-@given(st.integers(0, 10**6), st.integers(1, 7), st.integers(1, 7))
-def test_the_gradient_is_interpolated_as_for_particles(seed, rows, cols):
-    rng = np.random.default_rng(seed)
-    down, right = parts = rng.normal(size=(2, rows, cols))
-    places = rng.uniform((-2.0, -2.0), (rows + 1.0, cols + 1.0), (20, 2))
-    expected = interpolate(parts, places)
-    np.testing.assert_allclose([[height(part, *place) for part in parts] for place in places], expected, atol=1e-12)
-    ridge = Ridge(down, np.zeros((rows + 6, cols + 6)), down, right)
-    directions = expected / np.linalg.norm(expected, axis=1)[:, None]
-    np.testing.assert_allclose([uphill(ridge, *place) for place in places], directions, atol=1e-9)
-
-
-def test_the_ridge_height_equals_the_edge_map_on_every_pixel_including_the_border():
-    scale_field = build_scale_field(np.random.default_rng(0).normal(size=(12, 15)), 1.0, 0.0)
-    ridge = ridge_of(scale_field)
-    heights = [[spline_height(ridge.spline, row, col) for col in range(15)] for row in range(12)]
-    np.testing.assert_allclose(heights, scale_field.edge_map, rtol=1e-12)
 
 
 def traced(scale_field, points, d_min=2.0):
@@ -91,24 +68,6 @@ def _on(center, radius, angle):
     return np.stack([center[0] + radius * np.sin(angle), center[1] + radius * np.cos(angle)], axis=1)
 
 
-def test_a_trace_extends_at_most_five_spacings_beyond_the_last_point():
-    image = 255.0 * (np.indices((80, 200))[0] >= 40)
-    scale_field = build_scale_field(image, 1.0, 0.0)
-    points = np.stack([np.full(11, 39.5), np.linspace(90.0, 110.0, 11)], axis=1)
-    (contour,) = traced(scale_field, points)
-    assert not contour.closed
-    np.testing.assert_allclose(contour.points[:, 0], 39.5, atol=1e-3)
-    np.testing.assert_allclose(sorted(contour.points[[0, -1], 1]), [80.0, 120.0], atol=0.41)
-
-
-def test_points_with_more_than_ten_spacings_between_them_are_not_joined():
-    image = 255.0 * (np.indices((80, 200))[0] >= 40)
-    scale_field = build_scale_field(image, 1.0, 0.0)
-    for gap, count in ((18.0, 1), (22.0, 2)):
-        points = np.array([(39.5, 90.0), (39.5, 90.0 + gap)])
-        assert len(traced(scale_field, points)) == count
-
-
 def test_a_trace_ends_where_the_edge_ends():
     """A step that is there on the left only: within a pixel or so of the position where it stops."""
     row, col = np.indices((60, 100))
@@ -128,46 +87,6 @@ def test_an_edge_across_the_image_is_found_up_to_the_border(angle):
     assert not contour.closed
     for end in contour.points[[0, -1]]:
         assert min(*end, *((59.0, 79.0) - end)) == pytest.approx(0.0, abs=1e-9)
-
-
-@pytest.fixture(scope="module")
-def loose_ends():
-    """Fields of noise, with some hundreds of points on ridges that mostly lead to no other."""
-    scale_field = build_scale_field(100.0 * np.random.default_rng(7).normal(size=(200, 200)), 1.0, 0.0)
-    scale_field = replace(scale_field, floor=0.2 * scale_field.floor)
-    points, found = ridge_points(uniform_grid((200, 200), spacing=8.0), scale_field)
-    return scale_field, points[found]
-
-
-@pytest.mark.parametrize("part", [1, 40, 10**6])
-def test_traces_do_not_depend_on_the_division_among_the_cores(loose_ends, monkeypatch, part):
-    scale_field, points = loose_ends
-    assert len(points) > 300
-    expected = trace(points, scale_field, 2.0, at_rest=True)
-
-    def share(work, count, least):
-        for first in reversed(range(0, count, part)):
-            work(first, min(first + part, count))
-
-    monkeypatch.setattr(ridge_tracing, "share", share)
-    for found, truth in zip(trace(points, scale_field, 2.0, at_rest=True), expected, strict=True):
-        np.testing.assert_array_equal(found, truth)
-
-
-def test_traces_do_not_depend_on_the_size_of_the_output_arrays(loose_ends, monkeypatch):
-    scale_field, points = loose_ends
-    vertices, edges = trace(points, scale_field, 2.0)
-    called, most, walk = [], int(2.0 * 20.0 / 0.4) + 4, ridge_tracing.walk
-
-    def in_little_room(*arguments):
-        *others, new_vertices, new_edges = arguments
-        called.append(1)
-        return walk(*others, new_vertices[: most + 2], new_edges[: most + 2])
-
-    monkeypatch.setattr(ridge_tracing, "walk", in_little_room)
-    for found, truth in zip(trace(points, scale_field, 2.0), (vertices, edges), strict=True):
-        np.testing.assert_array_equal(found, truth)
-    assert len(called) > 50
 
 
 SLITS = {
@@ -201,13 +120,6 @@ def test_slits_limbs_and_tips_are_part_of_one_closed_contour(name, shift):
     assert (missed < 1.5).mean() > 0.95
     assert missed.max() < (9.0 if "tip" in name or "notch" in name else 2.5)
     assert scene.distance(np.concatenate([contour.points for contour in result.contours])).max() < 1.5
-
-
-@pytest.mark.parametrize("name", ["slit of two", "limb of two", "sharp notch"])
-def test_slits_limbs_and_tips_are_found_in_a_rotated_image(name):
-    corners = turned(np.array(SLITS[name], dtype=float) - 0.5, (90, 90))
-    (contour,) = segment(polygon((90, 90), corners).values, circle((49.0, 50.0), 8.0)).contours
-    assert contour.closed
 
 
 def sectors(*grays):

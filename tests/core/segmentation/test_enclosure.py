@@ -47,20 +47,6 @@ def test_a_hole_close_to_the_outline_is_reseeded_although_particles_are_near(gap
     assert all(c.closed for c in result.contours)
 
 
-def test_regions_at_the_image_border_are_not_reseeded():
-    image = ring() + 200.0 * (np.hypot(ROW - 14, COL - 126) < 9)
-    scale_field = build_scale_field(image, 1.0, 0.0)
-    found = np.concatenate([rim((60.0, 60.0), 13.5), rim((60.0, 66.0), 50.0)])
-    assert len(reseeding_places(scale_field, found)) == 0
-    assert len(reseeding_places(scale_field, rim((14.0, 126.0), 9.0))) == 0
-    assert len(reseeding_places(scale_field, np.zeros((0, 2)))) == 0
-
-
-def test_there_is_no_reseeding_while_no_boundary_of_a_region_is_reached():
-    scale_field = build_scale_field(ring(), 1.0, 0.0)
-    assert len(reseeding_places(scale_field, rim((14.0, 126.0), 3.0))) == 0
-
-
 @pytest.mark.parametrize("start", [(60.0, 60.0, 18.0), (60.0, 95.0, 6.0), (20.0, 66.0, 5.0), (60.0, 60.0, 5.0)])
 def test_a_start_on_any_side_finds_ring_and_hole(start):
     row, col, radius = start

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from cpm_core import Engine, Image, Parameters, Regions, circle
+from cpm_core import Engine, Image, Parameters, circle
 from cpm_core.field.interpolation import interpolate
 from cpm_core.model.equations import STILL
 from cpm_core.numerics import parallel
@@ -79,34 +79,9 @@ def test_same_bits_on_any_number_of_cores(monkeypatch):
     assert runs[0] == runs[1] == runs[2]
 
 
-def test_a_step_does_not_change_the_state_that_it_starts_from(engine, states):
-    for state in states[:: len(states) // 25]:
-        before = frozen(state)
-        engine.step(state, Parameters())
-        assert frozen(state) == before
-
-
 def test_a_run_can_be_continued_from_any_of_its_states(engine, states):
     middle = len(states) // 2
     assert frozen(engine.step(states[middle], Parameters())) == frozen(states[middle + 1])
-
-
-def test_a_run_ends_at_rest_with_a_reason(states):
-    last = states[-1]
-    assert last.converged
-    assert "at rest" in last.stop_reason
-    assert last.epsilon < 0.001
-    assert all(state.stop_reason == "" and not state.converged for state in states[:-1])
-
-
-def test_a_run_converges_only_at_rest(engine):
-    """A run that ends while particles move has not converged: the last steps of a converged run are quiet."""
-    for seeds in (START, circle((31.0, 30.0), 25.0), np.array([(14.0, 30.0)])):
-        last = run(engine, seeds, Parameters())[-1]
-        assert last.stop_reason
-        if last.converged:
-            assert last.epsilon < 0.001
-            assert last.born + last.deleted + last.moving <= 0.01 * last.count
 
 
 def test_a_final_state_is_returned_unchanged(engine, states):
@@ -120,28 +95,6 @@ def test_steps_are_counted_and_scales_go_from_coarse_to_fine(states):
     assert scales == sorted(scales, reverse=True)
     assert set(scales) == {2, 1, 0}
     assert scales[0] == 2
-
-
-def test_one_scale_is_the_image_itself():
-    states = run(Engine(SCENE.values, Parameters(scales=1)), START, Parameters(scales=1))
-    assert {state.scale for state in states} == {0}
-    assert states[-1].converged
-    np.testing.assert_array_equal(states[0].position, START)
-
-
-def test_every_scale_starts_with_the_seeds(states):
-    """Within rounding, except where a particle of the coarser scale is."""
-    for before, state in pairwise(states):
-        if state.scale != before.scale:
-            away = np.linalg.norm(state.position[:, None] - START, axis=2).min(axis=0)
-            assert away.max() < 1.0 * 2.0**state.scale
-
-
-def test_positions_are_in_px_of_the_image_at_every_scale(states):
-    """The particles of the coarsest scale are on the same disk as those of the finest."""
-    for scale in (2, 1, 0):
-        last = [state for state in states if state.scale == scale][-1]
-        assert np.median(SCENE.distance(last.position)) < 2.0**scale
 
 
 def test_no_particle_is_outside_the_image_after_a_step(engine):
@@ -160,18 +113,6 @@ def test_no_particle_is_outside_the_image_after_a_step(engine):
     assert deleted > 0
 
 
-def test_a_particle_that_leaves_is_removed_and_counted():
-    """Three particles side by side at the border of a bright half: the outermost is pushed off the image."""
-    image = np.zeros((40, 40))
-    image[:, 25:] = 100.0
-    engine = Engine(image, Parameters(scales=1))
-    seeds = np.array([(20.0, 0.0), (20.0, 0.6), (20.0, 1.2)])
-    parameters = Parameters(scales=1, w1=50.0, w2=50.1, d_min=0.5)
-    counts = [(state.count, state.deleted) for state in run(engine, seeds, parameters, 6)]
-    assert counts[0] == (3, 0)
-    assert any(count < before and deleted for (before, _), (count, deleted) in pairwise(counts))
-
-
 def test_a_run_without_particles_ends_with_a_reason(engine):
     state = engine.start(START)
     empty = state.particles.where(np.zeros(state.count, bool))
@@ -180,13 +121,6 @@ def test_a_run_without_particles_ends_with_a_reason(engine):
     assert "left the image" in ended.stop_reason
     assert not ended.converged
     assert engine.result(ended, Parameters()).contours == ()
-
-
-def test_after_a_scale_without_particles_the_next_starts_with_the_seeds(engine):
-    state = engine.start(START)
-    empty = dataclasses.replace(state, particles=state.particles.where(np.zeros(state.count, bool)))
-    after = engine.step(empty, Parameters())
-    assert (after.scale, after.stop_reason, after.count) == (1, "", len(START))
 
 
 @pytest.mark.parametrize("annealing", [0.9, 0.99, 1.0])
@@ -207,66 +141,6 @@ def test_identities_are_unique_and_never_reused(states):
         assert max(now) < state.next_identity
         dead |= last_seen - now
         last_seen = now
-
-
-def test_births_and_deletions_are_the_change_of_the_count(states):
-    for before, state in pairwise(states):
-        if state.scale == before.scale:
-            assert state.count - before.count == state.born - state.deleted
-
-
-def test_particles_keep_their_identities_and_histories_however_they_are_sorted(states):
-    """The distances of the last steps go with the particle that was at them, and so does the force of the last one."""
-    reordered = 0
-    for before, state in pairwise(states):
-        if state.scale != before.scale:
-            continue
-        one, other = common(before, state)
-        np.testing.assert_array_equal(other.distance[:, 1:], one.distance[:, :-1])
-        np.testing.assert_allclose(other.distance[:, 0], np.hypot(*other.position.T), rtol=1e-12)
-        assert np.hypot(*(other.position - one.position).T).max() < 3.0
-        reordered += np.any(np.diff(state.particles.identity) < 0)
-    assert reordered > 0
-
-
-def test_inserted_particles_have_new_identities_and_no_history(states):
-    for before, state in pairwise(states):
-        if state.scale == before.scale:
-            new = state.particles.identity >= before.next_identity
-            assert new.sum() == state.born == state.next_identity - before.next_identity
-            assert np.isnan(state.particles.distance[new]).all()
-            assert not np.isnan(state.particles.distance[~new, 0]).any()
-
-
-def test_displacement_and_moving_are_measured_by_positions(states):
-    for before, state in pairwise(states):
-        if state.scale == before.scale and not state.deleted and not state.stop_reason:
-            check_motion(before, state)
-
-
-def check_motion(before, state):
-    one, other = common(before, state)
-    motion = np.hypot(*(other.position - one.position).T)
-    assert state.displacement == pytest.approx(motion.mean(), rel=1e-9)
-    assert state.moving == int((motion > STILL).sum())
-
-
-def test_displacement_and_moving_are_zero_for_particles_held_by_a_barrier():
-    """Attracted by an edge behind it, they keep pressing on it without moving."""
-    image = np.zeros((48, 60))
-    image[:, 40:] = 100.0
-    barrier = Regions(barriers=(((-0.5, 30.3), (47.5, 30.3)),))
-    engine = Engine(image, Parameters(scales=1), barrier)
-    states = run(engine, np.array([(20.0, 22.0), (27.0, 22.0)]), Parameters(scales=1), 60)
-    held = 0
-    for before, state in pairwise(states):
-        if not state.deleted and not state.stop_reason:
-            check_motion(before, state)
-            places = in_order(state.particles)
-            np.testing.assert_allclose(places.distance[:, 0], np.hypot(*places.position.T), rtol=1e-12)
-            held += int((state.position[:, 1] > 29.5).any())
-    assert max(state.position[:, 1].max() for state in states) < 30.3
-    assert held > 20
 
 
 def test_no_two_particles_are_too_close(states):
@@ -332,31 +206,6 @@ def test_another_beta_acts_at_the_next_step(engine, states):
     np.testing.assert_array_equal(same[0].force, same[1].force)
 
 
-def test_another_time_step_or_weight_acts_at_the_next_step(engine, states):
-    state = states[3]
-    plain = engine.step(state, Parameters())
-    assert engine.step(state, Parameters(time_step=0.25)).displacement < plain.displacement
-    heavy = engine.step(state, Parameters(w2=5.0))
-    one, other = common(heavy, plain)
-    assert len(one) > 0.8 * state.count
-    assert np.abs(one.velocity - other.velocity).max() > 0.1
-
-
-def test_another_smoothing_changes_the_field_and_keeps_the_particles(engine, states):
-    state = states[4]
-    smoother = Parameters(smoothing=3.0)
-    after = engine.step(state, smoother)
-    assert after.step == state.step + 1
-    assert after.scale == state.scale
-    kept = np.isin(after.particles.identity, state.particles.identity)
-    assert kept.sum() >= state.count - after.deleted
-    for scale in range(3):
-        assert np.abs(engine.field(smoother, scale) - engine.field(Parameters(), scale)).max() > 0.1
-        assert engine.edge_map(smoother, scale).max() < engine.edge_map(Parameters(), scale).max()
-    # and nothing else is rebuilt
-    assert engine.scale_field(Parameters()) is engine.scale_field(Parameters(beta=0.3))
-
-
 def test_particles_at_rest_respond_to_other_parameters(states):
     """Twice the spacing thins them out, a large smoothing moves them; a least length does not affect them."""
     engine, resting = Engine(SCENE.values, Parameters()), states[-2]
@@ -375,65 +224,15 @@ def test_particles_at_rest_respond_to_other_parameters(states):
     np.testing.assert_array_equal(kept.position, after(Parameters(), 1).position)
 
 
-def test_more_scales_during_a_run_apply_to_the_next_start(engine, states):
-    assert engine.step(states[3], Parameters(scales=1)).scale == states[3].scale
-
-
-def test_edge_map_and_field_have_the_shape_of_their_scale(engine):
-    for scale, shape in enumerate([(64, 60), (32, 30), (16, 15)]):
-        assert engine.edge_map(Parameters(), scale).shape == shape
-        assert engine.field(Parameters(), scale).shape == (2, *shape)
-
-
-def test_no_particles_cannot_start(engine):
-    for nothing in ([], np.zeros((0, 2))):
-        with pytest.raises(ValueError, match="there are no particles to start with"):
-            engine.start(nothing)
-
-
-def test_particles_outside_the_image_cannot_start(engine):
-    with pytest.raises(ValueError, match=r"none of the 31 starting particles lies inside the image \(64 x 60 pixels\)"):
-        engine.start(circle((-50.0, 500.0), 10.0))
-
-
-@pytest.mark.parametrize("seeds", [np.zeros(4), np.zeros((4, 3))], ids=str)
-def test_arrays_of_another_shape_cannot_start(engine, seeds):
-    with pytest.raises(ValueError, match=r"starting particles have the shape .* must be \(N, 2\)"):
-        engine.start(seeds)
-
-
 @pytest.mark.parametrize("seeds", [np.array([(1.0, np.nan)]), np.array([(np.inf, 1.0)])], ids=str)
 def test_positions_that_are_not_finite_cannot_start(engine, seeds):
     with pytest.raises(ValueError, match=r"1 coordinates of the starting particles are not finite"):
         engine.start(seeds)
 
 
-def test_particles_inside_start_and_those_outside_are_left_out():
-    engine = Engine(SCENE.values, Parameters(scales=1))
-    seeds = circle((0.0, 30.0), 10.0)
-    inside = seeds[(seeds >= -0.5).all(axis=1)]
-    state = engine.start(seeds)
-    assert 0 < len(inside) < len(seeds)
-    np.testing.assert_array_equal(state.position, inside)
-
-
 def test_a_constant_image_is_refused():
     with pytest.raises(ValueError, match=r"image is constant .7 everywhere. and has no edges"):
         Engine(np.full((32, 32), 7.0), Parameters())
-
-
-def test_a_small_image_has_fewer_scales():
-    with pytest.raises(ValueError, match=r"scales is 3 but must be from 1 to 2 for an image of 16 x 40 pixels"):
-        Engine(np.eye(16, 40), Parameters(scales=3))
-
-
-def test_a_result_is_available_at_any_time(engine, states):
-    for state in (states[0], states[1], states[len(states) // 2], states[-1]):
-        result = engine.result(state, Parameters())
-        np.testing.assert_array_equal(result.particles, state.position)
-        assert (result.steps, result.stop_reason, result.converged) == (state.step, state.stop_reason, state.converged)
-        assert result.shape == (64, 60)
-    assert len(engine.result(states[-1], Parameters()).contours) == 1
 
 
 def test_a_result_has_the_metadata_of_the_image():

@@ -23,10 +23,6 @@ def small_counts_as_large(monkeypatch):
         monkeypatch.setattr(large_images, name, value)
 
 
-def test_an_image_of_common_size_needs_no_other_settings():
-    assert large_image_settings(SCENE) is None
-
-
 @given(st.integers(2049, 40_000), st.integers(2049, 40_000))
 def test_the_coarsest_scale_is_just_small_enough(rows, cols):
     scales = large_images.scales_for((rows, cols))

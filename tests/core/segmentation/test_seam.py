@@ -7,7 +7,6 @@ import pytest
 
 import cpm_core as cpm
 from cpm_core import METHODS, PARAMETERS, Parameters, PlacedCharge
-from cpm_core.segmentation.method import Steerable
 
 from ..scenes import ring
 
@@ -78,12 +77,6 @@ def test_only_parameters_with_an_effect_are_steering(method):
             assert method.steering(other) != method.steering(free)
 
 
-def test_other_regions_do_not_change_a_method(method):
-    other = method.with_regions(cpm.Regions(barriers=(((5.0, 5.0), (5.0, 20.0)),)))
-    assert (method.regions, other.regions.barriers) == (None, (((5.0, 5.0), (5.0, 20.0)),))
-    assert isinstance(method, Steerable) == method.seeded
-
-
 def test_the_skeleton_of_a_run_is_that_of_the_function_also_after_other_parameters():
     image = cpm.Image(ring((96, 100), (48.4, 49.7), 20.0, 40.0).values)
     method = METHODS["skeleton"](image, PARAMS)
@@ -97,14 +90,3 @@ def test_the_skeleton_of_a_run_is_that_of_the_function_also_after_other_paramete
             np.testing.assert_array_equal(one.points, other.points)
         state = state.resumed()
     assert state.step == 9
-
-
-def test_without_an_edge_there_is_no_skeleton_and_the_run_reports_it():
-    weak = replace(PARAMS, min_strength=1e6)
-    method = METHODS["skeleton"](ring((96, 100), (48.4, 49.7), 20.0, 40.0).values, weak)
-    state = method.start(())
-    while not state.stop_reason:
-        state = method.step(state, weak)
-    assert not state.converged
-    assert "no edge encloses" in state.stop_reason
-    assert method.result(state, weak).contours == ()

@@ -49,16 +49,6 @@ def test_a_ring_is_two_closed_contours():
         assert np.abs(np.hypot(*(contour.points - (39.6, 40.3)).T) - radius).max() < 0.1
 
 
-def test_a_square_is_one_closed_contour_with_rounded_corners():
-    scene = square((72, 72), (20.375, 18.625), 31.0)
-    result = segment(scene.values, circle((36.0, 34.0), 6.0))
-    (contour,) = result.contours
-    assert contour.closed
-    assert scene.distance(contour.points).max() < 0.7
-    assert np.median(scene.distance(contour.points)) < 0.03
-    assert outline_distance(scene.boundary, paths(result)).max() < 1.5
-
-
 @pytest.mark.parametrize(
     "start",
     [circle((30.0, 28.0), 6.0), np.array([(70.0, 30.0), (70.0, 48.0), (72.0, 66.0), (40.0, 28.0), (30.0, 68.0)])],
@@ -70,16 +60,6 @@ def test_a_u_is_recovered_completely(start):
     assert outline_distance(scene.boundary, paths(result)).max() < 1.5
     assert scene.distance(np.concatenate([c.points for c in result.contours])).max() < 1.5
     assert result.contours[0].closed
-
-
-@pytest.mark.parametrize("level", [10.0, 20.0, 40.0])
-def test_moderate_noise_with_automatic_smoothing(level):
-    noise = np.random.default_rng(3).normal(0.0, level, DISK.values.shape)
-    result = segment(DISK.values + noise, circle((35.0, 34.0), 8.0), Parameters(smoothing="auto"))
-    contour = result.contours[0]
-    assert contour.closed
-    assert contour.area == pytest.approx(np.pi * 400.0, rel=0.05)
-    assert DISK.distance(contour.points).mean() < 0.5
 
 
 @pytest.mark.parametrize("share", [0.2, 0.6])
@@ -146,13 +126,6 @@ def test_a_transformed_image_has_transformed_contours(uneven, image_change, poin
     assert [c.closed for c in result.contours] == [c.closed for c in truth.contours]
 
 
-@pytest.mark.parametrize(("image_change", "point_change"), CHANGES)
-def test_a_transformed_image_with_corners_has_transformed_contours(corners, image_change, point_change):
-    """Within 0.1 px; measured: 0.04 at most."""
-    result = segment(image_change(CORNERS), point_change(UNEVEN_START))
-    assert apart(result, moved(corners, unshuffled(image_change, point_change))).max() < 0.1
-
-
 def test_segment_runs_the_engine_to_its_end(uneven):
     engine = Engine(BLOB, Parameters())
     state = engine.start(UNEVEN_START)
@@ -164,14 +137,6 @@ def test_segment_runs_the_engine_to_its_end(uneven):
     assert [p.tobytes() for p in paths(result)] == [p.tobytes() for p in paths(uneven)]
 
 
-def test_progress_is_reported_once_a_step():
-    seen = []
-    result = segment(DISK.values, circle((35.0, 34.0), 8.0), progress=seen.append)
-    assert [state.step for state in seen] == list(range(1, result.steps + 1))
-    assert seen[-1].stop_reason == result.stop_reason
-    np.testing.assert_array_equal(seen[-1].position, result.particles)
-
-
 @pytest.mark.parametrize("most", [1, 7])
 def test_max_steps_is_the_greatest_number_of_steps(most):
     seen = []
@@ -179,18 +144,6 @@ def test_max_steps_is_the_greatest_number_of_steps(most):
     assert len(seen) == result.steps == most
     assert not result.converged
     assert f"stopped after {most} steps" in result.stop_reason
-
-
-def test_a_run_that_ends_before_max_steps_has_its_own_reason():
-    result = segment(DISK.values, circle((35.0, 34.0), 8.0), max_steps=100_000)
-    assert result.converged
-    assert "as asked" not in result.stop_reason
-
-
-@pytest.mark.parametrize("most", [0, -3])
-def test_less_than_a_step_is_refused(most):
-    with pytest.raises(ValueError, match=f"max_steps is {most} but must be at least 1"):
-        segment(DISK.values, circle((35.0, 34.0), 8.0), max_steps=most)
 
 
 def three_disks():
@@ -211,15 +164,6 @@ def three():
     return engine, state
 
 
-def test_contours_are_sorted_by_length_and_have_their_strength(three):
-    engine, state = three
-    contours = engine.result(state, Parameters()).contours
-    assert [round(c.length / (2.0 * np.pi)) for c in contours] == [18, 17, 7]
-    assert contours[1].strength == pytest.approx(0.4 * contours[0].strength, rel=0.1)
-    f = engine.edge_map(Parameters())
-    assert 0.8 * f.max() < contours[0].strength < f.max()
-
-
 def test_short_and_weak_contours_are_left_out(three):
     engine, state = three
     everything = engine.result(state, Parameters()).contours
@@ -237,34 +181,6 @@ def test_short_and_weak_contours_are_left_out(three):
         ]
         assert len(truth) < 3
         assert [c.points.tobytes() for c in engine.result(state, parameters).contours] == truth
-
-
-@pytest.mark.parametrize(
-    "setting",
-    [
-        {"beta": 0.0},
-        {"beta": 4.0},
-        {"w1": 0.0},
-        {"w1": 0.05, "w2": 0.1},
-        {"annealing": 0.0},
-        {"annealing": 1.0},
-        {"time_step": 0.1},
-        {"time_step": 1.0},
-        {"d_min": 1.0},
-        {"d_max": 0.0},
-        {"smoothing": 0.0},
-        {"scales": 1},
-        {"edge_floor": 0.5},
-    ],
-    ids=str,
-)
-def test_no_setting_is_critical(setting):
-    """The U is found completely at the ends of every slider (the paper's section 5.5)."""
-    scene = u_shape()
-    result = segment(scene.values, circle((60, 40), 12), Parameters(**setting))
-    assert result.converged
-    assert [contour.closed for contour in result.contours] == [True]
-    assert outline_distance(scene.boundary, [contour.path for contour in result.contours]).max() < 1.5
 
 
 @pytest.mark.parametrize("apart", [5, 6, 7, 8, 12])

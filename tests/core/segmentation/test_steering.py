@@ -74,30 +74,6 @@ def test_particles_that_join_at_a_coarse_scale_are_seeds_of_the_finer_ones():
     assert len(engine.result(run(engine, joined, parameters), parameters).contours) == 2
 
 
-@pytest.mark.parametrize(
-    ("seeds", "words"),
-    [
-        ([(-5.0, 3.0)], r"none of the 1 starting particles lies inside the image \(96 x 192 pixels\)"),
-        (np.zeros((0, 2)), "there are no particles to start with"),
-        ([(1.0, 2.0, 3.0)], r"have the shape \(1, 3\)"),
-        ([(float("nan"), 3.0)], "not finite"),
-    ],
-)
-def test_particles_join_by_the_same_rules_as_seeds(engine, left, seeds, words):
-    with pytest.raises(ValueError, match=words):
-        engine.joined(left, seeds)
-    with pytest.raises(ValueError, match=words):
-        engine.start(seeds)
-
-
-def test_particles_join_only_inside_the_regions(left):
-    regions = Regions(interest=(((0, 0), (0, 90), (95, 90), (95, 0)),))
-    engine = Engine(TWO, ONE_SCALE, regions)
-    assert engine.joined(left, [*LEFT, *RIGHT]).count == left.count + len(LEFT)
-    with pytest.raises(ValueError, match="regions of interest"):
-        engine.joined(left, RIGHT)
-
-
 def test_erased_particles_are_gone_and_the_others_are_unchanged(engine, left):
     upper = left.position[:, 0] < 40.0
     erased = engine.erased(left, upper)
@@ -114,14 +90,6 @@ def test_erased_particles_are_gone_and_the_others_are_unchanged(engine, left):
     assert again.count == erased.count
     assert not engine.result(again, ONE_SCALE).contours[0].closed
     assert engine.erased(left, np.zeros(left.count, bool)) is left
-
-
-def test_an_eraser_of_positions_erases_seeds_as_well(engine, left):
-    erased = engine.erased(left, lambda points: points[:, 0] < 40.0)
-    assert erased.count < left.count
-    assert (erased.position[:, 0] >= 40.0).all()
-    assert (erased.start[:, 0] >= 40.0).all()
-    assert len(erased.start) < len(left.start)
 
 
 def test_erased_particles_do_not_begin_again_at_a_finer_scale():
@@ -145,12 +113,6 @@ def test_a_run_whose_particles_are_all_erased_ends_and_continues_with_new_ones(e
     assert resumed.stop_reason
 
 
-@pytest.mark.parametrize("inside", [np.zeros(3, bool), np.zeros(5), lambda points: points])
-def test_an_eraser_needs_one_truth_value_for_each_particle(engine, left, inside):
-    with pytest.raises(ValueError, match="truth values, one for each"):
-        engine.erased(left, inside)
-
-
 def test_a_barrier_before_a_front_holds_it_until_it_is_removed():
     engine = Engine(BAR, ONE_SCALE)
     states = walked(engine, engine.start(SEEDS), ONE_SCALE, 20)
@@ -163,18 +125,6 @@ def test_a_barrier_before_a_front_holds_it_until_it_is_removed():
     assert held[-1].position[:, 1].max() > barrier_col - 3.0
     free = walked(barred.with_regions(None), held[-1].resumed(), ONE_SCALE, 150)
     assert free[-1].position[:, 1].max() > 190.0
-
-
-def test_a_barrier_dragged_along_with_a_front_holds_it_everywhere():
-    engine = Engine(BAR, ONE_SCALE)
-    state = walked(engine, engine.start(SEEDS), ONE_SCALE, 15)[-1]
-    barrier_col = state.position[:, 1].max() + 4.0
-    for _ in range(40):
-        engine = engine.with_regions(Regions(barriers=(((-5.0, barrier_col), (60.0, barrier_col)),)))
-        state = engine.step(state, ONE_SCALE)
-        assert state.position[:, 1].max() < barrier_col
-        barrier_col += 0.5
-    assert state.position[:, 1].max() > barrier_col - 5.0
 
 
 def test_particles_under_a_barrier_neither_stick_to_it_nor_cross_it(engine, left):
@@ -194,21 +144,6 @@ def test_particles_under_a_barrier_neither_stick_to_it_nor_cross_it(engine, left
     last = run(barred, states[-1], ONE_SCALE)
     assert last.converged
     assert (np.abs(np.hypot(*(last.position - (47.4, 45.3)).T) - 25.0) < 2.0).all()
-
-
-def test_other_barriers_do_not_change_the_fields_and_other_regions_not_the_gradient():
-    scene = disk((96, 96), (47.4, 47.3), 30.0)
-    parameters = Parameters(scales=2)
-    polygon = ((5, 5), (5, 80), (85, 80), (85, 5))
-    engine = Engine(scene.values, parameters, Regions(interest=(polygon,)))
-    barred = engine.with_regions(Regions(interest=(polygon,), barriers=(((3, 3), (90, 70)),)))
-    wider = barred.with_regions(Regions(interest=(((5, 5), (5, 90), (85, 90), (85, 5)),), barriers=(((3, 3), (9, 7)),)))
-    for scale in range(2):
-        scale_field, other = engine.scale_field(parameters, scale), barred.scale_field(parameters, scale)
-        assert other.packed is scale_field.packed
-        assert len(other.barrier_map.segments) == len(scale_field.barrier_map.segments) + 1
-        assert wider.scale_field(parameters, scale).gradient is scale_field.gradient
-        assert wider.scale_field(parameters, scale).packed is not scale_field.packed
 
 
 @pytest.mark.parametrize("barriers", [(), (((3.0, 3.0), (90.0, 70.0), (20.0, 60.5)),)])
@@ -231,33 +166,3 @@ def test_an_engine_with_other_regions_equals_one_made_for_them(interest, barrier
                 np.testing.assert_array_equal(one.fixed_charges, two.fixed_charges)
                 np.testing.assert_array_equal(one.barrier_map.segments, two.barrier_map.segments)
                 np.testing.assert_array_equal(one.barrier_map.clearance, two.barrier_map.clearance)
-
-
-def test_a_moved_barrier_does_not_rebuild_the_fields(monkeypatch):
-    engine = Engine(TWO, ONE_SCALE)
-    monkeypatch.setattr("cpm_core.field.scale_space.build_scale_field", lambda *_: pytest.fail("a level was built"))
-    barred = engine.with_regions(Regions(barriers=(((3, 3), (90, 70)),)))
-    barred.step(barred.start(LEFT), ONE_SCALE)
-
-
-def test_regions_without_edges_or_pixels_are_refused_when_they_are_moved(engine):
-    with pytest.raises(ValueError, match="no edges in the regions of interest"):
-        Engine(disk((96, 96), (30.0, 30.0), 10.0).values, ONE_SCALE).with_regions(
-            Regions(interest=(((70, 70), (70, 90), (90, 90), (90, 70)),))
-        )
-    with pytest.raises(ValueError, match="region of interest 1 holds no pixel"):
-        engine.with_regions(Regions(interest=(((300, 300), (300, 310), (310, 305)),)))
-
-
-def test_forces_are_those_of_the_requested_particles_after_a_region_changed(engine):
-    held = walked(engine, engine.start(np.concatenate([LEFT, RIGHT])), ONE_SCALE, 10)[-1]
-    right = engine.with_regions(Regions(interest=(((0, 97), (0, 190), (95, 190), (95, 97)),)))
-    stays = held.position[:, 1] > 97.0
-    asked = np.flatnonzero(stays)[[-1, 0]]
-    alone = right.forces(right.erased(held, ~stays), ONE_SCALE)  # only the particles inside the region
-    found = right.forces(held, ONE_SCALE, index=[*asked, int(np.flatnonzero(~stays)[0])])
-    np.testing.assert_array_equal(found.total[:2], alone.total[[-1, 0]])
-    assert np.isnan(found.total[2]).all()
-    every = right.forces(held, ONE_SCALE)
-    np.testing.assert_array_equal(every.lorentz[stays], alone.lorentz)
-    assert np.isnan(every.lorentz[~stays]).all()

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cpm_core import Image, at_centers, everywhere, example, segment
-from cpm_core.formats.sessions.plain_values import shape_from_plain, shape_to_plain
+from cpm_core.formats.sessions.plain import shape_from_plain, shape_to_plain
 from cpm_core.model.volume.starts import strength_of
 from cpm_core.parameters import PRESETS
 from cpm_core.shapes import BoxGrid, BoxThreshold, Threshold
@@ -28,14 +28,6 @@ def test_a_grid_fills_its_box_evenly(one, size, spacing, sides):
         room = (grid.last[axis] - grid.first[axis]) * grid.sides[axis] - np.ptp(along)
         assert room < spacing + 1e-4
     assert shape_from_plain(shape_to_plain(grid), "shape 1") == grid
-
-
-def test_a_grid_over_a_large_volume_is_no_finer_than_there_may_be_particles():
-    grid = BoxGrid.between((0, 0, 0), (5000, 5000, 5000), (1.0, 1.0, 1.0))
-    assert grid.spacing > 8
-    assert grid.resized(-1e6).spacing == grid.resized(-1.0).spacing <= grid.spacing
-    with pytest.raises(ValueError, match="make the spacing wider or the box smaller"):
-        BoxGrid((0, 0, 0), (5000, 5000, 5000), 2.0)
 
 
 @pytest.mark.parametrize("smoothing", [0.0, 1.5])
@@ -71,11 +63,3 @@ def test_centers_lie_in_the_middle_of_objects_and_lead_to_the_same_surface(sides
     assert len(seeds) < 0.5 * len(everywhere(volume))
     found = segment(volume, seeds, PRESETS["volume"])
     assert found.surface.components == 2
-
-
-def test_a_large_volume_is_looked_at_more_coarsely():
-    places = np.moveaxis(np.indices((150, 150, 150)), 0, -1)
-    volume = np.where(np.linalg.norm(places - 75.0, axis=-1) < 40.0, 200, 10).astype(np.uint8)
-    seeds = at_centers(volume)
-    assert np.linalg.norm(seeds - 75.0, axis=1).min() < 4.0
-    assert len(seeds) < 500

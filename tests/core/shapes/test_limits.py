@@ -10,7 +10,6 @@ import cpm_core as cpm
 from cpm_core.formats.sessions.session_file import SessionFile, load_session, save_session
 from cpm_core.model.starts import starting_points
 from cpm_core.shapes import Grid
-from cpm_core.shapes.areas import FINEST, MOST_PLACES
 
 SQUARE = ((0.0, 0.0), (0.0, 100.0), (100.0, 100.0), (100.0, 0.0))
 
@@ -27,15 +26,6 @@ def test_a_grid_of_too_many_particles_is_refused_before_they_are_made(tmp_path, 
         load_session(tmp_path / "a.cpm")
     assert tracemalloc.get_traced_memory()[1] < 20e6
     tracemalloc.stop()
-
-
-@pytest.mark.parametrize("side", [50.0, 4000.0, 9000.0])
-def test_a_grid_is_made_finer_only_as_far_as_its_area_allows(side):
-    grid = Grid(((0.0, 0.0), (0.0, side), (side, side), (side, 0.0)), 40.0)
-    for _ in range(60):
-        grid = grid.resized(-1.0)
-    assert grid.spacing >= FINEST
-    assert (side / grid.spacing + 1.0) ** 2 <= MOST_PLACES
 
 
 def test_starts_that_crowd_a_pixel_are_thinned_and_others_are_not():

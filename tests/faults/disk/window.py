@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from app.model.document import edits
-from app.session.storage.autosave import Journal
+from app.session.storage.recovery import Journal
 from app.views.features.files import OpenSaveFeature, RecoveryFeature
 from app.views.main_window import MainWindow
 from cpm_core.formats.sessions.session_file import load_session

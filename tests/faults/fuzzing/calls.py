@@ -33,7 +33,7 @@ from cpm_core import (
 )
 from cpm_core.formats.writers import FOR_VOLUMES
 from cpm_core.image.colors import Colors
-from cpm_core.objects.warm_up import warm_up
+from cpm_core.warm_up import warm_up
 from tests.core.formats.drawn import RESULT
 
 from .chunks import chunk

@@ -16,7 +16,7 @@ from cpm_core import encoded
 from cpm_core.cli import main, parser
 from cpm_core.formats import WRITABLE
 from cpm_core.formats.writers import FOR_VOLUMES
-from cpm_core.objects.warm_up import warm_up
+from cpm_core.warm_up import warm_up
 from tests.core.formats.drawn import RESULT
 
 from .inputs.session_samples import IMAGE, sample, sample_in_space, sample_of_pages, write_images

@@ -25,7 +25,7 @@ from cpm_core import (
     load_volume,
     load_volume_truth,
 )
-from cpm_core.contours.surface.ground_truth import VolumeTruth
+from cpm_core.contours.ground_truth import VolumeTruth
 from cpm_core.formats.images.decoded import MAXIMUM_PIXELS
 
 from ..report import Budget, Report

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from cpm_core import PARAMETERS, Parameters, Result, edge_map, electric_field, segment, uniform_grid
 from cpm_core.numerics.types import Array
-from cpm_core.objects.warm_up import warm_up
+from cpm_core.warm_up import warm_up
 
 from .chunks import chunk
 from .limits import check_sentence

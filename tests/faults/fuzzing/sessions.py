@@ -10,11 +10,11 @@ from random import Random
 
 from app.model.document.document import Document, ImageReference
 from app.session.features.kept_pages import StackSource, StoredPages
-from app.session.timeline.stored import plain_runs
+from app.session.timeline import plain_runs
 from cpm_core.cli import main
 from cpm_core.formats.sessions.session_file import SessionFile, decode, encode, load_session
-from cpm_core.objects.warm_up import warm_up
 from cpm_core.shapes.document_shapes import axes_of
+from cpm_core.warm_up import warm_up
 
 from .inputs.mutations import mutated, mutated_json
 from .inputs.session_samples import IMAGE, PAGES, SAMPLES, SESSION, SHAPES, STACK, write_images
@@ -61,7 +61,7 @@ def read(path: Path, of: str) -> SessionFile | None:
             f"{kinds} axes on an image of {sides}"
         )
         image = ImageReference(of, str(path.parent / of), SHAPES[of], 180.0)
-        _, fault = plain_runs.from_plain(session.runs, image)
+        _, fault = plain_runs.runs_from_plain(session.runs, image)
         pages = StoredPages.of(session.pages, Document(image), StackSource(image.path, of, PAGES if of == STACK else 0))
         for sentence in filter(None, (fault, pages.trouble)):
             check_sentence(ValueError(sentence))

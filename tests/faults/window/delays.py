@@ -11,23 +11,22 @@ from typing import Any
 from unittest import mock
 
 from app.session.storage import session_file
-from app.session.storage.autosave import Journal
+from app.session.storage.recovery import Journal
 from app.session.tasks import opening
-from app.session.worker.commands import Export
+from app.session.worker.commands import Export, RunCall
 from app.session.worker.reconstruction import Reconstructor
 from app.session.worker.run import Run
-from app.session.worker.worker_thread import WorkerThread
 from cpm_core.segmentation.engine import Engine
 
 LENGTHS = (0.0, 0.0, 0.0, 0.0005, 0.002, 0.008)
 """Delays before and after a piece of work, each as likely as another [s]."""
 
 PLACES: tuple[tuple[Any, str], ...] = (
-    (WorkerThread, "_guarded_execute"),
+    (RunCall, "execute"),
     (Run, "step"),
     (Reconstructor, "_reconstruct"),
     (Engine, "result"),
-    (Export, "deliver"),
+    (Export, "execute"),
     (opening, "prepare"),
     (opening, "guessed_kind"),
     (Journal, "_put"),

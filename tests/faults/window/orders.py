@@ -17,10 +17,10 @@ from app.model.document import edits
 from app.model.document.document import Document
 from app.session.exchange.core_functions import Core
 from app.session.features.workspace import Workspace
-from app.session.storage.autosave import Journal
 from app.session.storage.preferences import Preferences
+from app.session.storage.recovery import Journal
 from app.session.storage.session_file import DocumentFile
-from cpm_core.formats.readers import load_image
+from cpm_core.formats.images.readers import load_image
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Circle

@@ -19,7 +19,7 @@ from PySide6.QtWidgets import QApplication
 from app.views.application import make_application, open_window
 from app.views.main_window import MainWindow
 from app.views.window import dialogs
-from cpm_core.objects.warm_up import warm_up
+from cpm_core.warm_up import warm_up
 
 from ..clock import now
 from .watch import ANSWERS_WITHIN

@@ -54,10 +54,6 @@ class Camera:
         scale = _MARGIN * min(size) / max(float(np.linalg.norm(sides)), 1e-300)
         return Camera(0.5 * sides, front, _limited(scale)).turned(*_TILT)
 
-    def along(self, axes: Array) -> Camera:
-        """Look straight along the axes of a volume: to the right, down and away."""
-        return replace(self, axes=axes)
-
     def turned(self, right: float, down: float) -> Camera:
         """Turn the volume, as a ball under a finger that moves to the right and down by these angles [rad]."""
         sideways = np.array([[cos(right), 0.0, sin(right)], [0.0, 1.0, 0.0], [-sin(right), 0.0, cos(right)]])

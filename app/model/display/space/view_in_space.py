@@ -7,11 +7,12 @@ from itertools import product
 
 import numpy as np
 
+from app.model.display.display_image import apply_window
 from app.model.display.space.camera import Camera
 from app.model.display.space.picture import Colors, Picture, draw_balls, draw_lines
 from app.model.display.space.triangles import Cut, Mesh, draw_mesh
-from app.model.display.space.voxels import Shaded, ShownSlice, draw_projection, draw_slice
-from app.model.volume.slices import Slices, directions_of, first_seen
+from app.model.display.space.voxels import Shaded, draw_projection, draw_slice
+from app.model.volume.slices import Slices
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array
 
@@ -20,10 +21,8 @@ Color = tuple[int, int, int]
 AXIS_COLORS: tuple[Color, Color, Color] = ((70, 120, 255), (60, 180, 75), (230, 70, 60))
 """Colors of the axes: plane, row, column."""
 
-_PLANE, _ROW, _COLUMN = np.eye(3)
-
-DIRECTIONS = tuple(map(np.array, ((_COLUMN, _ROW, _PLANE), (_COLUMN, _PLANE, -_ROW), (_ROW, _PLANE, _COLUMN))))
-"""How a camera looks at the slices across each axis of a volume that does not tell how it lies."""
+GRAY: Colors = np.repeat(np.arange(256, dtype=np.uint8)[:, np.newaxis], 3, axis=1)
+"""Shades as they are."""
 
 _NEARER = 2.0
 """How much nearer objects are drawn than they are [smallest sides of a voxel]."""
@@ -41,6 +40,21 @@ class Look:
     outside: Color = (214, 164, 120)
     inside: Color = (120, 150, 200)
     radius: float = 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class ShownParts:
+    """The parts that are shown; `cut_axis` is None for no cut, `cut_at` from 0 to 1 along that axis."""
+
+    particles: bool = True
+    surface: bool = True
+    objects: bool = True
+    slices: bool = False
+    projection: bool = False
+    box: bool = True
+    opacity: float = 1.0
+    cut_axis: int | None = None
+    cut_at: float = 0.5
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -70,128 +84,7 @@ class ColoredMesh:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class ViewInSpace:
-    """All that is seen of a volume.
-
-    Attributes
-    ----------
-    shape : tuple of int
-        Planes, rows and columns.
-    spacing : tuple of float
-        Size of a voxel along each axis, in units of length.
-    particles, mesh, slices, projection
-        What is shown; None or empty for what is not.
-    table : ndarray of uint8, shape (256, 3)
-        Colors of the projection.
-    opacity : float
-        Of the surface and the objects, from 0 to 1.
-    cut : Cut or None
-        Plane beyond which nothing of surface and particles is shown.
-    box : bool
-        Whether the edges of the volume and its axes are shown.
-    wires : Wires or None
-        What is drawn in the volume.
-    objects : tuple of ColoredMesh
-        Objects that have been selected.
-    directions : tuple of ndarray
-        How a camera looks at the slices across each axis: to the right, down and away.
-    front : int
-        The axis along which the volume is seen first.
-    """
-
-    shape: tuple[int, ...]
-    spacing: tuple[float, ...]
-    particles: Particles | None = None
-    mesh: Mesh | None = None
-    slices: tuple[ShownSlice, ...] = ()
-    projection: Shaded | None = None
-    table: Colors | None = None
-    opacity: float = 1.0
-    cut: Cut | None = None
-    box: bool = True
-    wires: Wires | None = None
-    objects: tuple[ColoredMesh, ...] = ()
-    directions: tuple[Array, ...] = DIRECTIONS
-    front: int = 0
-
-    @property
-    def lengths(self) -> tuple[float, ...]:
-        """Sides of the volume between the centers of its outermost voxels, in units of length."""
-        return tuple((count - 1) * size for count, size in zip(self.shape, self.spacing, strict=True))
-
-    def drawn(self, camera: Camera, size: tuple[int, int], look: Look) -> Picture:
-        """Draw it in a picture of so many rows and columns."""
-        picture = Picture.blank(size, look.background)
-        if self.projection is not None and self.table is not None:
-            draw_projection(picture, self.projection, camera, self.spacing, self.table)
-        for shown in self.slices:
-            draw_slice(picture, shown.place, shown.colors, camera, self.spacing)
-        if self.box:
-            self._draw_box(picture, camera, look)
-        if self.wires is not None:
-            places = self.wires.ends.reshape(-1, 3) * np.array(self.spacing)
-            draw_lines(picture, camera.seen(places, size), self.wires.colors)
-        if self.particles is not None:
-            self._draw_particles(picture, self.particles, camera, look)
-        if self.opacity > 0.0:
-            self._draw_surfaces(picture, camera, look)
-        return picture
-
-    def _draw_particles(self, picture: Picture, particles: Particles, camera: Camera, look: Look) -> None:
-        places, colors = particles.positions * np.array(self.spacing), particles.colors
-        if self.cut is not None:
-            kept = self.cut.beyond(places) <= 0.0
-            places, colors = places[kept], colors[kept]
-        draw_balls(picture, camera.seen(places, picture.size), colors, particles.size * look.radius)
-
-    def _draw_surfaces(self, picture: Picture, camera: Camera, look: Look) -> None:
-        """The objects and the surface, all of the same opacity: an object often is the surface."""
-        opaque = self.opacity >= 1.0
-        nearest = picture if opaque else Picture.blank(picture.size, look.background)
-        for each in self.objects:
-            # a little nearer than the surface of the run, whose triangles they share, and than its particles
-            by = max(_NEARER * min(self.spacing), _OVER * look.radius / camera.scale)
-            nearer = replace(camera, center=camera.center + by * camera.axes[2])
-            draw_mesh(nearest, each.mesh, nearer, each.color, each.color, self.cut)
-        if self.mesh is not None:
-            draw_mesh(nearest, self.mesh, camera, look.outside, look.inside, self.cut)
-        if not opaque:
-            picture.covered_by(nearest, self.opacity)
-
-    def _draw_box(self, picture: Picture, camera: Camera, look: Look) -> None:
-        """Twelve edges; the three at the first voxel are the axes, in their own colors."""
-        ends, colors = [], []
-        for corner in product((0, 1), repeat=3):
-            for axis in range(3):
-                if not corner[axis]:
-                    other = tuple(1 if k == axis else corner[k] for k in range(3))
-                    ends += [corner, other]
-                    colors.append(look.edges if any(corner) else AXIS_COLORS[axis])
-        places = np.array(ends) * np.array(self.lengths)
-        draw_lines(picture, camera.seen(places, picture.size), np.array(colors, np.uint8))
-
-
-GRAY: Colors = np.repeat(np.arange(256, dtype=np.uint8)[:, np.newaxis], 3, axis=1)
-"""Shades as they are."""
-
-
-@dataclass(frozen=True, slots=True)
-class ShownParts:
-    """The parts that are shown; `cut_axis` is None for no cut, `cut_at` from 0 to 1 along that axis."""
-
-    particles: bool = True
-    surface: bool = True
-    objects: bool = True
-    slices: bool = False
-    projection: bool = False
-    box: bool = True
-    opacity: float = 1.0
-    cut_axis: int | None = None
-    cut_at: float = 0.5
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Contents:
-    """All that could be shown of a volume.
+    """All that could be seen of a volume, and which of it is shown.
 
     Attributes
     ----------
@@ -200,7 +93,7 @@ class Contents:
     shaded : Shaded
         Its shades.
     slices : Slices
-        The slices that are shown beside the view.
+        The slices that are shown next to the view.
     particles, mesh
         What a run has found, None before it has.
     wires : Wires or None
@@ -211,6 +104,8 @@ class Contents:
         Objects that have been selected, and those that are offered.
     truth : tuple of ColoredMesh
         The ground truth, where one is known and shown.
+    shown : ShownParts
+        What of this is shown.
     """
 
     image: Image
@@ -222,34 +117,70 @@ class Contents:
     table: Colors = field(default_factory=lambda: GRAY)
     objects: tuple[ColoredMesh, ...] = ()
     truth: tuple[ColoredMesh, ...] = ()
+    shown: ShownParts = field(default_factory=ShownParts)
 
-    def view(self, shown: ShownParts) -> ViewInSpace:
-        """The view of the parts that are shown."""
-        return ViewInSpace(
-            self.image.shape,
-            self.image.spacing,
-            self.particles if shown.particles else None,
-            self.mesh if shown.surface else None,
-            tuple(self._slice(axis) for axis in range(3)) if shown.slices else (),
-            self.shaded if shown.projection else None,
-            self.table,
-            shown.opacity,
-            self._cut(shown),
-            shown.box,
-            self.wires,
-            (*(self.objects if shown.objects else ()), *self.truth),
-            directions_of(self.image),
-            first_seen(self.image),
-        )
+    @property
+    def lengths(self) -> tuple[float, ...]:
+        """Sides of the volume between the centers of its outermost voxels, in units of length."""
+        return tuple((count - 1) * size for count, size in zip(self.image.shape, self.image.spacing, strict=True))
 
-    def _slice(self, axis: int) -> ShownSlice:
-        return ShownSlice(self.slices.across(axis), self.shaded, self.table)
-
-    def _cut(self, shown: ShownParts) -> Cut | None:
-        """The side of the first voxels is taken away, which is the one that is seen first."""
-        axis = shown.cut_axis
+    @property
+    def cut(self) -> Cut | None:
+        """The plane before which nothing of surface and particles is shown: the side of the first voxels is away."""
+        axis = self.shown.cut_axis
         if axis is None:
             return None
-        normal = tuple(-1.0 if one == axis else 0.0 for one in range(3))
-        length = (self.image.shape[axis] - 1) * self.image.spacing[axis]
-        return Cut((normal[0], normal[1], normal[2]), -shown.cut_at * length)
+        normal = (-1.0 * (axis == 0), -1.0 * (axis == 1), -1.0 * (axis == 2))
+        return Cut(normal, -self.shown.cut_at * self.lengths[axis])
+
+    def drawn(self, camera: Camera, size: tuple[int, int], look: Look) -> Picture:
+        """Draw it in a picture of so many rows and columns."""
+        picture, shown, spacing = Picture.blank(size, look.background), self.shown, self.image.spacing
+        if shown.projection:
+            draw_projection(picture, self.shaded, camera, spacing, self.table)
+        if shown.slices:
+            for place in map(self.slices.across, range(3)):
+                shades = apply_window(place.of(self.shaded.values), self.shaded.window)
+                draw_slice(picture, place, self.table[shades], camera, spacing)
+        if shown.box:
+            self._draw_box(picture, camera, look)
+        if self.wires is not None:
+            places = self.wires.ends.reshape(-1, 3) * np.array(spacing)
+            draw_lines(picture, camera.seen(places, size), self.wires.colors)
+        if self.particles is not None and shown.particles:
+            self._draw_particles(picture, self.particles, camera, look)
+        if shown.opacity > 0.0:
+            self._draw_surfaces(picture, camera, look)
+        return picture
+
+    def _draw_particles(self, picture: Picture, particles: Particles, camera: Camera, look: Look) -> None:
+        places, colors, cut = particles.positions * np.array(self.image.spacing), particles.colors, self.cut
+        if cut is not None:
+            kept = cut.beyond(places) <= 0.0
+            places, colors = places[kept], colors[kept]
+        draw_balls(picture, camera.seen(places, picture.size), colors, particles.size * look.radius)
+
+    def _draw_surfaces(self, picture: Picture, camera: Camera, look: Look) -> None:
+        """The objects and the surface, all of the same opacity: an object often is the surface."""
+        opaque = self.shown.opacity >= 1.0
+        nearest = picture if opaque else Picture.blank(picture.size, look.background)
+        # a little nearer than the surface of the run, whose triangles they share, and than its particles
+        by = max(_NEARER * min(self.image.spacing), _OVER * look.radius / camera.scale)
+        nearer = replace(camera, center=camera.center + by * camera.axes[2])
+        for each in (*(self.objects if self.shown.objects else ()), *self.truth):
+            draw_mesh(nearest, each.mesh, nearer, each.color, each.color, self.cut)
+        if self.mesh is not None and self.shown.surface:
+            draw_mesh(nearest, self.mesh, camera, look.outside, look.inside, self.cut)
+        if not opaque:
+            picture.covered_by(nearest, self.shown.opacity)
+
+    def _draw_box(self, picture: Picture, camera: Camera, look: Look) -> None:
+        """Twelve edges; the three at the first voxel are the axes, in their own colors."""
+        ends, colors = [], []
+        for corner in product((0, 1), repeat=3):
+            for axis in range(3):
+                if not corner[axis]:
+                    ends += [corner, tuple(1 if k == axis else corner[k] for k in range(3))]
+                    colors.append(look.edges if any(corner) else AXIS_COLORS[axis])
+        places = np.array(ends) * np.array(self.lengths)
+        draw_lines(picture, camera.seen(places, picture.size), np.array(colors, np.uint8))

@@ -130,20 +130,6 @@ def _leaving(start: float, away: float, index: int) -> float:
     return (block * _BLOCK - start) / away
 
 
-@dataclass(frozen=True, eq=False)
-class ShownSlice:
-    """A slice of a volume, with the colors of its shades; they are made when it is drawn."""
-
-    place: Slice
-    volume: Shaded
-    table: Colors
-
-    @cached_property
-    def colors(self) -> Colors:
-        """Its colors (H, W, 3)."""
-        return self.table[apply_window(self.place.of(self.volume.values), self.volume.window)]
-
-
 def draw_slice(picture: Picture, place: Slice, colors: Colors, camera: Camera, spacing: tuple[float, ...]) -> None:
     """Draw a slice of a volume whose voxels have this size; nothing where it is seen from the side."""
     across = place.axis

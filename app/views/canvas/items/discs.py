@@ -14,7 +14,7 @@ from PySide6.QtGui import QColor, QPainter, QPen, QPixmap
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
 from app.views.canvas.items.item import OverImage, to_xy
-from app.views.theme.look import look
+from app.views.theme.theme import look
 from cpm_core.numerics.types import Array
 
 _SMALLEST = 2.4

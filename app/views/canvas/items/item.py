@@ -14,7 +14,7 @@ from PySide6.QtGui import QColor, QFont, QFontMetricsF, QPainter, QPen
 from PySide6.QtWidgets import QApplication, QGraphicsItem, QGraphicsObject, QStyleOptionGraphicsItem, QWidget
 
 from app.views.theme import theme
-from app.views.theme.look import Kind, look
+from app.views.theme.theme import Kind, look
 from cpm_core.numerics.types import Position
 
 

@@ -11,7 +11,7 @@ from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QImage, QPainter, qRgba
 from PySide6.QtWidgets import QGraphicsItem, QStyleOptionGraphicsItem
 
-from app.model.display.display_image import DisplayImage, Shades, by_pairs, pairs_of
+from app.model.display.display_image import DisplayImage, Shades
 from app.views.canvas.items.item import OverImage
 
 _BLOCK = 256
@@ -36,7 +36,7 @@ class TiledImage(OverImage):
         self.display: DisplayImage | None = None
         """The image that is drawn."""
         self._colors: list[int] | None = None
-        self._pairs: NDArray[np.uint16] | None = None
+        self._curve: Shades | None = None
         self._made: tuple[Part, QImage] | None = None
         self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemUsesExtendedStyleOption)
 
@@ -54,9 +54,9 @@ class TiledImage(OverImage):
         self._colors = None if table is None else [qRgba(*(int(c) for c in (*row, 255)[:4])) for row in table]
         self._renew()
 
-    def use_curve(self, curve: NDArray[np.uint8] | None) -> None:
+    def use_curve(self, curve: Shades | None) -> None:
         """Draw each channel of colored shades by a curve of 256 values; None leaves them as they are."""
-        self._pairs = None if curve is None else pairs_of(curve)
+        self._curve = curve
         self._renew()
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, *_: Any) -> None:
@@ -88,8 +88,8 @@ class TiledImage(OverImage):
         assert self.display is not None
         level, top, left, bottom, right = part
         shades: Shades = self.display.levels[level - self.display.finest][top:bottom, left:right]
-        if shades.ndim == 3 and self._pairs is not None:
-            shades = by_pairs(shades, self._pairs)
+        if shades.ndim == 3 and self._curve is not None:
+            shades = self._curve[shades]
         if shades.ndim == 3:
             picture = _view(shades, QImage.Format.Format_RGB888)
         elif self._colors is None:

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from typing import TypeVar
 
 import pyqtgraph as pg
-from PySide6.QtWidgets import QWidget
 
 from app.session.scene import Scene
 from app.views.canvas.layers.annotations import OrientationLayer, ScaleBarLayer
@@ -16,7 +15,6 @@ from app.views.canvas.layers.fields import EdgeMapLayer, FieldLayer, PotentialLa
 from app.views.canvas.layers.forces import ForceLayer
 from app.views.canvas.layers.image_layer import ImageLayer
 from app.views.canvas.layers.layer import Layer, LegendEntry, Requests
-from app.views.canvas.layers.layer_form import ImageForm, LayerForm
 from app.views.canvas.layers.objects import ObjectLayer
 from app.views.canvas.layers.particles import ParticleLayer, TrailLayer
 from app.views.canvas.layers.skeleton import SkeletonLayer
@@ -75,8 +73,3 @@ class Layers:
         layer = self._layers[kind.name]
         assert isinstance(layer, kind)
         return layer
-
-
-def form_of(layer: Layer) -> QWidget:
-    """A new form for the options of a layer."""
-    return ImageForm(layer) if isinstance(layer, ImageLayer) else LayerForm(layer)

@@ -10,9 +10,8 @@ from app.model.display.lengths import bar, shown_in
 from app.model.text.language import tr
 from app.model.volume.slices import edges_of
 from app.session.scene import Scene
-from app.views.canvas.items.item import INK, MARGIN, Pinned
+from app.views.canvas.items.item import BACKGROUND, INK, MARGIN, Pinned
 from app.views.canvas.layers.layer import Layer, Requests, Switch
-from cpm_core.image.drawing.scale_bar import Bar
 
 LONGEST = 160.0
 """Largest length of the bar [px of the screen]; it is never shorter than 2/5 of it."""
@@ -20,7 +19,7 @@ LONGEST = 160.0
 _LEAST, _BESIDE = 40.0, 70.0
 """The same in a narrow view, and what is left in half its width for the letter in the middle [px of the screen]."""
 
-_PAD, _TICK = 9.0, 4.0
+_PAD, _TICK, _LETTER_GAP = 9.0, 4.0, 4.0
 
 
 class ScaleBarLayer(Layer):
@@ -65,7 +64,7 @@ class ScaleBarLayer(Layer):
             room = self.view.boundingRect()
             longest = min(LONGEST, max(0.5 * room.width() - _BESIDE, _LEAST))
             scaled = bar(longest * pixel, size.spacing[1], size.unit)
-            self.item.show_bar(scaled, scaled.pixels / pixel)
+            self.item.show_bar(scaled.label, scaled.pixels / pixel)
             self.item.put(room.bottomLeft() + QPointF(MARGIN, -MARGIN - self.item.size.height()))
 
 
@@ -77,32 +76,23 @@ class BarItem(Pinned):
         self.label = ""
         self.length = 0.0
 
-    def show_bar(self, bar: Bar, length: float) -> None:
+    def show_bar(self, label: str, length: float) -> None:
         """Show a bar, `length` px of the screen long."""
-        if (bar.label, length) != (self.label, self.length):
-            self.label, self.length = bar.label, length
-            metrics = self.metrics()
-            width = max(length, metrics.horizontalAdvance(bar.label)) + 2 * _PAD
-            self.resize(QSizeF(width, metrics.height() + 2 * _TICK + _PAD))
+        self.label, self.length = label, length
+        metrics = self.metrics()
+        width = max(length, metrics.horizontalAdvance(label)) + 2 * _PAD
+        self.resize(QSizeF(width, metrics.height() + 2 * _TICK + _PAD))
 
     def draw(self, painter: QPainter) -> None:
         """Draw bar and label."""
-        line = self.metrics().height()
         room = self.boundingRect()
-        painter.setPen(QColor(INK))
-        painter.drawText(QRectF(0.0, 3.0, room.width(), line), Qt.AlignmentFlag.AlignHCenter, self.label)
+        painter.setPen(QPen(QColor(INK), 2.0, c=Qt.PenCapStyle.FlatCap))
+        painter.drawText(room.translated(0.0, 3.0), Qt.AlignmentFlag.AlignHCenter, self.label)
         left = (room.width() - self.length) / 2
         right, y = left + self.length, room.bottom() - _TICK - 4.0
-        pen = QPen(QColor(INK), 2.0)
-        pen.setCapStyle(Qt.PenCapStyle.FlatCap)
-        painter.setPen(pen)
         painter.drawLine(QPointF(left, y), QPointF(right, y))
         for x in (left + 1.0, right - 1.0):
             painter.drawLine(QPointF(x, y - _TICK), QPointF(x, y + _TICK))
-
-
-_LETTER_GAP = 4.0
-"""Distance from the border of the canvas [px of the screen]."""
 
 
 class OrientationLayer(Layer):
@@ -113,17 +103,17 @@ class OrientationLayer(Layer):
     tip = tr("Which side lies at each edge: right, left, anterior, posterior, superior, inferior; or the axes.")
     in_slices = True
 
+    _EDGES = ((0.5, 0.0), (0.5, 1.0), (0.0, 0.5), (1.0, 0.5))
+    """Top, bottom, left and right, as fractions of width and height."""
+
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
         super().__init__(view, requests)
-        self.items = tuple(_Letter() for _ in range(4))
-        """At the top, the bottom, the left and the right."""
-        self.pin(*self.items)
-        view.sigResized.connect(self._place)
-
-    @property
-    def letters(self) -> tuple[str, ...]:
+        self.letters: tuple[str, ...] = ("",) * 4
         """What is shown at the top, the bottom, the left and the right."""
-        return tuple(item.text if item.isVisible() else "" for item in self.items)
+        self._letters = [pg.TextItem(color=INK, fill=QColor(BACKGROUND), anchor=edge) for edge in self._EDGES]
+        self.pin(*self._letters)
+        view.sigResized.connect(self._place)
+        self._place()
 
     def show_or_hide(self) -> None:
         """Show the letters that there are."""
@@ -137,34 +127,9 @@ class OrientationLayer(Layer):
     def _place(self, *_: object) -> None:
         whole = self.scene.whole
         edges = None if whole is None or not self.shown else edges_of(whole, self.scene.slices)
-        texts = ("",) * 4 if edges is None else (*edges[0], *edges[1])
-        room = self.view.boundingRect()
-        for item, text, (x, y) in zip(self.items, texts, ((0.5, 0.0), (0.5, 1.0), (0.0, 0.5), (1.0, 0.5)), strict=True):
+        self.letters = ("",) * 4 if edges is None else (*edges[0], *edges[1])
+        room: QRectF = self.view.boundingRect().adjusted(_LETTER_GAP, _LETTER_GAP, -_LETTER_GAP, -_LETTER_GAP)
+        for item, text, (x, y) in zip(self._letters, self.letters, self._EDGES, strict=True):
             item.setVisible(bool(text))
-            item.show_text(text)
-            free = QSizeF(room.width() - item.size.width(), room.height() - item.size.height())
-            left, top = (
-                x * free.width() + _LETTER_GAP * (1.0 - 2.0 * x),
-                y * free.height() + _LETTER_GAP * (1.0 - 2.0 * y),
-            )
-            item.put(room.topLeft() + QPointF(left, top))
-
-
-class _Letter(Pinned):
-    """A short text."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.text = ""
-
-    def show_text(self, text: str) -> None:
-        """Show another text."""
-        if text != self.text:
-            self.text = text
-            metrics = self.metrics()
-            self.resize(QSizeF(metrics.horizontalAdvance(text) + 10.0, metrics.height() + 2.0))
-
-    def draw(self, painter: QPainter) -> None:
-        """Draw the text."""
-        painter.setPen(QColor(INK))
-        painter.drawText(QRectF(self.boundingRect()), Qt.AlignmentFlag.AlignCenter, self.text)
+            item.setText(text)
+            item.setPos(room.left() + x * room.width(), room.top() + y * room.height())

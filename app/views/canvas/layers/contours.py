@@ -157,7 +157,12 @@ class ContourLayer(Layer):
                 self._short.show(_paths([item for item in found if self._is_short(item)]))
             self._edited[closed].show(_paths([item for item in seen if item.contour.by_hand]))
         self._show_areas()
-        self._show_own([item for item in counting if item.contour.color])
+        own = {item.contour.color for item in counting if item.contour.color}
+        self.show_by_color(
+            self._own,
+            4.15,
+            {color: _paths([item for item in counting if item.contour.color == color]) for color in own},
+        )
         self._show_rejected()
         result = self.scene.contours.result
         self._bridges.show([bridge.points for bridge in result.bridges] if result is not None else [])
@@ -189,18 +194,6 @@ class ContourLayer(Layer):
     def _show_rejected(self) -> None:
         rejected = [item for item in self.scene.contours.items if item.reviewed.rejected]
         self._rejected.show(_paths(rejected) if self.chosen["rejected"] else [])
-
-    def _show_own(self, items: Sequence[Item]) -> None:
-        """Draw the contours of each color that the user has chosen by one item."""
-        for color in {item.contour.color for item in items} - self._own.keys():
-            curves = self._own[color] = Curves(color, 4.15)
-            if self.scene.image is not None:
-                curves.use_shape(self.scene.image.shape)
-            curves.set_shown(self.shown)
-            curves.setOpacity(self.opacity)
-            self.add(curves)
-        for color, curves in self._own.items():
-            curves.show(_paths([item for item in items if item.contour.color == color]))
 
 
 def _paths(items: Sequence[Item]) -> list[np.ndarray]:

@@ -7,13 +7,12 @@ from functools import lru_cache
 
 import numpy as np
 import pyqtgraph as pg
-from PySide6.QtCore import QRectF, Qt, Signal
-from PySide6.QtGui import QBrush, QColor, QPainter, QPainterPath, QPen
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QColor, QPainter, QPainterPath
 from PySide6.QtWidgets import QGraphicsItem, QStyleOptionGraphicsItem, QWidget
 
-from app.model.document.document import Document
 from app.model.text.language import tr
-from app.model.volume.shape_sections import ChargeSection, sections
+from app.model.volume.shape_sections import ChargeSection, Section, StartSection, sections
 from app.session.scene import Scene
 from app.views.canvas.items.curves import Curves
 from app.views.canvas.items.discs import NO_POSITIONS, Discs
@@ -41,41 +40,25 @@ from cpm_core.shapes import (
 )
 from cpm_core.shapes.image_starts import ImageStart
 
-_DIM_Z, _LINE_Z = 2.5, 6.5
+_DIM_Z, _LINE_Z, _Z, _CHARGE_Z, _DRAFT_Z = 2.5, 6.5, 7.0, 7.6, 8.0
 """Places in the stack: the veil lies below particles and contours, the lines above them."""
 
+_FAINT, _LIGHT = 0.45, 0.55
+"""Opacity of the drawing behind a run, and of particles that are computed from the image."""
 
-class Limits:
-    """Regions of interest and barriers of a document; also visible during a run, because they always act."""
+_DISC, _STRONGER, _SIGN = 18.0, 2.0, 11.0
+"""Diameter of a disc of strength 0, increase per unit of strength, and diameter of a sign [px of the screen]."""
 
-    def __init__(self, view: pg.ViewBox) -> None:
-        self._dim = Dim()
-        self._regions = Curves(theme.REGION, _LINE_Z, width=1.8, kind="shapes")
-        self._barriers = Curves(theme.BARRIER, _LINE_Z + 0.1, width=3.6, halo=5.6, kind="shapes")
-        self._chosen = Curves(theme.CHOSEN, _LINE_Z + 0.2, width=1.8, halo=0.0, kind="shapes")
-        self._lines = (self._regions, self._barriers, self._chosen)
-        for item in (self._dim, *self._lines):
-            view.addItem(item, ignoreBounds=True)
+_DIAMETERS: dict[Kind | None, float] = {"grid": 4.0, "gradient": 3.0, "centers": 6.0, None: 3.0}
+"""Diameters of computed particles [px of the screen], smaller for kinds with many; None stands for areas."""
 
-    def use_shape(self, shape: tuple[int, ...]) -> None:
-        """Cover an image of this shape."""
-        self._dim.use_shape(shape)
-        for item in self._lines:
-            item.use_shape(shape, rim=float(max(shape)))
+_Line = Circle | Ellipse | Polygon | Stroke | StartSection
+"""Starts that are shown as lines with their particles."""
 
-    def show(self, limits: list[Limit], chosen: Limit | None) -> None:
-        """Show limits, one of them as selected."""
-        regions = [limit for limit in limits if isinstance(limit, Region)]
-        barriers = [limit for limit in limits if isinstance(limit, Barrier)]
-        self._dim.show(regions)
-        self._regions.show(_outlines(regions))
-        self._barriers.show(_outlines(barriers))
-        self._chosen.show(_outlines([] if chosen is None else [chosen]))
+_AnyCharge = Charge | ChargeSection
 
-    def set_visible(self, visible: bool) -> None:
-        """Show or hide all items."""
-        for item in (self._dim, *self._lines):
-            item.set_shown(visible)
+# pyqtgraph keeps a picture of a symbol for every brush and pen: the same ones for the same colors
+_brush, _pen = lru_cache(pg.mkBrush), lru_cache(pg.mkPen)
 
 
 class Dim(OverImage):
@@ -111,99 +94,6 @@ class Dim(OverImage):
         """Draw the veil."""
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.fillPath(self._veil, QColor(theme.DIMMED))
-
-
-def _outlines(limits: Sequence[Limit]) -> list[Array]:
-    """The lines of limits; a region that lies in other slices of a volume has none."""
-    return [np.array(limit.outline) for limit in limits if len(limit.outline)]
-
-
-_CHARGE_Z = 7.6
-_DISC, _STRONGER, _SIGN = 18.0, 2.0, 11.0
-"""Diameter of a disc of strength 0, increase per unit of strength, and diameter of a sign [px of the screen]."""
-
-
-class Charges:
-    """The placed charges of a document; also visible during a run, because they always act.
-
-    The disc grows with the strength. A thin ring shows where the force is largest; a dashed one, around the selected
-    charge, where it vanishes.
-    """
-
-    def __init__(self, view: pg.ViewBox) -> None:
-        self._rings = (
-            Curves(theme.ATTRACTING, _CHARGE_Z - 0.2, width=1.8, kind="shapes"),
-            Curves(theme.REPELLING, _CHARGE_Z - 0.2, width=1.8, kind="shapes"),
-        )
-        self._reach = Curves(theme.CHOSEN, _CHARGE_Z - 0.1, width=1.2, halo=2.6, dashed=True, kind="shapes")
-        self._discs = Markers(size=_DISC, pxMode=True)
-        self._signs = Markers(size=_SIGN, pxMode=True, pen=None, brush=pg.mkBrush("w"))
-        self._marks = (self._discs, self._signs)
-        for index, item in enumerate(self._marks):
-            item.setZValue(_CHARGE_Z + 0.1 * index)
-        for item in (*self._rings, self._reach, *self._marks):
-            view.addItem(item, ignoreBounds=True)
-
-    def use_shape(self, shape: tuple[int, ...]) -> None:
-        """Cover an image of this shape."""
-        for curves in (*self._rings, self._reach):
-            curves.use_shape(shape, rim=float(max(shape)) + REACH)
-
-    def show(self, charges: Sequence[Charge], chosen: Charge | None) -> None:
-        """Show charges, one of them as selected."""
-        for curves, sign in zip(self._rings, (1.0, -1.0), strict=True):
-            curves.show([_ring(charge, RADIUS) for charge in charges if sign * charge.strength > 0.0])
-        self._reach.show([_ring(chosen, REACH)] if chosen is not None else [])
-        charges = [charge for charge in charges if not isinstance(charge, ChargeSection) or charge.in_slice]
-        x, y = to_xy(np.array([charge.position for charge in charges], dtype=float).reshape(-1, 2))
-        colors = [theme.ATTRACTING if charge.strength > 0.0 else theme.REPELLING for charge in charges]
-        rims = [(theme.CHOSEN, 2.6) if charge is chosen else (theme.HALO, 1.4) for charge in charges]
-        self._discs.setData(
-            x=x,
-            y=y,
-            size=[_DISC + _STRONGER * abs(charge.strength) for charge in charges],
-            brush=[_brush(color) for color in colors],
-            pen=[_pen(color, width) for color, width in rims],
-        )
-        self._signs.setData(x=x, y=y, symbol=[_PLUS if charge.strength > 0.0 else _MINUS for charge in charges])
-
-    def set_visible(self, visible: bool) -> None:
-        """Show or hide all items."""
-        for curves in (*self._rings, self._reach):
-            curves.set_shown(visible)
-        for item in self._marks:
-            item.setVisible(visible)
-
-
-@lru_cache
-def _brush(color: str) -> QBrush:
-    """The same object for the same color: pyqtgraph keeps a picture of a symbol for every brush and pen."""
-    return QBrush(QColor(color))
-
-
-@lru_cache
-def _pen(color: str, width: float) -> QPen:
-    pen = QPen(QColor(color), width)
-    pen.setCosmetic(True)
-    return pen
-
-
-def _ring(charge: Charge, radius: float) -> np.ndarray:
-    return charge.ring(radius) if isinstance(charge, ChargeSection) else Circle(charge.position, radius).outline
-
-
-def _bars(*bars: QRectF) -> QPainterPath:
-    path = QPainterPath()
-    for bar in bars:
-        path.addRect(bar)
-    return path.simplified()
-
-
-_ACROSS, _DOWN = QRectF(-0.5, -0.12, 1.0, 0.24), QRectF(-0.12, -0.5, 0.24, 1.0)
-_PLUS, _MINUS = _bars(_ACROSS, _DOWN), _bars(_ACROSS)
-
-
-_DRAFT_Z = 8.0
 
 
 class Draft:
@@ -242,25 +132,12 @@ class Draft:
             item.setData(*to_xy(rim))
 
 
-_Z = 7.0
-_FAINT, _LIGHT = 0.45, 0.55
-"""Opacity of the drawing behind a run, and of particles that are computed from the image."""
-
-_DIAMETERS: dict[Kind | None, float] = {"grid": 4.0, "gradient": 3.0, "centers": 6.0, None: 3.0}
-"""Diameters of computed particles [px of the screen], smaller for kinds with many; None stands for areas."""
-
-_Line = Circle | Ellipse | Polygon | Stroke
-"""Starts that are shown as lines with their particles."""
-
-_Area = Grid | Threshold
-"""Starts that are shown as areas with their particles."""
-
-_Drafted = tuple[tuple[Place, ...], tuple[Place, ...], str, bool]
-"""Corners and path of a draft, its color, and whether it is closed."""
-
-
 class DrawingLayer(Layer):
-    """Shapes of the document; starts are opaque before a run and faint behind one."""
+    """Shapes of the document; starts are opaque before a run and faint behind one.
+
+    Limits and placed charges stay visible during a run, because they always act. The disc of a charge grows with its
+    strength; a thin ring shows where the force is largest, a dashed one, around the selected charge, where it vanishes.
+    """
 
     name = "drawing"
     title = tr("Drawing")
@@ -273,9 +150,9 @@ class DrawingLayer(Layer):
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
         super().__init__(view, requests)
-        self._lines = Curves(theme.DRAWING, _Z, width=1.4, kind="shapes")
-        self._chosen = Curves(theme.CHOSEN, _Z + 0.1, width=2.2, kind="shapes")
-        self._areas = Curves(theme.DRAWING, _Z, width=1.2, dashed=True, kind="shapes")
+        self._lines = _shapes(theme.DRAWING, _Z, 1.4)
+        self._chosen = _shapes(theme.CHOSEN, _Z + 0.1, 2.2)
+        self._areas = _shapes(theme.DRAWING, _Z, 1.2, dashed=True)
         self._everywhere = {kind: Discs(theme.MOVING, diameter, 0.0) for kind, diameter in _DIAMETERS.items()}
         self._seeds = Discs(theme.MOVING, 6.0, 0.0)
         self._points = Discs(theme.MOVING, 7.0, 0.0)
@@ -283,23 +160,31 @@ class DrawingLayer(Layer):
         self._handles = Markers(
             size=10.0, symbol="s", pen=pg.mkPen(theme.HALO, width=1.2), brush=pg.mkBrush(theme.CHOSEN)
         )
-        self._limits = Limits(view)
-        self._charges = Charges(view)
+        discs = (*self._everywhere.values(), self._seeds, self._points, self._chosen_points)
+        marks: tuple[QGraphicsItem, ...] = (*discs, self._handles)
+        for z, item in enumerate(marks, start=2):
+            item.setZValue(_Z + 0.1 * z)
+        self._starts = (self._lines, self._areas, self._chosen, *discs)
+        self._dim = Dim()
+        self._regions = _shapes(theme.REGION, _LINE_Z, 1.8)
+        self._barriers = _shapes(theme.BARRIER, _LINE_Z + 0.1, 3.6, halo=5.6)
+        self._chosen_limit = _shapes(theme.CHOSEN, _LINE_Z + 0.2, 1.8, halo=0.0)
+        self._rings = {
+            1.0: _shapes(theme.ATTRACTING, _CHARGE_Z - 0.2, 1.8),
+            -1.0: _shapes(theme.REPELLING, _CHARGE_Z - 0.2, 1.8),
+        }
+        self._reach = _shapes(theme.CHOSEN, _CHARGE_Z - 0.1, 1.2, halo=2.6, dashed=True)
+        self._charges = Markers(size=_DISC)
+        self._signs = Markers(size=_SIGN, pen=None, brush=pg.mkBrush("w"))
+        self._charges.setZValue(_CHARGE_Z)
+        self._signs.setZValue(_CHARGE_Z + 0.1)
+        self._acting = (self._regions, self._barriers, self._chosen_limit, *self._rings.values(), self._reach)
+        self.add(*self._starts, self._handles, self._dim, *self._acting, self._charges, self._signs)
         self._draft = Draft(view)
-        self.drafted: _Drafted = ((), (), theme.DRAWING, False)
+        self.drafted: tuple[tuple[Place, ...], tuple[Place, ...], str, bool] = ((), (), theme.DRAWING, False)
+        """Corners and path of the draft, its color, and whether it is closed."""
         self.ringed: tuple[Place | None, float, str] = (None, 0.0, theme.DRAWING)
         self._image_starts: tuple[ImageStart, ...] = ()
-        self._curves = (self._lines, self._areas, self._chosen)
-        self._marks: tuple[QGraphicsItem, ...] = (
-            *self._everywhere.values(),
-            self._seeds,
-            self._points,
-            self._chosen_points,
-            self._handles,
-        )
-        for z, item in enumerate(self._marks, start=2):
-            item.setZValue(_Z + 0.1 * z)
-        self.add(*self._curves, *self._marks)
         self._faint = 1.0
         self._chosen_start: ImageStart | None = None
 
@@ -309,19 +194,21 @@ class DrawingLayer(Layer):
         return sum(discs.count for discs in self._everywhere.values())
 
     def use_shape(self, shape: tuple[int, ...]) -> None:
-        """Cover an image of this shape; shapes may lie beside it."""
-        rim = float(max(shape))
-        for item in (*self._curves, *self._everywhere.values(), self._seeds, self._points, self._chosen_points):
-            item.use_shape(shape, rim)
-        self._limits.use_shape(shape)
-        self._charges.use_shape(shape)
+        """Cover an image of this shape; shapes may lie next to it."""
+        self._dim.use_shape(shape)
+        for item in (*self._starts, *self._acting):
+            item.use_shape(shape, float(max(shape)) + REACH)
 
     def follow(self, before: Scene) -> None:
         """Show other shapes, another selection, or the shapes behind a run."""
         scene = self.scene
-        shapes, selected = scene.document.shapes, scene.selected
-        if shapes is not before.document.shapes or (selected, scene.moved) != (before.selected, before.moved):
-            self._show(scene.document, selected, scene.moved)
+        shapes: tuple[Section, ...] = scene.document.shapes
+        selected, started = scene.selected, scene.has_particles
+        if shapes is not before.document.shapes or (selected, started) != (before.selected, before.has_particles):
+            chosen = shapes[selected] if selected is not None and selected < len(shapes) else None
+            self._show_starts(shapes, chosen, started)
+            self._show_limits([shape for shape in shapes if isinstance(shape, Limit)], chosen)
+            self._show_charges([shape for shape in shapes if isinstance(shape, _AnyCharge)], chosen)
         elif scene.image_seeds is not before.image_seeds:
             self._draw_everywhere()
 
@@ -345,12 +232,12 @@ class DrawingLayer(Layer):
     def _ring(self, center: Place | None, radius: float) -> Array:
         """The line of a ring, shape (K, 2)."""
         if center is None:
-            return np.empty((0, 2))
+            return NO_POSITIONS
         slices, volume = self.scene.slices, self.scene.volume
         if slices is None or volume is None or len(center) == 2:
             return Circle(center, radius).outline
         cuts = sections(Sphere.round(center, radius, volume.spacing), slices.axis, slices.current.index)
-        return np.concatenate([np.empty((0, 2)), *(cut.outline for cut in cuts)])
+        return np.concatenate([NO_POSITIONS, *(cut.outline for cut in cuts)])
 
     def copy_draft(self, other: DrawingLayer) -> None:
         """Show the same draft and ring on another canvas."""
@@ -359,42 +246,56 @@ class DrawingLayer(Layer):
         if self.ringed != other.ringed:
             other.show_ring(*self.ringed)
 
-    def _show(self, document: Document, selected: int | None, started: bool) -> None:
-        chosen = document.shapes[selected] if selected is not None and selected < len(document.shapes) else None
-        rest = [shape for shape in document.shapes if shape is not chosen]
-        self._lines.show([shape.outline for shape in rest if isinstance(shape, _Line)])
-        self._areas.show([shape.outline for shape in rest if isinstance(shape, _Area)])
-        self._chosen.show([chosen.outline] if isinstance(chosen, _Line | _Area) else [])
+    def _show_starts(self, shapes: Sequence[Section], chosen: Section | None, started: bool) -> None:
+        rest = [shape for shape in shapes if shape is not chosen]
+        self._lines.show([shape.outline for shape in rest if isinstance(shape, _Line) and not _is_area(shape)])
+        self._areas.show([shape.outline for shape in rest if _is_area(shape)])
+        self._chosen.show([chosen.outline] if isinstance(chosen, _Line | Grid | Threshold) else [])
         # During a run, the points that the particles started from would only hide them.
-        placed: list[Points | Grid] = [shape for shape in document.shapes if isinstance(shape, Grid)]
-        placed += [shape for shape in rest if isinstance(shape, Points)]
-        self._points.show(_particles([] if started else placed))
+        grids = [shape for shape in shapes if isinstance(shape, Grid | StartSection) and _is_area(shape)]
+        points = [shape for shape in rest if isinstance(shape, Points)]
+        self._points.show(_particles([] if started else [*grids, *points]))
         self._chosen_points.show(_particles([chosen] if isinstance(chosen, Points | Stroke) else []))
         # A selected circle shows its handles; a selected stroke is recognized only by its particles.
-        lines = [*rest, *([chosen] if isinstance(chosen, Circle | Ellipse | Polygon) else [])]
-        self._seeds.show(_particles([] if started else [line for line in lines if isinstance(line, _Line)]))
-        self._image_starts = () if started else document.image_starts
+        lines = [*rest, *([chosen] if isinstance(chosen, Circle | Ellipse | Polygon | StartSection) else [])]
+        seeds = [line for line in lines if isinstance(line, _Line) and not _is_area(line)]
+        self._seeds.show(_particles([] if started else seeds))
+        self._image_starts = () if started else self.scene.document.image_starts
         self._draw_everywhere()
         x, y = to_xy(np.array(chosen.handles() if chosen else (), dtype=float).reshape(-1, 2))
         self._handles.setData(x=x, y=y)
-        self._faint = _FAINT if started and not isinstance(chosen, Start) else 1.0
+        self._faint = _FAINT if started and not isinstance(chosen, Start | StartSection) else 1.0
         self._chosen_start = chosen if isinstance(chosen, ImageStart) else None
         self.fade()
-        limits = [shape for shape in document.shapes if isinstance(shape, Limit)]
-        self._limits.show(limits, chosen if isinstance(chosen, Limit) else None)
-        charges = [shape for shape in document.shapes if isinstance(shape, Charge)]
-        self._charges.show(charges, chosen if isinstance(chosen, Charge) else None)
 
-    def show_or_hide(self) -> None:
-        """Show or hide all items."""
-        super().show_or_hide()
-        self._limits.set_visible(self.shown)
-        self._charges.set_visible(self.shown)
+    def _show_limits(self, limits: list[Limit], chosen: Section | None) -> None:
+        regions = [limit for limit in limits if isinstance(limit, Region)]
+        self._dim.show(regions)
+        self._regions.show(_outlines(regions))
+        self._barriers.show(_outlines([limit for limit in limits if isinstance(limit, Barrier)]))
+        self._chosen_limit.show(_outlines([chosen] if isinstance(chosen, Limit) else []))
+
+    def _show_charges(self, charges: list[_AnyCharge], chosen: Section | None) -> None:
+        for sign, curves in self._rings.items():
+            curves.show([_ring(charge, RADIUS) for charge in charges if sign * charge.strength > 0.0])
+        self._reach.show([_ring(chosen, REACH)] if isinstance(chosen, _AnyCharge) else [])
+        charges = [charge for charge in charges if not isinstance(charge, ChargeSection) or charge.in_slice]
+        x, y = to_xy(np.array([charge.position for charge in charges], dtype=float).reshape(-1, 2))
+        attracts = [charge.strength > 0.0 for charge in charges]
+        self._charges.setData(
+            x=x,
+            y=y,
+            size=[_DISC + _STRONGER * abs(charge.strength) for charge in charges],
+            brush=[_brush(theme.ATTRACTING if each else theme.REPELLING) for each in attracts],
+            pen=[
+                _pen(theme.CHOSEN, width=2.6) if charge is chosen else _pen(theme.HALO, width=1.4) for charge in charges
+            ],
+        )
+        self._signs.setData(x=x, y=y, symbol=["+" if each else "_" for each in attracts])
 
     def fade(self) -> None:
-        """Set the opacity; the drawing is faint behind a run."""
-        faint: tuple[QGraphicsItem, ...] = (*self._curves, *self._marks)
-        for item in faint:
+        """Set the opacity; starts are faint behind a run."""
+        for item in self._starts:
             item.setOpacity(self.opacity * self._faint)
         self._handles.setOpacity(self.opacity)
         chosen = self._chosen_start
@@ -407,14 +308,29 @@ class DrawingLayer(Layer):
             seen = [
                 self.scene.image_seeds[start]
                 for start in self._image_starts
-                if start in self.scene.image_seeds and _kind(start) == kind
+                if start in self.scene.image_seeds and (start.kind if isinstance(start, Everywhere) else None) == kind
             ]
             discs.show(np.concatenate([NO_POSITIONS, *seen]))
 
 
-def _kind(start: ImageStart) -> Kind | None:
-    return start.kind if isinstance(start, Everywhere) else None
+def _shapes(color: str, z: float, width: float, halo: float = 3.6, dashed: bool = False) -> Curves:
+    """Lines of the widths that are preferred for shapes."""
+    return Curves(color, z, width, halo, dashed, "shapes")
 
 
-def _particles(shapes: Sequence[_Line | Points | Grid]) -> np.ndarray:
-    return np.concatenate([np.empty((0, 2)), *(shape.seeds() for shape in shapes)])
+def _is_area(shape: Section) -> bool:
+    """Whether a start is shown as an area with its particles."""
+    return isinstance(shape.line if isinstance(shape, StartSection) else shape, Grid | Threshold)
+
+
+def _outlines(limits: Sequence[Limit]) -> list[Array]:
+    """The lines of limits; a region that lies in other slices of a volume has none."""
+    return [np.array(limit.outline) for limit in limits if len(limit.outline)]
+
+
+def _ring(charge: _AnyCharge, radius: float) -> Array:
+    return charge.ring(radius) if isinstance(charge, ChargeSection) else Circle(charge.position, radius).outline
+
+
+def _particles(shapes: Sequence[_Line | Points | Grid]) -> Array:
+    return np.concatenate([NO_POSITIONS, *(shape.seeds() for shape in shapes)])

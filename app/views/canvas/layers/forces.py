@@ -6,16 +6,16 @@ import math
 
 import numpy as np
 import pyqtgraph as pg
-from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
-from PySide6.QtGui import QColor, QPainter, QPainterPath, QPen
+from PySide6.QtGui import QColor
 
 from app.model.text.language import tr, written
 from app.session.scene import Scene
 from app.session.worker.requests import Probe, Probed
-from app.views.canvas.items.item import FAINT, INK, Pinned
+from app.views.canvas.items.item import BACKGROUND, FAINT, INK, MARGIN, Markers, line_pen, to_xy
+from app.views.canvas.layers.fields import arrow_lines
 from app.views.canvas.layers.layer import Amount, Layer, Requests
 from app.views.theme import theme
-from cpm_core.numerics.types import Array, Position
+from cpm_core.numerics.types import Position
 
 KINDS = {
     "coulomb": (tr("Coulomb"), theme.COULOMB),
@@ -39,11 +39,11 @@ _NOTHING = 5e-4
 _WEAK = 0.2
 """Force from which the longest arrow has its full length; where all forces are weaker, all arrows are shorter."""
 
-_PAD, _OFF, _SWATCH = 8.0, 18.0, 10.0
+_Z = 19.0
 
 
 class ForceLayer(Layer):
-    """Arrows for all forces on one particle, and a legend with their names and magnitudes.
+    """Arrows for all forces on one particle, and a legend with their names and magnitudes in the upper right corner.
 
     The particle is the one nearest to the pointer or, without a pointer, to the center of the visible part.
     """
@@ -59,19 +59,31 @@ class ForceLayer(Layer):
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
         super().__init__(view, requests)
-        self.item = ForceItem()
-        self.pin(self.item)
+        self._ring = Markers(size=15.0, symbol="o", brush=None, pen=pg.mkPen(theme.CHOSEN, width=1.6))
+        self._halo = pg.PlotCurveItem(pen=line_pen(theme.HALO, 4.6), antialias=True, connect="pairs")
+        self._arrows = {
+            name: pg.PlotCurveItem(pen=line_pen(color, 2.2), antialias=True, connect="pairs")
+            for name, (_, color) in KINDS.items()
+        }
+        self.legend = pg.TextItem(anchor=(1.0, 0.0), fill=QColor(BACKGROUND))
+        for index, item in enumerate((self._ring, self._halo, *self._arrows.values(), self.legend)):
+            item.setZValue(_Z + 0.1 * index)
+        self.add(self._ring, self._halo, *self._arrows.values())
+        self.pin(self.legend)
         self.probed: Probed | None = None
         """The forces shown."""
-        self._place: Position | None = None
+        self.lines: list[tuple[str, str, str]] = []
+        """Name, color and magnitude of each force in the legend."""
+        self._pointer: Position | None = None
         self._asked = False
         self._again = False
-        view.sigRangeChanged.connect(self._move)
-        view.sigResized.connect(self._move)
+        self._draw()
+        view.sigRangeChanged.connect(self._draw)
+        view.sigResized.connect(self._draw)
 
     def point_at(self, place: Position | None) -> None:
         """Set the position (row, col) of the pointer, None when it has left."""
-        self._place = place
+        self._pointer = place
         self._ask()
 
     def show_or_hide(self) -> None:
@@ -81,7 +93,7 @@ class ForceLayer(Layer):
 
     def follow_choice(self, name: str) -> None:
         """Change the length of the arrows."""
-        self._move()
+        self._draw()
 
     def follow(self, before: Scene) -> None:
         """Show the forces that were requested; request them again when the particles have moved."""
@@ -102,123 +114,45 @@ class ForceLayer(Layer):
         snapshot = self.scene.snapshot
         if not self.shown or snapshot is None:
             return
+        self._again = self._asked
         if self._asked:
-            self._again = True
             return
-        self._asked, self._again = True, False
+        self._asked = True
         seen = self.view.viewRect().center()
-        place = self._place if self._place is not None else (seen.y(), seen.x())
-        reach = _REACH * self._pixel() if self._place is not None else math.inf
+        place = (seen.y(), seen.x()) if self._pointer is None else self._pointer
+        reach = math.inf if self._pointer is None else _REACH * float(self.view.viewPixelSize()[0])
         here = None if self.scene.slices is None else self.scene.slices.current
         self.requests.post(Probe(snapshot.generation, place if here is None else here.lifted(place), reach))
 
     def _use(self, probed: Probed | None) -> None:
         self.probed = probed
-        self._move()
-
-    def _move(self, *_: object) -> None:
-        probed = self.probed if self.shown else None
-        self.item.setVisible(probed is not None)
         if probed is not None:
-            at = self.view.mapFromView(QPointF(probed.position[1], probed.position[0]))
-            self.item.show_forces(at, probed, self.number("length"), QSizeF(self.view.boundingRect().size()))
+            sizes = {name: probed.size(name) for name in KINDS}
+            listed = [name for name in KINDS if name in _ALWAYS or sizes[name] >= _NOTHING]
+            self.lines = [(*KINDS[name], written(f"{sizes[name]:.3f}")) for name in listed]
+            title = tr("Particle {number}").format(number=written(f"{probed.identity:,}"))
+            rows = (
+                f"<tr><td style='color:{color}'>━ </td><td>{name} </td><td align='right'>&nbsp;{size}</td></tr>"
+                for name, color, size in self.lines
+            )
+            self.legend.setHtml(
+                f"<div style='color:{INK}'><div style='color:{FAINT}'>{title}</div><table>{''.join(rows)}</table></div>"
+            )
+        self._draw()
 
-    def _pixel(self) -> float:
-        return float(self.view.viewPixelSize()[0])
-
-
-class ForceItem(Pinned):
-    """A ring around the particle, arrows from it, and a legend beside it that stays on the canvas."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.setCacheMode(pg.QtWidgets.QGraphicsItem.CacheMode.NoCache)
-        self._at = QPointF()
-        self._arrows: dict[str, Array] = {}
-        self._legend = QRectF()
-        self.lines: list[tuple[str, str, str]] = []
-        self._title = ""
-
-    def show_forces(self, at: QPointF, probed: Probed, length: float, room: QSizeF) -> None:
-        """Show forces on a particle at a point of a canvas of size `room`; the longest arrow is `length` px long."""
-        sizes = {name: probed.size(name) for name in KINDS}
-        listed = [name for name in KINDS if name in _ALWAYS or sizes[name] >= _NOTHING]
-        self.lines = [(*KINDS[name], written(f"{sizes[name]:.3f}")) for name in listed]
-        self._title = tr("Particle {number}").format(number=written(f"{probed.identity:,}"))
-        longest = max(_WEAK, *sizes.values())
-        self._arrows = {name: length / longest * probed.forces[name] for name in listed if sizes[name] >= _NOTHING}
-        self._at = at
-        metrics = self.metrics()
-        names = max(metrics.horizontalAdvance(name) for name, _, _ in self.lines)
-        width = max(
-            names + _SWATCH + 2 * _PAD + metrics.horizontalAdvance("00.000") + 12.0,
-            metrics.horizontalAdvance(self._title) + 2 * _PAD,
-        )
-        height = metrics.height() * (len(self.lines) + 1) + _PAD
-        self._legend = self._free_place(QSizeF(width, height), room)
-        self.put(QPointF(0.0, 0.0))
-        self.resize(room)
-
-    def _free_place(self, size: QSizeF, room: QSizeF) -> QRectF:
-        """The place beside the particle where a legend hides least of the arrows and lies on the canvas."""
-        fractions = np.linspace(0.1, 1.0, 10)[:, None, None]
-        along = fractions * np.array([*self._arrows.values(), np.zeros(2)])
-        places = []
-        for right, below in ((True, True), (True, False), (False, True), (False, False)):
-            x = self._at.x() + (_OFF if right else -_OFF - size.width())
-            y = self._at.y() + (_OFF if below else -_OFF - size.height())
-            x = min(max(x, 4.0), max(room.width() - size.width() - 4.0, 4.0))
-            y = min(max(y, 4.0), max(room.height() - size.height() - 4.0, 4.0))
-            row, col = along[..., 0] + self._at.y() - y, along[..., 1] + self._at.x() - x
-            hidden = (row > 0) & (row < size.height()) & (col > 0) & (col < size.width())
-            places.append((int(hidden.sum()), QRectF(round(x), round(y), size.width(), size.height())))
-        return min(places, key=lambda place: place[0])[1]
-
-    def paint(self, painter: QPainter, option: object, widget: object = None) -> None:
-        """Draw ring, arrows and legend."""
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.setBrush(Qt.BrushStyle.NoBrush)
-        for color, width in ((theme.HALO, 3.4), (theme.CHOSEN, 1.4)):
-            painter.setPen(QPen(QColor(color), width))
-            painter.drawEllipse(self._at, 7.0, 7.0)
-        for name, vector in self._arrows.items():
-            path = _arrow(self._at, QPointF(vector[1], vector[0]))
-            for color, width in ((theme.HALO, 4.6), (KINDS[name][1], 2.2)):
-                pen = QPen(QColor(color), width)
-                pen.setCapStyle(Qt.PenCapStyle.RoundCap)
-                pen.setJoinStyle(Qt.PenJoinStyle.RoundJoin)
-                painter.setPen(pen)
-                painter.drawPath(path)
-        painter.setPen(Qt.PenStyle.NoPen)
-        painter.setBrush(QColor("#e0101216"))
-        painter.drawRoundedRect(self._legend, 5.0, 5.0)
-        self.draw(painter)
-
-    def draw(self, painter: QPainter) -> None:
-        """Draw the text of the legend."""
-        painter.setFont(self.font())
-        line = self.metrics().height()
-        inner = self._legend.adjusted(_PAD, 0.5 * _PAD, -_PAD, -0.5 * _PAD)
-        painter.setPen(QColor(FAINT))
-        painter.drawText(
-            QRectF(inner.left(), inner.top(), inner.width(), line), Qt.AlignmentFlag.AlignLeft, self._title
-        )
-        for index, (name, color, figure) in enumerate(self.lines, start=1):
-            row = QRectF(inner.left(), inner.top() + index * line, inner.width(), line)
-            painter.fillRect(QRectF(row.left(), row.center().y() - 1.5, _SWATCH, 3.0), QColor(color))
-            painter.setPen(QColor(INK))
-            painter.drawText(row.adjusted(_SWATCH + 6.0, 0, 0, 0), Qt.AlignmentFlag.AlignLeft, name)
-            painter.drawText(row, Qt.AlignmentFlag.AlignRight, figure)
-
-
-def _arrow(start: QPointF, vector: QPointF) -> QPainterPath:
-    end = start + vector
-    path = QPainterPath(start)
-    path.lineTo(end)
-    length = math.hypot(vector.x(), vector.y())
-    head = min(8.0, 0.5 * length) / max(length, 1e-9)
-    along, across = vector * head, QPointF(vector.y(), -vector.x()) * (0.5 * head)
-    path.moveTo(end - along + across)
-    path.lineTo(end)
-    path.lineTo(end - along - across)
-    return path
+    def _draw(self, *_: object) -> None:
+        probed = self.probed if self.shown else None
+        for item in (self._ring, self._halo, *self._arrows.values(), self.legend):
+            item.setVisible(probed is not None)
+        if probed is None:
+            return
+        longest = max(_WEAK, *map(probed.size, KINDS))
+        at, pixel = np.array([probed.position]), np.array(self.view.viewPixelSize()[::-1])
+        drawn = []
+        for name, item in self._arrows.items():
+            way = probed.forces[name] * (probed.size(name) >= _NOTHING)
+            drawn.append(arrow_lines(at, at + self.number("length") / longest * way * pixel))
+            item.setData(*to_xy(drawn[-1]))
+        self._halo.setData(*to_xy(np.concatenate(drawn)))
+        self._ring.setData(*to_xy(at))
+        self.legend.setPos(self.view.boundingRect().width() - MARGIN, MARGIN)

@@ -9,10 +9,17 @@ from PySide6.QtCore import QEvent, QObject, QPointF, Qt, Signal
 from PySide6.QtGui import QCursor, QMouseEvent
 from PySide6.QtWidgets import QWidget
 
-from app.model.display.display_image import DisplayImage, IntensityWindow, Shades, apply_window, color_curve
-from app.model.text.language import tr, written
+from app.model.display.display_image import (
+    DisplayImage,
+    IntensityWindow,
+    Shades,
+    apply_window,
+    color_curve,
+    percentile_window,
+)
+from app.model.text.language import tr
 from app.session.scene import Scene
-from app.session.worker.requests import FindWindow, Shade, WindowFound
+from app.session.worker.requests import Shade
 from app.views.canvas.items.item import cached
 from app.views.canvas.items.tiled_image import TiledImage
 from app.views.canvas.layers.layer import Amount, Choice, Layer, Requests
@@ -117,18 +124,15 @@ class ImageLayer(Layer):
             self.choose_window(float(low), float(high))
 
     def follow(self, before: Scene) -> None:
-        """Show another image, or the window or shades that were requested."""
-        scene = self.scene
+        """Show another image, or shades that were requested."""
+        scene, shaded = self.scene, self.scene.shaded
         if scene.image is not before.image and scene.image is not None and scene.display is not None:
             if _same(scene.whole, before.whole):  # another slice of the same volume, or pixels of another size
                 self._shade()
             else:
-                self._use_image(scene.image, scene.display)
+                self._use_image(scene.image)
         elif scene.display is not before.display:  # a preview of a large slice has been completed
             self._shade()
-        found, shaded = scene.window_found, scene.shaded
-        if found is not None and found is not before.window_found and found.image is scene.whole:
-            self._take_window(found)
         # of two pending requests, the older one may not win
         new = shaded is not None and shaded is not before.shaded and shaded.image is scene.image
         wanted = self.shown_window, self._channel()
@@ -137,33 +141,20 @@ class ImageLayer(Layer):
         if scene.document.parameters.channel != before.document.parameters.channel and not self._in_color():
             self._shade()
 
-    def _take_window(self, found: WindowFound) -> None:
-        if self.word("range") == written(f"{found.percent:g}"):
-            self._use_window(found.low, found.high)
-
-    def _use_image(self, image: Image, shades: DisplayImage) -> None:
-        whole = self.scene.whole
-        self.ends = self.window = (image if whole is None else whole).gray_range
+    def _use_image(self, image: Image) -> None:
+        self.ends = self.window = (self.scene.whole or image).gray_range
         if self.word("range") == _HAND:
             # a window chosen for another image does not apply to this one
             self.chosen["range"] = WHOLE
-        self._item.use_curve(None)
-        self._item.show_image(shades)
-        if self.word("range") != WHOLE or self.number("gamma") != 1.0:
-            self._find_window()
-        elif image.colors is not None and not self._in_color():
-            self._shade()
-        self.changed.emit()
+        self._find_window()
 
     def _find_window(self) -> None:
-        """Use the chosen window; the worker finds percentiles, because sorting the pixels takes longer than a frame."""
+        """Use the chosen window."""
         way, image = self.word("range"), self.scene.whole
-        if image is None or way == _HAND:
-            return
-        if way == WHOLE:
+        if image is not None and way == WHOLE:
             self._use_window(*self.ends)
-        else:
-            self.requests.post(FindWindow(image, float(way)))
+        elif image is not None and way != _HAND:
+            self._use_window(*percentile_window(image.values, float(way)))
 
     def _use_window(self, low: float, high: float) -> None:
         self.window = (low, high)

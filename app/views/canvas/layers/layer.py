@@ -13,7 +13,9 @@ from PySide6.QtWidgets import QGraphicsItem
 
 from app.session.scene import Scene
 from app.session.worker.commands import Command
+from app.views.canvas.items.curves import Curves
 from app.views.canvas.items.item import OverImage
+from cpm_core.numerics.types import Array
 
 Value = str | float | bool
 
@@ -120,6 +122,16 @@ class Requests(Protocol):
         """Switch the updates of an overlay on or off; see `app.session.worker.prepared_methods`."""
 
 
+class NoRequests:
+    """Ignores requests: the layers of another view have already made them."""
+
+    def post(self, command: Command) -> None:
+        """Do nothing."""
+
+    def want_overlay(self, name: str, wanted: bool) -> None:
+        """Do nothing."""
+
+
 class Layer(QObject):
     """Base class of layers: subclasses set the class variables, add their items with `add`, and draw in `follow`.
 
@@ -171,6 +183,18 @@ class Layer(QObject):
         for item in items:
             self._items.append(item)
             self.view.addItem(item, ignoreBounds=True)
+
+    def show_by_color(self, kept: dict[str, Curves], z: float, paths: Mapping[str, Sequence[Array]]) -> None:
+        """Show curves by their colors, with an item for each color that has been in use."""
+        for color in paths.keys() - kept.keys():
+            curves = kept[color] = Curves(color, z)
+            if self.scene.image is not None:
+                curves.use_shape(self.scene.image.shape)
+            curves.set_shown(self.shown)
+            curves.setOpacity(self.opacity)
+            self.add(curves)
+        for color, curves in kept.items():
+            curves.show(paths.get(color, ()))
 
     def pin(self, *items: QGraphicsItem) -> None:
         """Put items on the canvas that do not move with the image; their positions are in px of the screen."""

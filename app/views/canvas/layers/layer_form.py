@@ -6,12 +6,12 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QMouseEvent, QPainter, QPaintEvent, QPalette, QPen, QPolygonF
+import pyqtgraph as pg
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import (
     QCheckBox,
     QComboBox,
-    QDoubleSpinBox,
     QFormLayout,
     QHBoxLayout,
     QLabel,
@@ -24,8 +24,7 @@ from app.model.text.language import tr, written
 from app.views.canvas.layers.image_layer import ImageLayer
 from app.views.canvas.layers.layer import Amount, Choice, Layer, Option
 from app.views.theme import color_maps
-from app.views.widgets.fields.decimal_field import DecimalField
-from app.views.widgets.fields.marked_slider import MarkedSlider
+from app.views.widgets.fields import DecimalField, MarkedSlider
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array
 
@@ -43,13 +42,17 @@ class LayerForm(QWidget):
         self.rows.setHorizontalSpacing(8)
         self.rows.setVerticalSpacing(4)
         self.rows.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
+        self.levels: Levels | None = None
+        self._image: Image | None = None
         for option in layer.options:
             self._add(option)
         layer.changed.connect(self.show_chosen)
         self.show_chosen()
 
     def show_chosen(self) -> None:
-        """Show the values of the options."""
+        """Show the values of the options, and the window of an image."""
+        if isinstance(self.layer, ImageLayer):
+            self._show_levels(self.layer)
         for show in self._showing:
             show()
         for name, field in self.fields.items():
@@ -72,6 +75,18 @@ class LayerForm(QWidget):
         label.setObjectName("dim")
         label.setToolTip(option.tip)
         self.rows.addRow(label, field)
+
+    def _show_levels(self, layer: ImageLayer) -> None:
+        image = layer.scene.whole
+        if image is not self._image and image is not None:
+            self._image = image
+            if self.levels is not None:
+                self.rows.removeRow(self.levels)
+            self.levels = Levels(image.values, layer.ends, layer.window)
+            self.levels.moved.connect(layer.choose_window)
+            self.rows.insertRow(0, self.levels)
+        elif self.levels is not None:
+            self.levels.show_window(*layer.window)
 
     def _choice(self, option: Choice) -> QComboBox:
         box = QComboBox()
@@ -124,10 +139,9 @@ _MOST = 100_000
 """Largest number of pixels counted; more would not visibly change the histogram."""
 
 _NARROW, _AROUND = 0.1, 2.0
-"""Part of the range below which a window is shown enlarged, and the margin beside it, in window widths."""
+"""Part of the range below which a window is shown enlarged, and the margin next to it, in window widths."""
 
-_HANDLE = 5.0
-_HEIGHT = 64
+_HEIGHT = 72
 
 
 class Levels(QWidget):
@@ -151,12 +165,14 @@ class Levels(QWidget):
         stride = max(1, int((values.size / _MOST) ** (1.0 / values.ndim)))
         sample = values[(slice(None, None, stride),) * values.ndim].ravel()
         self.histogram = Histogram(sample, *ends)
-        whole = bool((sample == np.rint(sample)).all())
-        self.low = _field(tr("Black"), tr("Gray value shown black."), *ends, whole)
-        self.high = _field(tr("White"), tr("Gray value shown white."), *ends, whole)
+        self.low, self.high = DecimalField(), DecimalField()
         row = QHBoxLayout()
         row.setSpacing(6)
-        for title, field in ((tr("Black"), self.low), (tr("White"), self.high)):
+        titles = ((tr("Black"), tr("Gray value shown black.")), (tr("White"), tr("Gray value shown white.")))
+        for (title, tip), field in zip(titles, (self.low, self.high), strict=True):
+            _set_range(field, *ends, whole=bool((sample == np.rint(sample)).all()))
+            field.setAccessibleName(title)
+            field.setToolTip(tip)
             label = QLabel(title)
             label.setObjectName("dim")
             row.addWidget(label)
@@ -180,8 +196,8 @@ class Levels(QWidget):
             field.blockSignals(False)
 
 
-class Histogram(QWidget):
-    """Histogram of the gray values on a logarithmic scale, with the window between two handles.
+class Histogram(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no type hints
+    """Histogram of the gray values on a logarithmic scale, with the window between two lines that can be dragged.
 
     Parameters
     ----------
@@ -192,97 +208,40 @@ class Histogram(QWidget):
     """
 
     moved = Signal(float, float)
-    """The user has moved a handle: the new window."""
+    """The user has moved a line: the new window."""
 
     def __init__(self, sample: Array, low: float, high: float) -> None:
-        super().__init__()
+        super().__init__(background=None, enableMenu=False)
         self._sample, self._ends = sample, (low, high)
-        self._window = (low, high)
-        self._axis = (0.0, 0.0)
-        self._heights: Array = np.zeros(_BINS)
-        self._held: int | None = None
-        self.setMinimumHeight(_HEIGHT)
-        self.setMouseTracking(True)
+        self.setFixedHeight(_HEIGHT)
+        self.setMinimumWidth(100)
+        self.hideAxis("left")
+        self.hideAxis("bottom")
+        self.hideButtons()
+        self.setMouseEnabled(False, False)
         self.setToolTip(
             tr("How often each gray value occurs. Drag the two lines: black to the left, white to the right.")
         )
+        color = self.palette().color
+        self._bars = self.plot(
+            stepMode="center", fillLevel=0.0, pen=None, brush=color(QPalette.ColorRole.PlaceholderText)
+        )
+        line = pg.mkPen(color(QPalette.ColorRole.Highlight), width=3)
+        self.window_lines = pg.LinearRegionItem((low, high), pen=line, brush=(128, 128, 128, 40), swapMode="block",
+                                                bounds=(low, high))  # fmt: skip
+        self.addItem(self.window_lines)
+        self.window_lines.sigRegionChanged.connect(lambda region: self.moved.emit(*region.getRegion()))
+        self.window_lines.sigRegionChangeFinished.connect(lambda region: self._show_axis(*region.getRegion()))
         self._show_axis(low, high)
 
-    def sizeHint(self) -> QSize:
-        """Preferred size."""
-        return QSize(240, _HEIGHT)
-
     def show_window(self, low: float, high: float) -> None:
-        """Show a window; the axis does not change while a handle is held."""
-        self._window = (low, high)
-        if self._held is None:
+        """Show a window; the axis does not change while a line is held."""
+        region = self.window_lines
+        if not (region.moving or any(line.moving for line in region.lines)):
+            region.blockSignals(True)
+            region.setRegion((low, high))
+            region.blockSignals(False)
             self._show_axis(low, high)
-        self.update()
-
-    def x_of(self, value: float) -> float:
-        """Position of a gray value [px of the widget]."""
-        begin, end = self._axis
-        return _HANDLE + (value - begin) / (end - begin) * (self.width() - 2 * _HANDLE)
-
-    def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Take hold of the nearer handle."""
-        event.accept()
-        x = event.position().x()
-        low, high = (self.x_of(value) for value in self._window)
-        self._held = 0 if abs(x - low) < abs(x - high) or (low == high and x < low) else 1
-        self._drag(x)
-
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Move the handle."""
-        event.accept()
-        self.setCursor(Qt.CursorShape.SizeHorCursor)
-        if self._held is not None:
-            self._drag(event.position().x())
-
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Release the handle."""
-        event.accept()
-        self._held = None
-        self._show_axis(*self._window)
-        self.update()
-
-    def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw the counts, a veil outside the window, and the handles."""
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        role = QPalette.ColorRole
-        color = self.palette().color
-        area = QRectF(self.rect()).adjusted(_HANDLE, 0.5, -_HANDLE, -0.5)
-        painter.fillRect(area, color(role.Base))
-        x = area.left() + np.linspace(0.0, area.width(), _BINS)
-        y = area.bottom() - self._heights * (area.height() - 4.0)
-        outline = [QPointF(a, b) for a, b in zip(x, y, strict=True)]
-        painter.setPen(Qt.PenStyle.NoPen)
-        painter.setBrush(color(role.PlaceholderText))
-        painter.drawPolygon(QPolygonF([area.bottomLeft(), *outline, area.bottomRight()]))
-        low, high = (min(max(self.x_of(value), area.left()), area.right()) for value in self._window)
-        veil = color(role.Window)
-        veil.setAlpha(170)
-        painter.fillRect(QRectF(area.left(), area.top(), low - area.left(), area.height()), veil)
-        painter.fillRect(QRectF(high, area.top(), area.right() - high, area.height()), veil)
-        painter.setPen(QPen(color(role.Highlight), 2.0))
-        for at in (low, high):
-            painter.drawLine(QPointF(at, area.top()), QPointF(at, area.bottom()))
-        painter.setPen(Qt.PenStyle.NoPen)
-        painter.setBrush(color(role.Highlight))
-        for at in (low, high):
-            painter.drawRoundedRect(QRectF(at - 4.0, area.center().y() - 8.0, 8.0, 16.0), 2.0, 2.0)
-        painter.end()
-
-    def _drag(self, x: float) -> None:
-        begin, end = self._axis
-        value = begin + (x - _HANDLE) / max(self.width() - 2 * _HANDLE, 1.0) * (end - begin)
-        value = min(max(value, self._ends[0]), self._ends[1])
-        low, high = self._window
-        low, high = (min(value, high), high) if self._held == 0 else (low, max(value, low))
-        self._window = (low, high)
-        self.update()
-        self.moved.emit(low, high)
 
     def _show_axis(self, low: float, high: float) -> None:
         """Show the whole range, or the surroundings of a narrow window."""
@@ -290,45 +249,14 @@ class Histogram(QWidget):
         if high - low < _NARROW * (end - begin):
             reach = _AROUND * max(high - low, 1e-3 * (end - begin))
             begin, end = max(begin, low - reach), min(end, high + reach)
-        if begin == end:
-            end = begin + 1.0
-        if (begin, end) != self._axis:
-            self._axis = (begin, end)
-            counts = np.histogram(self._sample, _BINS, range=(begin, end))[0]
-            self._heights = np.log1p(counts) / max(float(np.log1p(counts.max())), 1e-9)
+        counts, edges = np.histogram(self._sample, _BINS, range=(begin, end if end > begin else begin + 1.0))
+        self._bars.setData(edges, np.log1p(counts))
+        self.setXRange(edges[0], edges[-1], padding=0.02)
 
 
-def _field(title: str, tip: str, low: float, high: float, whole: bool) -> QDoubleSpinBox:
-    field = DecimalField()
-    field.setAccessibleName(title)
-    field.setToolTip(tip)
+def _set_range(field: DecimalField, low: float, high: float, *, whole: bool) -> None:
     span = max(high - low, 1e-12)
     field.setDecimals(0 if whole else min(max(3 - math.floor(math.log10(span)), 0), 12))
     field.setRange(low, high)
     field.setSingleStep(max(1.0, round(span / 256.0)) if whole else 10.0 ** math.floor(math.log10(span / 50.0)))
     field.setKeyboardTracking(False)
-    return field
-
-
-class ImageForm(LayerForm):
-    """The options of the image layer below the histogram of its image."""
-
-    def __init__(self, layer: ImageLayer) -> None:
-        self.levels: Levels | None = None
-        self._image: Image | None = None
-        self._own = layer
-        super().__init__(layer)
-
-    def show_chosen(self) -> None:
-        """Show options, histogram and window."""
-        super().show_chosen()
-        image = self._own.scene.whole
-        if image is not self._image and image is not None:
-            self._image = image
-            if self.levels is not None:
-                self.rows.removeRow(self.levels)
-            self.levels = Levels(image.values, self._own.ends, self._own.window)
-            self.levels.moved.connect(self._own.choose_window)
-            self.rows.insertRow(0, self.levels)
-        elif self.levels is not None:
-            self.levels.show_window(*self._own.window)

@@ -110,15 +110,11 @@ class ObjectLayer(Layer):
         fill = self.number("fill")
         self._fills.show([(_curves(item.boundary), objects.color(item), fill) for item in seen])
         colors = {objects.color(item) for item in seen}
-        for color in colors - self._outlines.keys():
-            curves = self._outlines[color] = Curves(color, 4.3)
-            if self.scene.image is not None:
-                curves.use_shape(self.scene.image.shape)
-            curves.set_shown(self.shown)
-            curves.setOpacity(self.opacity)
-            self.add(curves)
-        for color, curves in self._outlines.items():
-            curves.show(_paths(item for item in seen if objects.color(item) == color))
+        self.show_by_color(
+            self._outlines,
+            4.3,
+            {color: _paths(item for item in seen if objects.color(item) == color) for color in colors},
+        )
         self._gaps.show([gap for item in seen for gap in _curves(item.gaps)])
         self._names.show([(item.center, item.name, objects.color(item)) for item in seen if item.name])
 

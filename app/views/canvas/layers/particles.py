@@ -13,7 +13,7 @@ from PySide6.QtGui import QColor, QPainter, QPen
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
 from app.model.display.coloring import QUANTITIES, SHADES, InsertionTimes, colored
-from app.model.display.trails import Trails
+from app.model.display.lines import Trails
 from app.model.text.language import tr, written
 from app.session.exchange.messages import Snapshot
 from app.session.scene import Scene

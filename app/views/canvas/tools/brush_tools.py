@@ -207,7 +207,7 @@ class BrushTool(RingTool):
         self._adds = True
         self._objects: SegmentedObjects | None = None
 
-    def bend(self, modifiers: Qt.KeyboardModifier) -> None:
+    def set_modifiers(self, modifiers: Qt.KeyboardModifier) -> None:
         """With Shift, the next stroke takes away."""
         if self._brush.painting:
             return

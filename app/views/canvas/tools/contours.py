@@ -91,7 +91,7 @@ class ContourTool(Tool):
             self._review.select(())
         self._end()
 
-    def bend(self, modifiers: Qt.KeyboardModifier) -> None:
+    def set_modifiers(self, modifiers: Qt.KeyboardModifier) -> None:
         """Remember the modifier keys: Shift adds to the selection, Ctrl removes from it."""
         self._held = modifiers
 

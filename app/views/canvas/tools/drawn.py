@@ -105,7 +105,7 @@ class EllipseTool(DraggedTool):
     by_keys = tr("Enter begins at a corner of its box, arrow keys move the opposite one, Enter ends.")
     _held = Qt.KeyboardModifier.NoModifier
 
-    def bend(self, modifiers: Qt.KeyboardModifier) -> None:
+    def set_modifiers(self, modifiers: Qt.KeyboardModifier) -> None:
         """Remember the modifier keys."""
         self._held = modifiers
 

@@ -68,7 +68,7 @@ class EditContoursTool(Tool):
             return tr("There are no contours to edit yet: let the particles run, or draw one with the outline tool.")
         return tr("Drag an end to another end, or drag a stretch. Click to mark a place, Shift-click to cut.")
 
-    def bend(self, modifiers: Qt.KeyboardModifier) -> None:
+    def set_modifiers(self, modifiers: Qt.KeyboardModifier) -> None:
         """Remember the modifier keys: in a click Shift cuts and Ctrl selects more, in a drag Shift bends freely."""
         self._modifiers = modifiers
 

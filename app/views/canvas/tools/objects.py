@@ -68,7 +68,7 @@ class ObjectTool(Tool):
         """Let the image be prepared while the tool is in use."""
         self._selection.set_in_use(in_use)
 
-    def bend(self, modifiers: Qt.KeyboardModifier) -> None:
+    def set_modifiers(self, modifiers: Qt.KeyboardModifier) -> None:
         """With Shift, a click says what does not belong to the object."""
         self._inside = not modifiers & TAKING_AWAY
 

@@ -65,7 +65,7 @@ class OutlineTool(Tool):
             "freehand; Backspace takes the last anchor back."
         )
 
-    def bend(self, modifiers: Qt.KeyboardModifier) -> None:
+    def set_modifiers(self, modifiers: Qt.KeyboardModifier) -> None:
         """With Shift, draw straight lines, and freehand ones as they are."""
         self._straight = bool(modifiers & Qt.KeyboardModifier.ShiftModifier)
 

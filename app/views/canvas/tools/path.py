@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from PySide6.QtCore import Qt
 
 from app.model.document import edits
+from app.model.document.document import ImageReference
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.model.volume.slices import Slice
@@ -39,6 +40,11 @@ _FINEST = 1.0
 _SHORTEST, _SMALLEST = 1.0, 4.0
 """Length [px] and area [px²] below which a path is taken for an accident."""
 
+_Flat = tuple[Position, ...]
+
+_InVolume = Callable[[_Flat, Slice, ImageReference, bool], Shape]
+"""Makes a shape of a volume of corners in a slice; the last argument is whether they are of a dragged rectangle."""
+
 
 @dataclass(frozen=True, slots=True)
 class PathKind:
@@ -56,12 +62,8 @@ class PathKind:
         Color of the draft.
     closed : bool
         Whether the last corner is joined to the first.
-    extruded : callable or None
-        In a volume: corners in a slice, its axis, and the first and last slice, to shape; None for a path in space.
-    boxed : callable or None
-        In a volume: two corners of a box to shape, for a drag; None where a drag draws freehand there too.
-    filling : callable or None
-        In a volume: two corners of a box and the sides of a voxel to shape, for the box around whatever is drawn.
+    in_volume : callable or None
+        The same in a volume; None for a path in space.
     """
 
     name: str
@@ -70,9 +72,7 @@ class PathKind:
     tip: str
     color: str = theme.DRAWING
     closed: bool = True
-    extruded: Callable[[tuple[Position, ...], int, float, float], Shape] | None = None
-    boxed: Callable[[Place, Place], Shape] | None = None
-    filling: Callable[[Place, Place, tuple[float, ...]], Shape] | None = None
+    in_volume: _InVolume | None = None
 
     @property
     def least(self) -> int:
@@ -86,6 +86,29 @@ class PathKind:
         return polyline.area(path) < _SMALLEST if self.closed else polyline.length(path) < _SHORTEST
 
 
+def _box_around(path: _Flat, here: Slice, volume: ImageReference) -> tuple[Place, Place]:
+    (top, left), (bottom, right) = (tuple(map(end, zip(*path, strict=True))) for end in (min, max))
+    return box_between((top, left), (bottom, right), here, volume)
+
+
+def _grid_in(path: _Flat, here: Slice, volume: ImageReference, boxed: bool) -> Shape:
+    return BoxGrid.between(*_box_around(path, here, volume), volume.spacing)
+
+
+def _threshold_in(path: _Flat, here: Slice, volume: ImageReference, boxed: bool) -> Shape:
+    return BoxThreshold(*_box_around(path, here, volume))
+
+
+def _region_in(path: _Flat, here: Slice, volume: ImageReference, boxed: bool) -> Shape:
+    if boxed:
+        return BoxRegion(*_box_around(path, here, volume))
+    return PrismRegion(path, here.axis, 0.0, volume.shape[here.axis] - 1.0)
+
+
+def _wall_in(path: _Flat, here: Slice, volume: ImageReference, boxed: bool) -> Shape:
+    return Wall(path, here.axis, 0.0, volume.shape[here.axis] - 1.0)
+
+
 STROKE = PathKind(
     "stroke", Stroke, tr("stroke"), tr("Drag, or click corner by corner, where particles start."), closed=False
 )
@@ -97,14 +120,14 @@ GRID = PathKind(
     Grid,
     tr("grid"),
     tr("Drag, or click corner by corner, around an area to cover with an even grid; < and > change its spacing."),
-    filling=BoxGrid.between,
+    in_volume=_grid_in,
 )
 THRESHOLD = PathKind(
     "threshold",
     Threshold,
     tr("threshold"),
     tr("Drag, or click corner by corner, around where to start on strong edges; < and > change how strong."),
-    filling=lambda one, other, _: BoxThreshold(one, other),
+    in_volume=_threshold_in,
 )
 REGION = PathKind(
     "region",
@@ -112,8 +135,7 @@ REGION = PathKind(
     tr("region of interest"),
     tr("Drag, or click corner by corner, around what particles are to stay in."),
     theme.REGION,
-    extruded=PrismRegion,
-    boxed=BoxRegion,
+    in_volume=_region_in,
 )
 BARRIER = PathKind(
     "barrier",
@@ -122,14 +144,15 @@ BARRIER = PathKind(
     tr("Drag, or click corner by corner, where no particle is to cross."),
     theme.BARRIER,
     closed=False,
-    extruded=Wall,
+    in_volume=_wall_in,
 )
 
 
 class PathTool(Tool):
     """Draws a path: a drag draws it freehand and finishes it; clicks place corners until it is finished.
 
-    The draft is not part of the document, which therefore changes only once.
+    In a slice a drag around an area draws a rectangle. The draft is not part of the document, which therefore changes
+    only once.
     """
 
     clicks = True
@@ -142,12 +165,9 @@ class PathTool(Tool):
         self._corners: list[Place] = []
         self._pointer: Place | None = None
         self._pressed: Place | None = None
-        self._first = False
-        self._freehand = False
+        self._first = self._freehand = self._boxed = self._eight_directions = False
         self._begun: Slice | None = None
-        self._boxed = False
         self._reach = 0.0
-        self._bent = False
 
     @property
     def drafting(self) -> bool:
@@ -171,17 +191,15 @@ class PathTool(Tool):
             return "" if self.used else self.kind.tip
         if self._freehand and self._first:
             return with_keys(tr("Let go to end it; {key:escape} cancels."))
-        ends = (
-            tr("Enter, a double click or the first corner ends it;")
-            if self.kind.closed
-            else (tr("Enter or a double click ends it;"))
-        )
-        bends = tr("Shift keeps to eight directions; Backspace takes the last corner back; {key:escape} cancels.")
-        return f"{ends} {with_keys(bends)}"
+        ends = tr("Enter or a double click ends it;")
+        if self.kind.closed:
+            ends = tr("Enter, a double click or the first corner ends it;")
+        rest = tr("Shift keeps to eight directions; Backspace takes the last corner back; {key:escape} cancels.")
+        return f"{ends} {with_keys(rest)}"
 
     def press(self, at: Place, reach: float) -> None:
         """Place a corner; a press on the last corner, or on the first one of a closed path, finishes it."""
-        ends = (self._corners[-1], *([self._corners[0]] if self.kind.closed else [])) if self._corners else ()
+        ends = [*self._corners[-1:], *(self._corners[:1] if self.kind.closed else [])]
         if any(math.dist(at, end) <= reach for end in ends):
             if len(self._corners) >= self.kind.least:
                 self.finish()
@@ -195,19 +213,18 @@ class PathTool(Tool):
         self._changed()
 
     def drag(self, at: Place) -> None:
-        """Draw freehand after the pointer has left the place of the press."""
+        """Draw freehand, or a rectangle in a slice, after the pointer has left the place of the press."""
         if self._pressed is None:
             return
         self._freehand = self._freehand or math.dist(self._pressed, at) > self._reach
-        if (
-            self._freehand
-            and self._first
-            and self._begun is not None
-            and (self.kind.boxed or self.kind.filling) is not None
-        ):
-            self._corners, self._boxed = self._rectangle(self._pressed, at), True
+        if not self._freehand:
+            return
+        if self._first and self._begun is not None and self.kind.closed and self.kind.in_volume is not None:
+            (top, left), (bottom, right) = self.flat(self._pressed), self.flat(at)
+            corners = ((top, left), (top, right), (bottom, right), (bottom, left))
+            self._corners, self._boxed = list(map(self.lifted, corners)), True
             self._changed()
-        elif self._freehand and math.dist(self._corners[-1], at) >= max(_FINEST, 0.25 * self._reach):
+        elif math.dist(self._corners[-1], at) >= max(_FINEST, 0.25 * self._reach):
             self._corners.append(at)
             self._changed()
 
@@ -224,45 +241,32 @@ class PathTool(Tool):
             self._pointer = self._straight(at)
             self._changed()
 
-    def bend(self, modifiers: Qt.KeyboardModifier) -> None:
+    def set_modifiers(self, modifiers: Qt.KeyboardModifier) -> None:
         """With Shift, restrict the sides to eight directions."""
-        self._bent = bool(modifiers & Qt.KeyboardModifier.ShiftModifier)
+        self._eight_directions = bool(modifiers & Qt.KeyboardModifier.ShiftModifier)
 
     def finish(self) -> None:
         """Make a shape from the path."""
         if not self._corners:
             return
-        kind, boxed, begun = self.kind, self._boxed, self._begun
+        kind, boxed, begun, volume = self.kind, self._boxed, self._begun, self.volume
         path = tuple(self._corners) if boxed else polyline.thinned(self._corners)
-        self._forget()
-        flat = begun if kind.closed or kind.extruded is not None else None
-        if kind.is_slip(path if flat is None else tuple(map(flat.within, path))):
-            self._session.say(
-                tr("That is too small for a {shape}. {advice}").format(shape=kind.title, advice=kind.tip), topic=EDITING
-            )
+        self.cancel()
+        flat = path
+        if begun is not None and (kind.closed or kind.in_volume is not None):
+            flat = tuple(map(begun.within, path))
+        if kind.is_slip(flat):
+            advice = tr("That is too small for a {shape}. {advice}").format(shape=kind.title, advice=kind.tip)
+            self._session.say(advice, topic=EDITING)
             return
-        shape = kind.make(path) if begun is None else self._in_volume(path, begun, boxed)
+        if begun is not None and volume is not None and kind.in_volume is not None:
+            shape = kind.in_volume(flat, begun, volume, boxed)
+        else:
+            shape = kind.make(path)
         self._session.edit(
             tr("draw {shape}").format(shape=kind.title), lambda document: edits.add_shape(document, shape)
         )
         self._session.select(len(self._session.document.shapes) - 1)
-
-    def _rectangle(self, one: Place, other: Place) -> list[Place]:
-        (top, left), (bottom, right) = self.flat(one), self.flat(other)
-        return [self.lifted(at) for at in ((top, left), (top, right), (bottom, right), (bottom, left))]
-
-    def _in_volume(self, path: tuple[Place, ...], begun: Slice, boxed: bool) -> Shape:
-        """A path in space, a box around a rectangle, or what is drawn in a slice through all slices."""
-        kind, volume = self.kind, self.volume
-        if kind.filling is not None and volume is not None:
-            places = list(map(begun.within, path))
-            low, high = (tuple(map(end, zip(*places, strict=True))) for end in (min, max))
-            return kind.filling(*box_between(low, high, begun, volume), volume.spacing)
-        if boxed and kind.boxed is not None and volume is not None:
-            return kind.boxed(*box_between(begun.within(path[0]), begun.within(path[2]), begun, volume))
-        if kind.extruded is None or volume is None:
-            return kind.make(path)
-        return kind.extruded(tuple(map(begun.within, path)), begun.axis, 0.0, volume.shape[begun.axis] - 1.0)
 
     def take_back(self) -> None:
         """Remove the last corner."""
@@ -273,11 +277,15 @@ class PathTool(Tool):
 
     def cancel(self) -> None:
         """Discard the path."""
-        self._forget()
+        self.used = self.used or bool(self._corners)
+        self._corners = []
+        self._pointer = self._pressed = None
+        self._freehand = self._boxed = False
+        self._changed()
 
     def _straight(self, at: Place) -> Place:
         """With Shift, the place nearest to the pointer in one of eight directions from the last corner."""
-        if not (self._bent and self._corners):
+        if not (self._eight_directions and self._corners):
             return at
         (row, col), (high, wide) = self.flat(self._corners[-1]), self.sides
         down, right = self.flat(at)
@@ -285,13 +293,6 @@ class PathTool(Tool):
         angle = math.radians(45.0 * round(math.degrees(math.atan2(down, right)) / 45.0))
         far = down * math.sin(angle) + right * math.cos(angle)
         return self.lifted((row + far * math.sin(angle) / high, col + far * math.cos(angle) / wide))
-
-    def _forget(self) -> None:
-        self.used = self.used or bool(self._corners)
-        self._corners = []
-        self._pointer = self._pressed = None
-        self._freehand = self._boxed = False
-        self._changed()
 
     def _changed(self) -> None:
         self._context.drawing.show_draft(self.corners, self.path, self.kind.color, self.kind.closed)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import operator
 
-from app.model.document.hit_testing import Hit
+from app.model.document.edits import Hit
 from app.model.text.language import from_core, tr
 from app.session.features.slices import hit_in
 from app.views.canvas.tools.tool import Cursor, ShapeTool, ToolContext

@@ -137,7 +137,7 @@ class Tool:
     def hover(self, at: Place) -> None:
         """Handle a move with the button up."""
 
-    def bend(self, modifiers: Qt.KeyboardModifier) -> None:
+    def set_modifiers(self, modifiers: Qt.KeyboardModifier) -> None:
         """Handle the modifier keys that are held now; they may constrain the shape."""
 
     def resize(self, by: float) -> None:
@@ -285,17 +285,17 @@ class ToolInUse:
             self.tool.hover(view.placed(at))
             self.show_cursor(view, at)
 
-    def let_go(self) -> None:
+    def release(self) -> None:
         """Release the left button."""
         if self._dragged is not None:
             tool, self._dragged = self._dragged, None
             tool.release()
 
-    def bend(self, modifiers: Qt.KeyboardModifier) -> None:
+    def set_modifiers(self, modifiers: Qt.KeyboardModifier) -> None:
         """Pass the modifier keys that are held to the tool; they may constrain the shape."""
         tool = self._dragged or self.tool
         if tool is not None:
-            tool.bend(modifiers)
+            tool.set_modifiers(modifiers)
 
     def leave(self) -> None:
         """Take the pointer off the view."""

@@ -7,19 +7,17 @@ import pytest
 import tifffile
 from PySide6.QtCore import QPoint, Qt
 
-from app.model.state.situation import NOT_IN_VOLUMES
 from app.model.volume.shape_sections import RegionSection
-from app.session.features.object_list import ObjectList
 from app.session.storage.session_file import DocumentFile
 from app.views.features.exchange import ExportFeature
 from app.views.features.files import OpenSaveFeature
-from app.views.features.volumes import SlicesFeature, SpaceFeature
+from app.views.features.volumes import SpaceFeature
 from cpm_core.contours.surface import Surface
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
-from cpm_core.shapes import EnclosedRegion, EnclosingWall
+from cpm_core.shapes import EnclosedRegion
 from tests.app.conftest import Hand
-from tests.app.volumes.conftest import SHAPE, Button, press, release
+from tests.app.volumes.conftest import SHAPE, Button
 
 pytestmark = pytest.mark.shared_window
 
@@ -127,27 +125,6 @@ def test_clicks_in_slices_add_bodies_and_take_them_away(found, hand) -> None:
     hand.wait(lambda: not items(found))
 
 
-def test_a_click_in_a_slice_beside_the_canvas_selects_and_its_right_button_opens_the_menu(found, hand) -> None:
-    forget_offer(found, hand)
-    side = found.feature(SlicesFeature).sides[0]
-    found.workspace.slices.through(ONE)
-    at = side.drawn.slices.current.within(ONE)
-    press(side, at)
-    release(side, at)
-    settle(hand)
-    take(hand)
-    assert bodies(found) == pytest.approx([BALL], rel=0.08)
-    assert side.layers["objects"].count == 1
-    found.workspace.object_list.choose(())
-    press(side, at, Button.RightButton)
-    release(side, at, Button.RightButton)
-    assert found.context_menus.menu is not None
-    shown = [action.text() for action in found.context_menus.menu.actions()]
-    found.context_menus.menu.close()
-    assert found.actions_by_name["change_object"].text() in shown
-    assert found.workspace.object_list.chosen == {1}
-
-
 def test_a_click_on_the_surface_in_space_selects_the_body_behind_it(found, hand) -> None:
     forget_offer(found, hand)
     view = found.feature(SpaceFeature).panel.view
@@ -167,18 +144,6 @@ def test_a_click_on_the_surface_in_space_selects_the_body_behind_it(found, hand)
     hand.window.actions_by_name["hide_object"].trigger()
     assert found.feature(SpaceFeature).panel.contents.objects == ()
     assert hand.canvas.layers["objects"].count == 0
-
-
-def test_an_object_under_the_pointer_is_changed_by_a_click(found, hand) -> None:
-    hand.key(KEY.Key_Return)
-    objects: ObjectList = found.workspace.object_list
-    assert objects.under(ONE) == 1
-    assert objects.under(OTHER) == 2
-    assert objects.under((1.0, 1.0, 1.0)) == 0
-    found.workspace.slices.at(round(OTHER[0]))
-    click(hand, OTHER[1:])
-    assert found.session.document.objects.edited == 2
-    assert found.workspace.object_selection.selecting
 
 
 def test_the_table_measures_objects_in_units_of_the_volume(found, hand) -> None:
@@ -240,54 +205,10 @@ def open_file_again(window, hand, path) -> None:
     hand.wait(lambda: bool(items(window)) and window.session.idle)
 
 
-def test_before_a_run_the_tool_says_what_it_needs(volume, hand) -> None:
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_W)
-    assert "Let a run find the surface first" in volume.canvas_area.hint.text()
-
-
-def test_what_objects_in_volumes_lack_is_gray_in_the_menu_and_says_why(found, hand) -> None:
-    hand.key(KEY.Key_Return)
-    found.workspace.object_list.choose({1})
-    action = found.actions_by_name["objects_alike"]
-    assert not action.isEnabled()
-    assert action.toolTip().endswith(NOT_IN_VOLUMES["objects_alike"])
-    buttons = found.panels["objects"].buttons
-    assert buttons["freeze"].isEnabled()
-    assert not buttons["merge"].isEnabled()  # a single one
-
-
 def chosen_by_menu(window, hand, name: str, numbers: set[int]) -> None:
     """Do something to some objects by the menu."""
     window.workspace.object_list.choose(numbers)
     window.actions_by_name[name].trigger()
-
-
-def test_objects_are_merged_into_one_with_both_surfaces_and_undo_parts_them(found, hand) -> None:
-    hand.key(KEY.Key_Return)
-    before = items(found)
-    chosen_by_menu(found, hand, "merge_objects", {1, 2})
-    hand.wait(lambda: len(items(found)) == 1)
-    (whole,) = items(found)
-    assert (whole.number, whole.body.components, whole.body.closed) == (1, 2, True)
-    assert whole.body.volume == pytest.approx(sum(item.body.volume for item in before), rel=1e-3)
-    assert whole.clicks == (*before[0].clicks, *before[1].clicks)
-    assert found.workspace.object_list.chosen == {1}
-    hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
-    assert items(found) == before
-
-
-def test_a_frozen_object_holds_particles_back_until_it_is_released(found, hand) -> None:
-    hand.key(KEY.Key_Return)
-    chosen_by_menu(found, hand, "freeze_object", {1})
-    wall = found.session.document.regions.barriers[0]
-    assert found.session.document.objects[1].frozen
-    hand.wait(lambda: found.session.idle)
-    particles = found.session.scene.snapshot.position
-    assert not wall.hold(np.rint(particles)).any()
-    assert len(particles) > 0
-    chosen_by_menu(found, hand, "freeze_object", {1})
-    assert found.session.document.regions is None
 
 
 def test_an_object_is_a_region_of_interest_in_all_slices_and_in_sessions(found, hand, tmp_path) -> None:
@@ -305,16 +226,3 @@ def test_an_object_is_a_region_of_interest_in_all_slices_and_in_sessions(found, 
     assert load_session(path).shapes[-1] == region
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
     assert found.session.document.regions is None
-
-
-def test_an_object_is_a_barrier_or_a_start_of_the_next_run(found, hand) -> None:
-    hand.key(KEY.Key_Return)
-    chosen_by_menu(found, hand, "object_barrier", {1})
-    assert isinstance(found.session.document.shapes[-1], EnclosingWall)
-    assert found.session.document.regions.barriers[0].mask.sum() < 0.8 * BALL
-    chosen_by_menu(found, hand, "object_start", {2})
-    start = found.session.document.shapes[-1]
-    away = np.linalg.norm(start.seeds() - OTHER, axis=1)
-    radius = (BALL / (4 / 3 * np.pi)) ** (1 / 3)
-    assert len(away) > 50
-    assert np.abs(away - radius).max() < 1.0

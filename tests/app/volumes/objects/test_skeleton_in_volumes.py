@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
-from app.model.document import edits
 from app.views.canvas.layers.skeleton import disks
 from app.views.features.exchange import ExportFeature
 from app.views.features.files import OpenSaveFeature
@@ -67,16 +66,6 @@ def test_disks_in_slices_are_round_in_space() -> None:
     assert np.ptp(ring, axis=0) == pytest.approx((3.0, 6.0), abs=0.05)
 
 
-def test_pruning_finds_it_again_and_undo_leads_back_to_the_mode_before(found, hand) -> None:
-    assert not found.session.document.shapes
-    found.session.edit("pruning", lambda document: edits.set_parameter(document, "pruning", 5.0))
-    hand.wait(lambda: found.session.idle and found.session.status.phase == "finished")
-    assert len(found.session.scene.skeleton.contours) == 1
-    hand.key(KEY.Key_Z, CONTROL)
-    hand.key(KEY.Key_Z, CONTROL)
-    assert found.session.document.mode == "shape"
-
-
 def test_center_lines_are_exported_and_come_back_with_a_session(found, hand, tmp_path) -> None:
     hand.key(KEY.Key_E, CONTROL)
     dialog = found.feature(ExportFeature).dialog
@@ -95,31 +84,3 @@ def test_center_lines_are_exported_and_come_back_with_a_session(found, hand, tmp
     hand.wait(lambda: found.session.idle and found.session.scene.skeleton is not None)
     assert found.session.document.mode == "skeleton"
     assert np.array_equal(found.session.scene.skeleton.contours[0].points, before)
-
-
-def test_objects_of_a_volume_have_a_skeleton(volume, hand) -> None:
-    hand.canvas.setFocus()
-    hand.drag((14, 20), (14, 22), (14, 23))
-    hand.key(KEY.Key_Space)
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: volume.session.idle and bool(volume.workspace.object_selection.proposals))
-    volume.actions_by_name["take_object"].trigger()
-    volume.workspace.object_list.choose({1})
-    volume.actions_by_name["object_skeleton"].trigger()
-    hand.wait(lambda: volume.session.idle and volume.session.scene.skeleton is not None)
-    assert volume.session.document.outlined.objects == (1,)
-    assert np.allclose(np.median(volume.session.scene.skeleton.contours[0].points[:, :2], axis=0), AT, atol=1.0)
-    assert volume.actions_by_name["image_skeleton"].isEnabled()
-
-
-def test_pruning_is_in_radii_in_a_volume_and_in_pixels_in_an_image(volume, hand, tmp_path) -> None:
-    volume.actions_by_name["mode_skeleton"].trigger()
-    row = volume.panels["parameters"].rows["pruning"]
-    assert row.number.text() == "1.00 r"
-    assert "in radii of what it branches from" in row.number.toolTip()
-    np.save(tmp_path / "plane.npy", np.eye(32) * 200.0)
-    volume.open_image(str(tmp_path / "plane.npy"))
-    hand.wait(lambda: volume.session.document.image.name == "plane.npy")
-    volume.actions_by_name["mode_skeleton"].trigger()
-    assert row.number.text() == "1.00 px"
-    assert "radii" not in row.number.toolTip()

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
-from app.model.display.iso_lines import iso_lines
 from app.model.volume.sampled_volumes import SampledForce
 from app.model.volume.slices import Slice
 from app.views.features.volumes import SlicesFeature
@@ -33,19 +32,6 @@ def test_arrows_of_the_field_point_to_the_surface_in_every_slice(volume, hand) -
         assert (outward[(away > 2.5) & (away < 4.5)] > 0.0).all()
     hand.key(KEY.Key_9, ALT)
     assert not len(hand.canvas.layers["field"].drawn) or not hand.canvas.layers["field"].shown
-
-
-def test_lines_of_equal_potential_are_those_of_the_slice(volume, hand) -> None:
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_8, ALT)
-    layer = hand.canvas.layers["potential"]
-    hand.wait(lambda: layer.lined and len(hand.canvas.drawn.overlays["iso_lines"]) > 0)
-    whole = volume.session.scene.overlays["iso_lines"]
-    for index in (12, 7):
-        volume.workspace.slices.at(index)
-        expected = iso_lines(whole.values[index].astype(float))
-        hand.wait(lambda expected=expected: len(hand.canvas.drawn.overlays["iso_lines"]) == len(expected))
-        np.testing.assert_array_equal(hand.canvas.drawn.overlays["iso_lines"], expected)
 
 
 def test_forces_on_the_particle_under_the_pointer_are_shown_along_the_slice(volume, hand) -> None:

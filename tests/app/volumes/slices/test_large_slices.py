@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
 from app.model.display import display_image
 from app.model.display.display_image import DisplayImage, IntensityWindow
-from app.model.display.space.view_in_space import ShownParts
 from app.session.features import slices
-from app.views.features.volumes import SlicesFeature, SpaceFeature
+from app.views.features.volumes import SlicesFeature
 from cpm_core.image.image import Image
 from tests.app.volumes.conftest import ball, open_file
 
@@ -47,14 +44,6 @@ def test_a_large_slice_is_shown_as_a_preview_and_then_with_all_its_pixels(large,
     assert {shown(view).shape for view in sides} == {(24, 32), (24, 28)}
 
 
-def test_a_preview_takes_the_place_of_the_image_it_stands_for() -> None:
-    values = np.arange(2100.0 * 3000.0).reshape(2100, 3000)
-    preview = DisplayImage.preview(values, IntensityWindow(0.0, values.max()))
-    assert preview.shape == (2100, 3000)
-    assert preview.shades.shape == (525, 750)
-    assert preview.shades[100, 200] == round(255.0 * values[400, 800] / values.max())
-
-
 def test_a_slice_shares_the_gray_levels_of_its_volume() -> None:
     volume = Image(ball(), (3.0, 2.0, 1.0), "mm", "ball")
     assert volume.gray_range == (20.0, 200.0)
@@ -64,11 +53,3 @@ def test_a_slice_shares_the_gray_levels_of_its_volume() -> None:
         np.testing.assert_array_equal(cut.values, np.take(volume.values, index, axis))
         assert (cut.spacing, cut.unit, cut.source) == (sides, "mm", "ball")
         assert cut.gray_range == (cut.values.min(), cut.values.max())
-
-
-def test_slices_in_space_are_colored_when_they_are_drawn(volume) -> None:
-    contents = volume.feature(SpaceFeature).panel.contents
-    view = contents.view(replace(ShownParts(), slices=True))
-    assert len(view.slices) == 3
-    assert not any("colors" in vars(each) for each in view.slices)
-    assert [each.colors.shape for each in view.slices] == [(28, 32, 3), (24, 32, 3), (24, 28, 3)]

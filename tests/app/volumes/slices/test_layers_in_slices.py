@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
 from app.model.document import edits
 from app.session.features.other_result import Other
-from app.views.export.frames import FrameRenderer, seen_part
-from app.views.features.volumes import SlicesFeature
 from cpm_core.shapes import Box, Sphere
 
 pytestmark = pytest.mark.shared_window
@@ -25,44 +22,6 @@ def run(volume, hand):
     hand.wait_for_phase("finished")
     hand.wait(lambda: volume.session.idle)
     return volume
-
-
-def test_the_edge_map_and_the_potential_are_shown_slice_by_slice(volume, hand) -> None:
-    canvas, beside = volume.canvas_area.canvas, volume.feature(SlicesFeature).sides
-    for name in ("edge_map", "potential"):
-        layer = canvas.layers[name]
-        assert layer.shades is None
-        layer.set_shown(True)
-        hand.wait(lambda layer=layer: layer.shades is not None)
-        whole = volume.session.scene.overlays[name].shades
-        assert whole.shape == volume.session.image.shape
-        for index in (12, 8):
-            volume.workspace.slices.at(index)
-            np.testing.assert_array_equal(layer.shades, whole[index])
-        for view in beside:
-            np.testing.assert_array_equal(view.layers[name].shades, view.here.of(whole))
-        if name == "edge_map":
-            assert whole.max() == 255
-            ball = np.linalg.norm(np.argwhere(whole > 200) - [11.5, 13.5, 15.5], axis=1)
-            assert np.abs(ball - 7.0).max() < 2.0
-        layer.set_shown(False)
-
-
-def test_trails_are_those_of_the_particles_near_the_slice(volume, hand) -> None:
-    layer = volume.canvas_area.canvas.layers["trails"]
-    layer.set_shown(True)
-    hand.drag((14, 16), (14, 18), (14, 20))
-    for _ in range(4):
-        hand.key(KEY.Key_Period)
-        hand.wait(lambda: volume.session.idle)
-    pieces = np.concatenate(list(layer.trails))
-    assert len(pieces)
-    drawn = volume.canvas_area.canvas.drawn.snapshot.position
-    ends = {tuple(place) for place in np.round(drawn, 6).tolist()}
-    newest = next(iter(layer.trails))
-    assert all(tuple(place) in ends for place in np.round(newest[:, 1], 6).tolist())
-    volume.workspace.slices.go(3)
-    assert not list(layer.trails), "a trail in another slice is not seen here"
 
 
 def test_shift_f_shows_what_is_selected_in_the_slices_through_its_middle(volume, hand) -> None:
@@ -87,19 +46,6 @@ def test_a_kept_result_and_a_branch_are_compared_in_slices(run, hand) -> None:
     other.choose(kept)
     far = canvas.sections.of(other.far(run.session.scene))
     assert len(far.contours.items) == 1
-    assert far.document.shapes[0].radii != canvas.drawn.document.shapes[0].radii
+    assert far.document.shapes[0].line.radii != canvas.drawn.document.shapes[0].line.radii
     other.choose(Other("image", "Image alone"))
     assert canvas.sections.of(other.far(run.session.scene)).snapshot is None
-
-
-def test_a_frame_of_a_film_shows_the_slice_that_is_worked_on(run, hand) -> None:
-    canvas = run.canvas_area.canvas
-    assert run.actions_by_name["export_animation"].isEnabled()
-    run.workspace.slices.turn(2)
-    run.workspace.slices.at(20)
-    renderer = FrameRenderer(run.session.scene, canvas, seen_part(canvas, canvas.shape, False), (96, 112))
-    try:
-        assert renderer._view.shape == (24, 28)
-        assert renderer._view.here == canvas.here
-    finally:
-        renderer.close()

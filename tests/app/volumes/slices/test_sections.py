@@ -8,18 +8,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from skimage.measure import marching_cubes
 
-from app.model.volume.shape_sections import RegionElsewhere, sections, wires
-from app.model.volume.slices import Slice, Slices
+from app.model.volume.shape_sections import RegionElsewhere, sections
+from app.model.volume.slices import Slice
 from app.model.volume.surface_section import section as lines_of
 from cpm_core.contours.surface import Surface
-from cpm_core.formats.sessions.plain_values import shape_from_plain, shape_to_plain
 from cpm_core.shapes import (
     Barrier,
     Box,
     BoxRegion,
     Charge,
-    Circle,
-    Points,
     Polygon,
     PrismRegion,
     Region,
@@ -56,13 +53,6 @@ def test_a_position_in_a_slice_is_found_again_in_the_volume(axis, index, row, co
     np.testing.assert_array_equal(here.flattened(np.array([place])), [(row, col)])
 
 
-@given(axes, st.integers(-100, 100))
-def test_slices_stay_in_the_volume(axis, index) -> None:
-    slices = Slices.of((5, 6, 7)).turned(axis).at(index)
-    assert 0 <= slices.current.index < slices.count
-    assert all(slices.across(other).index == (5, 6, 7)[other] // 2 for other in range(3) if other != axis)
-
-
 @given(triples, st.floats(1, 40), st.tuples(*[st.floats(1, 4)] * 3), axes, st.integers(-60, 60))
 def test_the_section_of_a_sphere_lies_on_the_sphere(center, radius, sides, axis, index) -> None:
     sphere = Sphere(center, radius, sides)
@@ -70,47 +60,9 @@ def test_the_section_of_a_sphere_lies_on_the_sphere(center, radius, sides, axis,
     if found is None:
         assert abs(index - center[axis]) * sides[axis] >= radius
         return
-    if min(found.radii) > 0.5:  # the least radius that a shape has
+    if min(found.line.radii) > 0.5:  # the least radius that a shape has
         outline = [Slice(axis, index).lifted(tuple(corner)) for corner in found.outline.tolist()]
         assert max(map(sphere.distance, outline)) < 1e-6 * (1 + radius + max(map(abs, center)))
-
-
-@given(triples, st.floats(1, 40), triples)
-def test_a_sphere_passes_through_the_place_that_its_handle_is_dragged_to(center, radius, to) -> None:
-    dragged = Sphere(center, radius).with_handle_at(center, to)
-    assert dragged.center == center
-    assert dragged.distance(to) == pytest.approx(0.0, abs=1.0 + 1e-9)  # a sphere is not smaller than a voxel
-
-
-@given(triples, triples, st.floats(1, 40))
-def test_a_sphere_moves_with_its_particles(center, by, radius) -> None:
-    sphere = Sphere(center, radius)
-    np.testing.assert_allclose(sphere.moved(by).seeds(), sphere.seeds() + np.array(by), atol=1e-9)
-
-
-@pytest.mark.parametrize("shape", [Sphere((1.0, 2.0, 3.0), 4.0, (2.0, 1.0, 1.0)), Points(((1.0, 2.0, 3.0),)),
-                                   Points(((1.0, 2.0),)), Circle((1.0, 2.0), 3.0), *IN_SPACE])  # fmt: skip
-def test_shapes_of_images_and_of_volumes_are_read_as_they_were_written(shape) -> None:
-    assert shape_from_plain(shape_to_plain(shape), "shape 1") == shape
-
-
-@pytest.mark.parametrize(
-    "plain",
-    [
-        {"shape": "sphere", "center": [1.0, 2.0], "radius": 3.0},
-        {"shape": "circle", "center": [1.0, 2.0, 3.0], "radius": 3.0},
-        {"shape": "points", "positions": [[1.0, 2.0, 3.0, 4.0]]},
-        {"shape": "points", "positions": [[1.0, 2.0], [1.0, 2.0, 3.0]]},
-        {"shape": "polygon", "points": [[1.0, 2.0], [3.0, 4.0, 0.0], [5.0, 0.0, 0.0]]},
-        {"shape": "region", "points": [[1.0, 2.0, 0.0], [3.0, 4.0, 0.0], [5.0, 0.0, 0.0]]},
-        {"shape": "box", "first": [1.0, 2.0, 3.0], "last": [1.0, 5.0, 9.0]},
-        {"shape": "wall", "points": [[1.0, 2.0], [3.0, 4.0]], "axis": 3, "first": 0.0, "last": 4.0},
-        {"shape": "wall", "points": [[1.0, 2.0]], "axis": 0, "first": 0.0, "last": 4.0},
-    ],
-)
-def test_a_shape_with_too_few_or_too_many_numbers_is_refused(plain) -> None:
-    with pytest.raises(ValueError, match="shape 1"):
-        shape_from_plain(plain, "shape 1")
 
 
 def hollow_ball() -> Surface:
@@ -155,7 +107,7 @@ def test_a_slice_shows_of_a_box_the_rectangle_between_its_faces(axis, one, other
         if low[axis] <= index <= high[axis]:
             (cut,) = found
             expected = np.delete([low, high], axis, axis=1)
-            np.testing.assert_allclose([np.min(cut.points, axis=0), np.max(cut.points, axis=0)], expected)
+            np.testing.assert_allclose([np.min(cut.outline, axis=0), np.max(cut.outline, axis=0)], expected)
         elif not low[axis] - 1 <= index <= high[axis] + 1:
             assert all(isinstance(cut, RegionElsewhere) for cut in found)
             assert len(found) == (kind is BoxRegion), "a region that the slice does not cut leaves nothing of it"
@@ -205,12 +157,6 @@ def test_what_is_drawn_through_slices_is_a_line_in_its_own_and_strips_in_the_oth
         assert region.with_handle_at(handle, to).last == 7.0
 
 
-def test_what_is_not_convex_is_cut_in_several_strips() -> None:
-    fork = ((0.0, 0.0), (9.0, 0.0), (9.0, 3.0), (3.0, 3.0), (3.0, 6.0), (9.0, 6.0), (9.0, 9.0), (0.0, 9.0))
-    assert len(sections(PrismRegion(fork, 0, 0.0, 5.0), 1, 6)) == 2
-    assert len(sections(PrismRegion(fork, 0, 0.0, 5.0), 1, 2)) == 1
-
-
 def test_a_charge_is_seen_where_it_acts_and_held_where_it_lies() -> None:
     charge = Charge((20.0, 30.0, 40.0), 2.0)
     (here,), (near,) = sections(charge, 0, 20), sections(charge, 0, 26)
@@ -222,13 +168,3 @@ def test_a_charge_is_seen_where_it_acts_and_held_where_it_lies() -> None:
     assert sections(charge, 0, 40) == ()
     (flat,) = sections(charge, 1, 30, (2.0, 1.0, 1.0))
     assert np.ptp(flat.ring(16.0), axis=0) == pytest.approx([16.0, 32.0], rel=1e-3)
-
-
-@pytest.mark.parametrize("shape", IN_SPACE, ids=lambda shape: type(shape).__name__)
-def test_shapes_move_in_space_with_their_lines_and_keep_their_handles_in_reach(shape) -> None:
-    by = (3.0, -2.0, 1.5)
-    before, after = wires(shape, (1.0, 1.0, 1.0)), wires(shape.moved(by), (1.0, 1.0, 1.0))
-    np.testing.assert_allclose(after, before + by)
-    place = tuple(before[0, 0].tolist())
-    moved = tuple(np.add(place, by).tolist())
-    assert shape.moved(by).distance(moved) == pytest.approx(shape.distance(place))

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QApplication
 
 from app.views.features.volumes import SlicesFeature
 from cpm_core.shapes import Sphere
-from tests.app.volumes.conftest import ball, move, open_file, press, release
+from tests.app.volumes.conftest import ball, move, press, release
 
 pytestmark = pytest.mark.shared_window
 
@@ -68,43 +68,10 @@ def test_the_wheel_beside_the_canvas_goes_through_the_slices_there(volume) -> No
     assert volume.session.scene.slices.axis == 0
 
 
-def test_the_slices_beside_the_canvas_are_enlarged_and_moved(volume) -> None:
-    middle, control = Qt.MouseButton.MiddleButton, Qt.KeyboardModifier.ControlModifier
-    rows, columns = sides(volume)
-    whole, at = rows.view.viewRect(), (8.0, 12.0)
-    voxel, before = volume.session.scene.slices.voxel, rows.point(at)
-    turn_wheel(rows, 4, before.toPoint(), control)
-    assert rows.view.viewRect().width() < 0.6 * whole.width()
-    assert (rows.point(at) - before).manhattanLength() < 4.0, "the place under the pointer stays"
-    assert columns.view.viewRect().contains(16.0, 12.0)
-    press(rows, at, middle)
-    seen = rows.view.viewRect()
-    move(rows, (10.0, 15.0), middle)
-    release(rows, (10.0, 15.0), middle)
-    assert rows.view.viewRect().center().x() < seen.center().x()
-    turn_wheel(rows, -8, before.toPoint(), control)
-    assert rows.view.viewRect() == whole
-    assert volume.session.scene.slices.voxel == voxel
-
-
 def test_what_is_drawn_in_one_slice_is_seen_in_all_that_cut_it(volume, hand) -> None:
     hand.drag((14, 16), (14, 18), (14, 22))
     (sphere,) = volume.session.document.shapes
     assert isinstance(sphere, Sphere)
     for view in sides(volume):
         (section,) = view.drawn.document.shapes
-        assert section.radii == pytest.approx((sphere.radius,) * 2, abs=0.2)
-
-
-def test_the_key_hides_and_shows_them_and_an_image_has_none(volume, hand, image_file) -> None:
-    hand.key(Qt.Key.Key_Q, SHIFT)
-    assert not any(view.isVisible() for view in sides(volume))
-    hand.key(Qt.Key.Key_Q, SHIFT)
-    assert all(view.isVisible() for view in sides(volume))
-    open_file(volume, hand, image_file)
-    assert not any(view.isVisible() for view in sides(volume))
-    hand.wait(lambda: hand.canvas.width() == volume.canvas_area.width())
-
-
-def test_a_volume_begins_with_its_preset_by_name(volume) -> None:
-    assert "Volume" in volume.panels["parameters"].findChild(object, "preset").text()
+        assert section.line.radii == pytest.approx((sphere.radius,) * 2, abs=0.2)

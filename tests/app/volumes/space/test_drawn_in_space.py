@@ -9,7 +9,7 @@ from PySide6.QtCore import QPoint, Qt
 from app.model.document import edits
 from app.views.features.volumes import SpaceFeature
 from app.views.theme import theme
-from app.views.theme.look import look
+from app.views.theme.theme import look
 from cpm_core.shapes import Box, Points, Sphere
 
 pytestmark = pytest.mark.shared_window
@@ -50,36 +50,6 @@ def test_what_is_drawn_is_seen_in_space_in_its_color(volume, hand, space) -> Non
     assert MOVING not in inks(space)
     volume.canvas_area.canvas.layers.drawing.set_shown(False)
     hand.wait(lambda: space.idle and theme.CHOSEN not in inks(space))
-
-
-def test_a_shape_is_dragged_in_the_plane_of_the_screen(volume, hand, space) -> None:
-    sphere = Sphere((12.0, 14.0, 16.0), 5.0)
-    draw(volume, sphere)
-    hand.wait(lambda: space.idle)
-    camera = space.camera
-    begin = on_screen(space, (12.0, 14.0, 21.0))
-    hand.qtbot.mousePress(space, LEFT, pos=begin)
-    assert volume.session.selected == 0
-    for way in (QPoint(8, 4), QPoint(20, 10)):
-        hand.qtbot.mouseMove(space, begin + way)
-    hand.qtbot.mouseRelease(space, LEFT, pos=begin + QPoint(20, 10))
-    assert space.camera is camera, "the view does not turn"
-    (moved,) = volume.session.document.shapes
-    off = np.subtract(moved.center, sphere.center) @ camera.axes.T * camera.scale / space.devicePixelRatioF()
-    assert off == pytest.approx((20.0, 10.0, 0.0), abs=1e-6)
-    hand.key(KEY.Key_Z, CONTROL)
-    assert volume.session.document.shapes == (sphere,), "a drag is one step of undo"
-
-
-def test_a_drag_beside_the_lines_turns_the_view(volume, hand, space) -> None:
-    draw(volume, Sphere((12.0, 14.0, 16.0), 5.0))
-    hand.wait(lambda: space.idle)
-    camera, begin = space.camera, QPoint(5, 5)
-    hand.qtbot.mousePress(space, LEFT, pos=begin)
-    hand.qtbot.mouseMove(space, begin + QPoint(20, 0))
-    hand.qtbot.mouseRelease(space, LEFT, pos=begin + QPoint(20, 0))
-    assert space.camera is not camera
-    assert volume.session.document.shapes == (Sphere((12.0, 14.0, 16.0), 5.0),)
 
 
 @pytest.mark.parametrize(("key", "kind"), [(KEY.Key_C, Sphere), (KEY.Key_P, Points), (KEY.Key_S, None)])

@@ -7,13 +7,11 @@ from itertools import pairwise
 import numpy as np
 import PIL.Image
 import pytest
-from PySide6.QtCore import QPoint, Qt
-from PySide6.QtWidgets import QApplication
+from PySide6.QtCore import Qt
 
-from app.model.display.space.camera import Camera
 from app.views.features.volumes import SpaceFeature
 from app.views.theme import theme
-from app.views.volume import turntable
+from app.views.volume import space_marks
 from cpm_core.shapes import Sphere
 from tests.app.volumes.conftest import open_file
 
@@ -62,8 +60,7 @@ def test_particles_and_surface_of_a_run_are_seen_on_the_boundary(volume, patient
 
 def test_a_click_in_space_moves_the_slices_there(volume, hand, space) -> None:
     space.bar.checks["slices"].setChecked(True)
-    seen = space.contents.view(space.bar.shown)
-    space.view.use(Camera.on(seen.lengths, space.view.room).along(seen.directions[1]))
+    space.view.look_along(1)
     hand.wait(lambda: space.view.idle)
     hand.qtbot.mouseClick(space.view, Qt.MouseButton.LeftButton, pos=space.view.rect().center())
     assert volume.session.scene.slices.voxel == pytest.approx((12, 14, 16), abs=1)
@@ -90,7 +87,7 @@ def test_the_picture_in_space_is_saved_as_it_is_seen(volume, hand, space, tmp_pa
 
 
 def test_a_turntable_is_one_full_turn(volume, hand, space, tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr(turntable, "FRAMES", 8)
+    monkeypatch.setattr(space_marks, "FRAMES", 8)
     monkeypatch.setattr("app.views.features.volumes.FRAMES", 8)
     hand.wait(lambda: space.view.idle)
     path = tmp_path / "turn.gif"
@@ -104,44 +101,3 @@ def test_a_turntable_is_one_full_turn(volume, hand, space, tmp_path, monkeypatch
             frames.append(np.asarray(film.convert("RGB")).astype(int))
     assert max(frames[0].shape) <= 720
     assert all((one != other).any() for one, other in pairwise(frames))
-
-
-def test_the_menu_of_the_view_turns_it_and_chooses_what_is_shown(volume, hand, space) -> None:
-    view, right = space.view, Qt.MouseButton.RightButton
-    view.use(view.camera.turned(1.0, 0.5))
-    hand.qtbot.mouseClick(view, right, pos=view.rect().center())
-    menus = volume.context_menus
-    hand.wait(lambda: QApplication.activePopupWidget() is not None)
-    texts = [action.text().replace("&", "") for action in menus.menu.actions() if action.text()]
-    assert texts[:5] == ["Whole volume", "Along the plane", "Along the row", "Along the column", "Particles"]
-    assert texts[-3:] == ["Copy picture", "Export picture in space…", "Export turntable…"]
-    menus.menu.close()
-    volume.actions_by_name["space_along_1"].trigger()
-    np.testing.assert_array_equal(view.camera.axes, [[0, 0, 1], [1, 0, 0], [0, -1, 0]])
-    space.bar.checks["slices"].setChecked(False)
-    volume.actions_by_name["space_slices"].trigger()
-    assert space.bar.shown.slices
-    assert volume.actions_by_name["space_slices"].isChecked()
-    hand.wait(lambda: view.idle)
-    volume.actions_by_name["copy_space"].trigger()
-    assert QApplication.clipboard().image().size() == view.picture().size()
-
-
-def test_a_drag_of_the_right_button_moves_the_volume_and_opens_no_menu(volume, hand, space) -> None:
-    view, right, before = space.view, Qt.MouseButton.RightButton, space.view.camera
-    hand.qtbot.mousePress(view, right, pos=view.rect().center())
-    hand.qtbot.mouseMove(view, view.rect().center() + QPoint(20, 10))
-    hand.qtbot.mouseRelease(view, right, pos=view.rect().center() + QPoint(20, 10))
-    hand.qtbot.wait(5)
-    assert QApplication.activePopupWidget() is None
-    assert view.camera is not before
-
-
-def test_the_view_opens_with_as_much_room_as_the_panel_above_it(window, hand, volume_file, image_file) -> None:
-    window.resize(1400, 1000)
-    docks = window.docks
-    before = docks["run"].height()
-    open_file(window, hand, volume_file)
-    hand.wait(lambda: docks["space"].height() >= docks["parameters"].height() - 2)
-    open_file(window, hand, image_file)
-    hand.wait(lambda: docks["run"].height() <= before + 2)

@@ -12,12 +12,10 @@ from pytestqt.qtbot import QtBot
 
 from app.model.display.display_image import IntensityWindow
 from app.model.display.space.triangles import Mesh
-from app.model.display.space.view_in_space import Contents, Particles
+from app.model.display.space.view_in_space import Particles, ViewInSpace
 from app.model.display.space.voxels import Shaded
 from app.model.volume.slices import Slices
 from app.session.features.workspace import Workspace
-from app.views.theme import theme
-from app.views.volume import space_view
 from app.views.volume.space_panel import SpacePanel
 from cpm_core.contours.surface import Surface
 from cpm_core.image.image import Image
@@ -42,15 +40,15 @@ CUBE = Surface(
 )  # fmt: skip
 
 
-def contents(**more: object) -> Contents:
+def contents(**more: object) -> ViewInSpace:
     voxels = np.zeros((21, 41, 41), np.uint8)
     voxels[8:13, 15:26, 15:26] = 255
     return of(voxels, SPACING, "µm", **more)
 
 
-def of(voxels: np.ndarray, spacing: tuple[float, ...], unit: str | None, **more: object) -> Contents:
+def of(voxels: np.ndarray, spacing: tuple[float, ...], unit: str | None, **more: object) -> ViewInSpace:
     image = Image(voxels.astype(float), spacing, unit)
-    return Contents(image, Shaded(image.values, IntensityWindow(0.0, 255.0)), Slices.of(image.shape), **more)
+    return ViewInSpace(image, Shaded(image.values, IntensityWindow(0.0, 255.0)), Slices.of(image.shape), **more)
 
 
 @pytest.fixture
@@ -175,61 +173,3 @@ def test_controls_show_and_hide_each_part(qtbot, panel) -> None:
     parts["projection"].setChecked(True)
     settle(qtbot, panel)
     assert "#ffffff" in colors(panel)
-
-
-def test_a_cut_opens_the_surface_and_only_then_has_a_place(qtbot, panel) -> None:
-    assert not panel.bar.cut_at.isEnabled()
-    panel.bar.cut.setFocus()
-    qtbot.keyClick(panel.bar.cut, Qt.Key.Key_Down)
-    assert panel.bar.cut_at.isEnabled()
-    assert panel.bar.shown.cut_axis == 0
-    panel.view.setFocus()
-    panel.bar.checks["slices"].setChecked(False)
-    qtbot.keyClick(panel.view, Qt.Key.Key_1)
-    settle(qtbot, panel)
-    with qtbot.waitSignal(panel.view.picked) as seen:
-        qtbot.mouseClick(panel.view, LEFT, NONE, center(panel))
-    assert seen.args[0] == pytest.approx((15.0, 20.0, 20.0), abs=0.6)
-
-
-def test_a_slow_picture_is_coarse_while_it_turns_and_whole_when_still(qtbot, panel, monkeypatch) -> None:
-    view, sizes = panel.view, []
-    drawn = space_view._draw
-    monkeypatch.setattr(view, "_seconds", 0.09)
-    monkeypatch.setattr(
-        space_view, "_draw", lambda one, camera, size, *more: (sizes.append(size), drawn(one, camera, size, *more))[1]
-    )
-    drag(qtbot, panel, QPoint(30, 10))
-    full = (view.height(), view.width())
-    assert sizes[0][0] <= full[0] / 2
-    assert sizes[-1] == full
-
-
-def test_another_state_of_the_run_keeps_the_camera_and_another_volume_does_not(qtbot, panel) -> None:
-    drag(qtbot, panel, QPoint(60, 20))
-    turned = panel.view.camera
-    panel.show_contents(contents())
-    assert panel.view.camera is turned
-    smaller = of(np.indices((9, 10, 11)).sum(0), (1.0, 1.0, 1.0), None)
-    panel.show_contents(smaller)
-    assert panel.view.camera is not turned
-    panel.show_contents(None)
-    settle(qtbot, panel)
-    assert colors(panel) == {theme.CANVAS}
-
-
-def test_a_resized_view_shows_as_much_of_the_volume(qtbot, panel) -> None:
-    before = panel.view.camera.scale / min(panel.view.width(), panel.view.height())
-    panel.resize(900, 700)
-    settle(qtbot, panel)
-    assert panel.view.camera.scale / min(panel.view.width(), panel.view.height()) == pytest.approx(before, rel=1e-3)
-
-
-def test_it_says_that_the_first_picture_is_being_made(panel, qtbot, monkeypatch) -> None:
-    said: list[object] = []
-    monkeypatch.setattr(panel.view.marks, "wait", lambda *given: said.append(given))
-    monkeypatch.setattr(panel.view._painter, "ask", lambda work: None)
-    panel.show_contents(None)
-    panel.show_contents(contents())
-    panel.view.grab()
-    assert said

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from cpm_core import VolumeTruth
-from cpm_core.contours.surface.of_labels import surface_of_labels
+from cpm_core.contours.surface import surface_of_labels
 
 SPACING = (2.0, 1.0, 1.0)
 
@@ -42,13 +41,3 @@ def test_an_object_that_the_border_cuts_is_closed_there_or_open(axis, end):
     assert opened.vertices.min() >= 0.0 and (opened.vertices <= np.array(shape) - 1.0).all()
     lost = {triangle for triangle in triangles(closed) if not set(triangle[axis::3]) <= {beyond}}
     assert len(opened.faces) < len(lost)  # the sides end half a voxel earlier, and nothing is added
-
-
-@pytest.mark.parametrize("shape", [(1, 6, 7), (6, 1, 7), (6, 7, 1), (2, 6, 7)])
-def test_labels_of_few_planes_have_a_surface_where_there_is_one(shape):
-    part = np.zeros(shape, np.int32)
-    part[tuple(slice(0, max(1, side - 2)) for side in shape)] = 1
-    found = VolumeTruth(part).surface
-    assert (len(found.faces) > 0) == (min(shape) > 1)
-    assert len(VolumeTruth(np.ones(shape, np.int32)).surface.faces) == 0
-    assert len(VolumeTruth(np.zeros(shape, np.int32)).surface.faces) == 0

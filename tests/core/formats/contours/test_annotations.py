@@ -2,14 +2,10 @@
 
 import contextlib
 import csv
-import importlib.util
 import json
-import subprocess
-import sys
 from dataclasses import replace
 
 import numpy as np
-import PIL.Image
 import pytest
 import shapely
 from pycocotools.coco import COCO
@@ -48,29 +44,6 @@ def test_labelme_finds_the_image_from_the_folder_of_the_file(tmp_path):
         path = json.loads(file.read_text(encoding="utf-8"))["imagePath"]
         assert path == wanted
         assert (file.parent / path).resolve() == image
-
-
-_LOAD = """
-import json, sys
-from labelme import LabelFile
-file = LabelFile(sys.argv[1])
-print(json.dumps([[shape["label"], shape["shape_type"], [list(map(float, point)) for point in shape["points"]]]
-                  for shape in file.shapes]))
-"""
-
-
-@pytest.mark.skipif(importlib.util.find_spec("labelme") is None, reason="labelme is not installed (GPL, with PyQt5)")
-def test_labelme_itself_loads_its_file_beside_the_image(tmp_path):
-    """In a process of its own, for labelme loads another binding of Qt."""
-    PIL.Image.fromarray(np.zeros(RESULT.shape, dtype=np.uint8)).save(tmp_path / RESULT.source)
-    export(RESULT, tmp_path / "a.labelme.json")
-    command = [sys.executable, "-c", _LOAD, str(tmp_path / "a.labelme.json")]
-    loaded = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
-    kinds = ["polygon", "linestrip", "polygon", "polygon", "point"]
-    assert [kind for _, kind, _ in loaded] == kinds
-    assert [label for label, *_ in loaded] == ["cell", "fibre", "contour", "Kern β", "contour"]
-    for (*_, points), contour in zip(loaded, RESULT.contours, strict=True):
-        np.testing.assert_allclose(points, contour.points[:, ::-1] + 0.5, atol=1e-4)
 
 
 def coco(tmp_path, result=RESULT):
@@ -122,25 +95,6 @@ def test_the_mask_of_an_instance_with_holes_is_its_label_in_the_label_mask(tmp_p
         edges = [shapely.LinearRing(contour.points) for contour in contours if contour.closed]
         allowed = 0.0 if packed else ROUNDING
         assert all(min(edge.distance(shapely.Point(pixel)) for edge in edges) < allowed for pixel in differ)
-
-
-def ragged(seed):
-    """A contour of an uneven outline without a hole, some of it beyond the image."""
-    random = np.random.default_rng(seed)
-    angle = 2 * np.pi * np.arange(40) / 40
-    radius = 20.3 * (1 + 0.3 * random.uniform(-1, 1, 40))
-    return replace(CELL, points=np.array([27.3, 66.7]) + radius[:, None] * np.stack([np.sin(angle), np.cos(angle)], 1))
-
-
-@pytest.mark.filterwarnings("ignore:__array__ implementation:DeprecationWarning")  # of pycocotools
-@pytest.mark.parametrize("contour", [CELL, HOLE, CORE, ragged(0), ragged(1)])
-def test_what_coco_masks_is_the_label_mask_of_a_shape_without_holes(tmp_path, contour):
-    found = coco(tmp_path, replace(RESULT, contours=(contour,)))
-    (instance,) = found.loadAnns(found.getAnnIds())
-    mask = found.annToMask(instance) == 1
-    ours = paint((contour,), RESULT.shape) == 1
-    line = shapely.LinearRing(contour.points)
-    assert all(line.distance(shapely.Point(pixel)) < ROUNDING for pixel in np.argwhere(mask != ours))
 
 
 def test_coco_of_open_contours_alone_is_refused(tmp_path):

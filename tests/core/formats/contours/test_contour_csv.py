@@ -6,8 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cpm_core.contours.contour import Contour
-from cpm_core.field.region_contrast import Sides
 from cpm_core.formats import export, load_points
 
 from ..drawn import LINE, LINE_AND_SQUARE, SQUARE
@@ -55,16 +53,6 @@ def test_a_result_without_contours_is_a_header(tmp_path):
 def test_the_table_can_be_the_start_of_another_run(tmp_path):
     export(RESULT, tmp_path / "a.csv")
     assert np.allclose(load_points(tmp_path / "a.csv"), np.concatenate([LINE.points, SQUARE.points]), atol=1e-4)
-
-
-def test_contrast_is_given_where_it_can_be_measured(tmp_path):
-    values = np.where(np.arange(80) < 40, 0.0, 100.0) * np.ones((50, 1))
-    points = np.stack([np.arange(15.0, 35.0), np.full(20, 39.5)], axis=1)
-    edge = Contour(points, closed=False, sides=Sides(values, points, np.tile([0.0, 1.0], (20, 1)), 1.0))
-    rows = table(tmp_path / "a.csv", replace(RESULT, contours=(LINE, edge)))
-    assert {row["contrast"] for row in rows[:3]} == {""}
-    assert [float(row["contrast"]) for row in rows[3:]] == pytest.approx([edge.contrast] * 20, abs=1e-4)
-    assert edge.contrast > 0.5
 
 
 def test_names_and_colours_stand_where_any_contour_has_one(tmp_path):

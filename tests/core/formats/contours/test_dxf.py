@@ -28,12 +28,6 @@ def test_the_drawing_is_one_of_release_2007_without_errors():
     assert (auditor.errors, auditor.fixes) == ([], [])
 
 
-def test_its_extents_are_those_of_the_image():
-    header = opened().header
-    assert header["$EXTMIN"][:2] == (0.0, 0.0)
-    assert header["$EXTMAX"][:2] == (90 * 0.25, 60 * 0.5)
-
-
 def test_polylines_run_through_the_contours_the_right_way_up_in_the_unit_of_the_image():
     drawn = [contour for contour in RESULT.contours if len(contour.points) > 1]
     for line, contour in zip(polylines(), drawn, strict=True):
@@ -68,22 +62,6 @@ def test_names_are_layers_that_are_declared_and_colors_their_own(tmp_path):
 def test_names_of_layers_have_the_letters_that_they_may_have(name, layer):
     named = Contour(FIBRE.points, False, name=name)
     assert [line.dxf.layer for line in polylines(replace(RESULT, contours=(named,)))] == [layer]
-
-
-@pytest.mark.parametrize(
-    ("color", "number"),
-    [
-        ("#ff0500", 1),
-        ("#7f8080", 8),
-        ("#00f5ff", 4),
-        # white on a dark screen, black on white paper
-        ("#000000", 7),
-        ("#ffffff", 7),
-    ],
-)
-def test_programs_that_know_numbered_colors_only_show_the_nearest(color, number):
-    (line,) = polylines(replace(RESULT, contours=(Contour(FIBRE.points, False, color=color),)))
-    assert line.dxf.color == number
 
 
 @pytest.mark.parametrize(("unit", "number"), [("nm", 12), ("µm", 13), ("mm", 4), ("cm", 5), ("m", 6), (None, 0)])

@@ -35,11 +35,6 @@ def test_each_contour_is_a_valid_feature_of_its_kind():
     assert all(shape.is_valid for shape in shapes())
 
 
-def test_the_whole_file_is_a_collection_of_these():
-    collection = shapely.from_geojson(encoded(RESULT, ".geojson"))
-    assert list(collection.geoms) == shapes()
-
-
 def test_coordinates_are_x_and_y_from_the_corner_of_the_image():
     cell, fibre, *_, dot = shapes()
     np.testing.assert_allclose(fibre.coords, FIBRE.points[:, ::-1] + 0.5, atol=1e-4)
@@ -85,11 +80,6 @@ def test_units_are_left_out_where_they_are_not_known():
         "Gross area px^2",
         "Edge strength",
     }
-
-
-def test_holes_are_contours_of_their_own_as_well():
-    names = [feature["properties"]["name"] for feature in features()]
-    assert names == ["cell", "fibre", "contour 3", "Kern β", "contour 5"]
 
 
 def test_the_net_area_is_that_of_the_polygon_and_about_that_of_the_label_mask():

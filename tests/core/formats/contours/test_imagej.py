@@ -1,7 +1,6 @@
 """ImageJ ROIs: roifile, and the published layout of a file, find in them what ImageJ is to show."""
 
 import io
-import struct
 import zipfile
 from dataclasses import replace
 
@@ -43,33 +42,9 @@ def test_a_vertex_by_itself_is_a_point():
     assert roi.coordinates().tolist() == [[7.25, 3.5]]
 
 
-def test_a_selection_lies_on_no_channel_slice_or_time_in_particular():
-    roi = roi_of(CELL)
-    assert (roi.position, roi.c_position, roi.z_position, roi.t_position) == (0, 0, 0, 0)
-
-
-def test_more_vertices_than_two_bytes_count_are_all_there():
-    angle = 2 * np.pi * np.arange(70000) / 70000
-    points = 100 + 50 * np.stack([np.sin(angle), np.cos(angle)], axis=1)
-    np.testing.assert_allclose(roi_of(Contour(points, True)).coordinates(), points[:, ::-1] + 0.5, atol=1e-4)
-
-
 @pytest.mark.parametrize("name", ["Kern β", "細胞", "🔬 nucleus 🔬"])
 def test_a_name_has_all_its_letters(name):
     assert roi_of(replace(CELL, name=name)).name == name
-
-
-def test_the_bytes_lie_where_the_format_of_imagej_has_them():
-    """Offsets of `RoiDecoder.java` of ImageJ: mark, version, kind, box and coordinates in network order."""
-    data = encoded(replace(RESULT, contours=(CELL,)), ".roi")
-    count = len(CELL.points)
-    assert data[:4] == b"Iout"
-    assert struct.unpack_from(">h", data, 4)[0] >= 222  # from which on coordinates may be fractions
-    assert data[6] == 0  # a polygon
-    assert struct.unpack_from(">4hH", data, 8) == (5, 10, 56, 61, count)
-    assert struct.unpack_from(">h", data, 50)[0] & 128
-    exact = np.frombuffer(data, ">f4", 2 * count, 64 + 4 * count).reshape(2, count)
-    np.testing.assert_allclose(exact.T, CELL.points[:, ::-1] + 0.5, atol=1e-5)
 
 
 def test_the_set_holds_all_contours_in_their_order_under_their_names(tmp_path):

@@ -6,12 +6,11 @@ import re
 import xml.etree.ElementTree as ET
 
 import numpy as np
-import PIL.Image
 import pytest
 from scipy import ndimage
 
 from cpm_core import Contour, Skeleton
-from cpm_core.formats import FOR_SKELETONS, WRITABLE, export, load_image, suffix_of
+from cpm_core.formats import WRITABLE, export, load_image, suffix_of
 from tests.core.formats.masks.test_label_mask import indices
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -45,12 +44,6 @@ def test_the_table_of_branches_has_their_thickness(tmp_path):
     np.testing.assert_allclose(found, [[4.0, 9.0, 12.5], [2.0, 7.25, 12.5], [6.0] * 3, [17.0] * 3])
 
 
-@pytest.mark.parametrize("suffix", FOR_SKELETONS)
-def test_every_format_that_is_offered_for_skeletons_can_be_written(tmp_path, suffix):
-    export(SKELETON, tmp_path / f"a{suffix}")
-    assert (tmp_path / f"a{suffix}").stat().st_size > 0
-
-
 def test_the_shape_can_be_rebuilt_from_the_drawing(tmp_path):
     export(SKELETON, tmp_path / "a.svg")
     root = ET.parse(tmp_path / "a.svg").getroot()
@@ -67,13 +60,6 @@ def test_the_shape_can_be_rebuilt_from_the_drawing(tmp_path):
     assert (again.rebuilt() == SKELETON.rebuilt()).all()
 
 
-def test_a_vertex_by_itself_is_drawn_as_a_dot(tmp_path):
-    export(SKELETON, tmp_path / "a.svg")
-    root = ET.parse(tmp_path / "a.svg").getroot()
-    assert root.find(f"{SVG}g").get("stroke-linecap") == "round"
-    assert root.findall(f".//{SVG}path")[-1].get("d") == "M70.000 40.000 L70.000 40.000"
-
-
 def test_each_branch_is_a_line_of_its_label_one_pixel_wide(tmp_path):
     export(SKELETON, tmp_path / "a.png")
     mask = indices(tmp_path / "a.png")
@@ -88,19 +74,6 @@ def test_each_branch_is_a_line_of_its_label_one_pixel_wide(tmp_path):
     assert (mask == 3).sum() == 4 * 12
     assert np.argwhere(mask == 4).tolist() == [[40, 70]]
     assert ndimage.label(mask, np.ones((3, 3)))[1] == 3
-
-
-def test_more_branches_than_a_byte_can_tell_apart_take_sixteen_bits(tmp_path):
-    dots = tuple(Contour(np.array([[k // 80, k % 80]], float), False) for k in range(300))
-    export(Skeleton(dots, (np.ones(1),) * 300, (50, 80), (1.0, 1.0), None, "a.png"), tmp_path / "a.png")
-    with PIL.Image.open(tmp_path / "a.png") as image:
-        assert np.asarray(image).ravel()[:301].tolist() == [*range(1, 301), 0]
-
-
-def test_a_branch_that_ends_on_the_border_stays_in_the_picture(tmp_path):
-    line = Contour(np.array([[-0.5, 10.0], [49.5, 10.0]]), False)
-    export(Skeleton((line,), (np.ones(2),), (50, 80), (1.0, 1.0), None, "a.png"), tmp_path / "a.png")
-    assert indices(tmp_path / "a.png").sum() == 50
 
 
 def test_a_picture_without_a_skeleton_is_refused_and_the_others_are_empty(tmp_path):

@@ -5,7 +5,7 @@ import struct
 import numpy as np
 import pytest
 
-from cpm_core.formats.meshes.surface_file import decode_surface
+from cpm_core.formats.surface_file import decode_surface
 
 CUBE = np.array([(x, y, z) for z in (0, 3) for y in (0, 3) for x in (0, 3)], float) + 1.0
 SQUARES = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]

@@ -20,8 +20,8 @@ from cpm_core import (
     load_surface,
     load_volume_truth,
 )
-from cpm_core.contours.surface.agreement import compare_surface
-from cpm_core.formats.meshes.surface_file import SURFACES_READABLE, decode_surface
+from cpm_core.contours.surface_agreement import compare_surface
+from cpm_core.formats.surface_file import SURFACES_READABLE, decode_surface
 
 from .test_meshes import RESULT, SHAPE, SPACING, SURFACE, VALUES
 

@@ -8,8 +8,7 @@ import skimage
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core.contours.ground_truth import truth_of_mask
-from cpm_core.contours.surface.ground_truth import VolumeTruth
+from cpm_core.contours.ground_truth import VolumeTruth, truth_of_mask
 from cpm_core.image.image import Image
 from cpm_core.objects.methods import CONTOUR_METHODS, Start, facts_of, moments, result_of, run_method, runnable
 from cpm_core.objects.methods.level_sets import GeodesicSettings, moved, signed_distance

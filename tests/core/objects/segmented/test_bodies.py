@@ -3,14 +3,10 @@
 import numpy as np
 import pytest
 
-from cpm_core import VolumeRegions, VolumeTruth, segment, sphere
-from cpm_core.contours.surface.packing import PackedSurface
-from cpm_core.formats.common.provenance import plain_shapes
-from cpm_core.formats.sessions.plain_values import shape_from_plain, shape_to_plain
-from cpm_core.objects.segmented.bodies import surface_of_both
-from cpm_core.objects.segmented.segmented_object import SegmentedObject, SegmentedObjects
+from cpm_core import VolumeTruth, segment, sphere
+from cpm_core.contours.packed_surface import PackedSurface
+from cpm_core.objects.segmented.areas import surface_of_both
 from cpm_core.parameters import PRESETS
-from cpm_core.shapes import EnclosedRegion, EnclosingWall
 from cpm_core.shapes.document_shapes import regions_of
 
 SHAPE = (28, 30, 40)
@@ -48,12 +44,6 @@ def test_the_voxels_of_a_surface_are_those_inside_wherever_they_are():
     assert not outside.voxels.hold(np.array([(13.0, 14.0, -90.0)])).any()
 
 
-def test_a_surface_around_more_voxels_than_can_be_filled_is_refused():
-    surface = packed(ONE).surface
-    with pytest.raises(ValueError, match=r"spans 650 x 650 x 650 voxels, but at most 268,435,456"):
-        PackedSurface.of(type(surface)(surface.vertices * (650.0 / np.ptp(surface.vertices, axis=0)), surface.faces))
-
-
 def test_the_shell_parts_inside_from_outside():
     one = packed(ONE)
     shell = filled(one.shell)
@@ -65,13 +55,6 @@ def test_the_shell_parts_inside_from_outside():
         for step in (-1, 1):
             beside |= np.roll(inner, step, axis)
     assert not (beside & ~ONE).any()
-
-
-def test_the_surfaces_of_objects_far_apart_are_kept_as_they_are():
-    one, far = packed(ONE), packed(FAR)
-    both = surface_of_both(one, far).surface
-    assert (both.components, both.closed, len(both.faces)) == (2, True, len(one.surface.faces) + len(far.surface.faces))
-    assert both.volume == pytest.approx(one.surface.volume + far.surface.volume, rel=1e-5)
 
 
 @pytest.mark.parametrize("apart", [4, 8, 11])
@@ -93,19 +76,6 @@ def test_objects_with_a_wall_in_common_become_one_without_it():
     assert filled(both.voxels)[8:18, 8:18, 8:28].all()
 
 
-def test_objects_limit_a_run_as_regions_and_barriers():
-    one, far = packed(ONE), packed(FAR)
-    regions = regions_of((EnclosedRegion(one), EnclosingWall(far)))
-    assert isinstance(regions, VolumeRegions)
-    assert np.array_equal(regions.voxels(SHAPE), ONE)
-    assert np.array_equal(filled(regions.barriers[0]), filled(far.shell))
-    frozen = SegmentedObjects(
-        (SegmentedObject(1, (), surface=(one,), frozen=True), SegmentedObject(2, (), surface=(far,)))
-    )
-    assert regions_of((), frozen.barriers) == VolumeRegions(barriers=(one.shell,))
-    assert regions_of((), SegmentedObjects().barriers) is None
-
-
 def test_no_particle_of_a_run_enters_a_frozen_object():
     values = 20.0 + 150.0 * (ball((13, 14, 10), RADIUS) | ball((13, 14, 22), RADIUS))
     regions = regions_of((), (packed(ball((13, 14, 22), RADIUS)).shell,))
@@ -115,17 +85,3 @@ def test_no_particle_of_a_run_enters_a_frozen_object():
     assert free.labels[13, 14, 22] > 0
     assert held.labels[13, 14, 10] > 0
     assert regions.allows(held.particles).all()
-
-
-@pytest.mark.parametrize("kind", [EnclosedRegion, EnclosingWall])
-def test_shapes_of_objects_are_kept_by_sessions_and_moved_as_a_whole(kind):
-    shape = kind(packed(ONE))
-    assert shape_from_plain(shape_to_plain(shape), "shape 1") == shape
-    moved = shape.moved((0.0, 2.0, 1.0))
-    assert np.allclose(np.subtract(moved.center, shape.center), (0, 2, 1), atol=1e-4)
-    assert shape.resized(3.0) == shape
-    assert shape.distance((13.0, 14.0, 10.0)) == pytest.approx(RADIUS, abs=0.6)
-    (plain,) = plain_shapes([shape])
-    assert plain["triangles"] == len(shape.surface.surface.faces)
-    assert "surface" not in plain
-    assert "faces" not in str(plain)

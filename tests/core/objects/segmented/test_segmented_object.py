@@ -12,9 +12,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from cpm_core.formats.sessions.session_file import SessionFile, load_session, save_session
-from cpm_core.objects.segmented import segmented_object
-from cpm_core.objects.segmented.segmented_object import Click, ObjectClass, SegmentedObject, SegmentedObjects
-from cpm_core.objects.segmented.union import union
+from cpm_core.objects.segmented.areas import union
+from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, SegmentedObjects
 
 
 def circle(row: float, col: float, radius: float, corners: int = 200) -> tuple[tuple[float, float], ...]:
@@ -60,7 +59,7 @@ FAR = made(((-1e6, -1e6), (-1e6, 12.0), (1e6, 12.0), (1e6, -1e6)), number=2)
 def test_an_object_that_reaches_far_beyond_an_image_takes_the_memory_of_the_image() -> None:
     tracemalloc.start()
     mask, (_, col) = FAR.mask((40, 44)), FAR.innermost((40, 44))
-    whole = union(FAR, RING, (40, 44))
+    whole = union(FAR, RING)
     largest = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert mask[:, :12].all()
@@ -70,48 +69,6 @@ def test_an_object_that_reaches_far_beyond_an_image_takes_the_memory_of_the_imag
     assert largest < 10e6
 
 
-def test_an_object_beside_the_image_has_no_pixel_in_it() -> None:
-    beside = made(circle(-30, 20, 12))
-    assert not beside.mask((40, 44)).any()
-    assert beside.innermost((40, 44)) == beside.boundary[0][0]
-
-
-def test_a_large_mask_is_made_in_parts_that_do_not_show(monkeypatch) -> None:
-    whole = RING.mask((40, 44))
-    monkeypatch.setattr(segmented_object, "_AT_ONCE", 70)
-    np.testing.assert_array_equal(RING.mask((40, 44)), whole)
-
-
-@pytest.mark.parametrize(
-    ("parts", "words"),
-    [
-        ({"number": 0}, "number of an object is 0"),
-        ({"category": 10}, "class of an object is 10"),
-        ({"confidence": 1.5}, "confidence of an object is 1.5"),
-        ({"color": "red"}, 'color of an object is "red"'),
-    ],
-)
-def test_a_value_out_of_range_is_named(parts, words) -> None:
-    with pytest.raises(ValueError, match=words):
-        made(circle(20, 20, 5), **parts)
-
-
-def test_a_boundary_needs_three_points_and_a_click_a_place() -> None:
-    with pytest.raises(ValueError, match="three different points"):
-        made(((1.0, 1.0), (2.0, 2.0), (1.0, 1.0)))
-    with pytest.raises(ValueError, match="no place"):
-        Click(())
-
-
-def test_no_two_objects_have_the_same_number_and_only_a_known_one_is_changed() -> None:
-    with pytest.raises(ValueError, match="same number"):
-        SegmentedObjects((RING, RING))
-    with pytest.raises(ValueError, match="number 3"):
-        SegmentedObjects((RING,), edited=3)
-    with pytest.raises(ValueError, match="1 classes"):
-        SegmentedObjects(classes=(ObjectClass("", "#000000"),))
-
-
 def test_frozen_objects_are_barriers_around_which_no_particle_gets() -> None:
     assert SegmentedObjects((RING,)).barriers == ()
     lines = SegmentedObjects((replace(RING, frozen=True),)).barriers
@@ -119,7 +76,7 @@ def test_frozen_objects_are_barriers_around_which_no_particle_gets() -> None:
 
 
 def test_the_union_of_two_that_lie_apart_is_both() -> None:
-    both = union(RING, made(circle(20, 50, 8), number=2), (40, 70))
+    both = union(RING, made(circle(20, 50, 8), number=2))
     assert both.area == pytest.approx(RING.area + math.pi * 64, rel=0.01)
     assert len(both.boundary) == 3
 
@@ -127,7 +84,7 @@ def test_the_union_of_two_that_lie_apart_is_both() -> None:
 @pytest.mark.parametrize("slit", [0.0, 0.5, 1.0])
 def test_the_union_closes_the_slit_between_two_that_touch(slit: float) -> None:
     left, right = (((10.0, a), (10.0, a + 10.0), (30.0, a + 10.0), (30.0, a)) for a in (5.0, 15.0 + slit))
-    whole = union(made(left), made(right, number=2), (40, 44))
+    whole = union(made(left), made(right, number=2))
     assert len(whole.boundary) == 1
     assert whole.area == pytest.approx(20.0 * (20.0 + slit), rel=0.02)
 
@@ -136,12 +93,12 @@ def test_the_union_closes_the_slit_between_two_that_touch(slit: float) -> None:
 def test_the_union_covers_both_and_nothing_else(one: float, other: float, apart: float) -> None:
     first, second = made(circle(20, 20, one)), made(circle(20, 20 + apart, other), number=2)
     shape = (40, 70)
-    found, truth = union(first, second, shape).mask(shape), first.mask(shape) | second.mask(shape)
+    found, truth = union(first, second).mask(shape), first.mask(shape) | second.mask(shape)
     assert (found != truth).sum() <= 8 + 0.02 * truth.sum()
 
 
 def test_the_union_of_an_object_with_itself_is_that_object() -> None:
-    assert union(RING, RING, (40, 44)).area == pytest.approx(RING.area, rel=0.01)
+    assert union(RING, RING).area == pytest.approx(RING.area, rel=0.01)
 
 
 def test_a_session_file_keeps_every_part_of_the_objects(tmp_path) -> None:
@@ -149,12 +106,3 @@ def test_a_session_file_keeps_every_part_of_the_objects(tmp_path) -> None:
     objects = SegmentedObjects((item,), clicks=(Click(((1.0, 2.0),), inside=False),), edited=1, category=4)
     save_session(SessionFile(objects=objects), tmp_path / "a.cpm")
     assert load_session(tmp_path / "a.cpm").objects == objects
-
-
-def test_a_session_file_from_before_objects_has_none(tmp_path) -> None:
-    path = tmp_path / "a.cpm"
-    save_session(SessionFile(), path)
-    text = path.read_text()
-    start = text.index('"objects"')
-    path.write_text(text[:start] + text[text.index('"view"') :])
-    assert load_session(path).objects == SegmentedObjects()

@@ -7,7 +7,7 @@ from scipy.ndimage import gaussian_filter
 from scipy.spatial import KDTree
 
 from cpm_core.numerics.grids import zero_surface
-from cpm_core.reconstruction.surface.iso.pipeline import find_surface
+from cpm_core.reconstruction.surface.pipeline import find_surface
 
 SIDE = 40.0
 MIDDLE = np.full(3, (SIDE - 1.0) / 2.0)

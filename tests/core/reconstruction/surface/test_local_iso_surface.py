@@ -1,10 +1,9 @@
 import numpy as np
 import pytest
-from scipy.ndimage import distance_transform_edt, map_coordinates
+from scipy.ndimage import map_coordinates
 
 from cpm_core.reconstruction.surface.components import Leaving
-from cpm_core.reconstruction.surface.iso.necks import Surroundings
-from cpm_core.reconstruction.surface.iso.threads import falls_around
+from cpm_core.reconstruction.surface.joints import Surroundings
 from tests.core.reconstruction.surface import solids
 from tests.core.reconstruction.surface.solids import ball, brick, ring, rod, scene, surface_of, union, without
 
@@ -49,12 +48,6 @@ def test_voxels_need_not_be_cubes(solid):
     assert surface.euler == cubes.euler
     assert surface.volume == pytest.approx(cubes.volume, rel=0.02)
     assert surface.area == pytest.approx(cubes.area, rel=0.02)
-
-
-def test_a_dark_object_has_the_surface_of_a_bright_one():
-    bright, dark = (surface_of(scene(LINKED, dark=dark)) for dark in (False, True))
-    assert (dark.euler, dark.components, dark.closed) == (0, 2, True)
-    assert dark.volume == pytest.approx(bright.volume, rel=0.01)
 
 
 @pytest.mark.parametrize("gap", [2.0, 3.0])
@@ -128,30 +121,6 @@ def test_components_with_few_particles_are_left_out_and_counted():
     larger = surface_of(seen, leaving=Leaving(share=0.5))
     assert (larger.components, larger.left_out) == (1, 1)
     assert len(larger.vertices) == len(np.unique(larger.faces))
-
-
-def test_too_few_particles_make_no_surface():
-    seen = scene(ball(9))
-    surface = surface_of(seen._replace(points=seen.points[:3]))
-    assert (len(surface.vertices), len(surface.faces), surface.euler, surface.closed) == (0, 0, 0, False)
-
-
-def test_the_same_particles_give_the_same_surface():
-    seen = scene(ring(11, 5), noise=20.0)
-    one, other = surface_of(seen), surface_of(seen)
-    assert np.array_equal(one.vertices, other.vertices) and np.array_equal(one.faces, other.faces)
-
-
-def test_gray_levels_fall_around_a_way_however_it_bends():
-    steps = np.repeat([(1, 0, 0), (0, 0, 1), (1, 1, 0), (0, 0, -1), (0, 1, 0)], 9, axis=0)
-    way = np.cumsum(np.concatenate([[(6, 6, 6)], steps]), axis=0).astype(float)
-    on = np.zeros((32, 32, 24), bool)
-    on[tuple(way.astype(int).T)] = True
-    volume = (100.0 - distance_transform_edt(~on)).astype(np.float32)
-    none = np.empty((0, 3))
-    falls = falls_around(way, Surroundings(volume, 1.0, none, none, np.empty(0), np.ones(3)), 1.0)
-    assert falls.shape[0] == len(way)
-    assert (falls.mean(1) > 1.0).all()
 
 
 def ridge_test(volume):

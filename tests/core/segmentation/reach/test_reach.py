@@ -1,6 +1,5 @@
 """What a start reaches, and how reach, weakest edge, damping, weights and annealing decide on it."""
 
-import tracemalloc
 from dataclasses import replace
 from itertools import pairwise
 
@@ -75,19 +74,6 @@ def test_a_start_in_one_of_two_objects_finds_that_one_only(start):
     assert result.contours[0].reached == "flight"
 
 
-def test_starts_in_two_objects_find_both():
-    result = segment(apart(), np.concatenate([START, circle(RIGHT, 10.0)]), SHAPE)
-    assert [contour.closed for contour in result.contours] == [True, True]
-
-
-def test_starts_in_many_objects_of_unlike_strength_find_each_of_them():
-    centers = [(row, col) for row in (16.0, 48.0, 80.0) for col in np.arange(14.0, 150.0, 22.0)]
-    values = sum(disk(center, 8.0, 60.0 + 8.0 * number) for number, center in enumerate(centers))
-    result = segment(values, np.concatenate([circle(center, 4.0) for center in centers]), SHAPE)
-    assert sum(contour.closed for contour in result.contours) == len(result.contours) == len(centers)
-    assert all(covered(result.contours, center, 8.0) == 1.0 for center in centers)
-
-
 def halves(left, right):
     """A rectangle of two levels whose common border is column 80."""
     inside = (np.abs(ROW - 48) < 24) & (np.abs(COL - 80) < 36)
@@ -151,11 +137,6 @@ def test_a_larger_budget_reaches_all_that_a_smaller_one_does_and_more():
 def test_fronts_creep_farther_with_more_reach_push_and_annealing(name, values):
     budgets = [budget_of(replace(SHAPE, **{name: value})) for value in values]
     assert all(before < after for before, after in pairwise(budgets))
-
-
-def test_the_reach_of_the_papers_weights_and_annealing_is_the_parameter_itself():
-    assert budget_of(Parameters(reach=37.0)) == pytest.approx(37.0)
-    assert budget_of(Parameters()) == np.inf
 
 
 def test_less_damping_carries_particles_across_a_weak_edge():
@@ -237,21 +218,3 @@ def test_the_area_of_a_start_is_what_it_encloses():
     assert area[away < 11.0].all()
     assert not area[away > 13.5].any()
     assert radius_of(area) == pytest.approx(12.0, abs=1.5)
-
-
-def test_the_area_of_a_single_particle_is_its_pixel():
-    assert np.argwhere(drawn_area(np.array([[3.2, 4.7]]), (8, 9))).tolist() == [[3, 5]]
-
-
-def test_a_map_takes_the_memory_of_a_few_images():
-    """Eleven images of 8 bytes a pixel at most, the result included: large images leave no room for more."""
-    row, col = np.ogrid[:800, :800]
-    values = 200.0 * (np.hypot(row - 400.0, col - 400.0) < 200.0)
-    scale_field = build_scale_field(values, 1.0, 0.0)
-    closed, start = closed_map(values.shape), circle((400.0, 400.0), 130.0)
-    tracemalloc.start()
-    try:
-        assert reach_map(scale_field, start, closed, SHAPE) is not None
-        assert tracemalloc.get_traced_memory()[1] < 11 * values.nbytes
-    finally:
-        tracemalloc.stop()

@@ -81,8 +81,3 @@ def test_a_start_that_cannot_be_is_refused(seeds, says):
         with pytest.raises(ValueError, match=says) as caught:
             run()
         in_one_sentence(caught)
-
-
-def test_some_seeds_outside_are_left_out():
-    state = cpm.Engine(ball(), VOLUME).start(np.concatenate([SEEDS, [(90.0, 1.0, 1.0)]]))
-    assert state.count == len(SEEDS)

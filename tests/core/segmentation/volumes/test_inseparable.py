@@ -76,18 +76,6 @@ def test_what_can_be_moved_apart_depends_on_the_start(name, center, whole):
         assert covered(name, engine.result(state, VOLUME)) == pytest.approx(whole, abs=0.04)
 
 
-def test_specks_and_boundaries_much_weaker_than_those_found_are_left_alone():
-    for size, share, expected in ((4.0, 1.0, True), (4.0, 0.2, False), (1.0, 1.0, False)):
-        gray = 200.0 * np.clip(0.5 + without(ball(17.0, M), ball(11.0, M))(grid(side=SIDE)), 0.0, 1.0)
-        gray += 200.0 * share * np.clip(0.5 + ball(size, M)(grid(side=SIDE)), 0.0, 1.0)
-        field = build_volume_field(gray, (1.0, 1.0, 1.0), 0.7, 0.1)
-        ridges = field.ridges
-        wall = np.linalg.norm(ridges.place - M, axis=1) > 8.0
-        reached = np.zeros(ridges.component.max() + 1, bool)
-        reached[ridges.component[wall]] = True
-        assert inseparable(field, ridges, reached, wall).any() == expected
-
-
 def test_a_region_that_particles_cannot_enter_encloses_nothing():
     gray = volume("nested", 0.0)
     closed = np.zeros(gray.shape, bool)

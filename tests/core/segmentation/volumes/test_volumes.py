@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 
 import cpm_core as cpm
 from cpm_core.field.volume_field import build_volume_field
-from cpm_core.numerics import parallel
 from cpm_core.parameters import OF_PLANES
 
 VOLUME = cpm.PRESETS["volume"]
@@ -65,28 +64,6 @@ def test_a_step_depends_on_the_state_alone_and_changes_nothing():
         assert frozen(before) == held
 
 
-def test_one_core_or_several_give_the_same_bits(monkeypatch):
-    seeds = cpm.sphere(CENTER, 4.0, 60)
-    for cores in (1, 3):
-        monkeypatch.setattr(parallel, "cores", lambda cores=cores: cores)
-        other = cpm.Engine(ball(), VOLUME)
-        state = other.start(seeds)
-        for _ in range(14):
-            state = other.step(state, VOLUME)
-        assert frozen(state) == frozen(states()[14])
-
-
-def test_a_run_that_has_ended_stays_as_it_is():
-    assert engine().step(states()[-1], VOLUME) is states()[-1]
-
-
-def test_parameters_act_at_the_next_step():
-    before = states()[3]
-    for name, value in (("w1", 0.3), ("w2", 1.5), ("beta", 2.0), ("time_step", 0.2), ("d_min", 3.0)):
-        after = engine().step(before, replace(VOLUME, **{name: value}))
-        assert frozen(after) != frozen(states()[4]), name
-
-
 def test_a_particle_on_a_surface_sleeps_when_nothing_new_has_been_found_near_it_for_long():
     slept = 0
     for before, after in pairwise(states()[:-1]):
@@ -114,30 +91,6 @@ def test_voxels_of_unequal_sides_show_the_same_object_as_cubes(spacing):
     assert 0.8 < len(result.particles) / len(cubes.particles) < 1.25
 
 
-def test_a_unit_of_length_changes_nothing_but_itself():
-    one, other = (
-        cpm.segment(cpm.Image(ball(), spacing=(side,) * 3), cpm.sphere(CENTER, 4.0, 60), VOLUME) for side in (1.0, 0.25)
-    )
-    np.testing.assert_array_equal(one.particles, other.particles)
-    np.testing.assert_array_equal(one.surface.vertices, other.surface.vertices)
-
-
-def test_coarser_scales_lead_to_the_same_surface():
-    result = cpm.segment(ball(), cpm.sphere(CENTER, 4.0, 60), replace(VOLUME, scales=2))
-    assert result.converged
-    assert np.abs(off(result)).max() < 0.3
-
-
-def test_more_particles_join_a_run_and_others_leave_it():
-    state = states()[-1]
-    more = engine().joined(state, [CENTER])
-    assert (more.count, more.stop_reason) == (state.count + 1, "")
-    np.testing.assert_allclose(more.position[-1], CENTER)
-    less = engine().erased(state, state.position[:, 0] > CENTER[0])
-    assert 0 < less.count < state.count
-    assert engine().step(less.resumed(), VOLUME).count <= less.count + 40
-
-
 @pytest.mark.parametrize("name", OF_PLANES)
 def test_parameters_for_images_only_are_refused_in_a_volume(name):
     value = "vessels" if name == "edges" else 0.1
@@ -158,50 +111,6 @@ def test_annealing_shrinks_the_insertion_range_at_every_step_and_ends_the_insert
     assert 1.15 * counts[0] < counts[1] <= counts[2] + 5
     state = engine().step(replace(states()[-1], stop_reason=""), replace(VOLUME, annealing=0.5))
     assert state.annealed == 0.5
-
-
-def test_the_insertion_range_decides_how_dense_a_surface_becomes():
-    count = {
-        d_max: len(cpm.segment(ball(), cpm.sphere(CENTER, 4.0, 60), replace(VOLUME, d_max=d_max)).particles)
-        for d_max in (0.0, 0.5, 3.0)
-    }
-    assert 1.1 * count[0.0] < count[0.5] <= count[3.0]
-
-
-def test_accuracy_and_exponent_change_the_field_and_leave_the_edges():
-    other = cpm.Engine(ball(), VOLUME)
-    standard = other.scale_field(VOLUME)
-    assert (standard.exponent, standard.accuracy) == (3.0, "standard")
-    exact = other.scale_field(replace(VOLUME, accuracy="exact"))
-    inverse_square = other.scale_field(replace(VOLUME, accuracy="exact", exponent=2.0))
-    for field in (exact, inverse_square):
-        assert field.edge_map is standard.edge_map
-        charges = np.where(field.edge_map < 0.25 * field.floor, 0.0, field.edge_map)
-        wanted = cpm.electric_field(charges, exponent=field.exponent)
-        assert field.far.block == (1.0, 1.0, 1.0)
-        np.testing.assert_allclose(field.far.force, wanted, atol=1e-5 * np.abs(wanted).max())
-    assert standard.far.block == (2.0, 2.0, 2.0)
-    assert other.scale_field(replace(VOLUME, accuracy="exact", exponent=2)) is inverse_square
-
-
-def test_blocks_are_as_exact_as_their_description_says():
-    force = {}
-    for accuracy in ("standard", "exact"):
-        field = cpm.Engine(ball(), VOLUME).scale_field(replace(VOLUME, accuracy=accuracy))
-        force[accuracy] = field.lorentz / np.maximum(np.linalg.norm(field.lorentz, axis=0), 1e-30)
-    angle = np.degrees(np.arccos(np.clip((force["standard"] * force["exact"]).sum(axis=0), -1.0, 1.0)))
-    off = scipy.ndimage.distance_transform_edt(field.edge_map < 0.5 * field.floor)
-    assert np.median(angle[(off >= 1.0) & (off < 3.0)]) < 2.0
-    assert np.median(angle[(off >= 3.0) & (off < 10.0)]) < 0.2
-
-
-@pytest.mark.parametrize("exponent", [2.0, 5.0])
-def test_a_ball_is_covered_with_other_exponents_and_the_exact_field(exponent):
-    law = replace(VOLUME, exponent=exponent, accuracy="exact")
-    result = cpm.segment(ball(), cpm.sphere(CENTER, 4.0, 60), law)
-    assert result.converged
-    assert np.abs(off(result)).max() < 0.3
-    assert result.provenance.parameters["exponent"] == exponent
 
 
 def test_noise_decides_on_the_smoothing_and_the_floor():

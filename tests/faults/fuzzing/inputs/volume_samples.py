@@ -17,7 +17,7 @@ import PIL.Image
 import tifffile
 from pydicom.uid import RLELossless
 
-from tests.core.formats.images.volumes import made
+from tests.core.formats.images import made
 
 from .encoders import Sample, numpy_array, tiff
 

@@ -12,7 +12,7 @@ from roifile import ROI_TYPE, ImagejRoi
 
 from cpm_core import load_truth
 from cpm_core.formats import export
-from cpm_core.formats.contours.reading.contour_file import load_contours, read_contours
+from cpm_core.formats.contour_file import load_contours
 
 from ...drawn import RESULT
 
@@ -49,20 +49,6 @@ def test_what_was_exported_is_read_back(tmp_path, suffix):
         assert found[1].junctions == (True, False)
 
 
-@pytest.mark.parametrize("suffix", [".csv", ".json"])
-def test_files_that_call_the_color_of_a_contour_colour_are_read(tmp_path, suffix):
-    present = tmp_path / f"a{suffix}"
-    export(RESULT, present)
-    former = written(tmp_path, present.read_text(encoding="utf-8").replace("color", "colour"), f"b{suffix}")
-    assert [contour.color for contour in load_contours(former)] == [contour.color for contour in KEPT]
-
-
-def test_the_shape_of_the_image_is_told_where_the_file_tells_it(tmp_path):
-    for suffix, shape in ((".json", (60, 90)), (".labelme.json", (60, 90)), (".csv", None), (".geojson", None)):
-        export(RESULT, tmp_path / f"a{suffix}")
-        assert read_contours(tmp_path / f"a{suffix}").shape == shape
-
-
 RING = [[1, 1], [9, 1], [9, 9], [1, 9], [1, 1]]
 INNER = [[3, 3], [3, 6], [6, 6], [6, 3], [3, 3]]
 
@@ -90,23 +76,6 @@ def test_lines_of_geojson_are_open_contours(tmp_path):
     one, other = load_contours(written(tmp_path, lines, "a.geojson"))
     assert (one.closed, other.closed) == (False, False)
     assert other.points.tolist() == [[5.5, 4.5], [7.5, 6.5]]
-
-
-def test_rectangles_and_circles_of_labelme_are_closed_contours(tmp_path):
-    def shape(kind, points):
-        return {"label": kind, "points": points, "group_id": None, "shape_type": kind, "flags": {}}
-
-    shapes = [
-        shape("rectangle", [[10.5, 20.5], [30.5, 25.5]]),
-        shape("circle", [[50.5, 50.5], [60.5, 50.5]]),
-        shape("line", [[0.5, 0.5], [5.5, 5.5]]),
-        shape("point", [[3, 3]]),
-    ]
-    box, disk, line = load_contours(written(tmp_path, {"version": "5.0.1", "flags": {}, "shapes": shapes}))
-    assert box.area == 100.0
-    assert disk.area == pytest.approx(np.pi * 100, rel=0.001)
-    np.testing.assert_allclose(np.linalg.norm(disk.points - 50, axis=1), 10)
-    assert (line.closed, line.length) == (False, pytest.approx(np.hypot(5, 5)))
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from cpm_core import Contour, Image
 from cpm_core.contours.rasterize import paint
 from cpm_core.formats import WRITABLE, encoded, export
-from cpm_core.formats.contours.reading.contour_file import decode_contours, load_contours, plane_of, read_contours
+from cpm_core.formats.contour_file import decode_contours, load_contours, plane_of, read_contours
 from cpm_core.formats.writers import DRAWN
 
 from ...drawn import RESULT
@@ -84,19 +84,12 @@ def test_instances_with_something_in_them_come_back_to_a_fraction_of_a_pixel():
 @pytest.mark.parametrize("suffix", [".png", ".tif", ".nii", ".nii.gz"])
 def test_outlines_of_a_label_mask_paint_the_same_mask(tmp_path, suffix):
     file = tmp_path / f"labels{suffix}"
-    export(RESULT, file, tell=lambda sentence: None)
+    export(RESULT, file, warn=lambda sentence: None)
     painted = paint(RESULT.contours, RESULT.shape)
     found = load_contours(file)
     assert all(contour.closed for contour in found)
     again = paint(found, RESULT.shape)
     np.testing.assert_array_equal(again, painted)
-
-
-def test_a_selection_alone_is_read(tmp_path):
-    export(replace(RESULT, contours=RESULT.contours[:1]), tmp_path / "a.roi")
-    (found,) = load_contours(tmp_path / "a.roi")
-    assert off(found, RESULT.contours[0]) < NEAR
-    assert (found.name, found.color) == ("cell", "#e69f00")
 
 
 def test_single_points_are_kept_beside_the_contours(tmp_path):
@@ -114,7 +107,7 @@ def test_drawings_for_cad_are_placed_by_the_image_they_belong_to(tmp_path):
     """Without what CPM tells in comments, unit and height come from the image."""
     export(RESULT, tmp_path / "a.dxf")
     lines = (tmp_path / "a.dxf").read_text("utf-8").splitlines()
-    (tmp_path / "b.dxf").write_text("\n".join(lines[lines.index("0") :]) + "\n", "utf-8")
+    (tmp_path / "b.dxf").write_text("\n".join(lines[lines.index("  0") :]) + "\n", "utf-8")
     millimeters = Image(np.zeros((60, 90)), (0.5e-3, 0.25e-3), "mm")
     found = load_contours(tmp_path / "b.dxf", millimeters)
     assert max(off(one, original) for one, original in zip(found, RESULT.contours[:4], strict=True)) < NEAR

@@ -1,1 +1,0 @@
-"""Export: what is written to a file, and what a format leaves out."""

@@ -1,0 +1,178 @@
+"""The moments of runs: states, of which as many are kept as memory allows, and the actions that lead between them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cpm_core.field.placed_charges import PlacedCharge
+from cpm_core.image.volume_regions import AnyRegions
+from cpm_core.numerics import polyline
+from cpm_core.numerics.types import Array, Place
+from cpm_core.parameters import Parameters
+from cpm_core.segmentation.method import Method, MethodState, Steerable
+
+BranchStep = tuple[int, int]
+"""Branch and step."""
+
+_RECENT_SHARE = 3
+"""States on the grid for each one that is kept only because it was used recently."""
+
+
+@dataclass(eq=False, slots=True)
+class Moment:
+    """A state of a run: its step, the moment before it, and the action that leads from there; no action at the first.
+
+    An action that changes a state without a step leads to another moment of the same step.
+    """
+
+    run: int
+    step: int
+    before: Moment | None = None
+    action: RunAction | None = None
+
+    @property
+    def actions(self) -> tuple[RunAction, ...]:
+        """The action that the step was taken with, and those that changed its state afterwards."""
+        if self.before is None or self.action is None:
+            return ()
+        return (*(self.before.actions if self.before.step == self.step else ()), self.action)
+
+
+class KeptStates:
+    """States of at most `budget` bytes, except that the first of each run and the one at `here` are always kept.
+
+    States whose step is a multiple of the stride stay, so that every other state is a few steps from one of them. The
+    states in between stay until a newer one needs their memory, so that single steps backward are fast. When the memory
+    is full, the stride is doubled. Arrays that several states share, such as the far force of some steps in a row, are
+    counted once.
+    """
+
+    def __init__(self, budget: int) -> None:
+        self.budget = budget
+        self.here: Moment | None = None
+        self.clear()
+
+    def __len__(self) -> int:
+        return len(self._states)
+
+    def get(self, moment: Moment) -> MethodState | None:
+        """The state of a moment, which is the one used last then; None if it is not kept."""
+        state = self._states.pop(moment, None)
+        if state is not None:
+            self._states[moment] = state
+        return state
+
+    def put(self, moment: Moment, state: MethodState) -> None:
+        """Keep a state in place of the one kept before."""
+        self.drop(moment)
+        self._states[moment] = state
+        for array in state.arrays():
+            self.used += 0 if self._owners[id(array)] else array.nbytes
+            self._owners[id(array)] += 1
+        self.make_room()
+
+    def drop(self, *moments: Moment) -> None:
+        """Remove states."""
+        for moment in moments:
+            state = self._states.pop(moment, None)
+            for array in () if state is None else state.arrays():
+                self._owners[id(array)] -= 1
+                if not self._owners[id(array)]:
+                    del self._owners[id(array)]
+                    self.used -= array.nbytes
+
+    def keep_only(self, run: int, moments: set[Moment]) -> None:
+        """Remove the states of a run except for these and its first one; without any, that too."""
+        self.drop(*(at for at in self._states if at.run == run and at not in moments and (at.before or not moments)))
+
+    def clear(self) -> None:
+        """Remove all states and restore the finest stride."""
+        self.used, self.stride = 0, 1
+        self._states: dict[Moment, MethodState] = {}
+        self._owners: Counter[int] = Counter()
+
+    def make_room(self) -> None:
+        """Remove states until the others have room, those that were used least recently first."""
+        while self.used > self.budget:
+            free = [moment for moment in self._states if moment.before is not None and moment is not self.here]
+            if not free:
+                return
+            recent = [moment for moment in free if moment.step % self.stride]
+            if recent and _RECENT_SHARE * len(recent) > len(self._states) - len(recent):
+                self.drop(recent[0])
+            elif self.stride > max(moment.step for moment in free):
+                self.drop(free[0])
+            else:
+                self.stride *= 2
+
+
+class RunAction(Protocol):
+    """Something done to a state; equal actions lead from the same state to the same next one."""
+
+    @property
+    def regions(self) -> AnyRegions | None:
+        """Regions of the method that did it."""
+
+    def apply(self, method: Method[Any], state: Any) -> Any:
+        """Apply it to a state of a method with these regions."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stepped:
+    """One step with these parameters, placed charges and regions; a run that had ended goes on."""
+
+    parameters: Parameters
+    charges: tuple[PlacedCharge, ...] = ()
+    regions: AnyRegions | None = None
+
+    def apply(self, method: Method[Any], state: Any) -> Any:
+        """Take the step."""
+        state = state.resumed() if state.stop_reason else state
+        return method.step(state, self.parameters, self.charges)
+
+
+@dataclass(frozen=True, slots=True)
+class Joined:
+    """Particles added at seeds, shape (N, `axes`), whose bytes are stored so that actions can be compared."""
+
+    seeds: bytes
+    regions: AnyRegions | None = None
+    axes: int = 2
+
+    @classmethod
+    def at(cls, seeds: Array, regions: AnyRegions | None) -> Joined:
+        """Particles added at seeds, shape (N, D)."""
+        return cls(seeds.tobytes(), regions, seeds.shape[1])
+
+    @property
+    def places(self) -> Array:
+        """The seeds."""
+        return np.frombuffer(self.seeds).reshape(-1, self.axes)
+
+    def apply(self, method: Method[Any], state: Any) -> Any:
+        """Add the particles; a method without moving particles leaves its state as it is."""
+        return method.joined(state, self.places) if isinstance(method, Steerable) else state
+
+
+@dataclass(frozen=True, slots=True)
+class Erased:
+    """Particles removed that are no farther from a path than a radius, in sides of the smallest pixel or voxel."""
+
+    path: tuple[Place, ...]
+    radius: float
+    regions: AnyRegions | None = None
+
+    def apply(self, method: Method[Any], state: Any) -> Any:
+        """Remove the particles; a method without moving particles leaves its state as it is."""
+        spacing = method.image.spacing
+        return method.erased(state, lambda at: self.reaches(at, spacing)) if isinstance(method, Steerable) else state
+
+    def reaches(self, places: Array, spacing: tuple[float, ...]) -> ArrayLike:
+        """Which places, shape (N, D), are no farther from the path than the radius."""
+        sides = np.array(spacing) / min(spacing) if len(self.path[0]) == 3 else 1.0
+        return polyline.distances(np.array(self.path) * sides, places * sides) <= self.radius

@@ -1,0 +1,320 @@
+"""Runs as plain JSON, of bounded size, and back; damaged ones are left out with one sentence."""
+
+from __future__ import annotations
+
+import itertools
+import json
+from collections import Counter
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from app.model.display.plots import RunMetrics
+from app.model.document.document import Document, ImageReference
+from app.model.document.saving import restored, to_file
+from app.model.text.language import reason, tr
+from app.session.timeline.moments import BranchStep, Erased, Joined, RunAction, Stepped
+from app.session.timeline.stored_runs import StoredBranch, StoredRun, StoredRuns
+from app.session.timeline.timeline import MOST_RUNS
+from cpm_core.field.placed_charges import PlacedCharge, in_order
+from cpm_core.formats.images.reading import Reading
+from cpm_core.formats.sessions.particle_state import state_from_plain, state_to_plain
+from cpm_core.formats.sessions.plain import (
+    NAMES,
+    array_from_plain,
+    array_to_plain,
+    from_plain,
+    items,
+    mapping,
+    number,
+    parameters_from_plain,
+    regions_from_plain,
+    regions_to_plain,
+    shape_from_plain,
+    shape_to_plain,
+    to_plain,
+)
+from cpm_core.formats.sessions.session_file import decode, encode
+from cpm_core.model.state import State
+from cpm_core.numerics.types import Place, Position
+from cpm_core.objects.segmented.segmented_object import SegmentedObjects
+from cpm_core.parameters import Parameters
+from cpm_core.parameters.quotation import shown
+from cpm_core.shapes import Points, Start
+
+MOST = 24 * 2**20
+"""Largest size of states and figures in a session file [characters]; actions, which repeat all, come in any case."""
+
+MOST_STEPS = 200_000
+"""Most steps of a branch that are read."""
+
+FIGURES = len(fields(RunMetrics))
+"""Rows of the figures of a branch."""
+
+Plain = Mapping[str, Any]
+Steps = tuple[tuple[RunAction, ...], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Rub:
+    """What an eraser goes over."""
+
+    erase: tuple[Place, ...]
+    radius: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Branch:
+    """What a branch is, next to its actions and figures."""
+
+    number: int
+    name: str
+    named: bool
+    first: int
+    scales: tuple[tuple[int, int], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class _Numbered:
+    """A contour by its number, with a place that it passes."""
+
+    number: int
+    place: Position
+
+
+class RunsWriter:
+    """Writes runs as plain JSON; a state that has been written before is not packed again."""
+
+    def __init__(self) -> None:
+        self._packed: dict[int, tuple[State, dict[str, Any], int]] = {}
+
+    def to_plain(self, stored: StoredRuns, most: int = MOST) -> Plain:
+        """All runs with as many states and figures as `most` characters hold: the state shown, then the newest ones."""
+        if not stored.runs:
+            return {}
+        left, states, packed = most, [], {}
+        for place in sorted(stored.states, key=lambda place: (place != stored.here, -place[0], -place[1])):
+            state = stored.states[place]
+            if not isinstance(state, State):
+                continue
+            known = self._packed.get(id(state))
+            if known is None:
+                plain = state_to_plain(state)
+                known = (state, plain, len(json.dumps(plain)))
+            packed[id(state)] = known
+            if known[2] <= left:
+                left -= known[2]
+                states.append({"branch": place[0], "step": place[1], "state": known[1]})
+        self._packed = packed
+        runs = [_run_to_plain(run) for run in stored.runs]
+        for branch in (branch for run in reversed(runs) for branch in run["branches"]):
+            size = len(branch["figures"]["data"])
+            if size > left:
+                del branch["figures"]
+            else:
+                left -= size
+        here = None if stored.here is None else list(stored.here)
+        numbers = [to_plain(_Numbered(number, place)) for number, place in stored.numbers.items()]
+        return {"here": here, "runs": runs, "states": states, "numbers": numbers}
+
+
+def runs_from_plain(plain: Plain, image: ImageReference) -> tuple[StoredRuns, str]:
+    """The runs of a session file on its image, and a sentence on what had to be left out, empty if nothing had."""
+    faults: list[Exception] = []
+    runs: list[StoredRun] = []
+    states: dict[BranchStep, State] = {}
+    branches: dict[int, tuple[StoredRun, StoredBranch]] = {}
+    numbers: dict[int, Position] = {}
+
+    def add_run(entry: Plain) -> None:
+        run = _run(entry, image)
+        found = {branch.number: (run, branch) for branch in run.branches}
+        if branches.keys() & found or len(found) < len(run.branches):
+            raise ValueError("two branches have the same number.")
+        branches.update(found)
+        runs.append(run)
+
+    def add_state(entry: Plain) -> None:
+        if entry.get("branch") in branches:  # of which the oldest may be left out
+            at, state = _state(entry, branches, image)
+            states[at] = state
+
+    def add_number(entry: Plain) -> None:
+        contour = from_plain(_Numbered, entry, "number of a contour")
+        numbers[contour.number] = contour.place
+
+    here = None
+    for name, most, add in (("runs", MOST_RUNS, add_run), ("states", 0, add_state), ("numbers", 0, add_number)):
+        entries = plain.get(name, [])
+        for entry in entries[-most:] if isinstance(entries, list) else [entries]:
+            try:
+                add(mapping(entry, name))
+            except (ValueError, TypeError, KeyError, OverflowError) as error:
+                faults.append(error)
+    try:
+        branch, step = (int(number(one, "here")) for one in plain.get("here") or (0, 0))
+        here = (branch, step) if branch in branches else None
+    except (ValueError, TypeError) as error:
+        faults.append(error)
+    message = tr("A part of the recorded runs is damaged and was left out ({fault}); all else was opened.")
+    fault = message.format(fault=reason(faults[0]).rstrip(".")) if faults else ""
+    return StoredRuns(tuple(runs), here, states, numbers), fault
+
+
+def _run_to_plain(run: StoredRun) -> dict[str, Any]:
+    numbers: dict[RunAction, int] = {}
+    sources = list(run.drawn.elements())
+    points = tuple(source for source in sources if isinstance(source, tuple))
+    starts: list[Start] = [source for source in sources if isinstance(source, Start)]
+    if points:
+        starts.append(Points(points))
+    branches = [
+        {
+            "number": branch.number,
+            "name": branch.name,
+            "named": branch.renamed,
+            "parent": branch.parent,
+            "first": branch.first,
+            "steps": _steps_to_plain(branch.steps, numbers),
+            "scales": [list(mark) for mark in branch.scales],
+            "figures": array_to_plain(branch.figures),
+        }
+        for branch in run.branches
+    ]
+    document = run.document
+    acting = document.objects.barriers or document.outlined.objects
+    objects = document.objects if acting else SegmentedObjects()  # a run depends on them or not
+    bare = Document(
+        None, run.document.shapes, run.document.parameters, mode=run.document.mode, objects=objects,
+        outlined=run.document.outlined,
+    )  # fmt: skip
+    image = run.document.image
+    size = None if image is None else {"spacing": list(image.spacing), "unit": image.unit}
+    return {
+        "size": size,
+        "document": json.loads(encode(to_file(bare, {}), Path())),
+        "drawn": [shape_to_plain(start) for start in starts],
+        "actions": [_action_to_plain(action, run.document.parameters) for action in numbers],
+        "branches": branches,
+    }
+
+
+def _steps_to_plain(steps: Steps, numbers: dict[RunAction, int]) -> list[Any]:
+    """The actions of steps, by their numbers, and how often they follow; new ones are numbered."""
+    numbered = ([numbers.setdefault(action, len(numbers)) for action in step] for step in steps)
+    return [[alike, len(list(group))] for alike, group in itertools.groupby(numbered)]
+
+
+def _action_to_plain(action: RunAction, usual: Parameters) -> dict[str, Any]:
+    """An action, whose parameters are written as far as they differ from the usual ones."""
+    plain: dict[str, Any] = {}
+    if isinstance(action, Stepped):
+        known, taken = to_plain(usual), to_plain(action.parameters)
+        plain["step"] = {name: value for name, value in taken.items() if value != known[name]}
+        plain["charges"] = [to_plain(charge) for charge in action.charges]
+    elif isinstance(action, Joined):
+        plain["join"] = array_to_plain(action.places)
+    elif isinstance(action, Erased):
+        plain |= {"erase": to_plain(action.path), "radius": action.radius}
+    return plain | regions_to_plain(action.regions)
+
+
+def _run(plain: Plain, image: ImageReference) -> StoredRun:
+    if plain.get("size") is not None:  # it may have been changed since
+        size = Reading.of(mapping(plain["size"], "size"))
+        if size.spacing is None or len(size.spacing) != len(image.shape):
+            raise ValueError(
+                f"the size of a pixel is {shown(plain['size'])} but the image has {len(image.shape)} axes."
+            )
+        image = replace(image, spacing=size.spacing, unit=size.unit)
+    file = decode(json.dumps(plain.get("document")).encode(), "its beginning")
+    document = restored(file, image, file.parameters)
+    shapes = [shape_from_plain(one, "a start of a run") for one in items(plain.get("drawn", []))]
+    drawn: Counter[Hashable] = Counter()
+    for shape in shapes:
+        drawn.update(shape.positions if isinstance(shape, Points) else (shape,))
+    listed = items(plain.get("actions"), "actions")
+    actions = [_action(mapping(one, "action"), document.parameters) for one in listed]
+    branches: dict[int, StoredBranch] = {}
+    for entry in items(plain.get("branches")):
+        branch = _branch(mapping(entry, "branch"), actions)
+        parent = branches.get(branch.parent) if branch.parent is not None else None
+        if (parent is None) != (not branches):
+            raise ValueError(f"branch {branch.number} leaves no branch of its run.")
+        if parent is not None and not parent.first <= branch.first < parent.first + len(parent.steps):
+            raise ValueError(f"branch {branch.number} leaves a step that there is not.")
+        if parent is None and (branch.first != 0 or not branch.scales or branch.scales[0][0] != 0):
+            raise ValueError("a run does not begin with its first step.")
+        branches[branch.number] = branch
+    if not branches:
+        raise ValueError("a run has no branch.")
+    return StoredRun(document, drawn, tuple(branches.values()))
+
+
+def _branch(plain: Plain, actions: Sequence[RunAction]) -> StoredBranch:
+    apart = ("parent", "steps", "figures")
+    known = from_plain(_Branch, {name: value for name, value in plain.items() if name not in apart}, "branch")
+    parent = None if plain.get("parent") is None else int(number(plain["parent"], "parent of a branch"))
+    if known.number < 1 or known.first < 0 or any(min(mark) < 0 for mark in known.scales):
+        raise ValueError(f"branch {known.number} is not one that a run can have.")
+    figures = np.empty((FIGURES, 0))
+    if "figures" in plain:
+        figures = array_from_plain(plain["figures"], float, (FIGURES, None), "figures of a branch")
+    steps = _steps(plain.get("steps"), actions)
+    name = known.name[:40]
+    return StoredBranch(known.number, name, known.named, parent, known.first, steps, known.scales, figures)
+
+
+def _steps(plain: object, actions: Sequence[RunAction]) -> Steps:
+    """The actions of steps; ValueError unless each step but the first begins with a step, and only with one."""
+    steps: list[tuple[RunAction, ...]] = []
+    for entry in items(plain, "steps"):
+        numbers, count = items(entry, "steps")
+        if type(count) is not int or not 0 < count <= MOST_STEPS - len(steps):
+            raise ValueError(f"steps repeat {shown(count)} times but must be {MOST_STEPS} at most.")
+        if any(type(one) is not int or not 0 <= one < len(actions) for one in items(numbers, "steps")):
+            raise ValueError(f"steps name the action {shown(numbers)}, which does not exist.")
+        step = tuple(actions[one] for one in numbers)
+        for index in {len(steps), len(steps) + count - 1}:
+            stepped = [isinstance(action, Stepped) for action in step]
+            if stepped != [index > 0 and place == 0 for place in range(len(step))] or (index > 0 and not step):
+                raise ValueError(f"step {index} is not one step and what was changed after it.")
+        steps += [step] * count
+    if not steps:
+        raise ValueError("there are no steps.")
+    return tuple(steps)
+
+
+def _action(plain: Plain, usual: Parameters) -> RunAction:
+    regions = regions_from_plain(plain, "regions of a run")
+    if "step" in plain:
+        parameters, _ = parameters_from_plain({**to_plain(usual), **mapping(plain["step"], "step")})
+        charges = tuple(from_plain(PlacedCharge, one, "charge") for one in items(plain.get("charges", []), "charges"))
+        return Stepped(parameters, charges, regions)
+    if "join" in plain:
+        axes = 3 if mapping(plain["join"], "join").get("shape", [])[-1:] == [3] else 2
+        seeds = array_from_plain(plain["join"], float, (None, axes), "particles that were added")
+        if not np.isfinite(seeds).all():
+            raise ValueError("particles that were added hold a value that is not a number.")
+        return Joined.at(seeds, regions)
+    rub = from_plain(_Rub, {name: value for name, value in plain.items() if name not in NAMES}, "eraser")
+    return Erased(rub.erase, rub.radius, regions)
+
+
+def _state(
+    plain: Plain, branches: Mapping[int, tuple[StoredRun, StoredBranch]], image: ImageReference
+) -> tuple[BranchStep, State]:
+    """A state, with what the action of its step adds to it, and where it is."""
+    number_of, step = (int(number(plain.get(name), f"{name} of a state")) for name in ("branch", "step"))
+    run, branch = branches[number_of]
+    if not 0 < step - branch.first < len(branch.steps):
+        raise ValueError(f"there is no step {step} of branch {number_of}.")
+    state = state_from_plain(plain.get("state"), image.shape, run.document.parameters.scales)
+    taken = branch.steps[step - branch.first][0]
+    if state.step != step or not isinstance(taken, Stepped):
+        raise ValueError(f"the state of step {step} is that of step {state.step}.")
+    steering, regions, charges = taken.parameters.steering, taken.regions, in_order(taken.charges)
+    return (number_of, step), replace(state, steering=steering, regions=regions, charges=charges)

@@ -1,1 +1,0 @@
-"""Runs as a part of a session file."""

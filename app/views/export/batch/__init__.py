@@ -1,1 +1,0 @@
-"""The dialog that applies a session to many images."""

@@ -1,1 +1,0 @@
-"""Tour, guide and cheat sheet."""

@@ -1,0 +1,175 @@
+"""The pages of a stack: the line that chooses one, and the table of what was found on all."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import QAbstractItemView, QCheckBox, QFrame, QHBoxLayout, QLabel, QPushButton, QSlider, QSpinBox
+
+from app.model.display.lengths import shown_in
+from app.model.display.page_rows import PageRow
+from app.model.text.keys import with_keys
+from app.model.text.language import tr
+from app.session.features.stack_pages import StackPages
+from app.views.panels.tables import ENTER, Column, Index, Table, TableModel, TablePanel
+from cpm_core.contours.measurements import Measures
+
+_JUMP = 10
+
+
+def _measured(get: Callable[[Measures], float | None]) -> Callable[[PageRow], float | None]:
+    """A measure, which a row without a contour does not have."""
+    return lambda row: None if row.measures is None else get(row.measures)
+
+
+COLUMNS: tuple[Column[PageRow], ...] = (
+    Column("page", tr("Page"), tr("Page of the stack; a double click goes to it."), lambda row: row.page, "0000",
+           form=".0f"),
+    Column("track", tr("Track"), tr("Number of the object, which it keeps from page to page."),
+           lambda row: row.track or None, "0000", form=".0f"),
+    Column("happens", tr("What happens"), tr("What happens to the object here, or why the page could not be used."),
+           lambda row: row.happens, "splits off track 12"),
+    Column("kind", tr("Kind"), tr("Closed, or open with two ends."),
+           lambda row: None if row.measures is None else tr("closed") if row.measures.closed else tr("open"),
+           "closed"),
+    Column("area", tr("Area [{unit}²]"), tr("Gross area: all that it encloses, including contours inside."),
+           _measured(lambda found: found.area_in_units if found.closed else None), "00,000,000", 2),
+    Column("length", tr("Length [{unit}]"), tr("Length along the contour: the perimeter of a closed one."),
+           _measured(lambda found: found.length_in_units), "000,000", 1),
+    Column("row", tr("Row [px]"), tr("Row of the center of its area, of an open contour of its length."),
+           lambda row: None if row.measures is None else row.row, "0000.0", form=".1f"),
+    Column("col", tr("Column [px]"), tr("Column of the center of its area, of an open contour of its length."),
+           lambda row: None if row.measures is None else row.col, "0000.0", form=".1f"),
+    Column("net", tr("Net area [{unit}²]"), tr("Area without the closed contours in it, as in label stacks."),
+           _measured(lambda found: found.net_area_in_units if found.closed else None), "00,000,000", 2),
+    Column("strength", tr("Strength"), tr("Mean edge strength along the contour [gray levels/px]."),
+           _measured(lambda found: found.strength), "000.0"),
+    Column("contrast", tr("Contrast"), tr("Contrast between both sides, 0 to 1."),
+           _measured(lambda found: found.contrast), "0.00"),
+)  # fmt: skip
+"""All columns in the order shown."""
+
+
+class PageTable(Table):
+    """Shows the rows; a double click or Enter goes to the contour of a row."""
+
+    wanted = Signal(object)
+    """The user wants to see the contour of a row: a PageRow."""
+
+    def __init__(self) -> None:
+        super().__init__(TableModel[PageRow](COLUMNS, key=id), "happens", tr("Contours on all pages"))
+        self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
+        self.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
+        self.doubleClicked.connect(self._go)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Go to the contour of the row on Enter."""
+        if event.key() in ENTER and self.currentIndex().isValid():
+            self._go(self.currentIndex())
+        else:
+            super().keyPressEvent(event)
+
+    def _go(self, index: Index) -> None:
+        self.wanted.emit(self.rows.items[self.row_at(index)])
+
+
+class PagePanel(TablePanel[PageTable]):
+    """Shows what was found on all pages of a stack; `show` goes to the contour of a row."""
+
+    def __init__(self, pages: StackPages, show: Callable[[PageRow], None]) -> None:
+        table = PageTable()
+        super().__init__(table)
+        self._pages = pages
+        self.export = QPushButton(tr("Export all pages…"))
+        self.add(self.export)
+        table.wanted.connect(show)
+        pages.found.connect(self.show_rows)
+        self.show_rows()
+
+    def show_rows(self) -> None:
+        """Show what is known of the pages."""
+        found = self._pages.result
+        first = None if found is None or not found.results else found.results[0][1]
+        size = shown_in((1.0, 1.0), None) if first is None else shown_in(first.spacing, first.unit)
+        self.table.rows.update(self._pages.rows, size)
+        self.export.setEnabled(first is not None)
+        self.summary.setText(self._summary())
+
+    def _summary(self) -> str:
+        found = self._pages.result
+        if found is None or not found.pages:
+            return tr("Nothing has been found on the pages of a stack yet: run this page, or all of them.")
+        failed = len(found.pages) - len(found.results)
+        text = tr("{done} of {count} pages are done; tracks: {tracks}.").format(
+            done=len(found.results), count=found.count, tracks=len(found.tracks)
+        )
+        more = tr("{failed} could not be used.").format(failed=failed)
+        return f"{text} {more}" if failed else text
+
+
+class PageBar(QFrame):
+    """Slider and number of the page, whether pages follow each other, and a button that runs all."""
+
+    moved = Signal(int)
+    """The user wants a page."""
+    asked = Signal()
+    """The user wants to run all pages, or to stop that."""
+    followed = Signal(bool)
+    """The user has chosen whether each page starts from the contours of the one before."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setObjectName("slices")
+        self.slider, self.number, self.of = QSlider(Qt.Orientation.Horizontal), QSpinBox(), QLabel()
+        self.follow, self.run = QCheckBox(tr("Follow")), QPushButton()
+        self.slider.setAccessibleName(tr("Page"))
+        self.slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.slider.setPageStep(_JUMP)
+        self.slider.setTracking(False)
+        self.number.setAccessibleName(tr("Number of the page"))
+        self.number.setKeyboardTracking(False)
+        self.of.setObjectName("dim")
+        self.follow.setToolTip(
+            tr("Start each page from the contours of the one before, not each one from the same drawing.")
+        )
+        self.follow.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.run.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        row = QHBoxLayout(self)
+        row.setContentsMargins(10, 3, 10, 3)
+        row.setSpacing(4)
+        row.addWidget(QLabel(tr("Page")))
+        row.addWidget(self.slider, 1)
+        for widget in (self.number, self.of, self.follow, self.run):
+            row.addWidget(widget)
+        row.insertSpacing(4, 8)
+        self.slider.valueChanged.connect(self.moved)
+        self.number.valueChanged.connect(self.moved)
+        self.follow.toggled.connect(self.followed)
+        self.run.clicked.connect(self.asked)
+        self.hide()
+
+    def show_keys(self) -> None:
+        """Name the keys as they are now."""
+        self.slider.setToolTip(with_keys(tr("Go through the pages: {key:previous_slice} and {key:next_slice}.")))
+
+    def show_pages(self, number: int, count: int, *, following: bool, running: bool, possible: bool) -> None:
+        """Show which page is open; hidden where there are not several."""
+        self.setVisible(count > 1)
+        for field in (self.slider, self.number):
+            field.blockSignals(True)
+            field.setRange(1, max(count, 1))
+            field.setValue(number)
+            field.blockSignals(False)
+        self.of.setText(tr("of {last}").format(last=count))
+        self.follow.blockSignals(True)
+        self.follow.setChecked(following)
+        self.follow.blockSignals(False)
+        self.run.setText(tr("Stop") if running else tr("Run all pages"))
+        self.run.setToolTip(
+            tr("Stop after the pages that are done.")
+            if running
+            else tr("Run every page of the stack, one after the other, in the background.")
+        )
+        self.run.setEnabled(running or possible)

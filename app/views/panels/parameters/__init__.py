@@ -1,1 +1,0 @@
-"""The panel of parameters: one slider eachand explained in words."""

@@ -1,0 +1,519 @@
+"""Tables of items: columns as data, rows that stay in place, and a selection that is shared with the canvas."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Hashable, Iterable, Sequence, Set
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, Generic, TypeVar
+
+from PySide6.QtCore import (
+    QAbstractTableModel,
+    QEvent,
+    QItemSelection,
+    QItemSelectionModel,
+    QModelIndex,
+    QPersistentModelIndex,
+    QPoint,
+    QSize,
+    QSortFilterProxyModel,
+    Qt,
+    Signal,
+)
+from PySide6.QtGui import QKeyEvent, QResizeEvent, QShowEvent
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QBoxLayout,
+    QGridLayout,
+    QLabel,
+    QLineEdit,
+    QMenu,
+    QSizePolicy,
+    QStyledItemDelegate,
+    QTableView,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from app.model.display.lengths import PixelSize
+from app.model.text.keys import with_keys
+from app.model.text.language import tr, written
+from app.views.widgets.containers import Scrolled
+
+Row = TypeVar("Row")
+Index = QModelIndex | QPersistentModelIndex
+Role = Qt.ItemDataRole
+
+NONE = "–"
+"""Text of a cell without a value."""
+
+ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
+_DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
+_ALONG = (Qt.Key.Key_Up, Qt.Key.Key_Down)
+
+_LEAST, _BESIDE, _PAD = 48, 236, 18
+"""Minimum height of a table, width of what is placed next to it, and margins of a column [px]."""
+
+_NARROW, _LEAST_WIDTH = 640, 260
+"""Width of a panel below which its parts are placed above each other, and its least width [px]."""
+
+
+@dataclass(frozen=True)
+class Column(Generic[Row]):
+    """One column of a table.
+
+    Attributes
+    ----------
+    name : str
+        Name in code.
+    title : str
+        Heading, with ``{unit}`` for the unit of lengths.
+    tip : str
+        Tooltip of the heading.
+    value : callable
+        Number or text of a row; None where there is none.
+    sample : str
+        The widest usual text.
+    power : int
+        1 for lengths, 2 for areas, 3 for volumes, which are shown in the preferred unit.
+    form : str
+        Format of a number; empty for three significant digits.
+    key : callable, optional
+        What rows are sorted by if not by the value.
+    """
+
+    name: str
+    title: str
+    tip: str
+    value: Callable[[Row], float | str | None]
+    sample: str
+    power: int = 0
+    form: str = ""
+    key: Callable[[Row], float] | None = None
+
+    @property
+    def numeric(self) -> bool:
+        """Whether it holds numbers, which are aligned to the right."""
+        return not any(letter.isalpha() for letter in self.sample)
+
+    def text(self, row: Row, factor: float) -> str:
+        """Its text for a row; lengths are multiplied by a factor."""
+        value = self.value(row)
+        if isinstance(value, str):
+            return value
+        if value is None or not math.isfinite(value):
+            return NONE
+        value *= factor**self.power
+        if self.form:
+            return written(format(value, self.form))
+        return written(f"{value:,.0f}" if value >= 1000 else f"{value:.0f}" if value >= 100 else f"{value:.3g}")
+
+    def sort_key(self, row: Row) -> float | str:
+        """What a row is sorted by; rows without a number come first, those without a text last."""
+        value = self.value(row) if self.key is None else self.key(row)
+        if isinstance(value, str) or (not self.numeric and value is None):
+            return (value or "\uffff").casefold()
+        return -math.inf if value is None or math.isnan(value) else float(value)
+
+
+class TableModel(QAbstractTableModel, Generic[Row]):
+    """Rows that are identified by the keys of their items: an update preserves selection, order and a name in work.
+
+    Parameters
+    ----------
+    columns : sequence of Column
+        The columns.
+    key : callable
+        What identifies an item.
+    look : callable, optional
+        Icon, color or font of a cell of an item for a role, and whether it is that of the name.
+    rename : callable, optional
+        Gives the item of a key another name, which is typed into the column ``name``.
+    """
+
+    def __init__(
+        self,
+        columns: Sequence[Column[Row]],
+        key: Callable[[Row], Hashable],
+        look: Callable[[Row, int, bool], Any] = lambda *_: None,
+        rename: Callable[[Any, str], None] | None = None,
+    ) -> None:
+        super().__init__()
+        self.columns = columns
+        self.items: list[Row] = []
+        self._key, self._look, self._rename = key, look, rename
+        self._unit, self._factor = "px", 1.0
+
+    def key(self, row: int) -> Any:
+        """Key of the item in a row."""
+        return self._key(self.items[row])
+
+    def update(
+        self, items: Iterable[Row], size: PixelSize | None, columns: Sequence[Column[Row]] | None = None
+    ) -> None:
+        """Show these items, new ones at the end, with lengths in the unit of a size of a pixel."""
+        if size is not None:
+            square = set(size.spacing) == {1.0}
+            self._unit, self._factor = size.unit or ("px" if square else tr("units")), size.factor
+        self.columns = columns or self.columns
+        present = {self._key(item): item for item in items}
+        for row in reversed(range(len(self.items))):
+            if self.key(row) not in present:
+                self.beginRemoveRows(QModelIndex(), row, row)
+                del self.items[row]
+                self.endRemoveRows()
+        self.items = [present.pop(self._key(item)) for item in self.items]
+        if self.items:
+            self.dataChanged.emit(self.index(0, 0), self.index(len(self.items) - 1, len(self.columns) - 1))
+        self.headerDataChanged.emit(Qt.Orientation.Horizontal, 0, len(self.columns) - 1)
+        if present:
+            self.beginInsertRows(QModelIndex(), len(self.items), len(self.items) + len(present) - 1)
+            self.items += present.values()
+            self.endInsertRows()
+
+    # Qt interface
+
+    def rowCount(self, parent: Index = QModelIndex()) -> int:  # noqa: B008  # as Qt declares it
+        """Number of items."""
+        return 0 if parent.isValid() else len(self.items)
+
+    def columnCount(self, parent: Index = QModelIndex()) -> int:  # noqa: B008  # as Qt declares it
+        """Number of columns."""
+        return 0 if parent.isValid() else len(self.columns)
+
+    def headerData(self, section: int, orientation: Qt.Orientation, role: int = Role.DisplayRole) -> Any:
+        """Headings with the unit of lengths, and their tooltips."""
+        if orientation == Qt.Orientation.Vertical:
+            return None
+        if role == Role.DisplayRole:
+            return self.columns[section].title.format(unit=self._unit)
+        return with_keys(self.columns[section].tip) if role == Role.ToolTipRole else None
+
+    def data(self, index: Index, role: int = Role.DisplayRole) -> Any:
+        """The text, sort key, alignment and look of a cell."""
+        item, column = self.items[index.row()], self.columns[index.column()]
+        match role:
+            case Role.DisplayRole | Role.ToolTipRole:
+                return column.text(item, self._factor)
+            case Role.EditRole:
+                return column.value(item)
+            case Role.UserRole:
+                return column.sort_key(item)
+            case Role.TextAlignmentRole if column.numeric:
+                return Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+        return self._look(item, role, column.name == "name")
+
+    def setData(self, index: Index, value: Any, role: int = Role.EditRole) -> bool:
+        """Name an item."""
+        if self._rename is None or role != Role.EditRole:
+            return False
+        self._rename(self.key(index.row()), str(value))
+        return True
+
+    def flags(self, index: Index) -> Qt.ItemFlag:
+        """Names can be edited."""
+        editable = self._rename is not None and self.columns[index.column()].name == "name"
+        return super().flags(index) | (Qt.ItemFlag.ItemIsEditable if editable else Qt.ItemFlag.NoItemFlags)
+
+
+class Table(QTableView):
+    """Shows the rows of a model, which are sorted by a click on a heading.
+
+    Where it is too narrow for all columns, the last are hidden, so that nobody has to scroll sideways; those that the
+    user has shown or hidden by the menu of the header stay so. The column `wide` takes the remaining width.
+    """
+
+    def __init__(self, rows: TableModel[Any], wide: str, name: str) -> None:
+        super().__init__()
+        self.rows = rows
+        rows.setParent(self)
+        self._sorted = QSortFilterProxyModel(self)
+        self._sorted.setSourceModel(rows)
+        self._sorted.setSortRole(Role.UserRole)
+        self.setModel(self._sorted)
+        self.setAccessibleName(name)
+        self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
+        self.setSortingEnabled(True)
+        self.sortByColumn(0, Qt.SortOrder.AscendingOrder)
+        self.setShowGrid(False)
+        self.setAlternatingRowColors(True)
+        self.setWordWrap(False)
+        self.setTabKeyNavigation(False)
+        self.setMinimumHeight(_LEAST)
+        self.verticalHeader().hide()
+        self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 8)
+        header = self.horizontalHeader()
+        header.setHighlightSections(False)
+        header.setDefaultAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
+        header.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
+        header.customContextMenuRequested.connect(self._open_menu)
+        self._wide = self.number(wide)
+        self._asked: dict[int, bool] = {}
+        self._widths = [self.fontMetrics().horizontalAdvance(column.sample) + _PAD for column in rows.columns]
+        self._widths[self._wide] += 2 * _PAD
+
+    def number(self, column: str) -> int:
+        """Number of a column."""
+        return [known.name for known in self.rows.columns].index(column)
+
+    def column(self, name: str) -> list[str]:
+        """The texts of a column, from top to bottom."""
+        number = self.number(name)
+        return [str(self._sorted.index(row, number).data()) for row in range(self._sorted.rowCount())]
+
+    def row_at(self, index: Index) -> int:
+        """The row of the model in a row of the table."""
+        return self._sorted.mapToSource(index).row()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Show the columns for which there is room."""
+        self._fit()
+        super().resizeEvent(event)
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Make room for the whole titles, which have a width once the table is seen."""
+        super().showEvent(event)
+        for index, width in enumerate(self._widths):
+            self.setColumnHidden(index, False)
+            self._widths[index] = max(width, self.horizontalHeader().sectionSizeHint(index))
+            self.setColumnWidth(index, self._widths[index])
+        self._fit()
+
+    def _fit(self) -> None:
+        """Show the columns for which there is room, and give the wide one what remains."""
+        width = self.viewport().width()
+        room = width - self._widths[self._wide] - sum(self._widths[index] for index, on in self._asked.items() if on)
+        others = 0
+        for index, needed in enumerate(self._widths):
+            if index == self._wide:
+                continue
+            shown = self._asked.get(index)
+            if shown is None:
+                room -= needed
+                shown = room >= 0
+            self.setColumnHidden(index, not shown)
+            others += self.columnWidth(index)
+        self.setColumnWidth(self._wide, max(self._widths[self._wide], width - others))
+
+    def _open_menu(self, point: QPoint) -> None:
+        """Open the menu of the header, which chooses the columns shown."""
+        menu = QMenu(self)
+        menu.setToolTipsVisible(True)
+        for index, column in enumerate(self.rows.columns):
+            shown = menu.addAction(str(self.model().headerData(index, Qt.Orientation.Horizontal)))
+            shown.setToolTip(with_keys(column.tip))
+            shown.setCheckable(True)
+            shown.setChecked(not self.isColumnHidden(index))
+            shown.setEnabled(index != self._wide)
+            shown.toggled.connect(partial(self._ask, index))
+        menu.aboutToHide.connect(menu.deleteLater)
+        menu.popup(self.horizontalHeader().mapToGlobal(point))
+
+    def _ask(self, index: int, shown: bool) -> None:
+        self._asked[index] = shown
+        self._fit()
+
+
+class _NameDelegate(QStyledItemDelegate):
+    """Editor of names that is not disturbed by updates."""
+
+    def setEditorData(self, editor: QWidget, index: Index) -> None:
+        """Start with the present name; text that the user has typed is not overwritten."""
+        if not (isinstance(editor, QLineEdit) and editor.isModified()):
+            super().setEditorData(editor, index)
+
+
+@dataclass(frozen=True, slots=True)
+class Selection:
+    """What the rows of a table are called in menus, and what is done with them, by their keys.
+
+    `refresh` shows the present items, `hover` points at one or at none, `choose` selects some, `chosen` returns those
+    that are selected, and `remove` is what the key Delete does with these.
+    """
+
+    item: str
+    refresh: Callable[[], None]
+    hover: Callable[[int | None], None]
+    choose: Callable[[Iterable[int]], None]
+    chosen: Callable[[], Set[int]]
+    remove: Callable[[], None]
+
+
+class ItemTable(Table):
+    """Shows the items of a model, selects and names them."""
+
+    zoom_wanted = Signal()
+    """The selected items are to be shown as large as possible."""
+
+    def __init__(self, rows: TableModel[Any], selection: Selection, name: str) -> None:
+        super().__init__(rows, "name", name)
+        self._selection = selection
+        self._showing = False
+        self._stale = False
+        self.setItemDelegate(_NameDelegate(self))
+        self.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
+        self.setEditTriggers(QAbstractItemView.EditTrigger.EditKeyPressed)
+        self.setMouseTracking(True)
+        self.entered.connect(lambda index: selection.hover(self._key(index)))
+        self.doubleClicked.connect(self._open)
+        self.selectionModel().selectionChanged.connect(self._report_selection)
+
+    def name_selected(self) -> None:
+        """Edit the name in the selected row."""
+        for index in self.selectionModel().selectedRows()[:1]:
+            self._edit_name(index.row())
+
+    def show_items(self) -> None:
+        """Show the present items; a hidden table waits until it is seen, and takes no time from a run."""
+        self._stale = not self.isVisible()
+        if self._stale:
+            return
+        self._showing = True
+        self._selection.refresh()
+        self._showing = False
+        self.show_selection()
+
+    def show_selection(self) -> None:
+        """Show which items are selected."""
+        wanted = self._selection.chosen()
+        if self._stale or {self._key(index) for index in self.selectionModel().selectedRows()} == wanted:
+            return
+        selection, name = QItemSelection(), self.number("name")
+        rows = [row for row in range(len(self.rows.items)) if self.rows.key(row) in wanted]
+        for row in rows:
+            first = self._sorted.mapFromSource(self.rows.index(row, 0))
+            selection.select(first, first.siblingAtColumn(len(self.rows.columns) - 1))
+        self._showing = True
+        self.selectionModel().select(selection, QItemSelectionModel.SelectionFlag.ClearAndSelect)
+        if rows and self.state() != QAbstractItemView.State.EditingState:
+            at = self._sorted.mapFromSource(self.rows.index(rows[0], name))
+            self.selectionModel().setCurrentIndex(at, QItemSelectionModel.SelectionFlag.NoUpdate)
+            self.scrollTo(at)
+        self._showing = False
+
+    def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
+        """The selected rows; a row at a point is selected first. See `MenuOwner`."""
+        inside = self.viewport().mapFrom(self, point) if point is not None else None
+        index = self.indexAt(inside) if inside is not None else self.currentIndex()
+        if index.isValid() and not self.selectionModel().isRowSelected(index.row(), QModelIndex()):
+            self.selectRow(index.row())
+        place = self.viewport().mapTo(self, self.visualRect(index).center()) if point is None else point
+        return self._selection.item if self._selection.chosen() else "", place
+
+    # Qt interface
+
+    def event(self, event: QEvent) -> bool:
+        """Handle the keys of the table before they act as shortcuts of the window."""
+        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and event.key() in _DELETE:
+            event.accept()
+            return True
+        return super().event(event)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Edit the name on Enter, remove on Delete; an arrow key first selects the current row."""
+        if event.key() in ENTER:
+            self._edit_name(self.currentIndex().row())
+        elif event.key() in _DELETE:
+            self._selection.remove()
+        elif event.key() in _ALONG and not self._selection.chosen() and self.currentIndex().isValid():
+            self.selectRow(self.currentIndex().row())
+        else:
+            super().keyPressEvent(event)
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Update the table if items have changed while it was hidden."""
+        super().showEvent(event)
+        if self._stale:
+            self.show_items()
+
+    def leaveEvent(self, event: QEvent) -> None:
+        """Clear the highlight when the pointer leaves."""
+        self._selection.hover(None)
+        super().leaveEvent(event)
+
+    def _key(self, index: Index) -> Any:
+        return self.rows.key(self.row_at(index))
+
+    def _open(self, index: QModelIndex) -> None:
+        if index.column() == self.number("name"):
+            self._edit_name(index.row())
+        else:
+            self.zoom_wanted.emit()
+
+    def _edit_name(self, row: int) -> None:
+        if row >= 0 and self.state() != QAbstractItemView.State.EditingState:
+            self.edit(self._sorted.index(row, self.number("name")))
+
+    def _report_selection(self) -> None:
+        if not self._showing:
+            self._selection.choose(self._key(index) for index in self.selectionModel().selectedRows())
+
+
+AnyTable = TypeVar("AnyTable", bound=Table)
+
+
+class TablePanel(QWidget, Generic[AnyTable]):
+    """A table with a column of widgets next to it, or above it in a narrow panel, which scrolls where it is low."""
+
+    def __init__(self, table: AnyTable) -> None:
+        super().__init__()
+        self.table = table
+        self.setFocusProxy(table)
+        self.summary = QLabel()
+        self.summary.setWordWrap(True)
+        self.summary.setObjectName("dim")
+        self._content = QWidget()
+        self._column = QVBoxLayout(self._content)
+        self._column.setContentsMargins(0, 0, 0, 0)
+        self._column.setSpacing(6)
+        self._column.addWidget(self.summary)
+        self._column.addStretch(1)
+        self._layout = QBoxLayout(QBoxLayout.Direction.LeftToRight, self)
+        self._layout.setContentsMargins(12, 6, 12, 6)
+        self._layout.setSpacing(12)
+        self._layout.addWidget(Scrolled(self._content, _LEAST))
+        self._layout.addWidget(table, 1)
+
+    def add(self, *widgets: QWidget) -> None:
+        """Place widgets next to the table, below the summary."""
+        for widget in widgets:
+            self._column.insertWidget(self._column.count() - 1, widget)
+
+    def sizeHint(self) -> QSize:
+        """Wide and low."""
+        return QSize(900, 230)
+
+    def minimumSizeHint(self) -> QSize:
+        """The least width of any arrangement."""
+        return QSize(_LEAST_WIDTH, super().minimumSizeHint().height())
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Arrange the parts from top to bottom in a narrow panel."""
+        narrow = event.size().width() < _NARROW
+        self._layout.setDirection(QBoxLayout.Direction.TopToBottom if narrow else QBoxLayout.Direction.LeftToRight)
+        self._content.setMaximumWidth(16_777_215 if narrow else _BESIDE)
+        super().resizeEvent(event)
+
+
+def wide_button(text: str, menu: QMenu | None = None) -> QToolButton:
+    """A button as wide as its place, which opens a menu if there is one."""
+    button = QToolButton()
+    button.setText(text)
+    button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+    if menu is not None:
+        button.setMenu(menu)
+        button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+    return button
+
+
+def button_grid(buttons: Iterable[QWidget]) -> QWidget:
+    """Buttons in two columns."""
+    widget = QWidget()
+    grid = QGridLayout(widget)
+    grid.setContentsMargins(0, 0, 0, 0)
+    grid.setSpacing(4)
+    for place, button in enumerate(buttons):
+        grid.addWidget(button, *divmod(place, 2))
+    return widget

@@ -1,0 +1,497 @@
+"""The timeline of a run: one row for each branch over one axis of steps, and a panel with buttons."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, QSignalBlocker, QSize, Qt, QTimer, Signal
+from PySide6.QtGui import (
+    QAction,
+    QColor,
+    QFocusEvent,
+    QHelpEvent,
+    QKeyEvent,
+    QMouseEvent,
+    QPainter,
+    QPaintEvent,
+    QPalette,
+    QPen,
+)
+from PySide6.QtWidgets import (
+    QFrame,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QMenu,
+    QScrollArea,
+    QSizePolicy,
+    QSpinBox,
+    QToolButton,
+    QToolTip,
+    QWidget,
+)
+
+from app.model.display.lengths import round_up
+from app.model.text.keys import with_keys
+from app.model.text.language import tr, written
+from app.session.features.timeline import TimelineNavigation
+from app.session.timeline.timeline import Branch
+from app.views.theme import theme
+from app.views.theme.icons import icon
+from app.views.theme.theme import Theme
+from app.views.window.dialogs import ask_for_text
+
+_ROW, _FOOT, _HEAD, _SIDE = 24, 16, 6, 10
+"""Height of a branch, and space below the branches for the axis, above them and next to them [px]."""
+
+_ROWS = 3
+"""Number of branches that are always seen; the track scrolls to further ones."""
+
+_LONGEST_NAME, _TRACK = 130, 120
+"""Greatest width of the names, and least width of the track [px]."""
+
+_SHORTEST = 20
+"""Minimum number of steps of the axis."""
+
+_SLOWLY = 100
+"""Time between two updates during the run [ms]."""
+
+_NARROW = 316
+"""Least width of the panel [px]."""
+
+_KEYS = {Qt.Key.Key_Left: -1, Qt.Key.Key_Right: 1, Qt.Key.Key_PageUp: -10, Qt.Key.Key_PageDown: 10}
+_ALL_KEYS = (*_KEYS, Qt.Key.Key_Home, Qt.Key.Key_End, Qt.Key.Key_Up, Qt.Key.Key_Down)
+
+_TIPS = {
+    "first": tr("Go to the first step of the run ({key:timeline_first})."),
+    "back": tr("Go one step back ({key:timeline_back})."),
+    "play": tr("Play or pause the recorded steps ({key:timeline_play})."),
+    "forward": tr("Go one recorded step forward ({key:timeline_forward})."),
+    "last": tr("Go to the last step of the branch ({key:timeline_last})."),
+}
+
+
+class TimelineView(QWidget):
+    """Branches over steps; the pointer and the arrow keys go to any of them."""
+
+    step_requested = Signal(int, int)
+    """Branch and step that the user asks to see."""
+
+    def __init__(self, navigation: TimelineNavigation) -> None:
+        super().__init__()
+        self._navigation = navigation
+        self._dragged: int | None = None
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setMouseTracking(True)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.MinimumExpanding)
+        self.setAccessibleName(tr("Timeline"))
+        self.setMinimumWidth(_TRACK)
+
+    def sizeHint(self) -> QSize:
+        """High enough for all branches."""
+        return QSize(420, self.height_of(len(self._navigation.outline.branches)))
+
+    @staticmethod
+    def height_of(branches: int) -> int:
+        """Height that branches need [px]."""
+        return _HEAD + _ROW * max(branches, 1) + _FOOT
+
+    def refresh(self) -> None:
+        """Show the present branches and step."""
+        self.setMinimumHeight(self.sizeHint().height())
+        branch, step = self._navigation.place
+        known = self._navigation.branch(branch)
+        if known is not None:
+            words = tr("{branch}, step {step} of {last}")
+            last = self._navigation.last(branch)
+            self.setAccessibleDescription(words.format(branch=known.name, step=step, last=last))
+        self.update()
+
+    def point(self, branch: int, step: int) -> QPointF:
+        """Position of a step of a branch."""
+        rows = [known.identity for known in self._navigation.outline.branches]
+        left, width = self._axis()
+        x = left + width * (step - self._navigation.first) / self._steps()
+        return QPointF(x, _HEAD + _ROW * (rows.index(branch) + 0.5))
+
+    def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
+        """The step that is shown; the one at a point is shown first. See `MenuOwner`."""
+        branch = self._branch_at(point.y()) if point is not None else None
+        if point is not None and branch is not None:
+            self._request(branch, QPointF(point))
+        shown, step = self._navigation.place
+        if self._navigation.branch(shown) is None:
+            return "", QPoint()
+        return "step", point if point is not None else self.point(shown, step).toPoint()
+
+    # Positions
+
+    def _steps(self) -> int:
+        """Number of steps of the axis."""
+        lasts = [self._navigation.last(branch.identity) for branch in self._navigation.outline.branches]
+        return max(max(lasts, default=0) - self._navigation.first, _SHORTEST)
+
+    def _axis(self) -> tuple[float, float]:
+        """Left end of the axis, right of the names, and its width [px]."""
+        names = [self.fontMetrics().horizontalAdvance(branch.name) for branch in self._navigation.outline.branches]
+        left = _SIDE + min(max(names, default=0), _LONGEST_NAME, self.width() / 3) + 14.0
+        return left, max(self.width() - 2 * _SIDE - left, 1.0)
+
+    def _step_at(self, x: float) -> int:
+        left, width = self._axis()
+        return round(self._navigation.first + (x - left) / width * self._steps())
+
+    def _base(self) -> float:
+        """Vertical position of the axis, at the bottom of the visible part [px]."""
+        seen = self.visibleRegion().boundingRect()
+        return float((self.rect() if seen.isEmpty() else seen).bottom() - _FOOT)
+
+    def _branch_at(self, y: float) -> int | None:
+        """The branch of a row; on the axis, the branch that is shown."""
+        branches = self._navigation.outline.branches
+        if not branches or y > self._base():
+            return self._navigation.place[0] if branches else None
+        return branches[min(max(int((y - _HEAD) / _ROW), 0), len(branches) - 1)].identity
+
+    def _request(self, branch: int, point: QPointF) -> None:
+        on_name = point.x() < self._axis()[0] - _SIDE
+        self.step_requested.emit(branch, self._navigation.beside(branch) if on_name else self._step_at(point.x()))
+
+    # Qt interface
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Draw the branches, the axis and the shown step."""
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        branches = self._navigation.outline.branches
+        if branches:
+            for branch in branches:
+                self._draw_branch(painter, branch)
+            self._draw_axis(painter)
+            self._draw_place(painter)
+        else:
+            painter.setPen(self._color(QPalette.ColorRole.PlaceholderText))
+            flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
+            painter.drawText(self.rect(), flags, tr("A run is recorded here, step by step."))
+        if self.hasFocus():
+            painter.setBrush(Qt.BrushStyle.NoBrush)
+            painter.setPen(self._color(QPalette.ColorRole.Highlight))
+            painter.drawRoundedRect(QRectF(self.visibleRegion().boundingRect()).adjusted(0.5, 0.5, -0.5, -0.5), 4, 4)
+        painter.end()
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Start scrubbing along a branch."""
+        branch = self._branch_at(event.position().y())
+        if event.button() == Qt.MouseButton.LeftButton and branch is not None:
+            self._dragged = branch
+            self._request(branch, event.position())
+        event.accept()
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Scrub along the branch."""
+        if self._dragged is not None:
+            self._request(self._dragged, event.position())
+        event.accept()
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """End scrubbing."""
+        self._dragged = None
+        event.accept()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Move along a branch or to the next one by arrow keys."""
+        navigation = self._navigation
+        branch, step = navigation.place
+        key, branches = Qt.Key(event.key()), [known.identity for known in navigation.outline.branches]
+        if not branches or key not in _ALL_KEYS:
+            event.ignore()
+        elif branch not in branches:  # no run is shown, as after a reset
+            self.step_requested.emit(branches[-1], navigation.last(branches[-1]))
+        elif key in _KEYS:
+            fast = 10 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1
+            self.step_requested.emit(branch, step + fast * _KEYS[key])
+        elif key in (Qt.Key.Key_Home, Qt.Key.Key_End):
+            self.step_requested.emit(branch, navigation.first if key == Qt.Key.Key_Home else navigation.last(branch))
+        else:
+            row = branches.index(branch) + (1 if key == Qt.Key.Key_Down else -1)
+            other = branches[min(max(row, 0), len(branches) - 1)]
+            self.step_requested.emit(other, navigation.beside(other))
+
+    def focusInEvent(self, event: QFocusEvent) -> None:
+        """Show the focus outline."""
+        self.update()
+        super().focusInEvent(event)
+
+    def focusOutEvent(self, event: QFocusEvent) -> None:
+        """Hide the focus outline."""
+        self.update()
+        super().focusOutEvent(event)
+
+    def event(self, event: QEvent) -> bool:
+        """Show the step under the pointer as a tooltip, and keep the keys that move along a branch."""
+        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and event.key() in _ALL_KEYS:
+            event.accept()
+            return True
+        if event.type() == QEvent.Type.ToolTip and isinstance(event, QHelpEvent):
+            branch = self._navigation.branch(self._branch_at(event.pos().y()) or 0)
+            if branch is not None and event.pos().x() >= self._axis()[0]:
+                step = min(max(self._step_at(event.pos().x()), 0), self._navigation.last(branch.identity))
+                words = tr("{branch}, step {step}").format(branch=branch.name, step=step)
+                QToolTip.showText(event.globalPos(), words, self)
+            return True
+        return super().event(event)
+
+    # Painting
+
+    def _draw_branch(self, painter: QPainter, branch: Branch) -> None:
+        """Draw its name, where it leaves another branch, its steps, and where its scales begin."""
+        identity = branch.identity
+        here, compared = identity == self._navigation.place[0], identity == self._navigation.comparison.branch
+        color = self._color(QPalette.ColorRole.Highlight if here else QPalette.ColorRole.PlaceholderText)
+        if compared:
+            dark = self._color(QPalette.ColorRole.Base).lightness() < 128
+            color = QColor(theme.GHOST) if dark else QColor(theme.GHOST).darker(150)
+        begin = self.point(identity, branch.first)
+        if branch.parent is not None:
+            painter.setPen(QPen(color, 1.6))
+            painter.drawLine(self.point(branch.parent, branch.first), begin)
+        pen = QPen(color, 4.0 if here else 3.0)
+        pen.setCapStyle(Qt.PenCapStyle.RoundCap)
+        painter.setPen(pen)
+        painter.drawLine(begin, self.point(identity, self._navigation.last(identity)))
+        faint, text = self._color(QPalette.ColorRole.PlaceholderText), self._color(QPalette.ColorRole.WindowText)
+        for step, scale in branch.scales:
+            if step > self._navigation.first or scale:
+                at = self.point(identity, step)
+                painter.setPen(QPen(text, 1.4))
+                painter.drawLine(at - QPointF(0.0, 5.0), at + QPointF(0.0, 5.0))
+                painter.setPen(faint)
+                painter.drawText(at - QPointF(-3.0, 4.0), f"1/{2**scale}")
+        room = self._axis()[0] - _SIDE - 10.0
+        name = self.fontMetrics().elidedText(branch.name, Qt.TextElideMode.ElideRight, int(room))
+        painter.setPen(color if here or compared else text)
+        flags = Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft
+        painter.drawText(QRectF(_SIDE - 2.0, begin.y() - _ROW / 2, room + 4.0, _ROW), flags, name)
+
+    def _draw_axis(self, painter: QPainter) -> None:
+        """Draw the axis of the steps with labels."""
+        base, (left, width) = self._base(), self._axis()
+        painter.fillRect(QRectF(0.0, base, self.width(), _FOOT + 1), self._color(QPalette.ColorRole.Window))
+        painter.setPen(self._color(QPalette.ColorRole.PlaceholderText))
+        painter.drawLine(QPointF(left, base), QPointF(left + width, base))
+        half = self.fontMetrics().horizontalAdvance("0000000") / 2
+        every = int(round_up(max(self._steps() * 2.4 * half / width, 1.0)))
+        first = -(-self._navigation.first // every) * every
+        for step in range(first, self._navigation.first + self._steps() + 1, every):
+            x = left + width * (step - self._navigation.first) / self._steps()
+            painter.drawLine(QPointF(x, base), QPointF(x, base + 3.0))
+            painter.drawText(QRectF(x - half, base + 1.0, 2 * half, _FOOT), Qt.AlignmentFlag.AlignHCenter, f"{step}")
+
+    def _draw_place(self, painter: QPainter) -> None:
+        """Mark the step that is shown."""
+        branch, step = self._navigation.place
+        if self._navigation.branch(branch) is None:
+            return
+        at = self.point(branch, step)
+        painter.setPen(QPen(self._color(QPalette.ColorRole.WindowText), 1.4))
+        painter.drawLine(QPointF(at.x(), self.visibleRegion().boundingRect().top()), QPointF(at.x(), self._base()))
+        painter.setPen(QPen(self._color(QPalette.ColorRole.Base), 1.6))
+        painter.setBrush(self._color(QPalette.ColorRole.Highlight))
+        painter.drawEllipse(at, 5.2, 5.2)
+
+    def _color(self, role: QPalette.ColorRole) -> QColor:
+        return self.palette().color(role)
+
+
+class TimelinePanel(QWidget):
+    """Shows the timeline of a run and goes to any of its steps; updated less often while `running` is true."""
+
+    def __init__(self, navigation: TimelineNavigation, running: Callable[[], bool]) -> None:
+        super().__init__()
+        self._navigation = navigation
+        self._running = running
+        self._theme: Theme | None = None
+        self.view = TimelineView(navigation)
+        self.setFocusProxy(self.view)
+        self.view.step_requested.connect(navigation.go)
+        moves: dict[str, Callable[[], object]] = {
+            "first": navigation.to_first,
+            "back": partial(navigation.by, -1),
+            "play": navigation.toggle_play,
+            "forward": partial(navigation.by, 1),
+            "last": navigation.to_last,
+        }
+        self.buttons = {name: _button(name, with_keys(_TIPS[name]), do) for name, do in moves.items()}
+        self.step = QSpinBox()
+        self.step.setKeyboardTracking(False)
+        self.step.setAccessibleName(tr("Step"))
+        self.step.setToolTip(tr("Shown step; type a number to go there."))
+        self.step.valueChanged.connect(lambda step: navigation.go(navigation.place[0], step))
+        self._of, self.difference = QLabel(), QLabel()
+        self._of.setObjectName("dim")
+        self.difference.setObjectName("dim")
+        self.difference.setWordWrap(True)
+        tip = tr("This step was computed with different parameters. Set them again to repeat it.")
+        self.parameters = _button("parameters", tip, navigation.use_its_parameters)
+        self.rename = QAction(tr("Re&name the branch…"), self)
+        self.rename.triggered.connect(self._rename)
+        self.delete = QAction(tr("&Delete the branch"), self)
+        self.delete.triggered.connect(lambda: navigation.drop(navigation.place[0]))
+        self.compare = QMenu(tr("&Compare the branch with"), self)
+        self.compare.aboutToShow.connect(self._fill_compare)
+        self.branch_menu = QMenu(self)
+        self.branch_menu.addActions([self.rename, self.delete, self.compare.menuAction()])
+        self.view.addActions([self.rename, self.compare.menuAction()])
+        self.branch = _button("branch", tr("Name, delete and compare the branch."), self._open_branch_menu)
+        self._lay_out()
+        self._later = QTimer(self, singleShot=True, interval=_SLOWLY)
+        self._later.timeout.connect(self._show)
+        navigation.changed.connect(self._follow)
+        navigation.comparison.found_changed.connect(self._show_difference)
+        self._show()
+
+    def use_theme(self, theme: Theme) -> None:
+        """Color the icons."""
+        self._theme = theme
+        for name, button in (*self.buttons.items(), ("branch", self.branch), ("restore", self.parameters)):
+            shown = "pause" if name == "play" and self._navigation.playing else name
+            button.setIcon(icon(shown, theme.text, faded=theme.line))
+
+    def show_keys(self) -> None:
+        """Name the keys as they are now."""
+        for name, button in self.buttons.items():
+            button.setToolTip(with_keys(_TIPS[name]))
+
+    def show_parameters(self) -> None:
+        """Offer the parameters of the step if they differ from the present ones."""
+        self.parameters.setVisible(self._navigation.other_parameters is not None and not self._running())
+
+    def minimumSizeHint(self) -> QSize:
+        """Room for the buttons and a short track."""
+        hint = super().minimumSizeHint()
+        return QSize(min(hint.width(), _NARROW), hint.height())
+
+    # Internal
+
+    def _lay_out(self) -> None:
+        transport, step = QHBoxLayout(), QHBoxLayout()
+        transport.setSpacing(2)
+        for button in (*self.buttons.values(), self.branch):
+            transport.addWidget(button)
+        transport.addStretch(1)
+        step.setSpacing(6)
+        label = QLabel(tr("Step"))
+        label.setBuddy(self.step)
+        for widget in (label, self.step, self._of, self.parameters):
+            step.addWidget(widget)
+        step.addStretch(1)
+        scroll = self._scroll = QScrollArea()
+        scroll.setWidget(self.view)
+        scroll.setWidgetResizable(True)
+        scroll.setFrameShape(QFrame.Shape.NoFrame)
+        scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        scroll.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        scroll.setMinimumWidth(_TRACK)
+        scroll.verticalScrollBar().valueChanged.connect(self.view.update)  # the axis does not scroll
+        grid = QGridLayout(self)
+        grid.setContentsMargins(8, 2, 8, 2)
+        grid.setHorizontalSpacing(10)
+        grid.setVerticalSpacing(1)
+        grid.addLayout(transport, 0, 0)
+        grid.addLayout(step, 1, 0)
+        grid.addWidget(scroll, 0, 1, 3, 1)
+        grid.addWidget(self.difference, 3, 0, 1, 2)
+        grid.setColumnStretch(1, 1)
+        grid.setRowStretch(2, 1)
+        self.difference.hide()
+
+    def _follow(self) -> None:
+        if not self._running():
+            self._later.stop()
+            self._show()
+        elif not self._later.isActive():
+            self._later.start()
+
+    def _show(self) -> None:
+        navigation = self._navigation
+        branch, step = navigation.place
+        known, last, count = navigation.branch(branch), navigation.last(branch), len(navigation.outline.branches)
+        there = known is not None
+        with QSignalBlocker(self.step):
+            self.step.setRange(navigation.first, max(last, step))
+            self.step.setValue(step)
+        self.step.setEnabled(there)
+        self._of.setText(tr("of {last}").format(last=last) if there else "")
+        earlier, later = step > navigation.first, step < last
+        enabled = {"first": earlier, "back": earlier, "play": True, "forward": later, "last": later}
+        for name, button in self.buttons.items():
+            button.setEnabled(enabled[name] if there else navigation.recorded and name in ("back", "last"))
+        self.branch.setEnabled(count > 0)
+        self.rename.setEnabled(there)
+        self.delete.setEnabled(there and count > 1)
+        self.compare.setEnabled(there and count > 1)
+        self.show_parameters()
+        if self._theme is not None and self.buttons["play"].property("playing") != navigation.playing:
+            self.buttons["play"].setProperty("playing", navigation.playing)
+            self.use_theme(self._theme)
+        self.view.refresh()
+        self._scroll.setMinimumHeight(self.view.height_of(min(count, _ROWS)))
+        if there:
+            self._scroll.ensureVisible(0, round(self.view.point(branch, step).y()), 0, _ROW)
+
+    def _open_branch_menu(self) -> None:
+        self.branch_menu.popup(self.branch.mapToGlobal(QPoint(0, self.branch.height())))
+
+    def _rename(self) -> None:
+        known = self._navigation.branch(self._navigation.place[0])
+        if known is not None:
+            title, button = tr("Name of the branch"), tr("Use this name")
+            name = ask_for_text(self.window(), title, tr("Name:"), button, known.name)
+            if name and name.strip() not in ("", known.name):
+                self._navigation.rename(known.identity, name)
+
+    def _fill_compare(self) -> None:
+        comparison = self._navigation.comparison
+        others = [known for known in self._navigation.outline.branches if known.identity != self._navigation.place[0]]
+        self.compare.clear()
+        for name, identity in ((tr("none"), None), *((known.name, known.identity) for known in others)):
+            action = self.compare.addAction(name.replace("&", "&&"))
+            action.setCheckable(True)
+            action.setChecked(identity == comparison.branch)
+            action.triggered.connect(lambda _=False, identity=identity: comparison.compare(identity))
+
+    def _show_difference(self) -> None:
+        compared = self._navigation.comparison.found
+        if compared is None or compared.state is None:
+            self.difference.setText("")
+            self.difference.hide()
+            return
+        ended = compared.state.step < self._navigation.place[1]
+        counts = (
+            tr("{there} particles at its last step, {here} here")
+            if ended
+            else tr("{there} particles there, {here} here")
+        )
+        sentence = counts.format(there=compared.state.count, here=self._navigation.count)
+        apart = compared.apart
+        if apart is not None and math.isfinite(apart.hausdorff):
+            template = tr("{particles}; contours {mean} px apart on average, {largest} px at most.")
+            mean, largest = written(f"{apart.mean_boundary_distance:.2f}"), written(f"{apart.hausdorff:.2f}")
+            sentence = template.format(particles=sentence, mean=mean, largest=largest)
+        self.difference.setText(sentence)
+        self.difference.setToolTip(tr("Compared at step {step}.").format(step=compared.state.step))
+        self.difference.show()
+
+
+def _button(name: str, tip: str, do: Callable[[], object]) -> QToolButton:
+    """A button of the timeline; the tip has its key in parentheses."""
+    button = QToolButton()
+    button.setObjectName(f"timeline_{name}")
+    button.setAutoRaise(True)
+    button.setToolTip(tip)
+    button.setAccessibleName(tip.partition(" (")[0].rstrip("."))
+    button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+    button.clicked.connect(lambda _=False: do())
+    return button

@@ -1,0 +1,288 @@
+"""Widgets that hold others or show a line of text, and those that handle Escape themselves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from PySide6.QtCore import QEvent, QSize, Qt, Signal
+from PySide6.QtGui import QIcon, QKeyEvent, QPainter, QPaintEvent, QPixmap, QResizeEvent
+from PySide6.QtWidgets import (
+    QFrame,
+    QHBoxLayout,
+    QLabel,
+    QListWidget,
+    QListWidgetItem,
+    QPushButton,
+    QScrollArea,
+    QSizePolicy,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from app.model.text.language import tr
+from app.views.theme.icons import icon
+from app.views.theme.theme import Theme
+
+_GAP = 5
+"""Between the content and the scroll bar [px]."""
+
+
+class Scrolled(QScrollArea):
+    """Scrolls its content up and down; it is as wide as that, and at least `least` high [px]."""
+
+    def __init__(self, content: QWidget, least: int) -> None:
+        super().__init__()
+        self._content = content
+        self._least = least
+        content.setObjectName("scrolled")
+        self.setWidget(content)
+        content.setAutoFillBackground(False)
+        self.viewport().setAutoFillBackground(False)
+        self.setWidgetResizable(True)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+
+    def sizeHint(self) -> QSize:
+        """The size of the content, with a scroll bar where it is needed."""
+        content = self._content.sizeHint()
+        return QSize(content.width() + self._bar(), content.height())
+
+    def minimumSizeHint(self) -> QSize:
+        """The least width of the content, and the given height."""
+        return QSize(self._content.minimumSizeHint().width() + self._bar(), self._least)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Make room for the scroll bar and a gap beside it, or take it back."""
+        super().resizeEvent(event)
+        gap = _GAP if self._bar() else 0
+        if self.viewportMargins().right() != gap:
+            self.setViewportMargins(0, 0, gap, 0)
+        if event.oldSize().height() != event.size().height():
+            self.updateGeometry()
+
+    def _bar(self) -> int:
+        """Width of the scroll bar and its gap, 0 where there is none."""
+        needed = self._content.minimumSizeHint().height() > self.height()
+        return self.verticalScrollBar().sizeHint().width() + _GAP if needed else 0
+
+
+class Section(QWidget):
+    """A heading and a content that can be folded; it is initially visible if `unfolded`."""
+
+    def __init__(self, title: str, content: QWidget, unfolded: bool = True) -> None:
+        super().__init__()
+        self._content = content
+        self.fold = QToolButton()
+        self.fold.setObjectName("fold")
+        self.fold.setText(title)
+        self.fold.setCheckable(True)
+        self.fold.setChecked(unfolded)
+        self.fold.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self.fold.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.fold.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        self.fold.toggled.connect(self._show)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(2)
+        layout.addWidget(self.fold)
+        layout.addWidget(content)
+        self._show(unfolded)
+
+    def _show(self, unfolded: bool) -> None:
+        self.fold.setArrowType(Qt.ArrowType.DownArrow if unfolded else Qt.ArrowType.RightArrow)
+        self._content.setVisible(unfolded)
+
+
+class ElidedLabel(QLabel):
+    """The first line of a text, with an ellipsis where there is more."""
+
+    fits_changed = Signal()
+    """The whole text fits now, or no longer."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setTextFormat(Qt.TextFormat.PlainText)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        self.fits = True
+
+    def setText(self, text: str) -> None:
+        """Show another text."""
+        super().setText(text)
+        self._follow()
+
+    def minimumSizeHint(self) -> QSize:
+        """One line, of any width."""
+        return QSize(0, self.fontMetrics().height())
+
+    def sizeHint(self) -> QSize:
+        """Room for the first line."""
+        return QSize(
+            self.fontMetrics().horizontalAdvance(self.text().partition("\n")[0]) + 2, self.fontMetrics().height()
+        )
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Look whether the text fits."""
+        super().resizeEvent(event)
+        self._follow()
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Draw what fits."""
+        painter = QPainter(self)
+        painter.setPen(self.palette().color(self.foregroundRole()))
+        first, more, _ = self.text().partition("\n")
+        box = self.contentsRect()
+        shown = self.fontMetrics().elidedText(f"{first} …" if more else first, Qt.TextElideMode.ElideRight, box.width())
+        painter.drawText(box, Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft, shown)
+        painter.end()
+
+    def _follow(self) -> None:
+        text, before = self.text(), self.fits
+        self.fits = "\n" not in text and self.fontMetrics().horizontalAdvance(text) <= self.contentsRect().width()
+        if self.fits != before:
+            self.fits_changed.emit()
+
+
+class OfferBar(QFrame):
+    """One sentence, buttons, and a cross that turns the offer down; it waits without a limit of time."""
+
+    changed = Signal()
+    """Something is offered, or no longer."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setObjectName("offer")
+        self._label = QLabel()
+        self._label.setTextFormat(Qt.TextFormat.PlainText)
+        self._label.setWordWrap(True)
+        self._label.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+        self.buttons: list[QPushButton] = []
+        self.cross = QToolButton()
+        self.cross.setObjectName("quiet")
+        self.cross.setAutoRaise(True)
+        self.cross.setToolTip(tr("No, thank you"))
+        self.cross.setAccessibleName(tr("No, thank you"))
+        self.cross.clicked.connect(self.end)
+        self._row = QHBoxLayout(self)
+        self._row.setContentsMargins(12, 4, 6, 4)
+        self._row.setSpacing(8)
+        self._row.addWidget(self._label, 1)
+        self._row.addWidget(self.cross)
+        self.waiting = False
+        """Whether something is offered that has not been answered."""
+        self.hide()
+
+    @property
+    def text(self) -> str:
+        """The offer, or empty."""
+        return "" if self.isHidden() else self._label.text()
+
+    def offer(self, sentence: str, *answers: tuple[str, Callable[[], object]]) -> None:
+        """Offer something in place of what was offered before; each answer has a text and what it does."""
+        self._label.setText(sentence)
+        self._label.setToolTip(sentence)
+        for button in self.buttons:
+            self._row.removeWidget(button)
+            button.deleteLater()
+        self.buttons = [self._button(text, do) for text, do in answers]
+        for place, button in enumerate(self.buttons, start=1):
+            self._row.insertWidget(place, button)
+        self.waiting = True
+        self.show()
+        self.changed.emit()
+
+    def end(self) -> None:
+        """Offer nothing any more."""
+        self.waiting = False
+        self.hide()
+        self.changed.emit()
+
+    def use_theme(self, theme: Theme) -> None:
+        """Tint the cross."""
+        self.cross.setIcon(icon("close", theme.text))
+
+    def _button(self, text: str, do: Callable[[], object]) -> QPushButton:
+        button = QPushButton(text)
+        button.setAutoDefault(False)
+
+        def take() -> None:
+            self.end()
+            do()
+
+        button.clicked.connect(take)
+        return button
+
+
+_CHOOSING = (Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Space)
+_PLAIN = Qt.KeyboardModifier.NoModifier
+
+
+class PictureGrid(QListWidget):
+    """Pictures of one size in cells of another; arrow keys and the first letters of a name lead through them."""
+
+    chosen = Signal(QListWidgetItem)
+    """The user chooses a picture."""
+    left = Signal()
+    """The user presses Esc."""
+
+    def __init__(self, picture: QSize, cell: QSize) -> None:
+        super().__init__()
+        self.setViewMode(QListWidget.ViewMode.IconMode)
+        self.setMovement(QListWidget.Movement.Static)
+        self.setResizeMode(QListWidget.ResizeMode.Adjust)
+        self.setIconSize(picture)
+        self.setGridSize(cell)
+        self.setUniformItemSizes(True)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.itemClicked.connect(self.chosen)
+
+    def add(self, picture: QPixmap, name: str, what: object, tip: str) -> None:
+        """Add a picture of something."""
+        icon = QIcon()
+        # The picture is the same whether marked or not.
+        icon.addPixmap(picture, QIcon.Mode.Normal)
+        icon.addPixmap(picture, QIcon.Mode.Selected)
+        item = QListWidgetItem(icon, name)
+        item.setData(Qt.ItemDataRole.UserRole, what)
+        item.setToolTip(tip)
+        item.setTextAlignment(Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignBottom)
+        self.addItem(item)
+
+    def event(self, event: QEvent) -> bool:
+        """Take plain keys before they act as shortcuts of the window."""
+        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent):
+            plain = event.modifiers() in (_PLAIN, Qt.KeyboardModifier.ShiftModifier)
+            if plain and (event.text() or event.key() in _CHOOSING):
+                event.accept()
+                return True
+        return super().event(event)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Choose the marked picture on Enter or Space, leave on Esc."""
+        item = self.currentItem()
+        if event.key() in _CHOOSING and item is not None:
+            self.chosen.emit(item)
+        elif event.key() == Qt.Key.Key_Escape:
+            self.left.emit()
+        else:
+            super().keyPressEvent(event)
+
+
+_OWN = "own_escape"
+
+
+def keep_escape(widget: QWidget) -> None:
+    """Let a widget, and those in it, handle Escape; text fields in it handle Enter, too."""
+    widget.setProperty(_OWN, True)
+
+
+def has_own_escape(widget: QWidget) -> bool:
+    """Whether a widget, or one around it, handles Escape itself."""
+    around: QWidget | None = widget
+    while around is not None:
+        if around.property(_OWN):
+            return True
+        around = around.parentWidget()
+    return False

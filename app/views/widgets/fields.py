@@ -1,0 +1,239 @@
+"""Fields for numbers: one to type in, a slider with marks, and the speed of the run."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+
+from PySide6.QtCore import QPointF, Qt, Signal
+from PySide6.QtGui import QMouseEvent, QPainter, QPaintEvent, QPalette, QPolygonF, QValidator, QWheelEvent
+from PySide6.QtWidgets import (
+    QDoubleSpinBox,
+    QHBoxLayout,
+    QLabel,
+    QSizePolicy,
+    QSlider,
+    QStyle,
+    QStyleOptionSlider,
+    QWidget,
+)
+
+from app.model.state.resolve import FIRST_PACE, PACES, pace_text
+from app.model.text.language import tr
+from app.session.session import Session
+
+_POINT = "."
+_GROUP = 3
+"""Digits between separators of groups."""
+
+
+class DecimalField(QDoubleSpinBox):
+    """Takes numbers as the language writes them, and with a point where that cannot be meant as a separator.
+
+    Where the language writes a comma, ``0.25`` is a quarter; ``1.250`` is what the language says, unless that is out of
+    range. The wheel changes it only while it has the focus, otherwise the column scrolls. `words` stand in place of
+    some values.
+    """
+
+    def __init__(self, words: Sequence[tuple[float, str]] = ()) -> None:
+        super().__init__()
+        self._words = dict(words)
+        self._exact = 0.0
+
+    @property
+    def exact(self) -> float:
+        """Its value, with the digits that are not shown."""
+        return self._exact if self._shows(self._exact) else self.value()
+
+    def show_value(self, value: float) -> None:
+        """Show a value without emitting a signal."""
+        self._exact = value
+        if not self._shows(value):
+            self.blockSignals(True)
+            self.setValue(value)
+            self.blockSignals(False)
+
+    def move_to(self, value: float) -> None:
+        """Set a value as if the user had set it, and drop what has been typed."""
+        changed = value != self.exact
+        self.setValue(value)
+        if changed:
+            self.valueChanged.emit(value)
+
+    def textFromValue(self, value: float) -> str:
+        """The word for a value, or the number."""
+        return self._words.get(value) or super().textFromValue(value)
+
+    def validate(self, text: str, place: int) -> tuple[QValidator.State, str, int]:
+        """Whether a text is a number or a word, or the beginning of one."""
+        if self._word(text) is not None:
+            return QValidator.State.Acceptable, text, place
+        state, _, at = super().validate(self._as_written(text), place)
+        return state, text, at
+
+    def fixup(self, text: str) -> str:
+        """What becomes of the beginning of a number."""
+        return super().fixup(self._as_written(text))
+
+    def valueFromText(self, text: str) -> float:
+        """The number that a text means."""
+        value = self._word(text)
+        return super().valueFromText(self._as_written(text)) if value is None else value
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Change the value only while the field has the focus."""
+        if self.hasFocus():
+            super().wheelEvent(event)
+        else:
+            event.ignore()
+
+    def _shows(self, value: float) -> bool:
+        return math.isclose(self.value(), value, abs_tol=0.5 * 10.0 ** -self.decimals())
+
+    def _word(self, text: str) -> float | None:
+        """The value of a word."""
+        word = text.removesuffix(self.suffix()).strip()
+        return next((value for value, known in self._words.items() if known == word), None)
+
+    def _as_written(self, text: str) -> str:
+        """The text with the decimal mark of the language."""
+        mark = self.locale().decimalPoint()
+        if mark == _POINT or mark in text or text.count(_POINT) != 1:
+            return text
+        converted = text.replace(_POINT, mark)
+        digits = re.search(r"\.(\d*)", text)
+        if digits is None or len(digits[1]) != _GROUP or self.locale().groupSeparator() != _POINT:
+            return converted
+        state = super().validate(text, len(text))[0]
+        return text if state == QValidator.State.Acceptable else converted
+
+
+_MARK = 3.5
+
+
+class MarkedSlider(QSlider):
+    """Slider in steps of a given size; a double click restores the default.
+
+    Parameters
+    ----------
+    low, high, step : float
+        Range and increment.
+    default : float or None
+        Position of the mark; None for no mark.
+    """
+
+    moved_to = Signal(float)
+    """The user has moved it to a value."""
+    restored = Signal()
+    """The user has asked for the default."""
+
+    def __init__(self, low: float, high: float, step: float, default: float | None) -> None:
+        super().__init__(Qt.Orientation.Horizontal)
+        self._default = default
+        self.exact = low
+        """The value that it was last given, which may lie between two steps."""
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.set_range(low, high, step)
+        self.valueChanged.connect(self._moved)
+
+    def set_range(self, low: float, high: float, step: float) -> None:
+        """Change range and increment; call `show_value` afterwards."""
+        self._low, self._step = low, step
+        self.blockSignals(True)
+        count = max(1, round((high - low) / step))
+        self.setRange(0, count)
+        self.setPageStep(max(1, count // 10))
+        self.blockSignals(False)
+        self.update()
+
+    def move_to(self, value: float) -> None:
+        """Move it to a value, as if the user had moved it."""
+        if value != self.exact:
+            self.show_value(value)
+            self.moved_to.emit(value)
+
+    def show_value(self, value: float) -> None:
+        """Show a value without emitting a signal; one outside the range is shown at its end."""
+        self.exact = value
+        self.blockSignals(True)
+        self.setValue(round((value - self._low) / self._step))
+        self.blockSignals(False)
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Change the value only while the slider has the focus; otherwise the column scrolls."""
+        if self.hasFocus():
+            super().wheelEvent(event)
+        else:
+            event.ignore()
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        """Restore the default."""
+        event.accept()
+        self.restored.emit()
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Draw the mark below the groove."""
+        super().paintEvent(event)
+        if self._default is None:
+            return
+        option = QStyleOptionSlider()
+        self.initStyleOption(option)
+        handle = self.style().subControlRect(
+            QStyle.ComplexControl.CC_Slider, option, QStyle.SubControl.SC_SliderHandle, self
+        )
+        room = self.width() - handle.width()
+        fraction = (self._default - self._low) / (self._step * max(1, self.maximum()))
+        if not 0.0 <= fraction <= 1.0:
+            return
+        x, y = handle.width() / 2 + fraction * room, self.height() - 1.0
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(self.palette().color(QPalette.ColorRole.PlaceholderText))
+        painter.drawPolygon(QPolygonF([QPointF(x, y - _MARK), QPointF(x - _MARK, y), QPointF(x + _MARK, y)]))
+        painter.end()
+
+    def _moved(self, value: int) -> None:
+        self.exact = round(self._low + value * self._step, 9)
+        self.moved_to.emit(self.exact)
+
+
+class SpeedControl(QWidget):
+    """A slider from one step per second to as many as possible."""
+
+    def __init__(self, session: Session) -> None:
+        super().__init__()
+        self._session = session
+        self.slider = QSlider(Qt.Orientation.Horizontal)
+        self.slider.setRange(0, len(PACES) - 1)
+        self.slider.setPageStep(1)
+        self.slider.setValue(FIRST_PACE)
+        self.slider.setFixedWidth(96)
+        self.slider.setAccessibleName(tr("Speed"))
+        self.slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.label = QLabel(pace_text(PACES[FIRST_PACE]))
+        self.label.setMinimumWidth(self.label.fontMetrics().horizontalAdvance(max(map(pace_text, PACES), key=len)) + 8)
+        name = QLabel(tr("Speed"))
+        name.setObjectName("dim")
+        for widget in (self, self.slider, self.label, name):
+            widget.setToolTip(tr("Largest number of steps per second ([ slower, ] faster)."))
+        layout = QHBoxLayout(self)
+        layout.setContentsMargins(6, 0, 6, 0)
+        layout.addWidget(name)
+        layout.addWidget(self.slider)
+        layout.addWidget(self.label)
+        self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Preferred)
+        self.slider.valueChanged.connect(self._change)
+
+    def faster(self) -> None:
+        """One notch up."""
+        self.slider.setValue(self.slider.value() + 1)
+
+    def slower(self) -> None:
+        """One notch down."""
+        self.slider.setValue(self.slider.value() - 1)
+
+    def _change(self, index: int) -> None:
+        self.label.setText(pace_text(PACES[index]))
+        self._session.set_pace(PACES[index])

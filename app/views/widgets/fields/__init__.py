@@ -1,1 +1,0 @@
-"""Fields for numbers: one to type in, and a slider with marks."""

@@ -1,0 +1,141 @@
+"""The guide: pages of ``assets/guide`` that explain real tasks, in a dialog beside the window."""
+
+from __future__ import annotations
+
+import html
+import re
+from collections.abc import Callable, Iterable, Sequence
+
+from PySide6.QtCore import QSize, Qt, QUrl
+from PySide6.QtGui import QKeySequence, QShortcut
+from PySide6.QtWidgets import (
+    QDialog,
+    QDialogButtonBox,
+    QHBoxLayout,
+    QListWidget,
+    QMainWindow,
+    QTextBrowser,
+    QVBoxLayout,
+)
+
+from app.model.parameters.controls import controls
+from app.model.text.assets import asset, guide_page
+from app.model.text.keys import key_of
+from app.model.text.language import from_core, tr
+from app.views.widgets.actions import LAYER, ActionSpec, native
+from app.views.window.docks import PanelAction
+from app.views.window.menus import MENUS
+
+KEYS = "keys"
+"""Name of the page that lists all keys, and of the action that opens and closes it."""
+
+PAGES = ("first", "artery", "nuclei", "hand", "vessels", "stacks", "further", "canvas", KEYS)
+"""The pages in the order of the table of contents."""
+
+_SIZE = QSize(780, 640)
+_PICTURE = 300
+"""Width of a picture [px]."""
+
+_LABELS = {control.name: f"“{control.title}” ({control.rich_symbol})" for control in controls()}
+"""Labels of parameters by their names."""
+
+
+class Guide(QDialog):
+    """Shows the pages beside the window; links open samples and other pages.
+
+    `specs` are all actions, whose names and keys the pages mention; `open_sample` opens a sample by its file name.
+    """
+
+    def __init__(self, parent: QMainWindow, specs: Iterable[ActionSpec], open_sample: Callable[[str], None]) -> None:
+        super().__init__(parent)
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self.setWindowTitle(tr("Guide"))
+        self._specs = {spec.name: spec for spec in specs}
+        self._window = parent
+        self._open_sample = open_sample
+        for key in self._specs[KEYS].shortcuts if KEYS in self._specs else ():
+            QShortcut(QKeySequence(key), self, self.close)
+        self.contents = QListWidget()
+        self.contents.setObjectName("contents")
+        self.contents.setAccessibleName(tr("Pages"))
+        self.contents.addItems([from_core(guide_page(name)[0].text) for name in PAGES])
+        self.contents.setFixedWidth(self.contents.sizeHintForColumn(0) + 28)
+        self.text = QTextBrowser()
+        self.text.setOpenLinks(False)
+        self.text.document().setDocumentMargin(14)
+        self.text.anchorClicked.connect(self._follow)
+        buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
+        buttons.rejected.connect(self.close)
+        beside = QHBoxLayout()
+        beside.addWidget(self.contents)
+        beside.addWidget(self.text, 1)
+        layout = QVBoxLayout(self)
+        layout.addLayout(beside, 1)
+        layout.addWidget(buttons)
+        self.contents.currentRowChanged.connect(self._show)
+        self.resize(_SIZE.boundedTo(self.screen().availableSize()))
+        self.turn_to(PAGES[0])
+
+    @property
+    def page(self) -> str:
+        """Name of the page that is open."""
+        return PAGES[self.contents.currentRow()]
+
+    def use_actions(self, specs: Iterable[ActionSpec]) -> None:
+        """Name actions and their keys as they are now."""
+        self._specs = {spec.name: spec for spec in specs}
+        self._show()
+
+    def turn_to(self, name: str) -> None:
+        """Open a page by its name."""
+        self.contents.setCurrentRow(PAGES.index(name))
+
+    def _show(self, _: int = 0) -> None:
+        parts = []
+        for mark, text, picture in guide_page(self.page):
+            tag = {"# ": "h2", "1. ": "li", "": "p"}[mark]
+            address = QUrl.fromLocalFile(str(asset(f"guide/{picture}"))).toString() if picture else ""
+            image = f"<br><img src='{address}' width='{_PICTURE}'><br>" if picture else ""
+            parts.append(f"<{tag}>{self._named(from_core(text))}{image}</{tag}>")
+        whole = re.sub(r"((?:<li>.*?</li>)+)", r"<ol>\1</ol>", "".join(parts), flags=re.DOTALL)
+        self.text.setHtml(whole + (self._keys() if self.page == KEYS else ""))
+
+    def _follow(self, link: QUrl) -> None:
+        if link.scheme() == "page":
+            self.turn_to(link.path())
+        elif link.scheme() == "sample":
+            self._open_sample(link.path())
+
+    def _named(self, text: str) -> str:
+        """A text with actions in braces replaced by name and key, and parameters (``{=beta}``) by label and symbol."""
+        text = re.sub(r"\{=(\w+)\}", lambda found: _LABELS[found.group(1)], text)
+        text = re.sub(r"\{key:(\w+)\}", lambda found: html.escape(key_of(found.group(1))), text)
+        return re.sub(r"\{(\w+)\}", lambda found: self._action(self._specs[found.group(1)]), text)
+
+    @staticmethod
+    def _action(spec: ActionSpec) -> str:
+        keys = f" ({html.escape(native(spec.shortcuts[0]))})" if spec.shortcuts else ""
+        return f"<b>{html.escape(spec.title)}</b>{keys}"
+
+    def _keys(self) -> str:
+        """All keys of actions and panels, by menu."""
+        tools, layers, panels = tr("Tools"), tr("Layers"), tr("Panels")
+        menus = {name: title.replace("&", "") for name, title in MENUS.items()}
+        groups: dict[str, list[tuple[Sequence[str], str]]] = {
+            title: [] for title in (tools, layers, panels, *menus.values())
+        }
+        for spec in self._specs.values():
+            group = tools if spec.group == "tool" else layers if spec.name.startswith(LAYER) else ""
+            if spec.shortcuts:
+                groups[group or menus[spec.menu.partition(">")[0]]].append((spec.shortcuts[:2], spec.title))
+        for action in self._window.findChildren(PanelAction):
+            if not action.shortcut().isEmpty():
+                groups[panels].append(([action.shortcut().toString()], action.text()))
+        cell, text = "<td style='padding: 2px 14px 2px 0'>", ""
+        for title, rows in groups.items():
+            lines = "".join(
+                f"<tr>{cell}<b>{html.escape('  '.join(map(native, keys)))}</b></td>{cell}{html.escape(name)}</td></tr>"
+                for keys, name in rows
+            )
+            text += f"<h3>{title}</h3><table>{lines}</table>" if rows else ""
+        return text

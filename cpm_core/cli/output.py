@@ -1,0 +1,197 @@
+"""What commands print: sentences and progress for people, one JSON object for programs, and the files they wrote.
+
+Each object begins with ``command``, ``schema`` (the version of the form) and ``version`` (that of CPM). What follows is
+in `SCHEMA_FILE`, a JSON Schema of all commands; its number is raised when an entry changes its meaning or goes.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from cpm_core.contours.result import Result
+from cpm_core.formats import export
+from cpm_core.formats.common.printable import printable
+from cpm_core.formats.common.provenance import VERSION
+from cpm_core.image.image import Image
+from cpm_core.model.state import State
+from cpm_core.warm_up import FIRST, is_compiled, warm_up
+
+SCHEMA = 1
+"""Version of the form of all JSON objects."""
+
+SCHEMA_FILE = Path(__file__).with_name("outcome.schema.json")
+"""JSON Schema of what the commands print with ``--json``."""
+
+IN_PART = 1
+"""Exit status when some of several images, pages or files could not be done, and the others were."""
+
+_REDRAW = 0.1
+"""Time between two changes of a line of progress [s]."""
+
+
+def say(sentence: str) -> None:
+    """Print a sentence to standard error."""
+    print(printable(f"cpm: {sentence}"), file=sys.stderr, flush=True)
+
+
+def say_notes(source: str, notes: Iterable[str]) -> None:
+    """Print notes on an image or another file to standard error."""
+    for note in notes:
+        say(f"{source}: {note}")
+
+
+class StatusLine:
+    """A line with the progress, on standard error where that is a terminal; removed at the end of the block."""
+
+    def __init__(self) -> None:
+        self._due = 0.0
+        self._began = time.monotonic()
+
+    def __enter__(self) -> StatusLine:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.show("")
+
+    def show(self, text: str) -> None:
+        """Show a text in place of the last one."""
+        if sys.stderr.isatty():
+            print(f"\r\x1b[2K{text}", end="", file=sys.stderr, flush=True)
+
+    def show_state(self, state: State) -> None:
+        """Show the state of a run, from time to time."""
+        now = time.monotonic()
+        if now >= self._due:
+            self._due = now + _REDRAW
+            self.show(f"step {state.step}  scale {state.scale}  particles {state.count}")
+
+    def count(self, done: int, total: int) -> None:
+        """Show how many items are done, and about how long the others take."""
+        left = (time.monotonic() - self._began) / done * (total - done)
+        self.show(f"{done} of {total}" + (f", about {left:.0f} s left" if left else ""))
+
+    def say(self, sentence: str) -> None:
+        """Print a sentence above the line."""
+        self.show("")
+        say(sentence)
+
+
+def announce_compilation() -> None:
+    """Compile the kernels of a run ahead, where that has not been done yet, and say so."""
+    if not is_compiled():
+        say("the inner loops are compiled for this computer, once; the first run begins some seconds later.")
+        with StatusLine() as line:
+            warm_up(on_progress=lambda done: line.show(f"compiling: {done:.0%}"), parts=FIRST)
+
+
+class Files:
+    """The files that a command writes: those that are written, and why others are not."""
+
+    def __init__(self) -> None:
+        self.written: list[str] = []
+        self.refused: dict[str, str] = {}
+
+    def export(self, result: Any, paths: Sequence[str], **options: Any) -> None:
+        """Write a result, with options of `export`, to those of some paths whose formats can hold it."""
+        with self.writing(*paths):
+            export(result, *paths, refused=self.refuse, **options)
+
+    def refuse(self, path: str | Path, reason: str) -> None:
+        """Note that a file is not written, and why."""
+        self.refused[str(path)] = reason
+
+    @contextmanager
+    def writing(self, *paths: str) -> Iterator[None]:
+        """Write some files within the block: all that it does not refuse, or none when it raises ValueError."""
+        try:
+            yield
+        except ValueError as error:
+            for path in paths:
+                self.refused.setdefault(path, str(error))
+        known = {str(Path(path)) for path in self.refused}
+        self.written += [path for path in dict.fromkeys(paths) if str(Path(path)) not in known]
+
+    def status(self, advice: str = "") -> int:
+        """Exit status of the command; sentences say what is not written. ValueError when nothing is."""
+        for path, reason in self.refused.items():
+            if not self.written:
+                raise ValueError(f"{reason} {advice}".rstrip())
+            say(f"{path} was not written: {reason} {advice}".rstrip())
+        return IN_PART if self.refused else 0
+
+
+def print_json(command: str, facts: Mapping[str, Any]) -> None:
+    """Print the outcome of a command as one JSON object."""
+    print(json.dumps({"command": command, "schema": SCHEMA, "version": VERSION, **facts}))
+
+
+def report(command: str, facts: Mapping[str, Any], lines: Iterable[str], files: Files, *, as_json: bool) -> None:
+    """Print the outcome of a command as JSON, or as sentences with the files that were written."""
+    if as_json:
+        print_json(command, {**facts, "not_written": files.refused})
+        return
+    for line in (*lines, *(f"Wrote {path}" for path in files.written)):
+        print(printable(line))
+
+
+def facts_of_run(result: Result, seconds: float) -> dict[str, object]:
+    """Values of a run by name, as they are printed as JSON."""
+    return {
+        "particles": len(result.particles),
+        "contours": len(result.contours),
+        "closed": sum(contour.closed for contour in result.contours),
+        "steps": result.steps,
+        "converged": result.converged,
+        "stop_reason": result.stop_reason,
+        "seconds": round(seconds, 3),
+    }
+
+
+def longest(items: Sequence[Any], line: Callable[[Any], str]) -> Iterator[str]:
+    """Numbered lines on the first ten of some contours or lines, which are the longest."""
+    for number, item in enumerate(items[:10], start=1):
+        yield f"  {number}. {line(item)}"
+    if len(items) > 10:
+        yield f"  ... and {len(items) - 10} shorter ones"
+
+
+_AXES = ("planes", "rows", "columns")
+_ENDS = {"L": "left", "R": "right", "P": "back", "A": "front", "S": "head", "I": "feet"}
+_OBLIQUE = 0.05
+"""Angle from which axes are called oblique [degrees]."""
+
+
+def lines_on_place(image: Image) -> list[str]:
+    """Size of a pixel or voxel, and orientation and position where they are known."""
+    what = "pixel" if image.ndim == 2 else "voxel"
+    size = "not given in the file"
+    if image.unit:
+        order = " x ".join(("plane", "row", "column")[-image.ndim :])
+        size = f"{' x '.join(f'{side:g}' for side in image.spacing)} {image.unit} ({order})"
+    lines, geometry = [f"Size of a {what}: {size}"], image.geometry
+    if geometry is not None:
+        ways = [f"{axis} to the {_ENDS[letter]}" for axis, letter in zip(_AXES, geometry.letters, strict=True)]
+        turned = f", up to {geometry.oblique:.1f}° oblique" if geometry.oblique >= _OBLIQUE else ""
+        origin = ", ".join(f"{at:g}" for at in geometry.origin)
+        lines.append(f"Orientation: {', '.join(ways[-image.ndim :])}{turned}")
+        lines.append(f"First {what}: at ({origin}) {image.unit or 'voxels'}, {geometry.convention}")
+    return lines
+
+
+def facts_on_place(image: Image) -> dict[str, object]:
+    """The same as values by name."""
+    geometry = image.geometry
+    place = geometry and {
+        "origin": list(geometry.origin),
+        "directions": [list(direction) for direction in geometry.directions],
+        "convention": geometry.convention,
+        "letters": "".join(geometry.letters),
+        "affine": geometry.affine(image.spacing).tolist(),
+    }
+    return {"spacing": list(image.spacing) if image.unit else None, "unit": image.unit, "geometry": place}

@@ -1,1 +1,0 @@
-"""The command ``cpm run``: images, the pages of a stack, volumes, and objects that places name."""

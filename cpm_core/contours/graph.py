@@ -1,0 +1,335 @@
+"""The graph of points and edges from which contours are read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cpm_core.contours.contour import Contour
+from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.polyline import lengths_along
+from cpm_core.numerics.types import Array, Index
+
+
+class Graph:
+    """Points joined by edges, and operations that simplify the graph.
+
+    The operations work on whole paths, since nearly all vertices have two edges.
+
+    Parameters
+    ----------
+    points : ndarray, shape (N, 2)
+        Vertices.
+    edges : ndarray of int64, shape (E, 2)
+        Pairs of indices.
+    """
+
+    def __init__(self, points: Array, edges: Index) -> None:
+        self.points = points
+        one, other = _distinct(edges, len(points)).T
+        first = np.searchsorted(one, np.arange(len(points)))
+        slot = np.arange(len(one)) - first[one]
+        self._near = np.full((len(points), int(slot.max(initial=2)) + 1), -1, np.int64)
+        """Neighbors of each vertex in any order; -1 is an empty slot."""
+        self._near[one, slot] = other
+        self.degrees = np.bincount(one, minlength=len(points))
+        """Number of edges at each vertex, shape (N,)."""
+        self._ways: Ways | None = None
+
+    def link(self, a: int, b: int) -> None:
+        """Join two vertices."""
+        for one, other in ((a, b), (b, a)):
+            near = self._near[one].tolist()
+            if other in near:
+                continue
+            if -1 not in near:
+                self._near = np.pad(self._near, [(0, 0), (0, 1)], constant_values=-1)
+                near.append(-1)
+            self._near[one, near.index(-1)] = other
+            self.degrees[one] += 1
+        self._ways = None
+
+    def insert(self, a: int, between: Array, b: int) -> None:
+        """Join two vertices through new ones, shape (K, 2)."""
+        first, count = len(self.points), len(between)
+        self.points = np.concatenate([self.points, between])
+        self._near = np.pad(self._near, [(0, count), (0, 0)], constant_values=-1)
+        self.degrees = np.pad(self.degrees, (0, count))
+        for one, other in pairwise([a, *range(first, first + count), b]):
+            self.link(one, other)
+
+    def unlink(self, edges: ArrayLike) -> None:
+        """Remove distinct edges, shape (E, 2), as far as they exist."""
+        pairs = np.asarray(edges, np.int64).reshape(-1, 2)
+        pairs = pairs[(self._near[pairs[:, 0]] == pairs[:, 1:]).any(axis=1)]
+        for one, other in (pairs.T, pairs.T[::-1]):
+            self._near[one, np.argmax(self._near[one] == other[:, None], axis=1)] = -1
+        np.subtract.at(self.degrees, pairs.ravel(), 1)
+        self._ways = None
+
+    def drop(self, path: Index) -> None:
+        """Remove the edges along a path."""
+        self.unlink(np.stack([path[:-1], path[1:]], axis=1))
+
+    def distance(self, a: int, b: int) -> float:
+        """Distance of two vertices [px]."""
+        return float(np.linalg.norm(self.points[a] - self.points[b]))
+
+    def degree(self, vertex: int) -> int:
+        """Number of edges at a vertex."""
+        return int(self.degrees[vertex])
+
+    def neighbors(self, vertex: int) -> list[int]:
+        """Neighbors of a vertex, the lowest number first."""
+        return sorted(v for v in self._near[vertex].tolist() if v >= 0)
+
+    def edges(self) -> Index:
+        """Every edge once, shape (E, 2), the lower index first, sorted."""
+        one, slot = np.nonzero(self._near > np.arange(len(self._near))[:, None])
+        other = self._near[one, slot]
+        order = np.lexsort((other, one))
+        return np.stack([one[order], other[order]], axis=1)
+
+    def ends(self) -> Index:
+        """Vertices with a single edge."""
+        return np.flatnonzero(self.degrees == 1)
+
+    def ways(self) -> Ways:
+        """Paths between ends and junctions, then cycles."""
+        if self._ways is None:
+            self._ways = ways_of(self.points, self._near, self.degrees)
+        return self._ways
+
+    def branch(self, end: int) -> Index:
+        """Vertices from a loose end to the next end or junction, both included."""
+        near = self.neighbors(end)
+        if not near:
+            return np.array([end])
+        path = np.empty(len(self.points) + 1, np.int64)
+        count = follow(self._near, self.degrees, np.zeros(self._near.shape, np.bool_), end, near[0], path)
+        return path[:count]
+
+    def way_from(self, end: int) -> dict[int, float]:
+        """Arc length from a loose end to each vertex of its branch [px]."""
+        path = self.branch(end)
+        return dict(zip(path.tolist(), lengths_along(self.points[path]).tolist(), strict=True))
+
+    def drop_spurs(self, longest: float) -> None:
+        """Remove branches with a loose end, up to a length of `longest` [px], shortest first."""
+        ways, degrees = self.ways(), self.degrees
+        first, last = ways.first, ways.last
+        backwards = degrees[last] == 1
+        end, other = np.where(backwards, last, first), np.where(backwards, first, last)
+        spurs = np.flatnonzero((degrees[end] == 1) & (degrees[other] >= 3) & (ways.lengths <= longest))
+        for way in spurs[np.lexsort((end[spurs], ways.lengths[spurs]))].tolist():
+            path = ways.path(way)[:: -1 if backwards[way] else 1]
+            if self.degree(path[-1]) == 2:  # no longer a junction: the branch continues
+                path = self.branch(int(path[0]))
+                if self.length(path) > longest:
+                    continue
+            if self.degree(path[-1]) >= 3:
+                self.drop(path)
+
+    def drop_specks(self, longest: float) -> None:
+        """Remove isolated open curves up to a length of `longest` [px]."""
+        ways = self.ways()
+        alone = (self.degrees[ways.first] == 1) & (self.degrees[ways.last] == 1)
+        self.drop_ways(alone & (ways.lengths <= longest))
+
+    def drop_ways(self, gone: NDArray[np.bool_]) -> None:
+        """Remove the paths chosen by a mask of shape (W,)."""
+        if gone.any():
+            edges, way = self.ways().edges()
+            self.unlink(edges[gone[way]])
+
+    def merge_junctions(self, longest: float) -> None:
+        """Merge junctions that are joined by a path up to a length of `longest` [px]."""
+        ways = self.ways()
+        self.points = self.points.copy()
+        moved: set[int] = set()
+        for way in self._ties(ways).tolist():
+            path = ways.path(way)
+            kept, gone = int(path[0]), int(path[-1])
+            if ways.lengths[way] > longest and not moved & {kept, gone}:
+                continue
+            if not self._intact(path) or min(map(self.degree, (kept, gone))) < 3 or self.length(path) > longest:
+                continue
+            self.drop(path)
+            self.points[kept] = 0.5 * (self.points[kept] + self.points[gone])
+            moved.add(kept)
+            for other in self.neighbors(gone):
+                self.unlink((gone, other))
+                if other != kept:
+                    self.link(kept, other)
+
+    def drop_ties(self, longest: float) -> None:
+        """Remove paths between two junctions that are shorter than `longest` [px], shortest first.
+
+        Such paths occur at the mouth of a narrow slit, where they connect its two sides.
+        """
+        ways = self.ways()
+        ties = self._ties(ways)
+        ties = ties[ways.lengths[ties] < longest]
+        for way in ties[np.argsort(ways.lengths[ties], kind="stable")].tolist():
+            path = ways.path(way)
+            if min(map(self.degree, (path[0], path[-1]))) > 2:
+                self.drop(path)
+
+    def _ties(self, ways: Ways) -> Index:
+        """Paths between two junctions."""
+        return np.flatnonzero(~ways.closed & (self.degrees[ways.first] > 2) & (self.degrees[ways.last] > 2))
+
+    def _intact(self, path: Index) -> bool:
+        """Whether all edges along a path still exist."""
+        return bool((self._near[path[:-1]] == path[1:, None]).any(axis=1).all())
+
+    def length(self, path: Index) -> float:
+        """Length of a path [px]."""
+        return float(np.linalg.norm(np.diff(self.points[path], axis=0), axis=1).sum())
+
+    def contours(self, shortest: float = 0.0) -> tuple[Contour, ...]:
+        """Contours of a length of at least `shortest` [px], longest first; a cycle through one junction is closed."""
+        ways = self.ways()
+        forks = np.stack([self.degrees[ways.first] > 2, self.degrees[ways.last] > 2], axis=1) & ~ways.closed[:, None]
+        found = []
+        for way in np.flatnonzero(ways.lengths >= shortest).tolist():
+            before, behind = forks[way].tolist()
+            found.append(Contour(self.points[ways.path(way)], bool(ways.closed[way]), junctions=(before, behind)))
+        return tuple(sorted(found, key=lambda contour: -contour.length))
+
+
+def _distinct(edges: Index, count: int) -> Index:
+    """Every edge of a graph of `count` vertices once in both directions, sorted."""
+    one, other = edges.astype(np.int64).reshape(-1, 2).T
+    key = np.sort(np.concatenate([one * count + other, other * count + one]))
+    key = key[np.diff(key, prepend=-1) > 0]
+    return np.stack([key // max(count, 1), key % max(count, 1)], axis=1)
+
+
+def chains(points: Array, edges: Index) -> tuple[Contour, ...]:
+    """Contours along the edges, pairs of indices of shape (E, 2), between points of shape (N, 2); longest first."""
+    return Graph(points, edges).contours()
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Ways:
+    """Paths between ends and junctions, then cycles: every edge of a graph once.
+
+    Attributes
+    ----------
+    vertices : ndarray of int64
+        The vertices of all paths in order; the first is not repeated at the end of a cycle.
+    start : ndarray of int64, shape (W + 1,)
+        Index in `vertices` at which each path begins, and at which the last one ends.
+    closed : ndarray of bool, shape (W,)
+        Which paths are cycles, including those through one junction.
+    lengths : ndarray, shape (W,)
+        Lengths [px], of cycles including the edge from the last vertex to the first.
+    """
+
+    vertices: Index
+    start: Index
+    closed: NDArray[np.bool_]
+    lengths: Array
+
+    def __len__(self) -> int:
+        return len(self.closed)
+
+    @property
+    def first(self) -> Index:
+        """First vertex of each path."""
+        return self.vertices[self.start[:-1]]
+
+    @property
+    def last(self) -> Index:
+        """Last vertex of each path."""
+        return self.vertices[self.start[1:] - 1]
+
+    def path(self, way: int) -> Index:
+        """Vertices of a path."""
+        return self.vertices[self.start[way] : self.start[way + 1]]
+
+    def edges(self) -> tuple[Index, Index]:
+        """Edges of all paths in order, shape (E, 2), and the path of each edge, shape (E,)."""
+        way = np.repeat(np.arange(len(self)), np.diff(self.start))
+        following = np.roll(self.vertices, -1)
+        following[self.start[1:] - 1] = np.where(self.closed, self.first, -1)
+        kept = following >= 0
+        return np.stack([self.vertices[kept], following[kept]], axis=1), way[kept]
+
+
+def ways_of(points: Array, near: Index, degrees: Index) -> Ways:
+    """The paths of a graph of points, shape (N, 2), with their neighbors or -1, shape (N, K), and degrees, shape (N,).
+
+    Paths begin at the ends and junctions, then at the other vertices, in the order of their numbers, toward the
+    neighbor with the lowest number.
+    """
+    total = int(degrees.sum())  # each edge twice: room for its two vertices
+    vertices, start = np.empty(total, np.int64), np.zeros(total // 2 + 1, np.int64)
+    closed = np.zeros(total // 2, np.bool_)
+    count = _walk_all(near, degrees, np.zeros(near.shape, np.bool_), vertices, start, closed)
+    start, closed = start[: count + 1], closed[:count]
+    vertices = vertices[: start[-1]]
+    ways = Ways(vertices, start, closed, np.zeros(count))
+    edges, way = ways.edges()
+    sides = points[edges[:, 0]] - points[edges[:, 1]]
+    lengths = np.bincount(way, np.linalg.norm(sides, axis=1), count)
+    return Ways(vertices, start, closed, np.asarray(lengths, dtype=float))
+
+
+@compiled
+def _walk_all(
+    near: Index,
+    degrees: Index,
+    walked: NDArray[np.bool_],
+    vertices: Index,
+    start: Index,
+    closed: NDArray[np.bool_],
+) -> int:
+    """Write all paths and return their number; `walked` marks the edges, shape (N, K), that a path has used."""
+    count, filled = 0, 0
+    for rounds in range(2):
+        for v in range(len(near)):
+            if (degrees[v] == 2) != (rounds == 1):
+                continue
+            before = -1
+            for _ in range(degrees[v]):
+                # the neighbor with the next higher number
+                slot = -1
+                for k in range(near.shape[1]):
+                    if near[v, k] > before and (slot < 0 or near[v, k] < near[v, slot]):
+                        slot = k
+                before = near[v, slot]
+                if walked[v, slot]:
+                    continue
+                length = follow(near, degrees, walked, v, before, vertices[filled:])
+                closed[count] = vertices[filled + length - 1] == v
+                filled += length - 1 if closed[count] else length
+                count += 1
+                start[count] = filled
+    return count
+
+
+@compiled
+def follow(near: Index, degrees: Index, walked: NDArray[np.bool_], first: int, towards: int, out: Index) -> int:
+    """Write the path from a vertex toward a neighbor, up to the next end or junction or itself; return its size."""
+    out[0] = first
+    before, vertex, count = first, towards, 1
+    while True:
+        out[count] = vertex
+        count += 1
+        for k in range(near.shape[1]):
+            if near[before, k] == vertex:
+                walked[before, k] = True
+            if near[vertex, k] == before:
+                walked[vertex, k] = True
+        if vertex == first or degrees[vertex] != 2:
+            return count
+        ahead = vertex
+        for k in range(near.shape[1]):
+            if near[vertex, k] >= 0 and near[vertex, k] != before:
+                ahead = near[vertex, k]
+        before, vertex = vertex, ahead

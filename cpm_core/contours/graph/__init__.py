@@ -1,1 +1,0 @@
-"""Graphs of points and edges, from which contours are read."""

@@ -1,0 +1,255 @@
+"""Measurements of what contours enclose, and of the objects in a volume: columns of `Result.table`.
+
+Where scikit-image's ``regionprops`` measures the same, the name is the same, but lengths and areas are those of the
+contours themselves, which run between the pixels, and not of pixels. Only the gray levels are those of the pixels whose
+centers lie inside.
+"""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.measurements import containment, contour_labels
+from cpm_core.numerics import polyline
+from cpm_core.numerics.types import Array, Index
+from cpm_core.parameters.quotation import counted, described
+
+Column = NDArray[Any]
+
+_MOST_ROWS = 60
+"""Rows that a notebook shows of a table."""
+
+
+class Table(dict[str, Column]):
+    """Columns of one length by name: a dictionary, from which ``pandas.DataFrame(table)`` makes a data frame.
+
+    Parameters
+    ----------
+    columns : mapping of str to ndarray, shape (N,)
+        The columns, in order.
+    units : mapping of str to str
+        Unit of each column that has one.
+
+    Attributes
+    ----------
+    units : dict of str to str
+        Unit of each column; empty for pure numbers.
+
+    Examples
+    --------
+    >>> table = cpm.segment(cpm.example("disks"), cpm.uniform_grid((64, 64))).table()
+    >>> table
+    <Table 2 rows, label, name, area, area_filled, area_convex, perimeter, centroid-0, centroid-1, box…>
+    >>> [round(float(area)) for area in table["area"]], table.units["area"]
+    ([309, 309], 'px²')
+    """
+
+    def __init__(self, columns: Mapping[str, Column], units: Mapping[str, str]) -> None:
+        super().__init__(columns)
+        self.units: dict[str, str] = {name: units.get(name, "") for name in columns}
+
+    @property
+    def rows(self) -> int:
+        """Number of rows.
+
+        Examples
+        --------
+        >>> cpm.segment(cpm.example("disks"), cpm.uniform_grid((64, 64))).table().rows
+        2
+        """
+        return len(next(iter(self.values()), ()))
+
+    def __repr__(self) -> str:
+        return described("Table", counted(self.rows, "row"), *self)
+
+    def _repr_html_(self) -> str:
+        heads = "".join(
+            f"<th>{html.escape(name)}{f'<br>[{html.escape(unit)}]' if unit else ''}</th>"
+            for name, unit in self.units.items()
+        )
+        lines = [
+            "".join(f"<td>{html.escape(_text(column[row]))}</td>" for column in self.values())
+            for row in range(min(self.rows, _MOST_ROWS))
+        ]
+        left_out = self.rows - len(lines)
+        more = f"<p>… and {counted(left_out, 'more row')}</p>" if left_out else ""
+        return f"<table><tr>{heads}</tr>{''.join(f'<tr>{line}</tr>' for line in lines)}</table>{more}"
+
+
+def _text(value: Any) -> str:
+    """A value of a table in a notebook."""
+    return f"{value:.6g}" if isinstance(value, float | np.floating) else str(value)
+
+
+_LENGTHS = (
+    "perimeter", "axis_major_length", "axis_minor_length", "equivalent_diameter_area", "centroid", "box"
+)  # fmt: skip
+_AREAS = ("area", "area_filled", "area_convex")
+
+
+@dataclass(frozen=True, slots=True)
+class _Moments:
+    """Area, its first moments (2,) and its second ones (2, 2), about the origin."""
+
+    area: float
+    first: Array
+    second: Array
+
+    def without(self, other: _Moments) -> _Moments:
+        return _Moments(self.area - other.area, self.first - other.first, self.second - other.second)
+
+    def joined(self, other: _Moments) -> _Moments:
+        return _Moments(self.area + other.area, self.first + other.first, self.second + other.second)
+
+
+_NOTHING = _Moments(0.0, np.zeros(2), np.zeros((2, 2)))
+
+
+def region_table(
+    contours: Sequence[Contour],
+    labels: NDArray[np.integer],
+    gray: Array | None,
+    spacing: Sequence[float],
+    unit: str | None,
+) -> Table:
+    """Table of what closed contours enclose, one row a label; `labels` and `gray` have the shape (H, W).
+
+    Lengths are in `unit`, of which `spacing` are those of a pixel.
+    """
+    sides = np.array(spacing, dtype=float)
+    around, numbers = containment(contours), contour_labels(contours)
+    inner: dict[int, list[int]] = {}
+    for place, outer in enumerate(around):
+        if outer is not None and contours[place].closed:
+            inner.setdefault(outer, []).append(place)
+    rows = []
+    for label in range(1, max(numbers, default=0) + 1):
+        outlines = [place for place, number in enumerate(numbers) if number == label]
+        holes = [place for outline in outlines for place in inner.get(outline, ()) if place not in outlines]
+        rows.append(_row(label, [contours[p] for p in outlines], [contours[p] for p in holes], sides))
+    names = list(rows[0]) if rows else list(_row(0, [], [], sides))
+    columns: dict[str, Column] = {name: np.array([row[name] for row in rows]) for name in names}
+    columns["label"] = columns["label"].astype(np.int64)
+    columns["name"] = columns["name"].astype(object)
+    return Table({**columns, **_gray_columns(columns["label"], labels, gray)}, _units(columns, unit or "px", "²"))
+
+
+def volume_table(labels: NDArray[np.integer], gray: Array | None, spacing: Sequence[float], unit: str | None) -> Table:
+    """Table of the objects of a label volume, shape (P, R, C), from the voxels inside; lengths are in `unit`."""
+    sides = np.array(spacing, dtype=float)
+    numbers = np.unique(labels[labels > 0]).astype(np.int64)
+    counts = np.bincount(labels.ravel())[numbers]
+    columns: dict[str, Column] = {"label": numbers, "volume": counts * float(np.prod(sides))}
+    columns["equivalent_diameter"] = np.cbrt(6.0 * columns["volume"] / np.pi)
+    centers = np.array(scipy.ndimage.center_of_mass(labels > 0, labels, numbers)).reshape(-1, 3)
+    found = scipy.ndimage.find_objects(labels)
+    ends = np.array([[[part.start, part.stop - 1] for part in parts] for parts in found if parts is not None])
+    for axis in range(3):
+        columns[f"centroid-{axis}"] = centers[:, axis] * sides[axis]
+    for end in range(2):
+        for axis in range(3):
+            columns[f"box-{3 * end + axis}"] = ends.reshape(-1, 3, 2)[:, axis, end] * sides[axis]
+    units = {"volume": f"{unit or 'px'}³", "equivalent_diameter": unit or "px"}
+    return Table({**columns, **_gray_columns(numbers, labels, gray)}, _units(columns, unit or "px", "³") | units)
+
+
+def _row(label: int, outlines: Sequence[Contour], holes: Sequence[Contour], sides: Array) -> dict[str, object]:
+    """The columns of one label but for gray levels."""
+    paths, cuts = ([contour.path * sides for contour in some] for some in (outlines, holes))
+    filled, net = _NOTHING, _NOTHING
+    for path in paths:
+        filled = net = filled.joined(_moments(path))
+    for path in cuts:
+        net = net.without(_moments(path))
+    area = max(net.area, 0.0)
+    outer = sum(polyline.length(path) for path in paths)
+    points = np.concatenate([np.zeros((0, 2)), *paths])
+    hull = _convex_area(points, filled.area)
+    center = net.first / net.area if net.area > 0.0 else points.mean(axis=0) if len(points) else np.zeros(2)
+    low, high = (points.min(axis=0), points.max(axis=0)) if len(points) else (np.zeros(2), np.zeros(2))
+    return {
+        "label": label,
+        "name": next((contour.name for contour in outlines if contour.name), ""),
+        "area": area,
+        "area_filled": filled.area,
+        "area_convex": hull,
+        "perimeter": outer + sum(polyline.length(path) for path in cuts),
+        "centroid-0": center[0],
+        "centroid-1": center[1],
+        "box-0": low[0],
+        "box-1": low[1],
+        "box-2": high[0],
+        "box-3": high[1],
+        **_ellipse(net, center),
+        "equivalent_diameter_area": float(np.sqrt(4.0 * area / np.pi)),
+        "solidity": area / hull if hull > 0.0 else np.nan,
+        "circularity": 4.0 * np.pi * filled.area / outer**2 if outer > 0.0 else np.nan,
+    }
+
+
+def _moments(path: Array) -> _Moments:
+    """Moments of the inside of a closed path, whichever way it runs (Green's theorem)."""
+    middle = path.mean(axis=0)  # so that squares of large coordinates do not cancel
+    one, other = path[:-1] - middle, path[1:] - middle
+    twice = one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
+    area = 0.5 * float(twice.sum())
+    first = (one + other).T @ twice / 6.0
+    ends = np.einsum("k,ki,kj->ij", twice, one, one) + np.einsum("k,ki,kj->ij", twice, other, other)
+    second = (ends + np.einsum("k,ki,kj->ij", twice, one + other, one + other)) / 24.0
+    sign = 1.0 if area >= 0.0 else -1.0
+    moved = second + np.outer(first, middle) + np.outer(middle, first) + area * np.outer(middle, middle)
+    return _Moments(sign * area, sign * (first + area * middle), sign * moved)
+
+
+def _ellipse(net: _Moments, center: Array) -> dict[str, object]:
+    """The ellipse of the same second moments: its axes, eccentricity, and the angle between rows and its long axis."""
+    if net.area <= 0.0:
+        return dict.fromkeys(("axis_major_length", "axis_minor_length", "eccentricity", "orientation"), np.nan)
+    spread = net.second / net.area - np.outer(center, center)
+    small, large = np.maximum(np.linalg.eigvalsh(spread), 0.0).tolist()
+    rows, cols, mixed = spread[0, 0], spread[1, 1], spread[0, 1]
+    return {
+        "axis_major_length": 4.0 * np.sqrt(large),
+        "axis_minor_length": 4.0 * np.sqrt(small),
+        "eccentricity": np.sqrt(1.0 - small / large) if large > 0.0 else 0.0,
+        "orientation": 0.5 * np.arctan2(2.0 * mixed, rows - cols),
+    }
+
+
+def _convex_area(points: Array, otherwise: float) -> float:
+    """Area of the convex hull of points, shape (N, 2); `otherwise` where they have none."""
+    if len(points) < 3 or np.linalg.matrix_rank(points - points[0]) < 2:
+        return otherwise
+    return float(scipy.spatial.ConvexHull(points).volume)
+
+
+def _gray_columns(numbers: Index, labels: NDArray[np.integer], gray: Array | None) -> dict[str, Column]:
+    """Mean, deviation, least and largest gray level of each label; NaN where no center of a pixel lies inside."""
+    if gray is None:
+        return {}
+    inside = labels > 0
+    found, levels = labels[inside].astype(np.int64), gray[inside]
+    count = np.bincount(found, minlength=int(numbers.max(initial=0)) + 1).astype(float)
+    count[count == 0.0] = np.nan
+    mean = np.bincount(found, levels, minlength=len(count)) / count
+    spread = np.sqrt(np.bincount(found, (levels - mean[found]) ** 2, minlength=len(count)) / count)
+    low, high = np.full(len(count), np.inf), np.full(len(count), -np.inf)
+    np.minimum.at(low, found, levels)
+    np.maximum.at(high, found, levels)
+    ends = {"intensity_min": low, "intensity_max": high}
+    columns = {"intensity_mean": mean, "intensity_std": spread, **ends}
+    return {name: np.where(np.isnan(mean), np.nan, column)[numbers] for name, column in columns.items()}
+
+
+def _units(columns: dict[str, Column], unit: str, power: str) -> dict[str, str]:
+    """Unit of each column of lengths and areas."""
+    found = {name: unit for name in columns if name.startswith(_LENGTHS)}
+    return {**found, **dict.fromkeys(_AREAS, f"{unit}{power}"), "orientation": "rad"}

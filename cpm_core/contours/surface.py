@@ -1,0 +1,338 @@
+"""A surface in a volume: triangles, and what tells whether to trust them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+import scipy
+from numpy.typing import ArrayLike, NDArray
+
+from cpm_core.image import drawing
+from cpm_core.numerics.grids import parts_of, zero_surface
+from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.real_numbers import checked_number, real_numbers, voxel_sides
+from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.parameters.quotation import counted, described
+
+_WHOLE = "a whole number of at least 4"
+
+_FARTHEST = 1e9
+"""Largest coordinate of a vertex, beyond any volume that can be processed [voxels]."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Surface:
+    """Triangles in a volume.
+
+    Attributes
+    ----------
+    vertices : ndarray of float64, shape (N, 3)
+        Positions (plane, row, col) [voxels], voxel centers at integers.
+    faces : ndarray of int64, shape (F, 3)
+        Vertices of each triangle, in such an order that its normal, by the right-hand rule in (plane, row, col),
+        points outward: to the dark side of an edge, or where given normals point.
+    spacing : tuple of float
+        Size of a voxel along each axis, in `unit`.
+    unit : str or None
+        Unit of length of `spacing`; None when it is not known.
+    unsupported : float
+        Share of the vertices that have no particle near: there the surface is a guess. NaN when it is not known.
+    left_out : int
+        Number of components that were left out, because they had too few particles or vertices without any near.
+    whole : Surface or None
+        The surface that this one has fewer triangles than; None for one with all its triangles.
+    numbers : ndarray of int64, shape (F,), or None
+        Number, from 1 up, of the object that each triangle bounds; None where objects have none of their own.
+
+    Examples
+    --------
+    >>> result = cpm.segment(cpm.example("ball"), cpm.sphere((15, 15, 15), 4, 60), cpm.PRESETS["volume"])
+    >>> surface = result.surface
+    >>> surface.closed, surface.components, surface.euler, surface.free_edges, surface.nonmanifold_edges
+    (True, 1, 2, 0, 0)
+    >>> round(surface.volume / (4 / 3 * np.pi * 9**3), 2), round(surface.area / (4 * np.pi * 9**2), 1)
+    (1.0, 1.0)
+    >>> surface.normals.shape == surface.vertices.shape, int(surface.component_of_vertex.max())
+    (True, 0)
+    >>> len(surface.decimated(1000).faces) <= 1000
+    True
+    >>> axes = surface.plot()
+    """
+
+    vertices: NDArray[np.float64]
+    faces: NDArray[np.int64]
+    spacing: tuple[float, ...] = (1.0, 1.0, 1.0)
+    unit: str | None = None
+    unsupported: float = np.nan
+    left_out: int = 0
+    whole: Surface | None = field(default=None, repr=False)
+    numbers: NDArray[np.int64] | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        vertices = _rows_of_three("vertices", self.vertices).copy()
+        faces = _rows_of_three("faces", self.faces).astype(np.int64)
+        if not np.isfinite(vertices).all():
+            raise ValueError("A surface has vertices that are NaN or infinite: leave them out.")
+        wrong = faces[(faces < 0) | (faces >= len(vertices))]
+        if len(wrong):
+            raise ValueError(f"A triangle names vertex {wrong[0]}, but there are {len(vertices)} vertices, from 0.")
+        if self.numbers is not None and (
+            np.shape(self.numbers) != (len(faces),) or np.min(self.numbers, initial=1) < 1
+        ):
+            raise ValueError("The numbers of a surface must be one of at least 1 for each triangle.")
+        farthest = float(np.abs(vertices).max(initial=0.0))
+        if farthest > _FARTHEST:
+            raise ValueError(f"A vertex lies at {farthest:g} voxels, but must lie within {_FARTHEST:g}: correct it.")
+        object.__setattr__(self, "spacing", tuple(voxel_sides("The spacing of a surface", self.spacing).tolist()))
+        for name, values in (("vertices", vertices), ("faces", faces)):
+            values.flags.writeable = False
+            object.__setattr__(self, name, values)
+
+    def __repr__(self) -> str:
+        return described(
+            "Surface", counted(len(self.vertices), "vertex", "vertices"), counted(len(self.faces), "triangle"),
+            counted(self.components, "part"), "closed" if self.closed else "open",
+        )  # fmt: skip
+
+    def plot(self, ax: drawing.Axes | None = None) -> drawing.Axes:
+        """Draw the surface by matplotlib, in units of length.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes with ``projection="3d"``; by default those of a new figure.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes (x is the column, y the row, z the plane).
+
+        Raises
+        ------
+        ValueError
+            When matplotlib is not installed, or `ax` are no axes in space.
+        """
+        ax = drawing.axes_for(ax, space=True)
+        drawing.show_triangles(ax, self._physical, self.faces, self.unit)
+        return ax
+
+    @cached_property
+    def normals(self) -> Array:
+        """Unit vectors outward at the vertices, in units of length, shape (N, 3); zero where there is no triangle."""
+        sums = np.zeros((len(self.vertices), 3))
+        for corner in range(3):
+            for axis in range(3):
+                sums[:, axis] += np.bincount(self.faces[:, corner], self._crosses[:, axis], minlength=len(sums))
+        lengths = np.linalg.norm(sums, axis=1)
+        sums[lengths > 0] /= lengths[lengths > 0, None]
+        return sums
+
+    @cached_property
+    def area(self) -> float:
+        """Area, in `unit` squared."""
+        return float(np.linalg.norm(self._crosses, axis=1).sum() / 2.0)
+
+    @cached_property
+    def volume(self) -> float:
+        """Volume that a closed surface encloses, in `unit` cubed; hollows count as outside."""
+        if not len(self.faces):
+            return 0.0
+        center = self._physical.mean(0)
+        return float(np.einsum("ij,ij->", self._physical[self.faces[:, 0]] - center, self._crosses) / 6.0)
+
+    @cached_property
+    def euler(self) -> int:
+        """Euler characteristic: vertices - edges + triangles; 2 for a ball, 0 for a torus, their sum for several."""
+        return len(np.unique(self.faces)) - len(self._edge_counts) + len(self.faces)
+
+    @cached_property
+    def free_edges(self) -> int:
+        """Number of edges with one triangle; a closed surface has none."""
+        return int((self._edge_counts == 1).sum())
+
+    @cached_property
+    def nonmanifold_edges(self) -> int:
+        """Number of edges with more than two triangles."""
+        return int((self._edge_counts > 2).sum())
+
+    @cached_property
+    def component_of_vertex(self) -> Index:
+        """Number of the component of each vertex, from 0 up; vertices without a triangle have their own."""
+        one, other = self.faces[:, [0, 1]].ravel(), self.faces[:, [1, 2]].ravel()
+        count = len(self.vertices)
+        joined = scipy.sparse.coo_array((np.ones(len(one), np.int8), (one, other)), shape=(count, count))
+        return scipy.sparse.csgraph.connected_components(joined, directed=False)[1].astype(np.int64)
+
+    def decimated(self, faces: int) -> Surface:
+        """The same surface with fewer triangles and the same topology.
+
+        Parameters
+        ----------
+        faces : int
+            Number of triangles that is wanted; a surface that has no more is returned as it is.
+
+        Returns
+        -------
+        Surface
+            With about as many triangles as wanted, and with more where so few would change the topology. `unsupported`
+            is that of the whole surface, which it keeps for label volumes.
+
+        Raises
+        ------
+        ValueError
+            When `faces` is not a whole number of at least 4, or edges have more than two triangles.
+
+        Notes
+        -----
+        Edges are contracted by the quadric error metric of Garland and Heckbert (1997), doi:10.1145/258734.258849.
+        """
+        import fast_simplification  # noqa: PLC0415 - rarely needed
+
+        wanted = int(checked_number("faces", faces, lambda count: count >= 4 and count == int(count), _WHOLE))
+        if self.nonmanifold_edges:
+            raise ValueError(
+                f"The surface has edges with more than two triangles, {self.nonmanifold_edges} in number: "
+                "triangles can be left out of a manifold surface only."
+            )
+        while wanted < len(self.faces):
+            places, corners = fast_simplification.simplify(
+                self._physical.copy(), self.faces.astype(np.int32), target_count=wanted
+            )
+            few = replace(
+                self, vertices=places / np.array(self.spacing), faces=corners, whole=self.whole or self, numbers=None
+            )
+            if few._topology == self._topology:
+                return few
+            wanted *= 2
+        return self
+
+    @property
+    def _topology(self) -> tuple[int, int, int, int]:
+        return self.euler, self.free_edges, self.nonmanifold_edges, self.components
+
+    @property
+    def components(self) -> int:
+        """Number of parts that do not hang together."""
+        return len(np.unique(self.component_of_vertex[self.faces[:, 0]]))
+
+    @property
+    def closed(self) -> bool:
+        """Whether every edge has two triangles, so that there is an inside."""
+        return len(self.faces) > 0 and not self.free_edges and not self.nonmanifold_edges
+
+    @cached_property
+    def _physical(self) -> Array:
+        return np.asarray(self.vertices * np.array(self.spacing))
+
+    @cached_property
+    def _crosses(self) -> Array:
+        """Outward normals of the triangles, in units of length, as long as twice their area."""
+        a, b, c = (self._physical[self.faces[:, corner]] for corner in range(3))
+        return np.asarray(np.cross(b - a, c - a))
+
+    @cached_property
+    def _edge_counts(self) -> Index:
+        """Number of triangles at each edge."""
+        ends = np.sort(self.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+        numbers: Index = ends[:, 0] * len(self.vertices) + ends[:, 1]
+        return np.unique(numbers, return_counts=True)[1]
+
+
+def _rows_of_three(name: str, values: ArrayLike) -> Array:
+    """Numbers, shape (N, 3)."""
+    rows = real_numbers(values)
+    if rows.size == 0:
+        return np.empty((0, 3))
+    if rows.ndim != 2 or rows.shape[1] != 3:
+        raise ValueError(f"{name} have the shape {rows.shape} but must be (N, 3).")
+    return rows
+
+
+_BESIDE = (1.3e-6, 2.9e-6)
+"""How far beside the voxel centers lines run, so that they pass through no vertex of a surface on the grid [voxels]."""
+
+
+def inside_of(surface: Surface, shape: tuple[int, ...]) -> Mask:
+    """Voxels of a volume of that shape whose center lies inside a closed surface; hollows are outside."""
+    found = np.zeros(shape, np.bool_)
+    _fill(surface.vertices, surface.faces, np.array(_BESIDE), found)
+    return found
+
+
+def numbered(surface: Surface, shape: tuple[int, ...]) -> Index:
+    """Number of the object that each voxel of a volume lies in: its own, or the largest first from 1 up; 0 outside."""
+    if surface.numbers is not None:
+        return _by_their_numbers(surface, surface.numbers, shape)
+    inside = inside_of(surface, shape)
+    parts = parts_of(inside, corners=True)
+    order = np.argsort(-parts.sizes, kind="stable")
+    rank = np.empty_like(order)
+    rank[order] = np.arange(1, len(order) + 1)
+    found = np.zeros(shape, np.int64)
+    places = np.argwhere(inside)
+    found[tuple(places.T)] = rank[parts.part_at(places)]
+    return found
+
+
+def _by_their_numbers(surface: Surface, numbers: Index, shape: tuple[int, ...]) -> Index:
+    """The number of each object in its voxels; where objects share voxels, that of the last one."""
+    found = np.zeros(shape, np.int64)
+    for number in np.unique(numbers):
+        found[inside_of(replace(surface, faces=surface.faces[numbers == number], numbers=None), shape)] = number
+    return found
+
+
+@compiled
+def _fill(vertices: Array, faces: Index, beside: Array, found: Mask) -> None:
+    """Turn all voxels beyond each crossing of a line with the surface over, so that an even number changes nothing."""
+    planes, rows, cols = found.shape
+    for k in range(len(faces)):
+        a, b, c = vertices[faces[k, 0]], vertices[faces[k, 1]], vertices[faces[k, 2]]
+        twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+        if twice == 0.0:
+            continue
+        first = max(int(np.ceil(min(a[0], b[0], c[0]) - beside[0])), 0)
+        last = min(int(np.floor(max(a[0], b[0], c[0]) - beside[0])), planes - 1)
+        top = max(int(np.ceil(min(a[1], b[1], c[1]) - beside[1])), 0)
+        bottom = min(int(np.floor(max(a[1], b[1], c[1]) - beside[1])), rows - 1)
+        for p in range(first, last + 1):
+            for r in range(top, bottom + 1):
+                x, y = p + beside[0], r + beside[1]
+                u = ((b[0] - x) * (c[1] - y) - (b[1] - y) * (c[0] - x)) / twice
+                v = ((c[0] - x) * (a[1] - y) - (c[1] - y) * (a[0] - x)) / twice
+                if u >= 0.0 and v >= 0.0 and u + v <= 1.0:
+                    crossing = u * a[2] + v * b[2] + (1.0 - u - v) * c[2]
+                    for col in range(max(int(np.ceil(crossing)), 0), cols):
+                        found[p, r, col] = not found[p, r, col]
+
+
+_ROOM = 1
+"""Voxels around an object in which its surface lies."""
+
+
+def surface_of_labels(
+    labels: NDArray[np.int32], spacing: tuple[float, ...], unit: str | None, *, open_border: bool = False
+) -> Surface:
+    """The surfaces halfway between the voxels of labels and their neighbors.
+
+    At the border of the volume they are closed, or with `open_border` open, as the objects may go on beyond it. With
+    a single label the connected parts are the objects, and none has a number.
+    """
+    places, corners, numbers, count = [np.empty((0, 3))], [np.empty((0, 3), np.int64)], [np.empty(0, np.int64)], 0
+    parts: Sequence[tuple[slice, ...] | None] = scipy.ndimage.find_objects(labels)
+    for number, part in enumerate(parts, start=1):
+        if part is None:
+            continue
+        room = tuple(slice(max(side.start - _ROOM, 0), side.stop + _ROOM) for side in part) if open_border else part
+        inside = labels[room] == number if open_border else np.pad(labels[room] == number, _ROOM)
+        begin = [side.start - (0 if open_border else _ROOM) for side in room]
+        vertices, faces = zero_surface(inside.astype(np.float32) - np.float32(0.5))
+        places.append(vertices + begin)
+        corners.append(faces + count)
+        numbers.append(np.full(len(faces), number))
+        count += len(vertices)
+    of = np.concatenate(numbers) if sum(part is not None for part in parts) > 1 else None
+    return Surface(np.concatenate(places), np.concatenate(corners), spacing, unit, numbers=of)

@@ -1,0 +1,276 @@
+"""Agreement of a surface with the ground truth of a volume.
+
+Surfaces are compared as contours are in `cpm_core.contours.agreement`, by area in place of length: points are the
+centers of triangles hardly longer than a voxel, and the distance of a point is that to the nearest triangle. Distances
+are in the unit of the spacing. Along the border of the volume a surface is closed where no edge is; what lies beyond
+the centers of the outermost voxels is not compared.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+import scipy
+
+from cpm_core.contours.agreement import TOLERANCE, Agreement, ObjectCounts, object_counts
+from cpm_core.contours.ground_truth import VolumeTruth
+from cpm_core.contours.surface import Surface, numbered
+from cpm_core.numerics.real_numbers import checked_number
+from cpm_core.numerics.types import Array, Mask
+from cpm_core.parameters.quotation import described
+
+_CANDIDATES = 16
+"""Triangles with the nearest centers that are tried for a point."""
+
+_AT_A_TIME = 20_000
+"""Points whose distances are taken at a time, so that they take little memory."""
+
+_LONGEST = 1.5
+"""Length of a side above which a triangle is divided, in smallest sides of a voxel; marching cubes make none above."""
+
+_FINEST = 64
+"""Parts that a side of a triangle is divided into at most."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Barycentric:
+    """The equal triangles that a triangle is divided into: weights of its corners, shape (N, 3, 3)."""
+
+    weights: Array
+
+    @classmethod
+    def of(cls, count: int) -> _Barycentric:
+        """With so many parts of each side."""
+        upright = [(i, j) for i in range(count) for j in range(count - i)]
+        turned = [(i, j) for i, j in upright if i + j < count - 1]
+        corners = [((i, j), (i + 1, j), (i, j + 1)) for i, j in upright]
+        corners += [((i + 1, j), (i + 1, j + 1), (i, j + 1)) for i, j in turned]
+        along = np.array(corners, dtype=float) / count
+        return cls(np.concatenate([1.0 - along.sum(axis=2, keepdims=True), along], axis=2))
+
+
+@dataclass(frozen=True, eq=False)
+class Triangles:
+    """Small triangles, whose centers stand for their area.
+
+    Attributes
+    ----------
+    corners : ndarray, shape (N, 3, 3)
+        Corners (plane, row, col) of each, in units of length.
+    """
+
+    corners: Array
+
+    @classmethod
+    def of(cls, surface: Surface, shape: tuple[int, ...]) -> Triangles:
+        """Those of a surface, no longer than one and a half of the smallest side of a voxel.
+
+        Only those between the centers of the outermost voxels of a volume of this shape: along its border a surface is
+        closed where no edge is.
+        """
+        sides = np.array(surface.spacing)
+        corners = (surface.vertices * sides)[surface.faces]
+        longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1, initial=0.0)
+        parts = np.clip(np.ceil(longest / (_LONGEST * sides.min())), 1, _FINEST).astype(int)
+        fine = [
+            np.einsum("nkc,tcx->tnkx", _Barycentric.of(count).weights, corners[parts == count]).reshape(-1, 3, 3)
+            for count in np.unique(parts).tolist()
+        ]
+        found = cls(np.concatenate([np.empty((0, 3, 3)), *fine]))
+        return cls(found.corners[within_border(found.centers / sides, shape)])
+
+    @cached_property
+    def centers(self) -> Array:
+        """Their centers of mass, shape (N, 3)."""
+        return np.asarray(self.corners.mean(axis=1))
+
+    @cached_property
+    def areas(self) -> Array:
+        """Their areas, shape (N,)."""
+        a, b, c = (self.corners[:, corner] for corner in range(3))
+        return np.asarray(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1))
+
+    @cached_property
+    def _tree(self) -> scipy.spatial.cKDTree:
+        return scipy.spatial.cKDTree(self.centers)
+
+    def distances(self, points: Array) -> Array:
+        """Distance of each of points, shape (N, 3), from the nearest triangle; infinite where there is none."""
+        found = np.full(len(points), np.inf)
+        if not len(self.corners):
+            return found
+        count = min(_CANDIDATES, len(self.corners))
+        for first in range(0, len(points), _AT_A_TIME):
+            some = slice(first, first + _AT_A_TIME)
+            near = np.asarray(self._tree.query(points[some], k=np.arange(1, count + 1))[1], dtype=np.int64)
+            found[some] = _from_triangles(points[some, None], self.corners[near]).min(axis=1)
+        return found
+
+
+def within_border(voxels: Array, shape: tuple[int, ...]) -> Mask:
+    """Which of positions, shape (N, 3) [voxels], lie between the centers of the outermost voxels of a volume."""
+    return np.asarray(((voxels >= 0.0) & (voxels <= np.array(shape) - 1.0)).all(axis=1))
+
+
+def _from_triangles(points: Array, corners: Array) -> Array:
+    """Distance of points, shape (N, 1, 3), from triangles, shape (N, K, 3, 3): from the plane or the nearest side."""
+    offset, side = points[..., None, :] - corners, np.roll(corners, -1, axis=2) - corners
+    square = np.maximum((side**2).sum(axis=-1), 1e-300)
+    share = np.clip((offset * side).sum(axis=-1) / square, 0.0, 1.0)
+    away = np.linalg.norm(offset - share[..., None] * side, axis=-1).min(axis=-1)
+    normal = np.cross(side[:, :, 0], side[:, :, 1])
+    size = np.maximum(np.linalg.norm(normal, axis=-1), 1e-300)
+    above = (np.cross(side, offset) * normal[:, :, None]).sum(axis=-1)
+    within = (above >= 0.0).all(axis=-1) & (size > 1e-300)
+    height = np.abs((offset[:, :, 0] * normal).sum(axis=-1)) / size
+    return np.asarray(np.where(within, height, away))
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceComparison(Agreement):
+    """Agreement of a surface with that of a ground truth, and of what they enclose.
+
+    What `Agreement` says of the length of contours holds for the area of surfaces, and its distances are in the unit of
+    the spacing. `mean_boundary_distance` is the average symmetric surface distance, `recall` and `precision` are the
+    shares of the true and of the found area within the tolerance of the other surface (surface overlap; Nikolov et al.
+    2021, doi:10.2196/26151, take both together).
+
+    Attributes
+    ----------
+    dice, jaccard : float
+        Overlap of the voxels inside, as for areas; NaN when the surface is not closed.
+    objects : ObjectCounts
+        How many objects have been found, missed and merged; all zero when the surface is not closed.
+    wrong : ndarray, shape (N,)
+        Distance of each vertex of the surface from the true one; 0 at the border of the volume.
+    missing : ndarray, shape (M,)
+        Distance of each vertex of `VolumeTruth.surface` from the found one; 0 at the border of the volume.
+    unit : str or None
+        Unit of the distances; None when it is not known.
+
+    Examples
+    --------
+    >>> volume = cpm.example("ball")
+    >>> found = cpm.segment(volume, cpm.sphere((15, 15, 15), 4, 60), cpm.PRESETS["volume"])
+    >>> agreed = cpm.compare_surface(found.surface, cpm.VolumeTruth(found.labels))
+    >>> agreed.dice, agreed.f, agreed.objects.found, agreed.mean_boundary_distance < 0.2
+    (1.0, 1.0, 1, True)
+    """
+
+    dice: float
+    jaccard: float
+    objects: ObjectCounts
+    wrong: Array = field(repr=False)
+    missing: Array = field(repr=False)
+    unit: str | None = None
+
+    def __repr__(self) -> str:
+        unit = self.unit or "voxels"
+        return described(
+            "SurfaceComparison", f"Dice {self.dice:.3f}", f"mean distance {self.mean_boundary_distance:.3g} {unit}",
+            f"Hausdorff {self.hausdorff:.3g} {unit}", f"95 % {self.hausdorff95:.3g} {unit}",
+        )  # fmt: skip
+
+
+def compare_surface(surface: Surface | None, truth: VolumeTruth, tolerance: float | None = None) -> SurfaceComparison:
+    """Compare a surface with the ground truth of its volume.
+
+    Parameters
+    ----------
+    surface : Surface or None
+        The surface of a result; None for none.
+    truth : VolumeTruth
+        Ground truth.
+    tolerance : float, optional
+        Distance up to which two surfaces count as the same, in the unit of the spacing; by default twice the smallest
+        side of a voxel.
+
+    Returns
+    -------
+    SurfaceComparison
+        Overlap and distances.
+
+    Raises
+    ------
+    ValueError
+        When the tolerance is not a number above 0, or the surface and the truth have voxels of different sides.
+
+    Examples
+    --------
+    >>> ball = np.linalg.norm(np.indices((31, 31, 31)) - 15.0, axis=0) <= 9.0
+    >>> truth = cpm.VolumeTruth(ball, spacing=(0.5, 0.5, 0.5), unit="mm")
+    >>> agreed = cpm.compare_surface(truth.surface, truth)
+    >>> agreed.dice, agreed.hausdorff < 1e-6, agreed.unit
+    (1.0, True, 'mm')
+    """
+    near, found = _checked(surface, truth, tolerance)
+    shape, sides = truth.shape, np.array(truth.spacing)
+    a, b = Triangles.of(found, shape), Triangles.of(truth.surface, shape)
+    wrong, missing = (
+        np.where(within_border(one.vertices, shape), other.distances(one.vertices * sides), 0.0)
+        for one, other in ((found, b), (truth.surface, a))
+    )
+    there, back = b.distances(a.centers), a.distances(b.centers)
+    tails = [_tail(away, some.areas) for away, some in ((there, a), (back, b)) if len(away)]
+    whole = float(a.areas.sum() + b.areas.sum())
+    mean = float(np.dot(there, a.areas) + np.dot(back, b.areas)) / whole if whole else 0.0
+    corners = max(wrong.max(initial=0.0), missing.max(initial=0.0))
+    dice, jaccard, objects = _overlap(found, truth)
+    return SurfaceComparison(
+        mean_boundary_distance=mean,
+        hausdorff=float(max(there.max(initial=0.0), back.max(initial=0.0), corners)),
+        hausdorff95=max(tails, default=0.0),
+        recall=_share(back <= near, b.areas),
+        precision=_share(there <= near, a.areas),
+        tolerance=near,
+        dice=dice,
+        jaccard=jaccard,
+        objects=objects,
+        wrong=wrong,
+        missing=missing,
+        unit=truth.unit,
+    )
+
+
+def _checked(surface: Surface | None, truth: VolumeTruth, tolerance: float | None) -> tuple[float, Surface]:
+    """The tolerance, and the surface, without triangles where there is none."""
+    near = TOLERANCE * min(truth.spacing) if tolerance is None else tolerance
+    checked_number("tolerance", near, lambda distance: distance > 0.0, "a distance above 0")
+    found = Surface(np.empty((0, 3)), np.empty((0, 3), np.int64), truth.spacing) if surface is None else surface
+    if not np.allclose(found.spacing, truth.spacing, rtol=1e-3):
+        raise ValueError(
+            f"the voxels of the surface are {_sides(found.spacing)} but those of {truth.source} "
+            f"{_sides(truth.spacing)}: compare a surface with the ground truth of its own volume."
+        )
+    return near, found
+
+
+def _overlap(found: Surface, truth: VolumeTruth) -> tuple[float, float, ObjectCounts]:
+    """Dice and Jaccard of the voxels inside, and the counts of objects."""
+    if len(found.faces) and not found.closed:
+        return np.nan, np.nan, ObjectCounts(0, 0, 0, 0)
+    numbers = numbered(found, truth.shape)
+    height, width = int(truth.objects.max(initial=0)) + 1, int(numbers.max(initial=0)) + 1
+    table = np.bincount((truth.objects.astype(np.int64) * width + numbers).ravel(), minlength=height * width)
+    table = table.reshape(height, width)
+    common, both = int(table[1:, 1:].sum()), int(table[1:].sum() + table[:, 1:].sum())
+    dice = 2.0 * common / both if both else 1.0
+    return dice, common / (both - common) if both else 1.0, object_counts(table)
+
+
+def _tail(away: Array, weights: Array) -> float:
+    """The distance that 95 % of an area stay within."""
+    order = np.argsort(away)
+    share = np.cumsum(weights[order])
+    return float(away[order][min(int(np.searchsorted(share, 0.95 * share[-1])), len(away) - 1)])
+
+
+def _share(near: Mask, weights: Array) -> float:
+    """The part of an area; 1 of none."""
+    return float(weights[near].sum() / weights.sum()) if len(weights) else 1.0
+
+
+def _sides(spacing: tuple[float, ...]) -> str:
+    return " x ".join(f"{side:g}" for side in spacing)

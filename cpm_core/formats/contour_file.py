@@ -1,0 +1,212 @@
+"""Contour files: reads contours of any known format, which the suffix and the content of a file choose."""
+
+from __future__ import annotations
+
+import json
+import logging
+import os
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.ground_truth import labels_of
+from cpm_core.formats.common.content import content_of
+from cpm_core.formats.contours import coco, contour_csv, contour_json, dxf, geojson, imagej, labelme, mask, svg
+from cpm_core.formats.contours.contents import Contents, Plane
+from cpm_core.formats.images.decoded import UnreadableError
+from cpm_core.formats.images.readers import READABLE, load_image
+from cpm_core.image.image import Image
+from cpm_core.numerics.types import Array
+from cpm_core.parameters.quotation import shown
+
+_LOG = logging.getLogger(__name__)
+
+CONTOURS_READABLE: dict[str, str] = {
+    ".csv": "table of vertices, of CPM or of napari",
+    ".geojson": "GeoJSON, as of QuPath",
+    ".json": "JSON of CPM, of labelme or COCO, or GeoJSON",
+    ".zip": "set of selections of ImageJ and Fiji",
+    ".roi": "selection of ImageJ and Fiji",
+    ".svg": "drawing with paths",
+    ".dxf": "drawing of CAD, in ASCII",
+}
+"""Suffixes of files that contours can be read from -> what they are; images are read as label masks."""
+
+UNKNOWN = Plane()
+"""What is known of an image where there is none."""
+
+
+@dataclass(frozen=True, eq=False)
+class ContourFile:
+    """Contours of a file.
+
+    Attributes
+    ----------
+    contours : tuple of Contour
+        The contours, in px.
+    shape : tuple of int or None
+        Shape of the image that they belong to, where the file gives it.
+    places : ndarray of float64, shape (N, 2)
+        Single points (row, col) [px].
+    notes : tuple of str
+        What was left out, and what was assumed, one sentence each.
+    """
+
+    contours: tuple[Contour, ...]
+    shape: tuple[int, int] | None = None
+    places: Array = field(default_factory=lambda: np.empty((0, 2)))
+    notes: tuple[str, ...] = ()
+
+
+def load_contours(
+    path: str | os.PathLike[str],
+    image: Image | None = None,
+    *,
+    page: int | None = None,
+    warn: Callable[[str], object] = _LOG.warning,
+) -> tuple[Contour, ...]:
+    """Read contours from a file of any known format.
+
+    Parameters
+    ----------
+    path : path-like
+        A file with one of the suffixes `CONTOURS_READABLE`, written by `export` or by another program, or a label mask,
+        of which each object gives its outlines. The kind of JSON is recognized by its content.
+    image : Image, optional
+        The image that they belong to. A drawing for CAD counts rows from its lower side, and in its unit.
+    page : int, optional
+        Of files of a stack only the contours on this page, from 1.
+    warn : callable, optional
+        Called with a sentence for what was left out; by default a warning is logged.
+
+    Returns
+    -------
+    tuple of Contour
+        Contours with the names, colors, strengths and junctions that the file gives.
+
+    Raises
+    ------
+    ValueError
+        When the file cannot be read or holds no contour; one sentence with its name and what to do.
+
+    Examples
+    --------
+    >>> import tempfile, pathlib
+    >>> import cpm_core as cpm
+    >>> text = '<svg viewBox="0 0 64 64"><rect x="8" y="8" width="9" height="4"/></svg>'
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder, "box.svg")
+    ...     _ = path.write_text(text)
+    ...     (box,) = cpm.load_contours(path)
+    >>> box.closed, box.area
+    (True, 36.0)
+    """
+    found = read_contours(path, plane_of(image), page=page)
+    for note in found.notes:
+        warn(f"{Path(path).name}: {note}")
+    if not found.contours:
+        raise _without_contours(Path(path).name)
+    return found.contours
+
+
+def plane_of(image: Image | None) -> Plane:
+    """What readers have to know of an image; of a volume that of its slices."""
+    if image is None:
+        return UNKNOWN
+    (rows, cols), (height, width) = image.shape[-2:], image.spacing[-2:]
+    return Plane((rows, cols), (height, width), image.unit)
+
+
+def read_contours(path: str | os.PathLike[str], plane: Plane = UNKNOWN, *, page: int | None = None) -> ContourFile:
+    """Read contours and single points, with the shape of the image where the file gives it; see `load_contours`.
+
+    A file that holds only single points is no error.
+    """
+    file = Path(path)
+    if file.suffix.lower() not in CONTOURS_READABLE:
+        return _of_mask(file)
+    return decode_contours(content_of(file), file.name, plane, page=page)
+
+
+def decode_contours(content: bytes, name: str, plane: Plane = UNKNOWN, *, page: int | None = None) -> ContourFile:
+    """The same of the content of a file, or of the clipboard; without a known suffix the content tells its kind."""
+    try:
+        with warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore")  # oddities of a readable file do not concern the user
+            found = _contents(content, name, plane)
+    except UnreadableError as error:
+        raise ValueError(str(error) if name in str(error) else f"{name}: {error}") from error
+    except UnicodeDecodeError:
+        raise ValueError(f"{name} is not a text file: choose contours as CSV, GeoJSON, SVG, DXF or JSON.") from None
+    except MemoryError:
+        raise ValueError(f"{name} does not fit into memory: choose a smaller file.") from None
+    except Exception as error:  # decoders raise exceptions of any kind on damaged files
+        _LOG.info("%s: %s: %s", name, type(error).__name__, error)
+        raise ValueError(
+            f"{name} is damaged or holds no contours of a known kind: choose contours as "
+            f"{', '.join(CONTOURS_READABLE)}, or a label mask."
+        ) from error
+    return _checked(found, name, page)
+
+
+def _contents(content: bytes, name: str, plane: Plane) -> Contents:
+    suffix = Path(name).suffix.lower()
+    if suffix in (".zip", ".roi") or content.startswith((b"Iout", b"PK")):
+        return imagej.read(content)
+    if suffix == ".dxf":
+        return dxf.read(content, plane)
+    text = content.decode("utf-8-sig")
+    begin = text.lstrip()[:1]
+    if suffix == ".svg" or (suffix not in CONTOURS_READABLE and begin == "<"):
+        return svg.read(text, plane)
+    if suffix == ".csv" or (suffix not in CONTOURS_READABLE and begin not in ("{", "[")):
+        return contour_csv.read(text, name)
+    plain = json.loads(text)
+    if contour_json.is_own(plain):
+        return contour_json.read(plain)
+    if "shapes" in plain:
+        return labelme.read(plain)
+    return coco.read(plain) if "annotations" in plain else geojson.read(plain)
+
+
+def _checked(found: Contents, name: str, page: int | None) -> ContourFile:
+    """The contents of one page as a file of contours; ValueError when there are none, or vertices are no numbers."""
+    pages = {number for number in (*found.pages, *(place[2] for place in found.places)) if number}
+    notes = list(found.notes)
+    kept = [one for one, number in zip(found.contours, found.pages, strict=True) if page is None or number in (0, page)]
+    places = [(row, col) for row, col, number in found.places if page is None or number in (0, page)]
+    if page is None and len(pages) > 1:
+        notes.append(f"The contours lie on {len(pages)} pages, and those of all were taken.")
+    for what, count in sorted(found.left_out.items()):
+        notes.append(f"Left out: {what} ({count}).")
+    drawn = np.array(places, dtype=np.float64).reshape(-1, 2)
+    if not all(np.isfinite(points).all() for points in (drawn, *(one.points for one in kept))):
+        raise ValueError(f"{name} holds vertices that are not finite numbers: write it again.")
+    if page is not None and pages and page not in pages:
+        raise ValueError(f"{name} has contours on {len(pages)} pages, none on page {page}: name one of them.")
+    if not kept and not places:
+        raise _without_contours(name)
+    return ContourFile(tuple(kept), found.shape, drawn, tuple(notes))
+
+
+def _without_contours(name: str) -> ValueError:
+    return ValueError(f"{name} holds no contours: choose a file with at least one line or polygon.")
+
+
+def _of_mask(file: Path) -> ContourFile:
+    """The outlines of the objects of a label mask."""
+    if file.suffix.lower() not in READABLE and not file.exists():
+        raise ValueError(f"{shown(str(file))} does not exist: check its name and folder.")
+    labels = mask.numbered_colors(file)
+    if labels is None:
+        labels = labels_of(load_image(file).values, file.name)
+    found = Contents()
+    for _, curves in mask.objects(labels):
+        found.add_object(curves)
+    if not found.contours:
+        raise _without_contours(file.name)
+    return replace(_checked(found, file.name, None), shape=(labels.shape[0], labels.shape[1]))

@@ -1,0 +1,138 @@
+"""What files of contours hold: names and colors as they are written, and contours as a reader collects them."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, get_args
+
+import numpy as np
+from PIL import ImageColor
+
+from cpm_core.contours.contour import MOST_LETTERS, Contour, Reached
+from cpm_core.numerics.types import Array
+
+DEFAULT = "#d6006c"
+"""Color of contours without one of their own: visible on gray and on white."""
+
+
+def title(contour: Contour, number: int) -> str:
+    """Name of a contour, or its number."""
+    return contour.name or f"contour {number}"
+
+
+def rgb(contour: Contour) -> tuple[int, int, int]:
+    """Red, green and blue of a contour, from 0 to 255."""
+    color = contour.color or DEFAULT
+    return int(color[1:3], 16), int(color[3:5], 16), int(color[5:7], 16)
+
+
+@dataclass(frozen=True, slots=True)
+class Plane:
+    """What is known of the image that contours belong to: its shape, and the size of a pixel in a unit."""
+
+    shape: tuple[int, int] | None = None
+    spacing: tuple[float, float] = (1.0, 1.0)
+    unit: str | None = None
+
+
+@dataclass(eq=False)
+class Contents:
+    """Contours and points as they are collected.
+
+    Attributes
+    ----------
+    contours : list of Contour
+        Contours, in px.
+    pages : list of int
+        Page of each contour in a stack, from 1; 0 where the file names none.
+    places : list of tuple
+        Row, column and page of single points.
+    left_out : Counter
+        How many entries of each kind were not read.
+    shape : tuple of int or None
+        Shape of the image, where the file gives it.
+    notes : list of str
+        What else has to be reported, one sentence each.
+    """
+
+    contours: list[Contour] = field(default_factory=list)
+    pages: list[int] = field(default_factory=list)
+    places: list[tuple[float, float, int]] = field(default_factory=list)
+    left_out: Counter[str] = field(default_factory=Counter)
+    shape: tuple[int, int] | None = None
+    notes: list[str] = field(default_factory=list)
+    _objects: int = field(default=0, repr=False)
+
+    def add(self, points: Any, closed: bool, *, page: int = 0, junctions: Any = (), **properties: Any) -> None:
+        """Add a line of vertices (row, col); a single vertex is a point. Properties are those of a contour."""
+        vertices = np.array(points, dtype=np.float64)
+        if vertices.ndim != 2 or vertices.shape[1] != 2:
+            raise ValueError("vertices are not pairs")
+        if not len(vertices):
+            self.left_out["empty line"] += 1
+            return
+        if len(vertices) == 1:
+            self.add_place(vertices[0], page)
+            return
+        if closed and len(vertices) > 2 and np.array_equal(vertices[0], vertices[-1]):
+            vertices = vertices[:-1]
+        first, last = (*map(bool, junctions), False, False)[:2]
+        self.contours.append(
+            Contour(vertices, closed and len(vertices) > 2, junctions=(first, last), **checked(properties))
+        )
+        self.pages.append(page)
+
+    def add_object(self, curves: Iterable[tuple[Any, bool]], *, page: int = 0, **properties: Any) -> None:
+        """Add closed curves, each with whether it is the boundary of a hole, as the boundaries of one object."""
+        rings = [(points, hole) for points, hole in curves if len(points) > 2]
+        group = 0
+        if len(rings) > 1:
+            self._objects += 1
+            group = self._objects
+        for points, hole in rings:
+            own = {**properties, "number": 0} if hole else properties
+            self.add(points, True, page=page, group=group, hole=hole, **own)
+
+    def add_place(self, place: Sequence[float] | Array, page: int = 0) -> None:
+        """Add a single point."""
+        row, col = map(float, place)
+        self.places.append((row, col, page))
+
+
+def checked(properties: dict[str, Any]) -> dict[str, Any]:
+    """Properties of a contour; those that it cannot have are dropped."""
+    reached = properties.get("reached", "")
+    return {
+        **properties,
+        "name": str(properties.get("name") or "")[:MOST_LETTERS],
+        "color": color_of(properties.get("color")),
+        "strength": _finite(properties.get("strength")),
+        "bridged": _finite(properties.get("bridged")),
+        "number": max(0, int(properties.get("number") or 0)),
+        "reached": reached if reached in get_args(Reached) else "",
+    }
+
+
+def _finite(value: Any) -> float:
+    number = float(value or 0.0)
+    return number if math.isfinite(number) else 0.0
+
+
+def color_of(value: object) -> str:
+    """A color as contours have it: of red, green and blue, of a whole number 0xRRGGBB, or of a name; empty for none."""
+    if isinstance(value, (list, tuple)) and len(value) >= 3:
+        return "#{:02x}{:02x}{:02x}".format(*(min(255, max(0, int(part))) for part in value[:3]))
+    if isinstance(value, int) and not isinstance(value, bool):
+        return f"#{value & 0xFFFFFF:06x}"
+    if isinstance(value, str) and value:
+        if re.fullmatch("#[0-9A-Fa-f]{6}", value):
+            return value
+        try:
+            return "#{:02x}{:02x}{:02x}".format(*ImageColor.getrgb(value)[:3])
+        except ValueError:
+            return ""
+    return ""

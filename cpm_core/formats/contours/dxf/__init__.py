@@ -1,1 +1,0 @@
-"""DXF: drawings for CAD, their frame and their colors."""

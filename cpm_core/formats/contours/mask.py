@@ -1,0 +1,109 @@
+"""Masks: the outlines of their objects, so that painting them gives the same mask again."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+import scipy
+import skimage
+from numpy.typing import NDArray
+from PIL import Image
+
+from cpm_core.formats.images.decoded import MAXIMUM_PIXELS
+from cpm_core.numerics import polyline
+from cpm_core.numerics.types import Array, Mask
+
+
+@contextmanager
+def opened(source: Path | BinaryIO) -> Iterator[Image.Image]:
+    """A mask that is a PNG; ValueError for one of more pixels than an image may have, before they are unpacked."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # which asks for what is checked here
+        try:
+            picture = Image.open(source, formats=("PNG",))
+        except Image.DecompressionBombError:
+            raise ValueError("a mask is too large") from None
+    with picture:
+        if picture.width * picture.height > MAXIMUM_PIXELS:
+            raise ValueError("a mask is too large")
+        yield picture
+
+
+def outlines(mask: NDArray[np.generic], row: int = 0, col: int = 0) -> list[tuple[Array, bool]]:
+    """Closed curves around the pixels of a mask, and whether each is the boundary of a hole.
+
+    `row` and `col` are the place of the first pixel. Curves run between the centers of pixels inside and outside.
+    """
+    padded = np.pad(np.asarray(mask) != 0, 1).astype(np.float64)
+    curves = [curve[:-1] - 1.0 for curve in skimage.measure.find_contours(padded, 0.5, fully_connected="low")]  # type: ignore[no-untyped-call]
+    found = []
+    for curve in curves:
+        on_edge = curve[0]
+        low = np.floor(on_edge).astype(int)
+        high = np.ceil(on_edge).astype(int)
+        filled = low if padded[low[0] + 1, low[1] + 1] else high
+        hole = not bool(polyline.inside(curve, filled[None].astype(float))[0])
+        found.append((curve + np.array([row, col]), hole))
+    return found
+
+
+def numbered_colors(file: Path) -> NDArray[np.integer] | None:
+    """The numbers of the colors of a PNG that has a table of them; None for other files."""
+    try:
+        with opened(file) as picture:
+            if picture.mode == "P":
+                return np.array(picture, dtype=np.int32)
+    except (OSError, SyntaxError, ValueError):  # no PNG, a damaged or large one, of which the reader of images reports
+        return None
+    return None
+
+
+def objects(labels: NDArray[np.integer]) -> Iterator[tuple[int, list[tuple[Array, bool]]]]:
+    """Each label of a mask with its `outlines`; 0 is the background."""
+    for number, window in enumerate(scipy.ndimage.find_objects(labels), start=1):
+        if window is not None:
+            rows, cols = window
+            yield number, outlines(labels[window] == number, rows.start, cols.start)
+
+
+def mask_of_runs(plain: Any) -> Mask:
+    """The mask of run lengths of COCO with ``size`` and ``counts``, plain or as text; ValueError when it is none."""
+    height, width = (int(side) for side in plain["size"])
+    counts = plain["counts"]
+    lengths = _unpacked(counts) if isinstance(counts, str) else np.array(counts, dtype=np.int64).reshape(-1)
+    if (
+        min(height, width) < 1
+        or height * width > MAXIMUM_PIXELS
+        or lengths.sum() != height * width
+        or lengths.min() < 0
+    ):
+        raise ValueError("run lengths do not fill the image")
+    values = np.arange(len(lengths)) % 2 == 1
+    return np.repeat(values, lengths).reshape(width, height).T
+
+
+def _unpacked(text: str) -> np.ndarray[Any, np.dtype[np.int64]]:
+    """Lengths of the runs of compressed text.
+
+    A letter holds five bits, the lowest first, and whether another follows; from the fourth length on, each is given
+    by how much it differs from the one before the last.
+    """
+    lengths: list[int] = []
+    value = shift = 0
+    for letter in text:
+        bits = ord(letter) - ord("0")
+        if not 0 <= bits < 64 or shift > 60:
+            raise ValueError("run lengths hold a letter that means nothing")
+        value |= (bits & 31) << shift
+        shift += 5
+        if not bits & 32:
+            if bits & 16:
+                value -= 1 << shift
+            lengths.append(value + (lengths[-2] if len(lengths) > 2 else 0))
+            value = shift = 0
+    return np.array(lengths, dtype=np.int64)

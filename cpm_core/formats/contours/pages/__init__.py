@@ -1,1 +1,0 @@
-"""Files of all pages of a stack; `files` chooses the writer."""

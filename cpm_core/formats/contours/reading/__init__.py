@@ -1,1 +1,0 @@
-"""Reading of contours: a module for each format, `contour_file` for the choice among them."""

@@ -1,0 +1,242 @@
+"""DICOM: single images, series in time and volumes in one file, and series of slices in a folder, read by pydicom."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.formats.common.printable import printable
+from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size, from_bands, from_samples
+from cpm_core.formats.images.dicom_series import Frame, Series, all_series, frames_of
+from cpm_core.formats.images.reading import Reading, series_of
+from cpm_core.formats.images.stack import Stack, check_content, joined
+from cpm_core.image.gray_levels import NO_DATA
+from cpm_core.parameters.quotation import shown
+
+READS = {".dcm": "DICOM image, or a folder with the slices of a series", ".dicom": "the same", ".ima": "the same"}
+
+FOLDER = bytes(128) + b"DICM"
+"""What stands for the first bytes of a folder with a series."""
+
+_MARK, _PLACE = b"DICM", 128
+_GROUPS = (b"\x08\x00", b"\x02\x00")
+_LONGEST_FIRST = 64
+"""Most bytes of the first entry of a file that has no kinds of entries."""
+
+_JPEG = "1.2.840.10008.1.2.4."
+_CODECS = {
+    **dict.fromkeys(("50", "51"), "jpeg8_decode"),
+    **dict.fromkeys(("57", "70"), "ljpeg_decode"),
+    **dict.fromkeys(("80", "81"), "jpegls_decode"),
+    **dict.fromkeys(("90", "91", "201", "202", "203"), "jpeg2k_decode"),
+}
+"""End of the name of a packing -> function of imagecodecs."""
+
+_PIXELS = ("PixelData", "FloatPixelData", "DoubleFloatPixelData")
+
+# pydicom logs a warning for everything unusual in a file; the user gets one sentence on what matters instead.
+logging.getLogger("pydicom").addHandler(logging.NullHandler())
+
+
+def reads(head: bytes, _path: Path) -> bool:
+    """Whether the first bytes of a file are those of DICOM; old files begin with an entry, without its mark."""
+    if head.startswith(_MARK, _PLACE):
+        return True
+    if head[:2] not in _GROUPS or len(head) < _PLACE or head[3:4] != b"\0":
+        return False
+    short = int.from_bytes(head[4:8], "little")
+    return (head[4:6].isalpha() and head[4:6].isupper()) or (
+        short % 2 == 0 and 0 < short <= _LONGEST_FIRST and head[8 + short :][:2] in _GROUPS
+    )
+
+
+def is_series(folder: Path) -> bool:
+    """Whether a folder holds a DICOM file, by the first bytes of its files."""
+    return bool(_files(folder, most=1))
+
+
+def dicom_files_beside(path: Path, most: int) -> list[Path]:
+    """So many DICOM files at most in the folder of a DICOM file; none for another file or a folder."""
+    try:
+        with path.open("rb") as stream:
+            known = reads(stream.read(512), path)
+        return _files(path.parent, most) if known else []
+    except OSError:
+        return []
+
+
+def _files(folder: Path, most: int | None = None) -> list[Path]:
+    """DICOM files of a folder by their first bytes, in the order of their names, so many at most."""
+    found: list[Path] = []
+    for path in sorted(folder.iterdir()):
+        if path.name.startswith(".") or not path.is_file():
+            continue
+        try:
+            with path.open("rb") as stream:
+                head = stream.read(512)
+        except OSError:
+            continue
+        if reads(head, path):
+            found.append(path)
+            if len(found) == most:
+                break
+    return found
+
+
+def stack(path: Path, reading: Reading) -> Stack:
+    """Open a file, or the series of a folder that is chosen: by default that with the most images.
+
+    Raises
+    ------
+    UnreadableError
+        When no file holds an image.
+    """
+    import pydicom  # only here, because it takes long to import
+
+    name = printable(path.name)
+    frames: list[Frame] = []
+    damaged = 0
+    for file in _files(path) if path.is_dir() else [path]:
+        try:
+            frames += frames_of(pydicom, file)
+        except Exception:
+            if path.is_file():
+                raise
+            damaged += 1
+    if not frames:
+        raise UnreadableError(f"{name} holds no DICOM image: choose another file or folder.")
+    if min(min(frame.shape) for frame in frames) < 1:
+        raise ValueError("an image has no pixels")
+    series = all_series(frames)
+    titles = tuple(one.title for one in series)
+    largest = int(np.argmax([len(one.frames) * len(one.frames[0]) for one in series]))
+    number = series_of(reading.series, titles, largest, name)
+    notes = []
+    whole = sum(not one.partial for one in series)
+    if whole > 1 and reading.series is None:
+        which = f"{number + 1} ({shown(titles[number])})"
+        notes.append(f"Of its {whole} series that with the most images was taken, {which}.")
+    if damaged:
+        notes.append(f"{damaged} of its files {'is' if damaged == 1 else 'are'} damaged and left out.")
+    return replace(_stack(name, series[number], tuple(notes), pydicom), series=titles, number=number)
+
+
+def _stack(name: str, series: Series, notes: tuple[str, ...], pydicom: Any) -> Stack:
+    first, planes = series.frames[0][0], len(series.frames[0])
+    if len({frame.path for time in series.frames for frame in time}) == 1:
+        check_content(first.path, len(series.frames) * planes * first.each * first.shape[0] * first.shape[1])
+    row, col = first.spacing or (1.0, 1.0)
+    # millimeters of a depth beside centimeters of a pixel occur in ultrasound alone, which has no slices
+    in_mm = first.unit == "mm"
+
+    def take(time: int, _channel: int, begin: int, end: int) -> Decoded:
+        opened: tuple[Path | None, Any] = (None, None)
+        found = []
+        for frame in series.frames[time][begin:end]:
+            if opened[0] != frame.path:
+                opened = frame.path, _dataset(pydicom, frame.path)
+            found.append(_decoded(opened[1], frame, name))
+        return joined(found)
+
+    return Stack(
+        name,
+        (planes, *first.shape),
+        take,
+        first.each,
+        len(series.frames),
+        1,
+        (series.depth if series.depth and in_mm else row, row, col),
+        first.unit,
+        series.geometry if in_mm else None,
+        series.places if in_mm else (),
+        series.stretch,
+        (*notes, *series.notes),
+        series.of_volume,
+        word="frame" if planes == 1 else "plane",
+        otherwise=planes // 2,
+    )
+
+
+def _dataset(pydicom: Any, path: Path) -> Any:
+    dataset = pydicom.dcmread(path, force=True)
+    if "TransferSyntaxUID" not in dataset.file_meta:  # of an old file without a mark
+        implicit, _ = dataset.original_encoding
+        kinds = pydicom.uid.ImplicitVRLittleEndian if implicit else pydicom.uid.ExplicitVRLittleEndian
+        dataset.file_meta.TransferSyntaxUID = kinds
+    return dataset
+
+
+def _decoded(dataset: Any, frame: Frame, name: str) -> Decoded:
+    """One image of a file: values in the unit of the file, bright where they are to be shown bright."""
+    check_size(name, *frame.shape)
+    stored = _unpacked(dataset, frame, name)
+    if stored.shape[:2] != frame.shape:
+        raise ValueError("the pixels have another size than the header says")
+    colors = str(dataset.get("PhotometricInterpretation", "MONOCHROME2")).strip()
+    if colors == "PALETTE COLOR":
+        from pydicom.pixels.processing import apply_color_lut
+
+        table = apply_color_lut(stored, dataset)
+        bright = table if table.max(initial=0) < 256 else table >> 8  # some programs write eight bits in sixteen
+        return from_bands(bright.astype(np.uint8)[..., :3])
+    bits = int(dataset.get("BitsStored", 8 * stored.dtype.itemsize))
+    if stored.ndim == 3:
+        return from_samples(stored[..., :3], white=2.0**bits - 1.0)
+    values: NDArray[Any] = stored
+    notes: tuple[str, ...] = ()
+    if colors == "MONOCHROME1":
+        ends = -1 if int(dataset.get("PixelRepresentation", 0)) else 2**bits - 1
+        values, notes = ends - stored.astype(np.int64), ("It counts from white to black and was inverted.",)
+    if (frame.slope, frame.intercept) != (1.0, 0.0):
+        values = values * np.float64(frame.slope) + np.float64(frame.intercept)
+    return Decoded(_without_padding(dataset, values, stored), notes=notes)
+
+
+def _without_padding(dataset: Any, values: NDArray[Any], stored: NDArray[Any]) -> NDArray[Any]:
+    """Values with `NO_DATA` where a pixel is there but to fill the rectangle, as beyond the circle of a scanner."""
+    names = ("PixelPaddingValue", "FloatPixelPaddingValue", "DoubleFloatPixelPaddingValue")
+    given = next((dataset.get(name) for name in names if dataset.get(name) is not None), None)
+    try:
+        first, last = float(given), float(dataset.get("PixelPaddingRangeLimit", given))  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        return values
+    bits = int(dataset.get("BitsStored", 16))
+    if int(dataset.get("PixelRepresentation", 0)):  # some programs write negative numbers without their sign
+        first, last = (one - 2.0**bits if one >= 2.0 ** (bits - 1) else one for one in (first, last))
+    absent = (stored >= min(first, last)) & (stored <= max(first, last))
+    return np.where(absent, np.float64(NO_DATA), values) if absent.any() else values
+
+
+def _unpacked(dataset: Any, frame: Frame, name: str) -> NDArray[Any]:
+    """Stored values of an image, shape (rows, columns) or (rows, columns, 3)."""
+    from pydicom import encaps
+    from pydicom.pixels.utils import pixel_array
+
+    if not any(kind in dataset for kind in _PIXELS):
+        raise UnreadableError(f"{name} holds no DICOM image: choose another file or folder.")
+    try:
+        return np.asarray(pixel_array(dataset, index=frame.index))
+    except Exception as error:  # of any kind, as decoders do; perhaps another package unpacks it
+        syntax = dataset.file_meta.TransferSyntaxUID
+        codec = _CODECS.get(str(syntax).removeprefix(_JPEG)) if str(syntax).startswith(_JPEG) else None
+        if codec is None and "missing dependencies" in str(error):
+            raise UnreadableError(
+                f"{name} is packed as {printable(str(syntax.name))[:80]}, which is not read: save it without packing."
+            ) from error
+        colored = int(dataset.get("SamplesPerPixel", 1)) != 1 and dataset.get("PhotometricInterpretation") != "RGB"
+        if codec is None or colored:
+            raise
+    import imagecodecs  # only here, because it takes long to import
+
+    count = int(dataset.get("NumberOfFrames", 1) or 1)
+    content = encaps.get_frame(dataset.PixelData, frame.index, number_of_frames=count)
+    found = np.asarray(getattr(imagecodecs, codec)(content))
+    if int(dataset.get("PixelRepresentation", 0)) and found.dtype.kind == "u":  # the first of its bits is the sign
+        half = 1 << (int(dataset.BitsStored) - 1)
+        return (found.astype(np.int32) & (2 * half - 1) ^ half) - half
+    return found

@@ -1,1 +1,0 @@
-"""Files of medicine: volumes with a place in space."""

@@ -1,0 +1,137 @@
+"""NIfTI: volumes of the brain and of other parts of the body, read by nibabel."""
+
+from __future__ import annotations
+
+import gzip
+import logging
+import math
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cpm_core.formats.common.printable import printable
+from cpm_core.formats.images.decoded import Decoded, UnreadableError, from_bands
+from cpm_core.formats.images.reading import Reading
+from cpm_core.formats.images.stack import NO_PLACE, Stack, check_content
+from cpm_core.image.geometry import from_affine
+from cpm_core.parameters.quotation import shown
+
+READS = {".nii": "NIfTI volume", ".nii.gz": "the same, compressed", ".hdr": "NIfTI volume of two files"}
+
+_GZIP = b"\x1f\x8b"
+_KINDS = {
+    (344, b"n+1\0"): "Nifti1Image",
+    (344, b"ni1\0"): "Nifti1Pair",
+    (4, b"n+2\0\r\n\x1a\n"): "Nifti2Image",
+    (4, b"ni2\0\r\n\x1a\n"): "Nifti2Pair",
+}
+"""Mark of a header and its place -> class of nibabel that reads such a file; a pair has its values in another file."""
+
+# nibabel prints a line for everything unusual in a header; the user gets one sentence on what matters instead.
+logging.getLogger("nibabel.global").setLevel(logging.CRITICAL + 1)
+
+_PART = 2**20
+"""Bytes that are unpacked at once."""
+
+_UNITS = {"mm": "mm", "micron": "µm", "meter": "m"}
+
+
+def reads(head: bytes, path: Path) -> bool:
+    """Whether the first bytes of a file, unpacked if they are packed, are those of a NIfTI volume."""
+    if not head.startswith(_GZIP):
+        return _kind(head) is not None
+    try:
+        with gzip.open(path) as stream:
+            return _kind(stream.read(352)) is not None
+    except (OSError, EOFError, ValueError, zlib.error):
+        return path.name.lower().endswith(".nii.gz")
+
+
+def stack(path: Path, _reading: Reading) -> Stack:
+    """Open a volume; its planes are the third axis of the file, its rows the second.
+
+    Raises
+    ------
+    UnreadableError
+        When the file has more axes than planes, rows, columns, times and channels.
+    """
+    name = printable(path.name)
+    with _opened(path) as volume:
+        sizes = [int(size) for size in volume.shape]
+        if len(sizes) < 2 or min(sizes) < 1:
+            raise ValueError("there are too few axes")
+        if math.prod(sizes[5:]) > 1:
+            raise UnreadableError(f"{name} has {len(sizes)} axes, {shown(tuple(sizes))}: save one volume of it.")
+        columns, rows, planes, times, channels = (*sizes, 1, 1, 1)[:5]
+        stored = volume.get_data_dtype()
+        image = Path(volume.file_map["image"].filename or path)
+        check_content(image, math.prod(sizes) * stored.itemsize, _is_packed(image))
+        unit, notes = _UNITS.get(volume.header.get_xyzt_units()[0]), []
+        if unit is None:
+            notes.append("It names no unit of length; millimeters were taken.")
+        geometry = None
+        try:
+            geometry, spacing = from_affine(volume.affine, "RAS")
+        except ValueError:
+            plane, row, col = [abs(float(side)) for side in (*volume.header.get_zooms()[:3], 1.0, 1.0)[2::-1]]
+            sound = all(math.isfinite(side) and side > 0.0 for side in (plane, row, col))
+            spacing = (plane, row, col) if sound else (1.0, 1.0, 1.0)
+            notes.append(NO_PLACE)
+
+    def take(time: int, channel: int, first: int, end: int) -> Decoded:
+        at = (slice(None), slice(None), slice(first, end), time, channel)
+        with _opened(path) as volume:
+            part = np.asanyarray(volume.dataobj[at[: len(sizes)]]).reshape(columns, rows, end - first).T
+            stream = volume.file_map["image"].fileobj
+            while isinstance(stream, gzip.GzipFile) and stream.read(_PART):  # the sum at its end is checked
+                pass
+        if part.dtype.fields is None:
+            return Decoded(part)
+        return from_bands(np.stack([part[band] for band in part.dtype.names], axis=-1))
+
+    return Stack(
+        name,
+        (planes, rows, columns),
+        take,
+        stored.itemsize + (8.0 if stored.fields is None else 0.0),
+        times,
+        channels,
+        spacing,
+        unit or "mm",
+        geometry,
+        notes=tuple(notes),
+        otherwise=planes // 2,
+    )
+
+
+def _kind(head: bytes) -> str | None:
+    """The class of nibabel for the first bytes of a file; None for other files."""
+    return next((kind for (place, mark), kind in _KINDS.items() if head.startswith(mark, place)), None)
+
+
+def _is_packed(path: Path) -> bool:
+    with path.open("rb") as stream:
+        return stream.read(2) == _GZIP
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[Any]:
+    """The volume, of which nothing but the header has been read; its content decides on its kind, not its name."""
+    import nibabel  # only here, because it takes long to import
+
+    with path.open("rb") as raw:
+        stream: Any = gzip.GzipFile(fileobj=raw) if _is_packed(path) else raw
+        kind = _kind(stream.read(352))
+        stream.seek(0)
+        if kind is None:
+            raise ValueError("it has no mark of the format")
+        reader = getattr(nibabel, kind)
+        if kind.endswith("Pair"):
+            yield reader.from_filename(path)
+            return
+        holder = nibabel.fileholders.FileHolder(fileobj=stream)
+        yield reader.from_file_map({"header": holder, "image": holder}, mmap=False, keep_file_open=True)

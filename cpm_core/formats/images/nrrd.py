@@ -1,0 +1,147 @@
+"""NRRD: volumes of 3D Slicer and others, read by pynrrd."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cpm_core.formats.common.printable import printable
+from cpm_core.formats.images import resolution
+from cpm_core.formats.images.decoded import Decoded, UnreadableError, from_bands
+from cpm_core.formats.images.reading import Reading
+from cpm_core.formats.images.stack import NO_PLACE, Stack, check_content, check_memory, file_beside
+from cpm_core.image.geometry import Convention, Geometry, from_affine
+from cpm_core.numerics.types import Array
+from cpm_core.parameters.quotation import shown
+
+READS = {".nrrd": "NRRD volume", ".nhdr": "NRRD volume of two files"}
+
+_ROLES = ("time", "channel", "plane", "row", "col", "color")
+_IN_SPACE, _COLORS, _TIME = ("domain", "space"), ("rgb-color", "rgba-color"), "time"
+_LPS, _RAS, _LAS = "left-posterior-superior", "right-anterior-superior", "left-anterior-superior"
+_SPACES: dict[str, tuple[Convention, tuple[float, float, float]]] = {
+    **dict.fromkeys((_LPS, "lps"), ("LPS", (1.0, 1.0, 1.0))),
+    **dict.fromkeys((_RAS, "ras"), ("RAS", (1.0, 1.0, 1.0))),
+    **dict.fromkeys((_LAS, "las"), ("LPS", (1.0, -1.0, 1.0))),
+}
+"""Coordinates of a patient -> those that they are taken as, and what turns around for that."""
+
+
+def reads(head: bytes, _path: Path) -> bool:
+    """Whether the first bytes of a file are those of an NRRD volume."""
+    return head.startswith(b"NRRD000")
+
+
+def stack(path: Path, _reading: Reading) -> Stack:
+    """Open a volume; its columns are the first axis of the file that lies in space, its planes the third.
+
+    Raises
+    ------
+    UnreadableError
+        When the axes are not those of volumes.
+    """
+    import nrrd  # only here, because it takes long to import
+
+    name = printable(path.name)
+    with path.open("rb") as stream:
+        header = nrrd.read_header(stream)
+        begin = stream.tell()
+    sizes = [int(size) for size in header["sizes"]]
+    if min(sizes) < 1 or len(sizes) != int(header["dimension"]):
+        raise ValueError("the axes are not valid")
+    roles = _roles(header, sizes, name)
+    itemsize = np.dtype(nrrd.reader._TYPEMAP_NRRD2NUMPY[header["type"]]).itemsize
+    named = next((key for key in ("data file", "datafile") if key in header), None)
+    file = path
+    if named is not None:
+        file = file_beside(path, str(header[named]))
+        header[named] = str(file)
+    if not str(header["encoding"]).startswith("bz"):  # which packs equal values without limit
+        check_content(file, math.prod(sizes) * itemsize, header["encoding"] != "raw")
+    spacing, unit, geometry, notes = _place(header, roles)
+    size = {role: sizes[axis] for role, axis in roles.items()}
+    shape = tuple(size.get(role, 1) for role in _ROLES)
+    order = [roles[role] for role in _ROLES if role in roles]
+
+    def take(time: int, channel: int, first: int, end: int) -> Decoded:
+        check_memory(tuple(sizes), itemsize, name)
+        with path.open("rb") as stream:
+            stream.seek(begin)
+            stored = nrrd.read_data(header, stream, str(path))
+        part = np.array(stored.transpose(order).reshape(shape)[time, channel, first:end])
+        return Decoded(part[..., 0]) if shape[-1] == 1 else from_bands(part)
+
+    return Stack(
+        name,
+        (shape[2], shape[3], shape[4]),
+        take,
+        float(itemsize * shape[-1]),
+        shape[0],
+        shape[1],
+        spacing,
+        unit,
+        geometry,
+        notes=notes,
+        otherwise=shape[2] // 2,
+    )
+
+
+def _roles(header: Any, sizes: list[int], name: str) -> dict[str, int]:
+    """Which axis of the file is which of ours; the axes that lie in space are columns, rows, planes in this order."""
+    kinds = [str(kind).lower() for kind in header.get("kinds", ["???"] * len(sizes))]
+    vectors = header.get("space directions")
+    if vectors is not None:
+        in_space = [vector is not None and bool(np.isfinite(vector).all()) for vector in vectors]
+    elif any(kind in _IN_SPACE for kind in kinds):
+        in_space = [kind in _IN_SPACE for kind in kinds]
+    else:
+        named = [kind == _TIME or kind in _COLORS or kind.endswith(("list", "vector")) for kind in kinds]
+        in_space = [not other and sum(not o for o in named[:axis]) < 3 for axis, other in enumerate(named)]
+    if sum(in_space) == 4 and in_space[-1]:  # ITK writes times as a fourth axis of space
+        in_space[-1], kinds[-1] = False, _TIME
+    if not 2 <= sum(in_space) <= 3 or len(in_space) != len(sizes):
+        raise UnreadableError(f"{name} has {sum(in_space)} axes in space, but a volume has two or three.")
+    roles = dict(zip(("col", "row", "plane"), [axis for axis, lies in enumerate(in_space) if lies], strict=False))
+    for axis in (axis for axis, lies in enumerate(in_space) if not lies):
+        color = kinds[axis] in _COLORS and sizes[axis] in (3, 4)
+        last = axis == len(sizes) - 1 and kinds[axis] == "???"
+        wanted = "color" if color else "time" if kinds[axis] == _TIME or last else "channel"
+        role = next((one for one in (wanted, "channel", "time") if one not in roles), None)
+        if role is None:
+            raise UnreadableError(f"{name} has the axes {shown(tuple(sizes))}: save one volume of it.")
+        roles[role] = axis
+    return roles
+
+
+def _place(
+    header: Any, roles: dict[str, int]
+) -> tuple[tuple[float, float, float], str | None, Geometry | None, tuple[str, ...]]:
+    """Size of a voxel, its unit, and where the volume lies, where the file gives them, with notes."""
+    axes = [roles[role] for role in ("col", "row", "plane") if role in roles]
+    vectors, own = header.get("space directions"), list(header.get("units", []))
+    named = [*(own[axis] for axis in axes if axis < len(own) and vectors is None), *header.get("space units", [])]
+    unit = next((known for known in map(resolution.known_unit, map(str, named)) if known), None)
+    if vectors is None:
+        given = header.get("spacings", [math.nan] * len(header["sizes"]))
+        sides = [abs(float(given[axis])) for axis in axes]
+    else:
+        along: Array = np.array([vectors[axis] for axis in axes], float)[:, :3]
+        sides = np.linalg.norm(along, axis=1).tolist()
+    if not all(math.isfinite(side) and side > 0.0 for side in sides):
+        return (1.0, 1.0, 1.0), None, None, ()
+    col, row, plane = (*sides, 1.0)[:3]
+    space = str(header.get("space", "")).lower().removesuffix("-time")
+    if vectors is None or along.shape != (3, 3) or space not in _SPACES:
+        return (plane, row, col), unit, None, ()
+    convention, turned = _SPACES[space]
+    affine = np.eye(4)
+    affine[:3, :3], affine[:3, 3] = along.T, np.array(header.get("space origin", np.zeros(3)), float)[:3]
+    affine[:3] *= np.array(turned)[:, None]
+    try:
+        geometry, spacing = from_affine(affine, convention)
+    except ValueError:
+        return (1.0, 1.0, 1.0), None, None, (NO_PLACE,)
+    return spacing, unit or "mm", geometry, ()

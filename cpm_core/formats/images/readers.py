@@ -1,0 +1,350 @@
+"""Readers of images and volumes: the content of a file selects its reader, not its suffix.
+
+A new reader is a module with the interface `Reader`, and an entry in `_READERS`.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import stat
+import warnings
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cpm_core.formats.common.content import fingerprint
+from cpm_core.formats.common.printable import printable
+from cpm_core.formats.images import dicom, metaimage, nifti, nrrd, numpy_array, raster, resolution, tiff
+from cpm_core.formats.images.decoded import Decoded, UnreadableError
+from cpm_core.formats.images.reading import Reading, checked_unit
+from cpm_core.formats.images.stack import Axis, Pages, Stack, plane_of, volume_of
+from cpm_core.image.colors import LUMINANCE, LUMINANCE_NOTE, in_color
+from cpm_core.image.gray_levels import NO_DATA, no_data_note
+from cpm_core.image.image import MINIMUM_SIDE, Image
+from cpm_core.numerics.real_numbers import real_numbers
+
+T = TypeVar("T")
+
+
+class Reader(Protocol):
+    """Interface of a module that reads images."""
+
+    READS: dict[str, str]
+    """Suffix -> what such a file is."""
+
+    def reads(self, head: bytes, path: Path, /) -> bool:
+        """Whether the file is of this format, by its first 512 bytes (all of a shorter file) and its path."""
+
+    def stack(self, path: Path, reading: Reading, /) -> Stack:
+        """Open a file of one or several planes; damaged files may raise anything."""
+
+
+# dicom comes first, because a DICOM file may begin as a TIFF does; the last one takes what no other reads
+_READERS: tuple[Reader, ...] = (dicom, tiff, numpy_array, nifti, nrrd, metaimage, raster)
+_HEAD = 512
+"""Bytes that identify a format: the signatures of medical formats are at 128 (DICOM) and 344 (NIfTI)."""
+
+_FOREIGN: tuple[tuple[int, bytes, str], ...] = (
+    (0, b"ZISRAWFILE", "a CZI file of Zeiss"),
+    (0, b"\xda\xce\xbe\x0a", "an ND2 file of Nikon"),
+    (0, b"p\0\0\0", "a LIF file of Leica"),
+    (0, b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "an OIB or ZVI file of a microscope, or a document"),
+    (0, b"\x89HDF\r\n\x1a\n", "an HDF5 file"),
+    (0, b"MATLAB 5.0 MAT-file", "a MATLAB file"),
+    (4, b"ftyphei", "a HEIC picture"),
+    (4, b"ftyp", "a video"),
+    (0, b"SIMPLE  =", "a FITS image"),
+    (0, b"PK\x03\x04", "an archive of files (ZIP)"),
+    (0, b"\x1f\x8b", "a packed file (gzip)"),
+    (0, b"%PDF-", "a PDF document"),
+    (0, b"8BPS", "a Photoshop picture"),
+    (0, b"<", "an SVG drawing or another XML file"),
+)
+"""Place of a signature in a file, the signature, and what the file is: kinds that are known but not read."""
+
+_LOG = logging.getLogger(__name__)
+
+READABLE: dict[str, str] = {suffix: text for reader in _READERS for suffix, text in reader.READS.items()}
+"""Suffixes of the images that can be read -> what they are. The content of a file decides, not its suffix."""
+
+
+def load_image(
+    path: str | os.PathLike[str],
+    go_on: Callable[[], object] | None = None,
+    *,
+    page: int | None = None,
+    channel: int | None = None,
+    time: int | None = None,
+    series: int | str | None = None,
+    color: str = "luminance",
+    spacing: ArrayLike | None = None,
+    unit: str | None = None,
+) -> Image:
+    """Read an image file, of a file of several planes one of them.
+
+    Parameters
+    ----------
+    path : path-like
+        A file of one of the kinds in `READABLE`, or a folder with the slices of a DICOM series.
+    go_on : callable, optional
+        Called between the parts of a long file while it is hashed; it may raise to stop.
+    page : int, optional
+        Which plane, page or frame, from 1; by default the first page or frame, and the middle plane of a volume.
+    channel, time : int, optional
+        Which channel and which point in time, from 1; by default the first.
+    series : int or str, optional
+        Which series of a TIFF or of a folder, which array of an archive, by number from 1 or by name.
+    color : {"luminance", "red", "green", "blue", "contrast"}, optional
+        What gray levels are made of color: how bright it is to the eye, one of its channels, or the channel whose gray
+        levels vary the most.
+    spacing : float or sequence of float, optional
+        Size of a pixel, or along (row, col), in place of what the file tells.
+    unit : str, optional
+        Unit of `spacing`: nm, µm, mm, cm or m.
+
+    Returns
+    -------
+    Image
+        Its gray levels in the range of the file, the size of a pixel and its place in space where the file gives them,
+        the hash of the file, and in ``notes`` what was changed and what else the file holds.
+
+    Raises
+    ------
+    ValueError
+        When there is no such file, or it cannot be used or read again for its hash; one sentence with its name and
+        what to do.
+
+    Examples
+    --------
+    >>> np.save("disk.npy", cpm.example("disk").values)
+    >>> cpm.load_image("disk.npy", spacing=0.5, unit="µm")
+    <Image disk.npy, 64 x 64 px, 0.5 µm a pixel>
+    """
+    reading = Reading(page, channel, time, series, color, _sides(spacing), unit)
+    return _image(Path(path), reading, plane_of, go_on)
+
+
+def load_volume(
+    path: str | os.PathLike[str],
+    go_on: Callable[[], object] | None = None,
+    *,
+    channel: int | None = None,
+    time: int | None = None,
+    series: int | str | None = None,
+    color: str = "luminance",
+    spacing: ArrayLike | None = None,
+    unit: str | None = None,
+) -> Image:
+    """Read a volume.
+
+    Parameters
+    ----------
+    path : path-like
+        A stack or volume of one of the kinds in `READABLE`, or a folder with the slices of a DICOM series.
+    go_on, channel, time, series, color, unit
+        As for `load_image`.
+    spacing : float or sequence of float, optional
+        Size of a voxel, or along (plane, row, col), in place of what the file tells.
+
+    Returns
+    -------
+    Image
+        With three axes (plane, row, col): in medical files rows run along the second axis of the file, and planes along
+        the third. In ``notes`` it says what else the file holds.
+
+    Raises
+    ------
+    ValueError
+        When there is no such file, or it cannot be used; one sentence with its name and what to do.
+
+    Examples
+    --------
+    >>> np.save("ball.npy", cpm.example("ball").values)
+    >>> cpm.load_volume("ball.npy", spacing=(2.0, 1.0, 1.0), unit="mm")
+    <Image ball.npy, 31 x 31 x 31 voxels, 2 x 1 x 1 mm a voxel>
+    """
+    reading = Reading(None, channel, time, series, color, _sides(spacing), unit)
+    return _image(Path(path), reading, volume_of, go_on)
+
+
+def load_pages(
+    path: str | os.PathLike[str],
+    go_on: Callable[[], object] | None = None,
+    *,
+    channel: int | None = None,
+    time: int | None = None,
+    series: int | str | None = None,
+    color: str = "luminance",
+    spacing: ArrayLike | None = None,
+    unit: str | None = None,
+) -> Pages:
+    """Open a stack or a time series whose pages are images of their own.
+
+    Parameters
+    ----------
+    path, go_on, channel, time, series, color, spacing, unit
+        As for `load_image`.
+
+    Returns
+    -------
+    Pages
+        A sequence of `Image`, each read when it is asked for, and none kept: the planes at one time, of one plane the
+        points in time, and where there are only channels, these. A picture that stands still has one page.
+
+    Raises
+    ------
+    ValueError
+        When there is no such file, or it cannot be used; a page that cannot be used raises it when it is asked for.
+
+    Examples
+    --------
+    >>> np.save("pages.npy", np.stack([cpm.example("disk").values, cpm.example("ring").values]))
+    >>> pages = cpm.load_pages("pages.npy")
+    >>> len(pages), pages[1].shape
+    (2, (64, 64))
+    """
+    file, reading = Path(path), Reading(None, channel, time, series, color, _sides(spacing), unit)
+    stack = _guarded(file, lambda: _opened(file, reading))
+    sha256 = _hash(file, go_on)
+    axes: tuple[tuple[str, Axis, int], ...] = (
+        ("page", "z", stack.shape[0]),
+        ("time", "t", stack.times if time is None else 1),
+        ("channel", "c", stack.channels if channel is None else 1),
+    )
+    name, axis, count = next((one for one in axes if one[2] > 1), axes[0])
+
+    def page(number: int) -> Image:
+        chosen: dict[str, Any] = {name: number}
+        one = replace(reading, **chosen)
+        return _finished(_guarded(file, lambda: plane_of(stack, one)), file, one, sha256)
+
+    return Pages(
+        printable(file.name),
+        count,
+        page,
+        "frame" if stack.word == "frame" else "page",
+        axis,
+        sum(length > 1 for length in (stack.shape[0], stack.times, stack.channels)) < 2,
+        sha256,
+    )
+
+
+def holds_volume(path: str | os.PathLike[str], series: int | str | None = None) -> bool:
+    """Whether a file holds enough planes for a volume; ValueError as for `load_volume`."""
+    return open_stack(path, series).shape[0] >= MINIMUM_SIDE
+
+
+def open_stack(path: str | os.PathLike[str], series: int | str | None = None) -> Stack:
+    """What a file holds, of whose planes none has been read yet.
+
+    Parameters
+    ----------
+    path, series
+        As for `load_volume`.
+
+    Returns
+    -------
+    Stack
+        How many planes, channels and points in time there are, the names of its series, and the size of a voxel.
+
+    Raises
+    ------
+    ValueError
+        As for `load_volume`; `UnchosenError` when an archive holds several images and none is chosen.
+    """
+    file = Path(path)
+    return _guarded(file, lambda: _opened(file, Reading(series=series)))
+
+
+def _sides(spacing: ArrayLike | None) -> tuple[float, ...] | None:
+    return None if spacing is None else tuple(np.ravel(real_numbers(spacing)).tolist())
+
+
+def _image(
+    file: Path, reading: Reading, part: Callable[[Stack, Reading], Decoded], go_on: Callable[[], object] | None
+) -> Image:
+    """A part of a file as an image."""
+    decoded = _guarded(file, lambda: part(_opened(file, reading), reading))
+    return _finished(decoded, file, reading, _hash(file, go_on))
+
+
+def _finished(decoded: Decoded, file: Path, reading: Reading, sha256: str) -> Image:
+    """The image of what was read, in the gray levels and with the size of a pixel that were chosen."""
+    values, notes, colors = decoded.values, decoded.notes, decoded.colors
+    spacing, unit, geometry = decoded.spacing, decoded.unit, decoded.geometry
+    if reading.color != LUMINANCE and colors is not None:
+        values, note = in_color(values, colors, reading.color)
+        notes, colors = tuple(note if one == LUMINANCE_NOTE else one for one in notes), None
+    if reading.spacing is not None:
+        given = reading.spacing
+        spacing, unit = given * values.ndim if len(given) == 1 else given, checked_unit(reading.unit)
+        if geometry is not None and unit and decoded.unit:
+            geometry = geometry.scaled(resolution.factor(decoded.unit, unit))
+    if values.dtype == np.float64 and np.all(values == NO_DATA):  # a plane beyond what was recorded
+        notes = (*notes, no_data_note(values.size))
+        values = np.zeros(values.shape)
+    return Image(values, spacing, unit, printable(file.name), notes, colors, sha256, geometry)
+
+
+def _hash(file: Path, go_on: Callable[[], object] | None) -> str:
+    """Hash of a file; none of a folder."""
+    return "" if os.path.isdir(file) else fingerprint(file, go_on)  # noqa: PTH112 - raises nothing
+
+
+def _guarded(file: Path, read: Callable[[], T]) -> T:
+    """What a function reads of a file; ValueError, one sentence, when it fails."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # oddities of a readable file do not concern the user
+            return read()
+    except UnreadableError:
+        raise
+    except MemoryError:
+        raise ValueError(f"{file.name} does not fit into memory: crop it or make it smaller first.") from None
+    except Exception as error:  # decoders raise exceptions of any kind on damaged files
+        _LOG.info("%s: %s: %s", file, type(error).__name__, error)
+        raise ValueError(
+            f"{file.name} is damaged, cut short or of an unknown kind: get a sound copy of it, "
+            "or save it again as PNG or TIFF."
+        ) from error
+
+
+def _opened(file: Path, reading: Reading) -> Stack:
+    """What a file holds, opened by its reader."""
+    head = _head(file)
+    reader = next(reader for reader in _READERS if reader.reads(head, file))
+    kind = next((kind for place, mark, kind in _FOREIGN if head.startswith(mark, place)), None)
+    if reader is raster and kind is not None:
+        raise UnreadableError(
+            f"{file.name} is {kind}, and CPM does not read those: save the image or volume that you want as TIFF, "
+            "with the program that made it."
+        )
+    return reader.stack(file, reading)
+
+
+def _head(file: Path) -> bytes:
+    """First bytes of a file; UnreadableError unless it is a regular file that can be read."""
+    try:
+        kind = file.stat().st_mode
+        if stat.S_ISDIR(kind):
+            if dicom.is_series(file):
+                return dicom.FOLDER
+            raise UnreadableError(f"{file} is a folder: choose an image file in it.")
+        if not stat.S_ISREG(kind):
+            raise UnreadableError(f"{file} is not an ordinary file: choose an image file.")
+        with file.open("rb") as stream:
+            head = stream.read(_HEAD)
+    except FileNotFoundError:
+        raise UnreadableError(f"{file} does not exist: check its name and folder.") from None
+    except PermissionError:
+        raise UnreadableError(f"{file} cannot be read, because you have no permission: ask its owner for it.") from None
+    except OSError as error:
+        raise UnreadableError(f"{file} cannot be read: {error.strerror or error}.") from error
+    if not head:
+        raise UnreadableError(f"{file.name} is empty: get a sound copy of it.")
+    return head

@@ -1,0 +1,283 @@
+"""Stack: what a file of several planes holds, before a part of it is read, and the parts: a plane, a volume, pages."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Literal, overload
+
+import numpy as np
+
+from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size
+from cpm_core.formats.images.reading import Reading, index_of
+from cpm_core.image.colors import Colors
+from cpm_core.image.geometry import Geometry
+from cpm_core.image.image import MINIMUM_SIDE, Image
+from cpm_core.numerics.memory import check_room
+from cpm_core.parameters.quotation import counted, described, shown
+
+_BYTES_OF_GRAY = 16
+"""Memory of a voxel beside its own while it is read: its gray level, and that once more as it is copied [bytes]."""
+
+_SLANTED = 0.5
+"""Angle by which axes may be off right ones without a note [degrees]."""
+
+NO_PLACE = "Its matrix is not valid, so that it is not known where it lies."
+"""Note on a volume of which only the size of a voxel is known."""
+
+ONLY_THESE = "Only these were taken."
+"""What is said behind the sentence on the longest even part of a file."""
+
+_MOST_PACKED = 1100
+"""How many times its size a packed file may hold: deflate packs 1032 equal bytes in one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stack:
+    """What a file of several planes holds.
+
+    Attributes
+    ----------
+    name : str
+        The file.
+    shape : tuple of int
+        Number of planes, rows and columns.
+    take : callable
+        Reads the planes from one to before another, at a time and in a channel, all from 0: gray levels of shape
+        (planes, rows, columns), with colors if there are any, and notes on them.
+    each : float
+        Memory of a voxel as it is stored [bytes].
+    times, channels : int
+        How many there are.
+    spacing : tuple of float
+        Size of a voxel along (plane, row, col), in `unit`.
+    unit : str or None
+        Unit of length; None when the file does not give it.
+    geometry : Geometry or None
+        Where the volume lies in space.
+    places : tuple of Geometry
+        Where each plane lies, when that does not follow from `geometry`.
+    stretch : tuple of int or None
+        First plane and the one after the last that make a volume, as a file may lack some.
+    notes, of_volume : tuple of str
+        What is true of all that is read, and of a volume only.
+    word : str
+        What a plane is called: plane, page or frame.
+    otherwise : int
+        Index of the plane that is read when nobody chooses.
+    series : tuple of str
+        Names of all series of the file, or of all arrays of an archive; empty where it has none.
+    number : int
+        Which of them this is, from 0.
+    deep : bool
+        Whether the file tells how far apart its planes are: they are then those of a volume.
+    """
+
+    name: str
+    shape: tuple[int, int, int]
+    take: Callable[[int, int, int, int], Decoded]
+    each: float = 8.0
+    times: int = 1
+    channels: int = 1
+    spacing: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    unit: str | None = None
+    geometry: Geometry | None = None
+    places: tuple[Geometry, ...] = ()
+    stretch: tuple[int, int] | None = None
+    notes: tuple[str, ...] = ()
+    of_volume: tuple[str, ...] = ()
+    word: str = "plane"
+    otherwise: int = 0
+    series: tuple[str, ...] = ()
+    number: int = 0
+    deep: bool = False
+
+
+def plane_of(stack: Stack, reading: Reading) -> Decoded:
+    """One plane of a stack; of frames, which are points in time, the page is one of them.
+
+    Raises
+    ------
+    UnreadableError
+        When there is no such plane, or it is too large.
+    """
+    planes, rows, columns = stack.shape
+    check_size(stack.name, rows, columns)
+    notes = list(stack.notes)
+    frames = planes == 1 and stack.times > 1 and reading.time is None
+    count = stack.times if frames else planes
+    page = index_of("page", reading.page, count, 0 if frames else stack.otherwise, stack.name)
+    if count > 1 and reading.page is None:
+        notes.append(
+            f"It is a volume, of which {stack.word} {page + 1} of {count} was taken."
+            if stack.otherwise and not frames
+            else f"Only the first of its {count} {stack.word}s was taken."
+        )
+    time, plane = (page, 0) if frames else (_chosen(stack, "time", reading.time, stack.times, notes), page)
+    channel = _chosen(stack, "channel", reading.channel, stack.channels, notes)
+    found = _first_plane(stack.take(time, channel, plane, plane + 1))
+    place = stack.places[plane] if stack.places else None
+    if place is None and stack.geometry is not None:
+        place = replace(stack.geometry.moved((plane, 0, 0), stack.spacing), depth=stack.spacing[0])
+    return replace(
+        found,
+        spacing=stack.spacing[1:],
+        unit=stack.unit,
+        geometry=place,
+        notes=(*notes, *found.notes),
+    )
+
+
+def volume_of(stack: Stack, reading: Reading) -> Decoded:
+    """All planes of a stack, at one time and in one channel; frames become planes.
+
+    Raises
+    ------
+    ValueError
+        When they are too few for a volume, or do not fit into memory.
+    """
+    notes = [*stack.notes, *stack.of_volume]
+    first, end = stack.stretch or (0, stack.shape[0])
+    frames = stack.shape[0] == 1 and stack.times > 1
+    count = stack.times if frames else end - first
+    rows, columns = stack.shape[1:]
+    if count == 1:
+        raise UnreadableError(
+            f"{stack.name} has the shape {(rows, columns)}, but a volume has three, (planes, rows, columns): use an "
+            "image with --circle instead, or save one volume of it."
+        )
+    if count < MINIMUM_SIDE and stack.stretch is not None:
+        raise UnreadableError(
+            f"{stack.name}: {' '.join(stack.of_volume)} A volume needs at least {MINIMUM_SIDE} planes: resample them "
+            "evenly with the program that made them, or take one as an image."
+        )
+    if stack.stretch is not None:
+        notes.append(ONLY_THESE)
+    check_memory((count, rows, columns), stack.each + _BYTES_OF_GRAY, stack.name)
+    channel = _chosen(stack, "channel", reading.channel, stack.channels, notes)
+    if frames:
+        notes.append(f"Its {count} {stack.word}s, which are points in time, were taken as planes.")
+        found = joined([_first_plane(stack.take(time, channel, 0, 1)) for time in range(count)])
+    else:
+        found = stack.take(_chosen(stack, "time", reading.time, stack.times, notes), channel, first, end)
+    geometry = stack.geometry
+    if geometry is not None and first:
+        geometry = geometry.moved((first, 0, 0), stack.spacing)
+    if geometry is not None and geometry.slant > _SLANTED:
+        notes.append(
+            f"Its axes are {geometry.slant:.1f}° off right angles; lengths were taken as if they were at right angles."
+        )
+    return replace(
+        found, spacing=stack.spacing, unit=stack.unit, geometry=geometry, notes=(*notes, *dict.fromkeys(found.notes))
+    )
+
+
+def joined(planes: Sequence[Decoded]) -> Decoded:
+    """Images as the planes of one volume; gray ones among colored ones get the colors of gray."""
+    values = np.stack([plane.values for plane in planes])
+    notes = tuple(dict.fromkeys(note for plane in planes for note in plane.notes))
+    white = next((plane.colors.white for plane in planes if plane.colors is not None), None)
+    if white is None:
+        return Decoded(values, notes=notes)
+    colors = [
+        np.repeat(np.clip(np.rint(255.0 / white * plane.values[..., None]), 0, 255).astype(np.uint8), 3, axis=-1)
+        if plane.colors is None
+        else plane.colors.samples
+        for plane in planes
+    ]
+    return Decoded(values, notes=notes, colors=Colors(np.stack(colors), white))
+
+
+def _first_plane(found: Decoded) -> Decoded:
+    """The first plane of a volume."""
+    colors = found.colors and replace(found.colors, samples=found.colors.samples[0])
+    return replace(found, values=found.values[0], colors=colors)
+
+
+def check_memory(shape: tuple[int, ...], each: float, name: str) -> None:
+    """Raise UnreadableError, which names a size that fits, where there is no memory for so many bytes a voxel."""
+    try:
+        check_room(shape, each, name)
+    except ValueError as error:
+        raise UnreadableError(str(error)) from None
+
+
+def check_content(path: Path, needed: float, packed: bool = True) -> None:
+    """Raise EOFError when a file cannot hold so many bytes, before memory for them is taken."""
+    if path.stat().st_size * (_MOST_PACKED if packed else 1.0) < needed:
+        raise EOFError(f"{path.name} names more bytes than it has.")
+
+
+def file_beside(header: Path, named: str) -> Path:
+    """The file beside a header that it names; UnreadableError for files elsewhere, several of them, and for no file."""
+    place = Path(named)
+    data = header.parent / place
+    if "\0" in named or place.is_absolute() or ".." in place.parts or not data.is_file():
+        raise UnreadableError(
+            f"{header.name} keeps its values in {shown(place.name)}, which is not one file beside it: put both in one "
+            "folder, or save it as one file."
+        )
+    return data
+
+
+def _chosen(stack: Stack, what: str, wanted: int | None, count: int, notes: list[str]) -> int:
+    """Index of a channel or a point in time, by default the first, which is noted."""
+    if wanted is None and count > 1:
+        words = "points in time" if what == "time" else "channels"
+        notes.append(f"Only the first of its {count} {words} was taken.")
+    return index_of(what, wanted, count, 0, stack.name)
+
+
+Axis = Literal["z", "t", "c"]
+"""Planes, points in time, channels."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Pages(Sequence[Image]):
+    """The pages of a file; none is kept, so that a long stack takes no more memory than one of its pages.
+
+    Attributes
+    ----------
+    name : str
+        The file.
+    length : int
+        How many pages there are.
+    read : callable
+        Reads the page with a number from 1; ValueError when it cannot be used.
+    word : str
+        What a page is called: page or frame.
+    axis : {"z", "t", "c"}
+        What the pages are: planes, points in time, channels.
+    alone : bool
+        Whether the file has no further axis, of which one part is read.
+    sha256 : str
+        Hash of the file.
+    """
+
+    name: str
+    length: int
+    read: Callable[[int], Image]
+    word: str = "page"
+    axis: Axis = "z"
+    alone: bool = True
+    sha256: str = ""
+
+    def __len__(self) -> int:
+        return self.length
+
+    @overload
+    def __getitem__(self, index: int) -> Image: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> Pages: ...
+
+    def __getitem__(self, index: int | slice) -> Image | Pages:
+        """Read a page, counted from 0 here; of a slice the pages are read when they are asked for."""
+        places = range(self.length)[index]
+        if isinstance(places, range):
+            return replace(self, length=len(places), read=lambda number: self.read(places[number - 1] + 1))
+        return self.read(places + 1)
+
+    def __repr__(self) -> str:
+        return described("Pages", self.name, counted(len(self), self.word))

@@ -1,0 +1,281 @@
+"""Drawing on axes of matplotlib, which is imported only when something is drawn: images, contours, scale bars."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.util import find_spec
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.numerics.types import Array, Index
+from cpm_core.parameters.quotation import shown
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes as Axes  # noqa: PLC0414 - for the annotations of other modules
+    from matplotlib.figure import Figure
+
+# The colors are those of the window, hues of Okabe and Ito that color-blind people can tell apart.
+PARTICLE, CLOSED, OPEN, JUNCTION, FIELD = "#f0e442", "#56b4e9", "#ff9d1e", "#ff7ac6", "#ff9ad5"
+HALO = "#101216"
+"""What surrounds lines and dots, so that they can be seen on any gray."""
+
+DARKEST, BRIGHTEST = 0.1, 0.86
+"""Brightness of the extreme gray levels, on which lines and their halos must be visible."""
+
+EXTREMES = (0.2, 99.8)
+"""Percentiles of the gray levels that count as their extremes."""
+
+_ARROWS = 26
+"""Arrows along the longer side of an image."""
+
+_DOTS = ((700, 5.0), (2500, 2.5), (np.inf, 0.5))
+"""Largest number of particles on a picture, and area of their dots [pt²]; the smallest dots have no halo."""
+
+_LONGEST_BAR = 0.3
+"""Largest length of a scale bar, as a share of the width of the image."""
+
+_BOX: Mapping[str, Any] = MappingProxyType({"facecolor": HALO, "edgecolor": "none", "alpha": 0.6, "pad": 1.5})
+"""What lies behind texts, so that they can be read on any gray; with outlines they would be no texts in SVG."""
+
+_DPI, _NOTEBOOK_DPI = 200, 80
+_LARGEST = 6.0
+"""Longer side of the figure of a file [inches]."""
+
+FIGURES: Mapping[str, str] = {".svg": "svg", ".png": "png", ".pdf": "pdf"}
+"""Suffix of a figure -> what matplotlib calls its format."""
+
+
+class Curve(Protocol):
+    """A line to draw."""
+
+    @property
+    def path(self) -> Array:
+        """Vertices, shape (K, 2), the first repeated at the end where the line is closed [px]."""
+
+    @property
+    def closed(self) -> bool:
+        """Whether it is closed."""
+
+    @property
+    def color(self) -> str:
+        """Its color, ``"#rrggbb"``; empty for the usual one."""
+
+
+def color_of(curve: Curve) -> str:
+    """The color in which a curve is drawn."""
+    return curve.color or (CLOSED if curve.closed else OPEN)
+
+
+def require_matplotlib() -> None:
+    """Raise ValueError, with what to install, unless matplotlib is installed; it is not imported yet."""
+    if not has_matplotlib():
+        raise ValueError("Figures are drawn by matplotlib, which is not installed: get it with pip install matplotlib.")
+
+
+def has_matplotlib() -> bool:
+    """Whether matplotlib is installed."""
+    return find_spec("matplotlib") is not None
+
+
+def axes_for(ax: Axes | None, *, space: bool = False) -> Axes:
+    """The axes that are given, or those of a new figure; with `space` they have three dimensions."""
+    if ax is not None:
+        if not hasattr(ax, "plot_trisurf" if space else "imshow"):
+            wanted = 'axes of matplotlib in space (projection="3d")' if space else "axes of matplotlib"
+            raise ValueError(f"ax is {shown(ax)} but must be {wanted}, or None for a new figure.")
+        return ax
+    require_matplotlib()
+    from matplotlib import pyplot
+
+    made: Axes = pyplot.subplots(subplot_kw={"projection": "3d"} if space else {})[1]
+    return made
+
+
+def show_image(
+    ax: Axes, values: Array, spacing: Sequence[float] = (1.0, 1.0), colors: NDArray[np.uint8] | None = None
+) -> None:
+    """An image, or its colors, in px: row 0 is on top, and pixels that are not square are drawn as wide as they are."""
+    rows, cols = values.shape[:2]
+    if colors is not None:
+        ax.imshow(colors, interpolation="nearest")
+    else:
+        low, high = np.percentile(values, EXTREMES)
+        unit = max(high - low, 1e-300) / (BRIGHTEST - DARKEST)
+        darkest, brightest = low - DARKEST * unit, high + (1.0 - BRIGHTEST) * unit
+        ax.imshow(values, cmap="gray", vmin=darkest, vmax=brightest, interpolation="nearest")
+    frame(ax, (rows, cols), spacing)
+
+
+def frame(ax: Axes, shape: tuple[int, ...], spacing: Sequence[float] = (1.0, 1.0)) -> None:
+    """The limits of an image of this shape, without ticks and a box."""
+    ax.set(xlim=(-0.5, shape[1] - 0.5), ylim=(shape[0] - 0.5, -0.5), xticks=[], yticks=[])
+    ax.set_aspect(float(spacing[0]) / float(spacing[1]))
+    for spine in ax.spines.values():
+        spine.set_visible(False)
+
+
+def show_curves(ax: Axes, curves: Sequence[Curve], width: float = 1.5) -> None:
+    """Lines with a dark halo, closed ones in blue and open ones in orange, but for those with a color of their own."""
+    for halo in (True, False):
+        for curve in curves:
+            row, col = curve.path.T
+            color, thickness = (HALO, width + 1.1) if halo else (color_of(curve), width)
+            ax.plot(col, row, color=color, linewidth=thickness, solid_joinstyle="round")
+
+
+def show_junctions(ax: Axes, places: Array) -> None:
+    """Junctions, shape (N, 2) [px]."""
+    ax.scatter(places[:, 1], places[:, 0], s=26.0, c=JUNCTION, edgecolors=HALO, linewidths=0.7, zorder=4)
+
+
+def show_particles(ax: Axes, places: Array) -> None:
+    """Particles, shape (N, 2) [px]."""
+    row, col = places.T
+    size = next(size for most, size in _DOTS if len(places) <= most)
+    if size > _DOTS[-1][1]:
+        ax.scatter(col, row, s=2.4 * size, c=HALO, linewidths=0.0, zorder=5)
+    ax.scatter(col, row, s=size, c=PARTICLE, linewidths=0.0, zorder=6)
+
+
+def show_field(ax: Axes, field: Array) -> None:
+    """A field, shape (2, H, W), as arrows."""
+    shape = field.shape[1:]
+    step = max(1, round(max(shape) / _ARROWS))
+    row, col = np.mgrid[step // 2 : shape[0] : step, step // 2 : shape[1] : step]
+    down, right = field[:, row, col]
+    ax.quiver(
+        col, row, right, down, angles="xy", scale_units="xy", scale=1.0 / (0.9 * step), units="dots", width=1.6,
+        color=FIELD, headwidth=4.0, headlength=4.5, headaxislength=4.0,
+    )  # fmt: skip
+
+
+def show_names(ax: Axes, names: Sequence[str], places: Sequence[Sequence[float]]) -> None:
+    """Names at places (row, col)."""
+    for name, (row, col) in zip(names, places, strict=True):
+        ax.text(col, row, name, color="#ffffff", ha="center", va="center", fontsize=8, bbox=_BOX, zorder=7)
+
+
+def show_scale_bar(ax: Axes, shape: tuple[int, ...], spacing: Sequence[float], unit: str | None) -> None:
+    """A bar of round length with its length in a readable unit, in px where the size of a pixel is not known."""
+    from matplotlib.patheffects import withStroke
+
+    rows, cols = shape
+    bar = longest_bar(_LONGEST_BAR * cols, float(spacing[1]), unit)
+    left, down = 0.04 * cols, rows - 0.06 * rows
+    halo = [withStroke(linewidth=5.0, foreground=HALO)]
+    ax.plot(
+        [left, left + bar.pixels], [down, down], color="#ffffff", linewidth=3.0, solid_capstyle="butt",
+        path_effects=halo, zorder=8,
+    )  # fmt: skip
+    middle = left + 0.5 * bar.pixels
+    ax.annotate(
+        bar.label, (middle, down), (0.0, 5.0), textcoords="offset points", color="#ffffff", ha="center", va="bottom",
+        fontsize=9, bbox=_BOX, zorder=8,
+    )  # fmt: skip
+
+
+def show_triangles(ax: Any, places: Array, faces: Index, unit: str | None) -> None:
+    """Triangles, shape (F, 3), between places (plane, row, col) in units of length, shape (N, 3)."""
+    plane, row, col = places.T
+    ax.plot_trisurf(col, row, plane, triangles=faces, color="#7fb8dc", linewidth=0.0, antialiased=False, shade=True)
+    ax.set_box_aspect(np.maximum(np.ptp(places[:, ::-1], axis=0), 1e-9))
+    name = unit or "voxels"
+    ax.set(xlabel=f"column [{name}]", ylabel=f"row [{name}]", zlabel=f"plane [{name}]")
+    ax.invert_yaxis()
+
+
+def new_figure(shape: tuple[int, ...] | None, spacing: Sequence[float] = (1.0, 1.0)) -> tuple[Figure, Axes]:
+    """A figure that one image fills, with its axes; for None axes in space."""
+    require_matplotlib()
+    from matplotlib.figure import Figure
+
+    if shape is None:
+        figure = Figure(figsize=(_LARGEST, _LARGEST))
+        return figure, figure.add_subplot(projection="3d")
+    tall, wide = shape[0] * float(spacing[0]), shape[1] * float(spacing[1])
+    longer = max(tall, wide)
+    figure = Figure(figsize=(max(_LARGEST * wide / longer, 0.5), max(_LARGEST * tall / longer, 0.5)))
+    return figure, figure.add_axes((0.0, 0.0, 1.0, 1.0))
+
+
+def encoded_figure(figure: Figure, suffix: str, about: str, dpi: int = _DPI) -> bytes:
+    """A figure as the bytes of a file that tell what it shows and no time, so that equal figures are equal files."""
+    import matplotlib as mpl
+
+    stream = io.BytesIO()
+    told: dict[str, dict[str, Any]] = {
+        ".svg": {"Date": None, "Description": about},
+        ".png": {"Description": about},
+        ".pdf": {"CreationDate": None, "Subject": about},
+    }
+    with mpl.rc_context({"svg.hashsalt": "cpm", "svg.fonttype": "none"}):
+        figure.savefig(stream, format=FIGURES[suffix], dpi=dpi, metadata=told[suffix])
+    return stream.getvalue()
+
+
+METRIC = {"nm": 1e-9, "µm": 1e-6, "mm": 1e-3, "m": 1.0}
+"""Units in which a length is told, and what they are worth [m]."""
+
+KNOWN = {**METRIC, "um": 1e-6, "cm": 1e-2}
+"""Units that images have."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bar:
+    """A scale bar of round length, `pixels` of the image long."""
+
+    pixels: float
+    label: str
+
+
+def longest_bar(most: float, spacing: float, unit: str | None, *, keep_unit: bool = False) -> Bar:
+    """The longest scale bar of round length, 1, 2 or 5 times a power of ten, in a readable unit.
+
+    `most` is its maximum length [px of the image], `spacing` the size of a pixel [unit], px without a unit. With
+    `keep_unit` the length is told in this very unit.
+    """
+    size, name = (most * spacing, unit) if unit else (most, "px")
+    if not keep_unit:
+        size, name = _readable(size, name)
+    length = round_down(size)
+    return Bar(most * (length / size), f"{length:g} {name}" if length < 1e6 else f"{length:,.0f} {name}")
+
+
+def round_down(value: float) -> float:
+    """The largest round number, 1, 2 or 5 times a power of ten, that is not above a positive value."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return next((factor * power for factor in (5.0, 2.0, 1.0) if factor * power <= value), power / 2.0)
+
+
+def _readable(size: float, unit: str) -> tuple[float, str]:
+    """The size in the metric unit in which it has one to three digits; unchanged in any other unit."""
+    if unit not in KNOWN:
+        return size, unit
+    meters = size * KNOWN[unit]
+    fitting = [name for name, worth in METRIC.items() if meters >= 0.999999 * worth]
+    name = fitting[-1] if fitting else "nm"
+    return meters / METRIC[name], name
+
+
+class Pictured:
+    """An object that notebooks show by its plot, with the line that `repr` gives as its title."""
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw it."""
+        raise NotImplementedError
+
+    def _repr_png_(self) -> bytes:
+        from matplotlib import pyplot
+
+        figure = pyplot.figure(dpi=_NOTEBOOK_DPI)
+        in_space = getattr(self, "surface", None) is not None
+        self.plot(figure.add_subplot(projection="3d" if in_space else None)).set_title(repr(self).strip("<>"))
+        png = encoded_figure(figure, ".png", repr(self), _NOTEBOOK_DPI)
+        pyplot.close(figure)
+        return png

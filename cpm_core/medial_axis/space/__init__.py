@@ -1,1 +1,0 @@
-"""Center lines of what is long and thin in a volume."""

@@ -1,0 +1,270 @@
+"""Outline of an object: its closed boundary, to a fraction of a pixel, and the stretches that follow no contour."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.contours.contour import Contour
+from cpm_core.field.interpolation import interpolate
+from cpm_core.field.region_contrast import Sides
+from cpm_core.numerics import polyline
+from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.types import Array, Index, Mask, Single
+from cpm_core.objects.faces.crossings import Crossings
+from cpm_core.objects.faces.faces import Ground
+
+STEPS = _ROW, _COL = np.array([0, 1, 0, -1]), np.array([1, 0, -1, 0])
+"""Rows and columns of the steps to the right, down, left and up."""
+
+FREE, ON_LINE, ON_BORDER = 0, 1, 2
+"""What a vertex lies on: only the edge map tells its place, on a line that crosses the link, on the image border."""
+
+_LEAST, _MOST = 0.02, 0.98
+"""Where on a link a vertex may lie, as fractions of it."""
+
+_SWEEPS = 12
+_HOLD = 4.0
+_REST = 0.3
+"""Weights of the place of a strong edge, and of the middle of the link, against 1 for the smoothness of the line."""
+
+
+class Steps(NamedTuple):
+    """Links between a mask and the outside, in the order of its outlines.
+
+    Attributes
+    ----------
+    row, col : ndarray of int64, shape (N,)
+        The true pixel of each.
+    way : ndarray of int64, shape (N,)
+        Step to the other pixel: 0 right, 1 down, 2 left, 3 up.
+    begin : ndarray of int64, shape (L + 1,)
+        First link of each outline.
+    """
+
+    row: Index
+    col: Index
+    way: Index
+    begin: Index
+
+
+def trace(mask: Mask) -> Steps:
+    """Follow the outlines of a mask, with its pixels on the right hand; pixels that share only a corner are apart."""
+    return Steps(*_traced(mask))
+
+
+@compiled
+def _traced(mask: Mask) -> tuple[Index, Index, Index, Index]:
+    """Fields of the steps around a mask."""
+    rows, cols = mask.shape
+    seen = np.zeros((4, rows, cols), np.bool_)
+    total = 0
+    for r in range(rows):
+        for c in range(cols):
+            if mask[r, c]:
+                for d in range(4):
+                    y, x = r + _ROW[d], c + _COL[d]
+                    total += not (0 <= y < rows and 0 <= x < cols and mask[y, x])
+    row, col, way = np.empty(total, np.int64), np.empty(total, np.int64), np.empty(total, np.int64)
+    begin = np.zeros(total + 1, np.int64)
+    at, lines = 0, 0
+    for r in range(rows):
+        for c in range(cols):
+            if not mask[r, c]:
+                continue
+            for d in range(4):
+                y, x = r + _ROW[d], c + _COL[d]
+                if seen[d, r, c] or (0 <= y < rows and 0 <= x < cols and mask[y, x]):
+                    continue
+                i, j, k = r, c, d
+                while not seen[k, i, j]:
+                    seen[k, i, j] = True
+                    row[at], col[at], way[at] = i, j, k
+                    at += 1
+                    turn = (k + 1) % 4
+                    y, x = i + _ROW[turn], j + _COL[turn]
+                    if not (0 <= y < rows and 0 <= x < cols and mask[y, x]):
+                        k = turn
+                        continue
+                    i, j = y, x
+                    y, x = i + _ROW[k], j + _COL[k]
+                    if 0 <= y < rows and 0 <= x < cols and mask[y, x]:
+                        i, j, k = y, x, (k + 3) % 4
+                lines += 1
+                begin[lines] = at
+    return row, col, way, begin[: lines + 1]
+
+
+def placed(steps: Steps, lines: Crossings, strength: Array, strong: float) -> tuple[Array, NDArray[np.int8]]:
+    """Vertices of outlines, shape (N, 2) [px], and what each lies on, shape (N,).
+
+    Where a line crosses a link the vertex is there; at the border of the image half a pixel beyond the pixel; elsewhere
+    at the largest edge strength on the link, the more exactly the stronger that is, else so that the outline is smooth.
+    """
+    place, target, hold = (np.empty(len(steps.row)) for _ in range(3))
+    kind = np.empty(len(steps.row), np.int8)
+    _aim(steps, lines.right, lines.down, strength, strong, target, hold, kind)
+    place[:] = target
+    _smooth(steps, place, target, hold, kind)
+    out = np.stack([steps.row + place * _ROW[steps.way], steps.col + place * _COL[steps.way]], axis=1)
+    return out, kind
+
+
+@compiled
+def _aim(
+    steps: Steps,
+    right: Single,
+    down: Single,
+    strength: Array,
+    strong: float,
+    target: Array,
+    hold: Array,
+    kind: NDArray[np.int8],
+) -> None:
+    """Where on its link each vertex wants to be, from the true pixel, how much, and what it lies on."""
+    rows, cols = strength.shape
+    for n in range(len(steps.row)):
+        r, c, d = steps.row[n], steps.col[n], steps.way[n]
+        y, x = r + _ROW[d], c + _COL[d]
+        kind[n], hold[n] = ON_BORDER, 0.0
+        if not (0 <= y < rows and 0 <= x < cols):
+            target[n] = 0.5
+            continue
+        links = right if d % 2 == 0 else down
+        crossing = links[min(r, y), min(c, x)]
+        if crossing >= 0.0:
+            kind[n] = ON_LINE
+            target[n] = min(max(crossing if d < 2 else 1.0 - crossing, _LEAST), _MOST)
+            continue
+        kind[n] = FREE
+        target[n], top = _summit(strength, r, c, _ROW[d], _COL[d])
+        edge = _HOLD * min(top / strong, 1.0) ** 2
+        hold[n] = edge + _REST
+        target[n] = (edge * target[n] + _REST * 0.5) / hold[n]
+
+
+@compiled
+def _summit(strength: Array, r: int, c: int, down: int, right: int) -> tuple[float, float]:
+    """Place and size of the largest edge strength between a pixel and its neighbor, by a parabola through logarithms.
+
+    The edge strength across a blurred edge is a Gaussian, whose logarithm is a parabola.
+    """
+    rows, cols = strength.shape
+    y, x = r + down, c + right
+    at = 0.0 if strength[r, c] >= strength[y, x] else 1.0
+    i, j = (r, c) if at == 0.0 else (y, x)
+    before = np.log(strength[min(max(i - down, 0), rows - 1), min(max(j - right, 0), cols - 1)] + 1e-12)
+    middle = np.log(strength[i, j] + 1e-12)
+    after = np.log(strength[min(max(i + down, 0), rows - 1), min(max(j + right, 0), cols - 1)] + 1e-12)
+    bend = before - 2.0 * middle + after
+    shift = 0.5 * (before - after) / bend if bend < 0.0 else 0.0
+    return min(max(at + min(max(shift, -1.0), 1.0), _LEAST), _MOST), strength[i, j]
+
+
+@compiled
+def _smooth(steps: Steps, place: Array, target: Array, hold: Array, kind: NDArray[np.int8]) -> None:
+    """Move free vertices on their links, so that the line bends little and stays near strong edges."""
+    for line in range(len(steps.begin) - 1):
+        first, count = steps.begin[line], steps.begin[line + 1] - steps.begin[line]
+        if count < 8:
+            continue
+        for _ in range(_SWEEPS):
+            for k in range(count):
+                n = first + k
+                if kind[n] != FREE:
+                    continue
+                wanted = 0.0
+                for shift, weight in ((-2, -1.0), (-1, 4.0), (1, 4.0), (2, -1.0)):
+                    m = first + (k + shift) % count
+                    d = steps.way[m]
+                    y = steps.row[m] + place[m] * _ROW[d] - steps.row[n]
+                    x = steps.col[m] + place[m] * _COL[d] - steps.col[n]
+                    wanted += weight / 6.0 * (y * _ROW[steps.way[n]] + x * _COL[steps.way[n]])
+                mixed = (hold[n] * target[n] + wanted) / (hold[n] + 1.0)
+                place[n] = min(max(mixed, _LEAST), _MOST)
+
+
+SMOOTHING = 1.0
+"""Sigma of the edge map of objects [px]."""
+
+_SHORT = 2.0
+"""Length up to which a stretch off the contours is no gap [px]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Outline:
+    """A closed boundary.
+
+    Attributes
+    ----------
+    contour : Contour
+        The boundary.
+    bridged : ndarray of bool, shape (K,)
+        Whether the side from each vertex to the next one follows no contour.
+    bordering : ndarray of bool, shape (K,)
+        Whether it lies on the border of the image or of a region of interest.
+    """
+
+    contour: Contour
+    bridged: Mask
+    bordering: Mask
+
+    @property
+    def lengths(self) -> Array:
+        """Length of each side, shape (K,) [px]."""
+        return np.asarray(np.linalg.norm(np.diff(self.contour.path, axis=0), axis=1))
+
+    @property
+    def gaps(self) -> tuple[Array, ...]:
+        """Stretches that follow no contour, each of shape (K, 2)."""
+        path, bridged = self.contour.path, self.bridged
+        if bridged.all():
+            return (path,)
+        start = int(np.argmin(bridged))
+        path = np.concatenate([path[start:-1], path[: start + 1]])
+        steps = np.flatnonzero(np.diff(np.roll(bridged, -start).astype(int), prepend=0, append=0))
+        stretches = (path[begin : end + 1] for begin, end in steps.reshape(-1, 2).tolist())
+        return tuple(stretch for stretch in stretches if polyline.length(stretch) > _SHORT)
+
+
+def outlines(mask: Mask, ground: Ground) -> tuple[Outline, ...]:
+    """Closed boundaries of the true pixels of a mask, shape (H, W), the longest first."""
+    steps = trace(mask)
+    points, kind = placed(steps, ground.lines, ground.strength, ground.strong)
+    limit = np.array(mask.shape)[:, None] - 1
+    found = []
+    for begin, end in zip(steps.begin[:-1].tolist(), steps.begin[1:].tolist(), strict=True):
+        part = slice(begin, end)
+        row, col, way = steps.row[part], steps.col[part], steps.way[part]
+        beyond = np.clip(np.stack([row + STEPS[0][way], col + STEPS[1][way]]), 0, limit)
+        bordering = (kind[part] == ON_BORDER) | ~ground.interest[beyond[0], beyond[1]]
+        free = (kind[part] == FREE) & ~ground.near[row, col] & ~bordering
+        vertices = points[part]
+        edge = kind[part] == ON_BORDER
+        corner = edge & np.roll(edge, -1) & (way != np.roll(way, -1))
+        if corner.any():  # an object in the corner of the image has a corner
+            pixel = np.stack([row, col], axis=1)
+            places = vertices + np.roll(vertices, -1, axis=0) - pixel
+            after = np.flatnonzero(corner) + 1
+            vertices = np.insert(vertices, after, places[corner], axis=0)
+            free, bordering = np.insert(free, after, False), np.insert(bordering, after, True)
+        found.append(_outline(vertices, free, bordering, ground))
+    return tuple(sorted(found, key=lambda outline: -outline.contour.length))
+
+
+def _outline(points: Array, free: Mask, bordering: Mask, ground: Ground) -> Outline:
+    path = np.concatenate([points, points[:1]])
+    lengths = np.linalg.norm(np.diff(path, axis=0), axis=1)
+    middle = 0.5 * (path[1:] + path[:-1])
+    strength = float(interpolate(ground.strength[None], middle)[:, 0] @ lengths / lengths.sum())
+    along = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
+    sides = Sides(ground.values, points, along[:, ::-1] * (-1.0, 1.0), SMOOTHING)
+    bridged = free & np.roll(free, -1)
+    row, col = points.T
+    hole = float(col @ np.roll(row, -1) - np.roll(col, -1) @ row) < 0.0  # the pixels are on the right hand
+    contour = Contour(points, True, strength, sides=sides, hole=hole)
+    found = Outline(contour, bridged, bordering & np.roll(bordering, -1))
+    return replace(found, contour=replace(contour, bridged=sum(map(polyline.length, found.gaps))))

@@ -1,1 +1,0 @@
-"""Outlines: the closed boundaries of objects, to a fraction of a pixel."""

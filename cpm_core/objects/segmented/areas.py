@@ -1,0 +1,150 @@
+"""Areas of objects in an image as polygons: painted with a round brush, and joined; in a volume surfaces are joined."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import scipy
+
+from cpm_core.contours.packed_surface import PackedSurface
+from cpm_core.contours.surface import Surface
+from cpm_core.contours.surface_agreement import Triangles
+from cpm_core.image.volume_regions import Voxels
+from cpm_core.numerics import polyline
+from cpm_core.numerics.grids import zero_surface
+from cpm_core.numerics.types import Array, Index, Position
+from cpm_core.objects.segmented.segmented_object import Line, SegmentedObject
+
+_MARGIN = 3
+"""Width around the surfaces in which distances are taken [voxels]."""
+
+_EXACT_WITHIN = 2.5
+"""Distance from a surface up to which that of a voxel is exact [voxels]."""
+
+_BLEND = 2.0
+"""Range of distances that are blended [voxels]: a slit between objects up to half as wide is closed."""
+
+
+def surface_of_both(first: PackedSurface, second: PackedSurface) -> PackedSurface:
+    """A surface around all that two surfaces enclose.
+
+    Those of objects that do not come near each other stay as they are. Else it is where the smaller of the signed
+    distances from the two is zero; between surfaces that face each other the distances are blended by the polynomial
+    smooth minimum (I. Quilez, 2013), which closes the slit between objects that touch.
+    """
+    one, other = first.surface, second.surface
+    low = np.minimum(one.vertices.min(axis=0), other.vertices.min(axis=0))
+    high = np.maximum(one.vertices.max(axis=0), other.vertices.max(axis=0))
+    begin = np.floor(low).astype(np.int64) - _MARGIN
+    shape = tuple((np.ceil(high).astype(np.int64) + _MARGIN + 1 - begin).tolist())
+    here, there = (_signed(packed.voxels, packed.surface, begin, shape) for packed in (first, second))
+    if not ((here <= _BLEND) & (there <= _BLEND)).any():
+        faces = np.concatenate([one.faces, other.faces + len(one.vertices)])
+        return PackedSurface.of(Surface(np.concatenate([one.vertices, other.vertices]), faces))
+    blend = np.maximum(_BLEND - np.abs(here - there), 0.0)
+    facing = -sum(a * b for a, b in zip(np.gradient(here), np.gradient(there), strict=True))
+    level = np.minimum(here, there) - np.clip(facing, 0.0, 1.0) * blend**2 / (4.0 * _BLEND)
+    vertices, triangles = zero_surface(-level.astype(np.float32))
+    return PackedSurface.of(Surface(vertices + begin, triangles))
+
+
+def _signed(voxels: Voxels, surface: Surface, begin: Index, shape: tuple[int, ...]) -> Array:
+    """Distance of the voxels of a part of a volume from a surface, negative inside, exact near it [voxels]."""
+    inside = np.zeros(shape, np.bool_)
+    assert voxels.first is not None
+    Voxels(voxels.mask, tuple((np.array(voxels.first) - begin).tolist())).fill(inside)
+    away = np.where(inside, scipy.ndimage.distance_transform_edt(inside), scipy.ndimage.distance_transform_edt(~inside))
+    near = away <= _EXACT_WITHIN
+    triangles = Triangles((surface.vertices - begin)[surface.faces])
+    away = np.maximum(away - 0.5, 0.5)
+    away[near] = triangles.distances(np.argwhere(near).astype(np.float64))
+    return np.asarray(np.where(inside, -away, away))
+
+
+_LEAST_AREA = 0.5
+"""Area below which an island or a hole is a remainder [px²]."""
+
+_ROUND = 32
+"""Sides of a quarter of the outline of the brush."""
+
+_SLIT = 1.5
+"""Width of a slit between objects up to which it is closed when they are joined [px]."""
+
+_NEAR = 1.0
+"""Distance from the boundary up to which a gap still belongs to it [px]."""
+
+_DECIMALS = 3
+
+
+def painted(
+    boundary: Sequence[Line], path: Sequence[Position], radius: float, adds: bool, shape: tuple[int, ...]
+) -> tuple[Line, ...]:
+    """The boundary of an area with, or without, what a disk of a radius goes over along a path [px].
+
+    Away from the brush it has the very vertices that it had before, and what is added ends at the border of the image.
+    """
+    import shapely  # noqa: PLC0415 - needed for few edits
+
+    way = shapely.LineString(path) if len(path) > 1 else shapely.Point(path[0])
+    brush = way.buffer(radius, quad_segs=_ROUND)
+    if not adds:
+        return _boundary_of(_area_of(boundary).difference(brush))
+    within = brush.intersection(shapely.box(-0.5, -0.5, shape[0] - 0.5, shape[1] - 0.5))
+    return _boundary_of(_area_of(boundary).union(within))
+
+
+def union(first: SegmentedObject, second: SegmentedObject) -> SegmentedObject:
+    """One object that covers two; a slit between them where they touch is closed.
+
+    Returns
+    -------
+    SegmentedObject
+        The first one with the boundary of both, the clicks inside of both, the gaps that still belong to the boundary,
+        and the means of confidence and strength weighted by perimeter.
+    """
+    clicks = tuple(said for item in (first, second) for said in item.clicks if said.inside)
+    if first.surface and second.surface:
+        return replace(first, clicks=clicks, surface=(surface_of_both(first.surface[0], second.surface[0]),))
+    one, other = _area_of(first.boundary), _area_of(second.boundary)
+    both = one.union(other)
+    closed = both.buffer(0.5 * _SLIT, join_style="mitre").buffer(-0.5 * _SLIT, join_style="mitre")
+    between = closed.intersection(one.buffer(_SLIT)).intersection(other.buffer(_SLIT))
+    boundary = _boundary_of(both.union(between))
+    lengths = [item.perimeter() for item in (first, second)]
+    return replace(
+        first,
+        clicks=clicks,
+        boundary=boundary,
+        gaps=tuple(gap for item in (first, second) for gap in item.gaps if lies_on(gap, boundary)),
+        confidence=float(np.average((first.confidence, second.confidence), weights=lengths)),
+        strength=float(np.average((first.strength, second.strength), weights=lengths)),
+    )
+
+
+def lies_on(gap: Line, boundary: tuple[Line, ...]) -> bool:
+    """Whether most of a stretch lies on a boundary."""
+    away = polyline.distances_from_closed(boundary, polyline.middles(np.asarray(gap), 8))
+    return bool(np.median(away) <= _NEAR)
+
+
+def _area_of(boundary: Iterable[Line]) -> Any:
+    """What an odd number of closed curves encloses."""
+    import shapely  # noqa: PLC0415 - needed for few edits
+
+    area: Any = shapely.Polygon()
+    for curve in boundary:
+        area = area.symmetric_difference(shapely.make_valid(shapely.Polygon(curve)))
+    return area
+
+
+def _boundary_of(area: Any) -> tuple[Line, ...]:
+    """The closed curves around an area, the longest first, without remainders."""
+    import shapely  # noqa: PLC0415 - needed for few edits
+
+    parts = [part for part in shapely.get_parts(area) if part.geom_type == "Polygon"]
+    rings = [np.round(ring.coords, _DECIMALS)[:-1] for part in parts for ring in (part.exterior, *part.interiors)]
+    rings = [ring for ring in rings if polyline.area(ring) >= _LEAST_AREA]
+    return tuple(tuple(map(tuple, ring.tolist())) for ring in sorted(rings, key=lambda ring: -len(ring)))

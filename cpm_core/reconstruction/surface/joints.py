@@ -1,0 +1,373 @@
+"""Parts of the inside that hang together other than through a wall: by necks thinner than the voxels, and by threads.
+
+Where a vessel is about as thin as a voxel, the smoothed volume may sink below the local threshold although the vessel
+goes on. Between two parts the way along which the volume stays highest passes a saddle; if it lies in a neck, the
+voxels of the way are raised. The ways make no loop, since each joins two parts that were apart.
+
+At a saddle between two parts the gray levels rise toward both. Across that way they fall on all sides along a neck,
+as steeply as they rise along it; in a gap between two objects they hardly change. And where objects are truly apart,
+edges face each other: particles sit on both banks with normals that point across, while along a neck they sit beside
+the way and their normals point away from it.
+
+Threads are vessels so thin and faint that no particle stays on them. The way between two parts along which the volume
+stays brightest runs along such a vessel. It differs from a chance way through noise by its contrast against what is
+around it, all along, in units of the noise, and from the blur between two objects by its length: blur does not reach
+that far.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy
+import skimage
+from numpy.typing import NDArray
+
+from cpm_core.field.interpolation import interpolate
+from cpm_core.numerics.grids import Parts, parts_of
+from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.types import Array, Index, Mask, Single
+from cpm_core.reconstruction.surface.components import FAR
+
+DEEPEST = 1.5
+"""How far a saddle may lie below the threshold at most [steps of the slope of the edges around]."""
+
+_SHALLOW = 0.85
+"""The same where no ridge tells a neck."""
+
+_RIDGE, _STEEP = 0.7, 0.2
+"""Least curvature across a neck: as a share of that along it, and of the slope of the edges around [1 / side]."""
+
+_FACING = 0.55
+"""Cosine of the angle between a way and the normals on both banks above which it crosses a gap."""
+
+_AROUND = 3.0
+"""Distance from a saddle up to which particles tell of it [smallest sides of a voxel]."""
+
+_BANK = 0.3
+"""How far beyond a saddle the particles of a bank may lie, likewise."""
+
+
+@dataclass(frozen=True, eq=False)
+class Surroundings:
+    """What is known around saddles: gray levels that are higher inside than outside, and particles on the edges.
+
+    Attributes
+    ----------
+    volume : ndarray of float32, shape (P, R, C)
+        Smoothed volume.
+    sign : float
+        1, or -1 where the inside is darker.
+    points, normals : ndarray, shape (N, 3)
+        Positions [voxels] of the particles, and unit vectors away from the inside.
+    slopes : ndarray, shape (N,)
+        Steepness of the edges at the particles.
+    size : ndarray, shape (3,)
+        Sides of a voxel; the smallest is 1.
+    """
+
+    volume: Single
+    sign: float
+    points: Array
+    normals: Array
+    slopes: Array
+    size: Array
+
+    @cached_property
+    def _places(self) -> scipy.spatial.KDTree:
+        return scipy.spatial.KDTree(self.points * self.size)
+
+    def on_a_ridge(self, way: Index, saddle: Index) -> bool:
+        """Whether gray levels fall to all sides of a way, shape (K, 3), nearly as much as they rise along it.
+
+        The curvature is the mean over its voxels without both ends, which lie inside. At the saddle alone noise
+        decides, and where a thin vessel ends in a thick one the saddle lies on the flank of the thick one.
+        """
+        near = self._places.query_ball_point(saddle * self.size, _AROUND)
+        if not near:
+            return False
+        curvature = np.mean([self._second_derivatives(voxel) for voxel in way[1:-1]], axis=0)
+        _, middle, most = np.linalg.eigvalsh(self.sign * curvature)
+        return bool(-middle >= max(_RIDGE * most, _STEEP * self.slopes[near].mean()))
+
+    def faces_across(self, way: Index, saddle: Index) -> bool:
+        """Whether edges face each other across a way, shape (K, 3), at its lowest voxel."""
+        at, across = saddle * self.size, (way[-1] - way[0]) * self.size
+        across = across / np.linalg.norm(across)
+        near = self._places.query_ball_point(at, _AROUND)
+        along, toward = (self._places.data[near] - at) @ across, self.normals[near] @ across
+        one_bank, other_bank = toward[along < _BANK], -toward[along > -_BANK]
+        return bool((one_bank > _FACING).any() and (other_bank > _FACING).any())
+
+    def is_neck(self, way: Index, saddle: Index, depth: float) -> bool:
+        """Whether two parts hang together along a way over a saddle so far below the threshold."""
+        return self.on_a_ridge(way, saddle) or (depth < _SHALLOW and not self.faces_across(way, saddle))
+
+    def _second_derivatives(self, at: Index) -> Array:
+        steps = np.eye(3)
+        ways = [s * steps[a] + t * steps[b] for a in range(3) for b in range(a + 1) for s in (1, -1) for t in (1, -1)]
+        values = interpolate(self.volume[None], at + np.array(ways))[:, 0].reshape(-1, 4)
+        found = np.empty((3, 3))
+        pairs = [(a, b) for a in range(3) for b in range(a + 1)]
+        for (a, b), (both, one, other, none) in zip(pairs, values, strict=True):
+            found[a, b] = found[b, a] = (both - one - other + none) / (4.0 * self.size[a] * self.size[b])
+        return found
+
+
+Labels = NDArray[np.int32]
+"""Parts of voxels."""
+
+_APART = 3
+"""Distance between saddles of the same two parts that are looked at [voxels]."""
+
+_WINDOW = 6
+"""Voxels around a saddle in which the way is sought."""
+
+RAISED = 0.25
+"""Height of the voxels on a way: just inside."""
+
+_MOST_MEETINGS = 4
+"""Parts that may meet another one in a voxel."""
+
+
+def join(height: Single, begin: Index, surroundings: Surroundings) -> int:
+    """Raise the voxels of necks in a height just above zero, and return the number of joints.
+
+    `begin` is the first voxel of the height in the volume.
+    """
+    parts = parts_of(height > 0.0, corners=True)
+    if parts.count < 2:
+        return 0
+    meetings = meetings_of(height, (height <= 0.0) & (height > -DEEPEST), parts, np.ones(parts.count, np.bool_))
+    group = np.arange(parts.count)
+    looked_at: dict[tuple[int, int], list[Index]] = {}
+    joined = 0
+    for p, r, c, one, other in meetings:
+        a, b = root(group, one), root(group, other)
+        saddle, pair = np.array([p, r, c]), (min(one, other), max(one, other))
+        tried = looked_at.setdefault(pair, [])
+        if a == b or any((np.abs(saddle - before) < _APART).all() for before in tried):
+            continue
+        tried.append(saddle)
+        depth = -float(height[p, r, c])
+        way = way_between(height, parts, saddle, one, other, _WINDOW)
+        if way is None or not surroundings.is_neck(way + begin, saddle + begin, depth):
+            continue
+        group[max(a, b)] = min(a, b)
+        joined += 1
+        inner = tuple(way.T)
+        height[inner] = np.maximum(height[inner], RAISED)
+    return joined
+
+
+def meetings_of(values: Single, passable: Mask, parts: Parts, wanted: Mask) -> Index:
+    """Voxels, and the two parts, where the slopes of different wanted parts meet, the highest first, shape (M, 5)."""
+    own: Labels = np.where(np.concatenate([[False], wanted]), np.arange(parts.count + 1), 0).astype(np.int32)[
+        parts.labels
+    ]
+    low = np.argwhere(passable & (own == 0))
+    low = low[np.argsort(-values[tuple(low.T)], kind="stable")]
+    basin = np.arange(parts.count + len(low) + 1)
+    found = np.empty((_MOST_MEETINGS * len(low), 5), np.int64)
+    return found[: _descend(values, own, low, parts.count, basin, found)]
+
+
+@compiled
+def root(group: Index, k: int) -> int:
+    """First member of the group that a number belongs to; the way to it is shortened."""
+    while group[k] != k:
+        group[k] = group[group[k]]
+        k = group[k]
+    return k
+
+
+@compiled
+def _descend(height: Single, own: Labels, low: Index, count: int, basin: Index, found: Index) -> int:
+    """Give voxels, from high to low, to the part whose slope they lie on; note where two parts meet.
+
+    A voxel without a higher neighbor begins a basin of its own, which goes to the first part that reaches it.
+    """
+    planes, rows, cols = height.shape
+    seen = np.empty(27, np.int64)
+    met = 0
+    for n in range(len(low)):
+        p, r, c = low[n]
+        many, mine = 0, -1
+        highest = -np.inf
+        for u in range(max(p - 1, 0), min(p + 2, planes)):
+            for v in range(max(r - 1, 0), min(r + 2, rows)):
+                for w in range(max(c - 1, 0), min(c + 2, cols)):
+                    if own[u, v, w] > 0:
+                        lead = root(basin, own[u, v, w])
+                        if lead <= count and height[u, v, w] > highest:
+                            highest, mine = height[u, v, w], lead
+                        new = True
+                        for k in range(many):
+                            new = new and seen[k] != lead
+                        if new:
+                            seen[many] = lead
+                            many += 1
+        if mine < 0:
+            mine = seen[0] if many else count + 1 + n
+        own[p, r, c] = mine
+        noted = 0
+        for k in range(many):
+            if seen[k] > count:
+                basin[seen[k]] = mine
+            elif seen[k] != mine and noted < _MOST_MEETINGS:
+                found[met, 0], found[met, 1], found[met, 2] = p, r, c
+                found[met, 3], found[met, 4] = mine - 1, seen[k] - 1
+                noted += 1
+                met += 1
+    return met
+
+
+def way_between(values: Single, parts: Parts, saddle: Index, one: int, other: int, reach: int) -> Index | None:
+    """Shortest way between two parts over voxels no lower than a saddle, through it, ends included; None without.
+
+    Voxels up to `reach` from the saddle are looked at.
+    """
+    low = np.maximum(saddle - reach, 0)
+    passable = values[tuple(slice(a, b) for a, b in zip(low, saddle + reach + 1, strict=True))] >= values[tuple(saddle)]
+    costs = skimage.graph.MCP_Geometric(np.where(passable, 1.0, -1.0))
+    reached, _ = costs.find_costs([tuple(saddle - low)])
+    voxels = np.argwhere(passable)
+    part = parts.part_at(voxels + low)
+    halves = []
+    for wanted in (one, other):
+        ends = voxels[part == wanted]
+        cost = reached[tuple(ends.T)]
+        if not len(ends) or not np.isfinite(cost).any():
+            return None
+        halves.append(np.array(costs.traceback(tuple(ends[cost.argmin()]))) + low)
+    return np.concatenate([halves[0][::-1], halves[1][1:]])
+
+
+_FEWEST = 12
+"""Least number of particles on a part that a thread begins at."""
+
+_QUARTILE = 0.6744897501960817
+"""Distance from the mean [standard deviations] within which half of normal noise lies."""
+
+_SIGNIFICANT = 3.0
+"""Least contrast of a thread, in standard deviations of the noise, everywhere along it."""
+
+_SHARE = 0.2
+"""The same, as a share of the contrast at which the edges of the two parts lie."""
+
+_SHORTEST, _LONGEST = 3.5, 18.0
+"""Length of a thread [widths of a smoothed step]: the blur of two edges farther apart adds up to less than `_SHARE`."""
+
+_RING, _DIRECTIONS = 2.5, 8
+"""Distance at which one looks around a thread [widths of a smoothed step], and in how many directions."""
+
+_ASKEW = 1e-3
+"""Sine of the angle from which two directions differ."""
+
+_FALLS = 0.5
+"""Least fall of the gray level in each direction, as a share of the mean of all."""
+
+_ALONG = 3
+"""Voxels along a way over which its contrast is averaged."""
+
+_SADDLES_APART = 6
+"""Distance between saddles of the same two parts that are looked at [voxels]."""
+
+_SAMPLE = 200_000
+"""Voxels of the background from which the noise is estimated."""
+
+_FAINT = 0.05
+"""Share of the particles that lie on edges so faint that no thread is sought for them alone."""
+
+_NEAR = 4.0
+"""Distance from the ends of a way within which particles tell the gray level of the edges [smallest sides]."""
+
+
+def spin(height: Single, begin: Index, surroundings: Surroundings, width: float) -> int:
+    """Raise the voxels of threads in a height just above zero, and return the number of threads.
+
+    `begin` is the first voxel of the height in the volume, and `width` that of a smoothed step [smallest sides].
+    """
+    inner, low = height[1:-1, 1:-1, 1:-1], begin + 1
+    parts = parts_of(inner > 0.0, corners=True)
+    wanted = _with_particles(parts, surroundings, low)
+    if wanted.sum() < 2:
+        return 0
+    gray = surroundings.volume[tuple(slice(a, a + n) for a, n in zip(low, inner.shape, strict=True))]
+    gray = gray if surroundings.sign > 0.0 else -gray
+    background, noise = _level_and_noise(gray[inner <= -FAR])
+    edges = surroundings.sign * interpolate(surroundings.volume[None], surroundings.points)[:, 0]
+    floor = background + max(_SIGNIFICANT * noise, _SHARE * (float(np.quantile(edges, _FAINT)) - background))
+    group, count = np.arange(parts.count), 0
+    looked_at: dict[tuple[int, int], list[Index]] = {}
+    reach = int(np.ceil(_LONGEST * width / 2.0 / surroundings.size.min())) + 2
+    for p, r, c, one, other in meetings_of(gray, gray > floor, parts, wanted):
+        a, b = root(group, one), root(group, other)
+        saddle, pair = np.array([p, r, c]), (min(one, other), max(one, other))
+        tried = looked_at.setdefault(pair, [])
+        if a == b or any((np.abs(saddle - before) < _SADDLES_APART).all() for before in tried):
+            continue
+        tried.append(saddle)
+        way = way_between(gray, parts, saddle, one, other, reach)
+        if way is None or not _is_thread(
+            way[parts.part_at(way) < 0] + low.astype(float), surroundings, width, background, noise
+        ):
+            continue
+        group[max(a, b)] = min(a, b)
+        count += 1
+        inner[tuple(way.T)] = np.maximum(inner[tuple(way.T)], RAISED)
+    return count
+
+
+def _with_particles(parts: Parts, surroundings: Surroundings, low: Index) -> Mask:
+    """Which parts have enough particles on their sides to begin a thread."""
+    just_inside = surroundings.points - surroundings.normals / surroundings.size
+    voxels = np.clip(np.rint(just_inside).astype(np.int64) - low, 0, np.array(parts.labels.shape) - 1)
+    part = parts.part_at(voxels)
+    return np.asarray(np.bincount(part[part >= 0], minlength=parts.count) >= _FEWEST)
+
+
+def _level_and_noise(background: Single) -> tuple[float, float]:
+    """Typical gray level of the background, and the standard deviation of its noise; outliers do not count."""
+    some = background[:: max(len(background) // _SAMPLE, 1)]
+    if not len(some):
+        return 0.0, np.inf
+    level = float(np.median(some))
+    return level, float(np.median(np.abs(some - np.median(some))) / _QUARTILE)
+
+
+def _is_thread(outside: Array, surroundings: Surroundings, width: float, background: float, noise: float) -> bool:
+    """Whether gray levels fall to all sides of a way, shape (K, 3), all along, by more than noise would."""
+    size = surroundings.size
+    steps = np.linalg.norm(np.diff(outside * size, axis=0), axis=1)
+    if len(outside) <= _ALONG or not _SHORTEST * width <= steps.sum() <= _LONGEST * width:
+        return False
+    falls = surroundings.sign * falls_around(outside, surroundings, width)
+    near = np.asarray(scipy.spatial.KDTree(outside[[0, -1]] * size).query(surroundings.points * size)[0]) < _NEAR
+    if not near.any():
+        return False
+    at_edges = surroundings.sign * interpolate(surroundings.volume[None], surroundings.points[near])[:, 0].mean()
+    contrast = scipy.ndimage.uniform_filter1d(falls.mean(1), _ALONG)[_ALONG // 2 : -(_ALONG // 2)]
+    least = max(_SIGNIFICANT * noise, _SHARE * (at_edges - background))
+    return bool(contrast.min() >= least and (falls.mean(0) >= _FALLS * falls.mean()).all())
+
+
+def falls_around(way: Array, surroundings: Surroundings, width: float) -> Array:
+    """How much higher the volume is on a way, shape (K, 3), than around it, shape (K, directions)."""
+    size = surroundings.size
+    places = way * size
+    along = scipy.ndimage.uniform_filter1d(np.gradient(places, axis=0), _ALONG, axis=0)
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    helper = np.eye(3)[np.abs(places[-1] - places[0]).argmin()]
+    one = np.cross(along, helper)
+    askew = np.linalg.norm(one, axis=1) < _ASKEW  # a bend of the way runs along the axis that the whole way avoids
+    one[askew] = np.cross(along[askew], np.roll(helper, 1))
+    one /= np.linalg.norm(one, axis=1)[:, None]
+    other = np.cross(along, one)
+    angles = 2.0 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
+    away = np.cos(angles)[:, None] * one[:, None] + np.sin(angles)[:, None] * other[:, None]
+    around = (places[:, None] + _RING * width * away) / size
+    values = interpolate(surroundings.volume[None], np.concatenate([way, around.reshape(-1, 3)]))[:, 0]
+    return np.asarray(values[: len(way), None] - values[len(way) :].reshape(len(way), _DIRECTIONS))

@@ -1,0 +1,147 @@
+"""Compiling the kernels of the model before their first use: small scenes that call each kernel once."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cpm_core.contours.result import Result
+from cpm_core.field.placed_charges import PlacedCharge
+from cpm_core.image.denoising import clean
+from cpm_core.image.image import Image
+from cpm_core.image.regions import Regions
+from cpm_core.model.coverage import cover, no_coverage
+from cpm_core.model.plane import motion
+from cpm_core.model.plane.repulsion import mesh_force
+from cpm_core.model.starts import circle
+from cpm_core.model.volume.starts import sphere
+from cpm_core.objects.methods import CONTOUR_METHODS, Start, run_method
+from cpm_core.objects.partition import partition
+from cpm_core.parameters import PRESETS, Parameters
+from cpm_core.segmentation.engine import Engine
+
+_ROW, _COL = np.indices((32, 32))
+_IMAGE = 255.0 * (np.hypot(_ROW - 15.5, _COL - 15.5) < 9.0)
+_REGIONS = Regions(interest=(((1, 1), (1, 30), (30, 30), (30, 1)),), barriers=(((5.3, 2.2), (6.1, 28.4)),))
+_PARAMETERS = Parameters(scales=2)
+_CHARGES = (PlacedCharge((4.0, 4.0), 1.0),)
+_CHARGES_IN_VOLUME = (PlacedCharge((4.0, 4.0, 4.0), 1.0),)
+_STEPS = 12
+
+_MOST_STEPS = 60
+"""Steps in which a run in the small volume ends, and one in the small image goes on to the finer scale."""
+
+
+def step_once() -> None:
+    """Run the kernels of the steps of a run, and of its energy."""
+    engine = Engine(_IMAGE, _PARAMETERS)
+    state = engine.start(circle((15.5, 15.5), 5.0))
+    for _ in range(_MOST_STEPS):
+        state = engine.step(state, _PARAMETERS)
+    engine.energies(state, _PARAMETERS)
+
+
+def contours_once() -> None:
+    """Run the kernels of the reconstruction, and of the forces and the coverage of many particles."""
+    places = circle((15.5, 15.5), 5.0)
+    mesh_force(places, _IMAGE.shape, 4.0)  # which more particles than these would need
+    cover(no_coverage(_IMAGE.shape), places, np.ones(len(places), bool), 1)
+    _contours()
+
+
+def objects_once() -> None:
+    """Run the kernels of the choice of objects: of clicks, of a face that they cut, of a start."""
+    faces = partition(_contours())
+    mask = faces.select([(15.0, 15.0)]).mask
+    missing, wrong = np.argwhere(~mask)[0], np.argwhere(mask)[-1]
+    faces.select([(15.0, 15.0), missing], [wrong, (15.0, 19.0)])
+    faces.select(circle((15.5, 15.5), 5.0))
+
+
+def extras_once() -> None:
+    """Run the kernels of regions, barriers, placed charges, forces, denoising, and of the level sets beside them."""
+    engine = Engine(_IMAGE, _PARAMETERS, _REGIONS)
+    state = engine.step(engine.start(circle((15.5, 15.5), 5.0)), _PARAMETERS, _CHARGES)
+    engine.forces(state, _PARAMETERS, _CHARGES)
+    engine.energies(state, _PARAMETERS, _CHARGES)
+    clean(_IMAGE)
+    start = Start((circle((15.5, 15.5), 5.0),))
+    run_method(CONTOUR_METHODS["gac"], Image(_IMAGE), start, max_steps=_STEPS)
+
+
+def volume_once() -> None:
+    """Run the kernels of a run in a volume, with and without placed charges, of its forces and of its surface."""
+    image = np.round(200.0 * np.clip(6.5 - np.linalg.norm(np.indices((20, 20, 20)) - 9.5, axis=0), 0.0, 1.0))
+    parameters = PRESETS["volume"]
+    engine = Engine(image, parameters)
+    state = engine.start(sphere((9.5, 9.5, 9.5), 4.0, count=100))
+    for _ in range(_MOST_STEPS):
+        state = engine.step(state, parameters)
+    engine.result(state, parameters)
+    engine.forces(engine.step(state, parameters, _CHARGES_IN_VOLUME), parameters, _CHARGES_IN_VOLUME)
+    engine.energies(state, parameters, _CHARGES_IN_VOLUME)
+
+
+def _contours() -> Result:
+    """Contours of particles that lie on the edge of the disk."""
+    engine = Engine(_IMAGE, _PARAMETERS)
+    return engine.result(engine.start(circle((15.5, 15.5), 9.0)), _PARAMETERS)
+
+
+Part = Callable[[], object]
+
+FIRST: tuple[Part, ...] = (step_once, contours_once)
+"""What a first run on an image needs."""
+
+LATER: tuple[Part, ...] = (objects_once, extras_once)
+"""All else that is done with images."""
+
+VOLUMES: tuple[Part, ...] = (volume_once,)
+"""What a run in a volume needs."""
+
+
+def _never() -> bool:
+    return False
+
+
+def warm_up(
+    canceled: Callable[[], bool] = _never,
+    on_progress: Callable[[float], object] | None = None,
+    parts: Sequence[Part] = (*FIRST, *LATER),
+) -> None:
+    """Call every kernel of some parts once on small images; this may happen in a background thread.
+
+    The first time this compiles the kernels and stores them in Numba's cache; later it loads them. While it compiles,
+    `on_progress` is called with the fraction that is done. No part begins once `canceled()` is true.
+    """
+    compiling = not is_compiled()
+    for done, part in enumerate(parts):
+        if canceled():
+            return
+        if compiling and on_progress is not None:
+            on_progress(done / len(parts))
+        part()
+
+
+def warm_up_runs(canceled: Callable[[], bool], on_progress: Callable[[float], object]) -> None:
+    """Prepare what a run on an image needs; a thread prepares the rest while the program is used."""
+    warm_up(canceled, on_progress, FIRST)
+    threading.Thread(target=warm_up, args=(canceled,), kwargs={"parts": LATER}, name="cpm-compile").start()
+
+
+def warm_up_volumes(
+    canceled: Callable[[], bool] = _never, on_progress: Callable[[float], object] | None = None
+) -> None:
+    """Prepare what a run in a volume needs."""
+    warm_up(canceled, on_progress, VOLUMES)
+
+
+def is_compiled() -> bool:
+    """Whether the kernels of a run are in Numba's cache, so that nothing has to be compiled."""
+    kernel: Any = motion._move
+    folder = kernel.stats.cache_path
+    return folder is not None and any(Path(folder).glob(f"*.{kernel.__name__}-*.nbi"))

@@ -1,0 +1,113 @@
+"""Bad input of every command is one line on standard error with exit status 2, and nothing is written."""
+
+import numpy as np
+import PIL.Image
+import pytest
+import tifffile
+
+from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_session
+from cpm_core.shapes import Circle, Sphere
+
+CIRCLE, SPHERE = "--circle 40,50,12", "--sphere 9.5,9.5,9.5,3"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("bad")
+    row, col = np.mgrid[:80, :100]
+    disk = (220 * np.clip(18.5 - np.hypot(row - 40, col - 50), 0, 1)).astype(np.uint8)
+    ball = 200.0 * (np.linalg.norm(np.indices((20, 20, 20)) - 9.5, axis=0) < 6)
+    PIL.Image.fromarray(disk).save(folder / "disk.png")
+    PIL.Image.new("L", (40, 40), 9).save(folder / "flat.png")
+    (folder / "text.png").write_text("no picture", encoding="utf-8")
+    (folder / "link.png").symlink_to(folder / "disk.png")
+    np.save(folder / "ball.npy", ball)
+    tifffile.imwrite(
+        folder / "stack.tif", np.stack([disk, np.full_like(disk, 7)]), imagej=True, metadata={"axes": "TYX"}
+    )
+    save_session(SessionFile(ImageFile("disk.png"), (Circle((40.0, 50.0), 12.0),)), folder / "own.cpm")
+    save_session(SessionFile(ImageFile("gone.png"), (Circle((1.0, 1.0), 2.0),)), folder / "lost.cpm")
+    save_session(SessionFile(shapes=(Sphere((8.0, 9.0, 9.0), 4.0),)), folder / "space.cpm")
+    save_session(SessionFile(ImageFile("disk.png"), mode="skeleton"), folder / "bones.cpm")
+    (folder / "line.svg").write_text('<svg viewBox="0 0 60 56"><polyline points="1,1 9,5 3,9"/></svg>')
+    return folder
+
+
+BAD = [
+    ("fly disk.png", "fly"),
+    ("run", "IMAGE"),
+    ("run disk.png", "No start"),
+    ("run none.png --circle 40,50,12", "does not exist"),
+    ("run text.png --circle 40,50,12", "of an unknown kind"),
+    ("run flat.png --circle 20,20,9", "constant"),
+    (f"run disk.png {CIRCLE} --cicle 1,2,3", "--cicle"),
+    (f"run disk.png {CIRCLE} --beta much", 'beta is "much"'),
+    (f"run disk.png {CIRCLE} --beta 9", "from 0 to 4"),
+    (f"run disk.png {CIRCLE} --edges veins", 'edges is "veins" but must be "gradient" or "vessels"'),
+    (f"run disk.png {CIRCLE} --max-steps 0", '"0" must be a whole number of at least 1'),
+    ("run disk.png --circle 1,2", '--circle is "1,2" but must be numbers between commas, ROW,COL,RADIUS'),
+    ("run disk.png --stroke 40,nan", "--stroke"),
+    ("run disk.png --circle 900,900,10", "inside"),
+    (f"run disk.png {CIRCLE} --region 1,1,9,9", "points"),
+    (f"run disk.png {CIRCLE} --region 900,900,990,990,900,990", "region of interest 1"),
+    (f"run disk.png {CIRCLE} --export out.xyz", "out.xyz"),
+    (f"run disk.png {CIRCLE} --export none/out.svg", "no folder"),
+    (f"run disk.png {CIRCLE} --save-session a.json", "must end in .cpm"),
+    (f"run disk.png {CIRCLE} --truth none.roi", "cannot be read"),
+    ("run disk.png --object 30,170", "lies outside the image, which has 80 x 100 px"),
+    ("run disk.png --not 1,2 --auto grid", "--not is given without --object"),
+    (f"run disk.png {CIRCLE} --space RAS", "--space is for volumes"),
+    ("run --session lost.cpm", "gone.png"),
+    ("run --session bones.cpm", "cpm skeleton"),
+    ("run disk.png --session space.cpm", "shape 1 (sphere) is for volumes"),
+    (f"run stack.tif {CIRCLE} --pages 0", "--pages names page 0, but stack.tif has 2 pages"),
+    (f"run stack.tif {CIRCLE} --pages 1,2,1", "names a page twice"),
+    (f"run stack.tif {CIRCLE} --pages all --close", "--close is for one image"),
+    (f"run stack.tif {CIRCLE} --pages all --export a.svg", "a.svg names no format for all pages of a stack"),
+    (f"run ball.npy {SPHERE} {CIRCLE}", "--circle is for images"),
+    (f"run ball.npy {SPHERE} --export a.svg", "a.svg is for contours"),
+    (f"run ball.npy {SPHERE} --faces 3", "at least 4"),
+    (f"run ball.npy {SPHERE} --page 3", "a volume takes all pages"),
+    (f"run ball.npy {SPHERE} --object 1,1,1", "no object"),
+    (f"run ball.npy {SPHERE} --barrier 1,2,3,0,0,0", "the direction across barrier 1 is"),
+    (f"run disk.png {SPHERE}", "has the shape (80, 100)"),
+    ("info none.png --json", "does not exist"),
+    ("info ball.npy --pixel-size 1..2mm", "must be one to three sizes"),
+    ("info *.none", "No file is named like"),
+    ("batch disk.png --session own.cpm --output out --export doc", '".doc"'),
+    ("batch disk.png --session own.cpm --output disk.png", "--output"),
+    ("batch disk.png --session bones.cpm --output out", "has no start"),
+    ("skeleton flat.png", "constant"),
+    ("skeleton ball.npy --volume --export a.svg", "end its name in .swc"),
+    ("compare disk.png", "No start is given"),
+    (f"compare disk.png {CIRCLE} --methods gfv", '"gfv" is no method: choose among cpm, object, snake'),
+    (f"compare disk.png {CIRCLE} --set gac.baloon=1", '"baloon" is no setting of gac: choose among balloon'),
+    ("compare disk.png --start line.svg", "has no closed contour"),
+    (f"compare ball.npy {SPHERE} --methods gvf", "GVF snake is for images"),
+    ("export none.cpm --to a.svg", "does not exist"),
+    ("export own.cpm --to a.json --page 1", "--page is for contours in a stack"),
+    *(
+        (line, "would overwrite a file that is read")
+        for line in (
+            f"run disk.png {CIRCLE} --export ../{{folder}}/disk.png",
+            f"run link.png {CIRCLE} --export disk.png",
+            "run --session own.cpm --export disk.png",
+            f"run stack.tif {CIRCLE} --pages all --export stack.tif",
+            f"compare disk.png {CIRCLE} --methods gvf --export disk.png",
+            "skeleton disk.png --within flat.png --export flat.png",
+            "export own.cpm --to disk.png",
+        )
+    ),
+]
+
+
+@pytest.mark.parametrize(("line", "words"), BAD)
+def test_bad_input_is_one_line_on_standard_error_and_nothing_is_written(folder, command, monkeypatch, line, words):
+    monkeypatch.chdir(folder)
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    status, out, err = command(*line.format(folder=folder.name).split())
+    assert (status, out) == (2, "")
+    assert err.startswith("cpm: ")
+    assert err.count("\n") == 1
+    assert words in err
+    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before

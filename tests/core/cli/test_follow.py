@@ -1,0 +1,122 @@
+"""Following of objects from page to page: the laws of tracks, by disks whose places are known."""
+
+import numpy as np
+import pytest
+
+import cpm_core as cpm
+from cpm_core.contours.contour import Contour
+from cpm_core.pages.page import StackResult, seeds_along, starts_after
+from cpm_core.pages.tracks import Tracker
+from cpm_core.shapes import Polygon, Stroke
+
+from .drawn import LEAVING, MOVING, SHAPE, SPLITTING
+
+
+def tracks_of(pages):
+    return [sorted(contour.number for contour in page.contours) for page in pages]
+
+
+def events_of(pages):
+    return [(event.kind, event.page, event.track, event.others) for page in pages for event in page.events]
+
+
+def test_a_disk_that_moves_and_grows_is_one_track_with_its_area_on_every_page():
+    pages = list(cpm.follow(MOVING, cpm.circle((32, 22), 5.0)))
+    assert tracks_of(pages) == [[1]] * 5
+    assert events_of(pages) == []
+    for step, found in enumerate(pages):
+        (contour,) = found.contours
+        assert contour.closed
+        assert contour.area == pytest.approx(np.pi * (9 + step) ** 2, rel=0.02)
+        assert cpm.measure(found.contours)[0].contrast > 0.8
+
+
+def test_without_following_each_page_is_the_run_that_it_would_be_alone():
+    seeds = cpm.circle((32, 30), 12.0)
+    for found, values in zip(cpm.follow(MOVING[:2], seeds, fresh=True), MOVING[:2], strict=True):
+        (alone,) = cpm.segment(values, seeds).contours
+        (contour,) = found.contours
+        np.testing.assert_array_equal(contour.points, np.round(alone.points, 4))
+
+
+def test_a_disk_that_splits_gives_its_track_to_one_part_and_the_other_tells_where_it_comes_from():
+    pages = list(cpm.follow(SPLITTING, cpm.circle((32, 44), 5.0)))
+    assert tracks_of(pages) == [[1], [1], [1], [1, 2], [1, 2]]
+    assert events_of(pages) == [("splits", 4, 1, (2,))]
+    assert pages[3].events[0].sentence == "Page 4: track 2 splits off track 1."
+    assert [track.origin for track in StackResult("", 5, tuple(pages)).tracks] == [0, 1]
+
+
+def test_disks_that_merge_go_on_as_one_track():
+    seeds = np.concatenate([cpm.circle((32, 22), 5.0), cpm.circle((32, 66), 5.0)])
+    pages = list(cpm.follow(SPLITTING[::-1], seeds))
+    assert tracks_of(pages) == [[1, 2], [1, 2], [1], [1], [1]]
+    ((kind, number, gone, into),) = events_of(pages)
+    assert (kind, number, {gone, *into}) == ("merges", 3, {1, 2})
+    first, second = sorted(StackResult("", 5, tuple(pages)).tracks, key=lambda track: track.number != gone)
+    assert first.pages == (1, 2)
+    assert first.end.kind == "merges"
+    assert (second.pages, second.end) == ((1, 2, 3, 4, 5), None)
+
+
+def test_a_disk_that_leaves_the_image_is_told_and_the_other_goes_on():
+    seeds = np.concatenate([cpm.circle((18, 66), 5.0), cpm.circle((44, 24), 5.0)])
+    pages = list(cpm.follow(LEAVING, seeds))
+    gone = next(c.number for c in pages[0].contours if c.points[:, 1].mean() > 40)
+    assert {event[0] for event in events_of(pages)} == {"leaves"}
+    assert {event[2] for event in events_of(pages)} == {gone}
+    assert tracks_of(pages)[-1] == [3 - gone]
+
+
+def test_a_page_that_cannot_be_used_is_a_sentence_and_the_tracks_go_on_after_it():
+    bad = np.where(np.arange(SHAPE[1]) == 3, np.nan, MOVING[2])
+    pages = list(cpm.follow([MOVING[0], np.full(SHAPE, 7.0), bad, MOVING[1]], cpm.circle((32, 22), 5.0)))
+    assert [page.result is None for page in pages] == [False, True, True, False]
+    assert "constant" in pages[1].trouble
+    assert "NaN" in pages[2].trouble
+    assert tracks_of(pages) == [[1], [], [], [1]]
+
+
+def test_pages_are_followed_in_the_order_that_is_asked_for_and_go_on_from_known_ones():
+    backwards = list(cpm.follow(MOVING, cpm.circle((32, 50), 5.0), numbers=[5, 4, 3]))
+    assert [page.number for page in backwards] == [5, 4, 3]
+    assert tracks_of(backwards) == [[1], [1], [1]]
+    (again,) = cpm.follow(MOVING, cpm.circle((1, 1), 5.0), numbers=[3], known=backwards[:2])
+    np.testing.assert_array_equal(again.contours[0].points, backwards[2].contours[0].points)
+
+
+def test_the_next_page_starts_as_from_shapes_along_the_contours():
+    """What the window draws on the next page gives the very particles of a run from the command line."""
+    angle = np.linspace(0.0, 6.0, 80)
+    line = np.stack([30.0 + 9.1 * np.sin(angle), 40.0 + 13.3 * np.cos(angle)], axis=1)
+    starts = starts_after([Contour(line, True), Contour(line[:30], False), Contour(line[:1], True)])
+    shapes = [(Polygon if start.closed else Stroke)(start.corners) for start in starts]
+    np.testing.assert_array_equal(seeds_along(starts), np.concatenate([shape.seeds() for shape in shapes]))
+    assert [start.closed for start in starts] == [True, False, False]
+
+
+def box(top, left, height, width, closed=True):
+    corners = np.array([[top, left], [top, left + width], [top + height, left + width], [top + height, left]], float)
+    return Contour(corners, closed)
+
+
+@pytest.mark.parametrize(
+    ("before", "now", "numbers", "kinds"),
+    [
+        ([box(10, 10, 20, 20)], [box(14, 14, 20, 20), box(40, 40, 9, 9)], [1, 2], ["begins"]),
+        ([box(10, 10, 40, 40), box(20, 20, 20, 20)], [box(11, 11, 40, 40)], [1], ["ends"]),
+        ([box(11, 11, 40, 40)], [box(10, 10, 40, 40), box(20, 20, 20, 20)], [1, 2], ["begins"]),
+        ([box(20, 20, 20, 20), box(10, 10, 40, 40)], [box(10, 10, 40, 40), box(20, 20, 20, 20)], [2, 1], []),
+        ([box(10, 10, 20, 20)], [box(12, 10, 20, 20, closed=False)], [1], []),
+        ([box(10, 10, 20, 20)], [box(40, 50, 20, 20)], [2], ["ends", "begins"]),
+        ([box(40, 66, 20, 20)], [box(10, 10, 20, 20)], [2], ["leaves", "begins"]),
+        ([box(10, 10, 30, 50)], [box(10, 10, 30, 14), box(10, 28, 30, 14), box(10, 46, 30, 14)], [1, 2, 3], ["splits"]),
+    ],
+    ids=["begins", "a hole ends", "a hole begins", "nested", "opens", "jumps", "leaves", "three parts"],
+)
+def test_tracks_follow_by_overlap(before, now, numbers, kinds):
+    tracker = Tracker()
+    tracker.follow(1, before, SHAPE)
+    contours, events = tracker.follow(2, now, SHAPE)
+    assert [contour.number for contour in contours] == numbers
+    assert [event.kind for event in events] == kinds

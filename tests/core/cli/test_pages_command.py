@@ -1,0 +1,89 @@
+"""``cpm run STACK --pages``: all pages from the command line."""
+
+import json
+
+import numpy as np
+import pytest
+import tifffile
+
+import cpm_core as cpm
+from cpm_core.formats.sessions.session_file import SessionFile, save_session
+from cpm_core.pages import follow as following
+from cpm_core.shapes import Circle
+
+from .drawn import MOVING, SHAPE
+
+
+@pytest.fixture(scope="module")
+def stack(tmp_path_factory):
+    """Five pages, the third of which is constant."""
+    path = tmp_path_factory.mktemp("stack") / "cells.tif"
+    pages = np.array([*MOVING[:2], np.full(SHAPE, 7.0), *MOVING[2:4]]).astype(np.uint8)
+    tifffile.imwrite(path, pages, imagej=True, metadata={"axes": "TYX", "unit": "um"}, resolution=(2.0, 2.0))
+    return path
+
+
+FOLLOWED = ("--pages", "all", "--follow", "--circle", "32,22,5")
+
+
+def test_all_pages_are_followed_and_a_bad_one_is_told(stack, command, tmp_path):
+    status, out, err = command("run", stack, *FOLLOWED, "--export", tmp_path / "a.tif", tmp_path / "a.json")
+    assert status == 1
+    assert err.splitlines() == ["cpm: page 3: cells.tif is constant (7 everywhere) and has no edges: "
+                                "open an image with objects."]  # fmt: skip
+    assert "cells.tif: 5 pages, 1 track" in out
+    assert "1 failed" in out
+    labels = tifffile.imread(tmp_path / "a.tif")
+    assert [page.max() for page in labels] == [1, 1, 0, 1, 1]
+
+
+def test_the_command_finds_what_the_library_finds_to_the_bit(stack, command, tmp_path):
+    command("run", stack, *FOLLOWED, "--export", tmp_path / "a.json")
+    pages = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))["pages"]
+    found = list(cpm.follow(cpm.load_pages(stack), cpm.circle((32, 22), 5.0)))
+    told = [[one["points"] for one in page.get("contours", [])] for page in pages]
+    assert told == [[one.points.tolist() for one in page.contours] for page in found]
+    assert found[0].result.unit == "µm"
+
+
+def test_an_interrupt_keeps_what_is_done_and_resume_does_the_others_to_the_bit(stack, command, tmp_path, monkeypatch):
+    files = [tmp_path / "a.json", tmp_path / "a.measures.csv"]
+    command("run", stack, *FOLLOWED, "--export", *files)
+    whole = [file.read_bytes() for file in files]
+    runs, real = [], following.segment
+
+    def interrupted(*arguments, **named):
+        runs.append(arguments)
+        if len(runs) == 4:
+            raise KeyboardInterrupt
+        return real(*arguments, **named)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(following, "segment", interrupted)
+        status, _, err = command("run", stack, *FOLLOWED, "--export", *files)
+    assert status == 130
+    assert "interrupted; 3 of 5 pages were done, and the files hold them; the same command with --resume" in err
+    assert len(json.loads(files[0].read_text(encoding="utf-8"))["pages"]) == 3
+    with monkeypatch.context() as patch:
+        patch.setattr(following, "segment", lambda *args, **named: runs.append(args) or real(*args, **named))
+        status, _, err = command("run", stack, *FOLLOWED, "--resume", "--export", *files)
+    assert "3 pages done before" in err
+    assert len(runs) == 4 + 2
+    assert [file.read_bytes() for file in files] == whole
+
+
+def test_resume_refuses_what_was_made_otherwise(stack, command, tmp_path):
+    command("run", stack, "--pages", "1", "--circle", "32,22,5", "--export", tmp_path / "a.json")
+    before = (tmp_path / "a.json").read_bytes()
+    status, _, err = command("run", stack, *FOLLOWED, "--beta", "0.7", "--resume", "--export", tmp_path / "a.json")
+    assert status == 2
+    assert "was made of another stack, or with other parameters: leave --resume out" in err
+    assert (tmp_path / "a.json").read_bytes() == before
+
+
+def test_a_session_gives_start_and_parameters(stack, command, tmp_path):
+    save_session(SessionFile(shapes=(Circle((32.0, 22.0), 5.0),)), tmp_path / "a.cpm")
+    given = ("run", stack, "--pages", "all", "--follow", "--session", tmp_path / "a.cpm")
+    command(*given, "--export", tmp_path / "a.csv")
+    command("run", stack, *FOLLOWED, "--export", tmp_path / "b.csv")
+    assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()

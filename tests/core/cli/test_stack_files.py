@@ -1,0 +1,96 @@
+"""Files of all pages of a stack, read by the programs that they are for."""
+
+import csv
+import io
+import json
+
+import numpy as np
+import pytest
+import roifile
+import tifffile
+
+import cpm_core as cpm
+from cpm_core.formats.contours.contour_json import load_stack_result
+from cpm_core.formats.contours.stack import FOR_STACKS, export_stack
+from cpm_core.pages.page import Page, StackResult
+
+from .drawn import MOVING, SHAPE, SPLITTING
+
+
+@pytest.fixture(scope="module")
+def found():
+    """A disk that splits, on the last three of seven pages, with a page in between that could not be used."""
+    pages = list(cpm.follow(SPLITTING[1:], cpm.circle((32, 44), 5.0), numbers=[2, 3, 4]))
+    pages = [Page(number, page.result, page.events) for number, page in zip((4, 5, 7), pages, strict=True)]
+    return StackResult("cells.tif", 7, (*pages, Page(6, None, trouble="It is constant.")), "t", drawn=({"shape": "x"},))
+
+
+def test_a_label_stack_has_a_page_for_each_page_and_tracks_as_labels(found, tmp_path):
+    export_stack(found, tmp_path / "a.tif")
+    with tifffile.TiffFile(tmp_path / "a.tif") as file:
+        assert file.imagej_metadata["frames"] == 7
+        labels = file.asarray()
+    assert labels.shape == (7, *SHAPE)
+    assert labels.dtype == np.uint16
+    assert [np.unique(page).tolist() for page in labels] == [[0], [0], [0], [0, 1], [0, 1, 2], [0], [0, 1, 2]]
+    for page, result in found.results:
+        for contour in result.contours:
+            assert (labels[page - 1] == contour.number).sum() == pytest.approx(contour.area, abs=25)
+
+
+def test_the_measures_of_all_pages_are_one_table(found, tmp_path):
+    export_stack(found, tmp_path / "a.measures.csv")
+    rows = list(csv.DictReader(io.StringIO((tmp_path / "a.measures.csv").read_text(encoding="utf-8"))))
+    assert [(row["page"], row["track"], row["label"]) for row in rows] == [
+        (str(page), str(one.number), str(one.number)) for page, result in found.results for one in result.contours
+    ]
+    for row, contour in zip(rows, [one for _, result in found.results for one in result.contours], strict=True):
+        center = contour.points.mean(axis=0)
+        assert (float(row["centroid_row"]), float(row["centroid_col"])) == pytest.approx(tuple(center), abs=0.5)
+        assert float(row["gross_area_px2"]) == pytest.approx(contour.area, abs=1e-4)
+        assert float(row["contrast"]) > 0.5
+
+
+def test_geojson_tells_page_track_and_the_plane_of_qupath(found, tmp_path):
+    export_stack(found, tmp_path / "a.geojson")
+    features = json.loads((tmp_path / "a.geojson").read_text(encoding="utf-8"))["features"]
+    told = [(one["properties"]["page"], one["properties"]["track"], one["geometry"]["plane"]["t"]) for one in features]
+    assert told == [(page, one.number, page - 1) for page, result in found.results for one in result.contours]
+    assert features[-1]["properties"]["name"] == f"track {told[-1][1]}"
+
+
+def test_a_set_of_selections_tells_the_page_of_each(found, tmp_path):
+    export_stack(found, tmp_path / "a.zip")
+    selections = roifile.roiread(tmp_path / "a.zip")
+    assert [(one.position, one.name) for one in selections] == [
+        (page, f"track {one.number}") for page, result in found.results for one in result.contours
+    ]
+    whole = StackResult("cells.tif", 7, found.pages, "z", alone=False)
+    export_stack(whole, tmp_path / "b.zip")
+    assert next((one.position, one.z_position) for one in roifile.roiread(tmp_path / "b.zip")) == (0, 4)
+
+
+def test_what_was_written_as_json_gives_the_same_files_when_it_is_read_again(found, tmp_path):
+    names = [f"a{suffix}" for suffix in FOR_STACKS]
+    export_stack(found, *(tmp_path / name for name in names))
+    before = {name: (tmp_path / name).read_bytes() for name in names}
+    export_stack(load_stack_result(tmp_path / "a.json"), *(tmp_path / name for name in names))
+    assert {name: (tmp_path / name).read_bytes() for name in names} == before
+
+
+def test_a_stack_without_contours_refuses_what_would_be_empty_and_writes_the_rest(tmp_path):
+    (bare,) = cpm.follow(MOVING[:1], cpm.circle((32, 22), 5.0), cpm.Parameters(min_length=1e4))
+    nothing, refused = StackResult("cells.tif", 1, (bare,)), {}
+    files = [tmp_path / f"a{suffix}" for suffix in (".zip", ".tif", ".json", ".measures.csv")]
+    export_stack(nothing, *files, refused=refused.__setitem__)
+    assert sorted(path.suffix for path in refused) == [".tif", ".zip"]
+    assert [path.exists() for path in files] == [False, False, True, True]
+    with pytest.raises(ValueError, match=r"No contour of cells\.tif is closed"):
+        export_stack(nothing, tmp_path / "b.tif")
+
+
+@pytest.mark.parametrize("content", ["", "[]", '{"format": "cpm-pages"}', '{"format": "cpm-contours"}', "\x00"])
+def test_a_file_that_holds_no_pages_is_a_sentence(content, tmp_path):
+    (tmp_path / "a.json").write_text(content, encoding="utf-8")
+    with pytest.raises(ValueError, match=r"a\.json holds no pages of a stack"):
+        load_stack_result(tmp_path / "a.json")

@@ -1,0 +1,338 @@
+"""DICOM: single files, films, series in folders, and what is wrong with some of them."""
+
+import numpy as np
+import pydicom
+import pytest
+from pydicom.uid import JPEG2000Lossless, RLELossless
+
+from cpm_core import load_image, load_volume
+from cpm_core.formats import open_stack
+from cpm_core.formats.images.dicom import reads
+
+from .made import ACROSS, OBLIQUE, SHAPE, VALUES, dataset, write_series, write_slice
+
+EVEN = [2.5 * k for k in range(10)]
+
+
+@pytest.mark.parametrize("along", [ACROSS, OBLIQUE], ids=["across", "oblique"])
+def test_a_series_lies_where_its_slices_say_and_not_where_their_thickness_would_put_them(tmp_path, along):
+    write_series(tmp_path / "s", EVEN, along)
+    volume = load_volume(tmp_path / "s")
+    assert np.array_equal(volume.values, VALUES)
+    assert volume.spacing == pytest.approx((2.5, 0.75, 0.5), abs=1e-5)
+    assert (volume.unit, volume.notes) == ("mm", ())
+    at = volume.geometry.affine(volume.spacing) @ (3, 4, 5, 1)
+    column, row = np.array(along)
+    wanted = (-20, 10, 5) + 7.5 * np.cross(column, row) + 4 * 0.75 * row + 5 * 0.5 * column
+    np.testing.assert_allclose(at[:3], wanted, atol=1e-5)
+    assert volume.geometry.convention == "LPS"
+    assert (volume.geometry.oblique > 1.0) == (along is OBLIQUE)
+
+
+def test_slices_may_be_numbered_against_their_positions(tmp_path):
+    write_series(tmp_path / "s", EVEN[::-1])
+    assert np.array_equal(load_volume(tmp_path / "s").values, VALUES[::-1])
+
+
+def test_of_a_series_with_a_gap_the_longest_even_part_is_taken_and_it_is_said(tmp_path):
+    heights = [*range(9), *range(11, 22)]
+    write_series(tmp_path / "s", heights, values=np.concatenate([VALUES, VALUES + 1]))
+    volume = load_volume(tmp_path / "s")
+    assert volume.shape == (11, *SHAPE[1:])
+    assert volume.notes == (
+        "Between slices 9 and 10 lie 3 mm, elsewhere 1 mm: 2 slices are missing.",
+        "The longest even part has 11 slices, 10 to 20, 1 mm apart.",
+        "Only these were taken.",
+    )
+    assert np.array_equal(volume.values[0], VALUES[9])
+    assert volume.geometry.origin == pytest.approx((-20.0, 10.0, 16.0))
+    whole = load_image(tmp_path / "s", page=3)
+    assert np.array_equal(whole.values, VALUES[2])
+    assert whole.geometry.origin == pytest.approx((-20.0, 10.0, 7.0))
+
+
+def test_the_other_even_parts_of_a_series_are_volumes_by_choice(tmp_path):
+    heights = [*range(9), *range(11, 22)]
+    write_series(tmp_path / "s", heights, values=np.concatenate([VALUES, VALUES + 1]))
+    assert open_stack(tmp_path / "s").series == ("head", "head, slices 1 to 9")
+    volume = load_volume(tmp_path / "s", series=2)
+    assert (volume.shape, volume.notes) == ((9, *SHAPE[1:]), ())
+    assert np.array_equal(volume.values, VALUES[:9])
+    assert volume.geometry.origin == pytest.approx((-20.0, 10.0, 5.0))
+
+
+def test_without_an_even_part_large_enough_the_sentence_says_why_and_what_to_do(tmp_path):
+    write_series(tmp_path / "s", [0, 1, 2, 3, 4, 9, 10, 11, 12])
+    with pytest.raises(ValueError, match=r"s: Between slices 5 and 6 lie 5 mm, .* at least 8 planes: resample them"):
+        load_volume(tmp_path / "s")
+    assert load_image(tmp_path / "s").shape == SHAPE[1:]
+
+
+def test_slices_that_are_shifted_against_each_other_keep_their_slant(tmp_path):
+    folder = tmp_path / "s"
+    folder.mkdir()
+    for number in range(10):
+        write_slice(folder / f"{number}.dcm", VALUES[number], (0.0, 0.5 * number, 2.0 * number), number=number)
+    volume = load_volume(folder)
+    assert volume.geometry.slant == pytest.approx(np.degrees(np.arctan(0.25)))
+    assert "Its axes are 14.0° off right angles" in volume.notes[0]
+    at = volume.geometry.affine(volume.spacing) @ (4, 0, 0, 1)
+    np.testing.assert_allclose(at[:3], (0, 2, 8), atol=1e-6)
+
+
+def test_times_at_the_same_places_are_told_apart(tmp_path):
+    write_series(tmp_path / "s", [height for height in EVEN for _ in range(2)], values=np.repeat(VALUES, 2, 0))
+    for path in (tmp_path / "s").iterdir():
+        slice_ = pydicom.dcmread(path)
+        slice_.TemporalPositionIdentifier = slice_.InstanceNumber % 2 + 1
+        slice_.RescaleIntercept, slice_.RescaleSlope = 100 * (slice_.InstanceNumber % 2), 1
+        slice_.save_as(path)
+    first, second = load_volume(tmp_path / "s"), load_volume(tmp_path / "s", time=2)
+    assert np.array_equal(first.values, VALUES)
+    assert np.array_equal(second.values, VALUES + 100)
+    assert first.notes == ("Only the first of its 2 points in time was taken.",)
+
+
+def test_of_several_series_that_with_the_most_images_is_taken_or_the_chosen_one(tmp_path):
+    write_series(tmp_path / "s", EVEN)
+    write_slice(tmp_path / "s" / "scout.dcm", VALUES[0] + 1, along=OBLIQUE, SeriesDescription="scout")
+    volume = load_volume(tmp_path / "s")
+    assert np.array_equal(volume.values, VALUES)
+    assert volume.notes == ('Of its 2 series that with the most images was taken, 1 ("head").',)
+    assert np.array_equal(load_image(tmp_path / "s", series="scout").values, VALUES[0] + 1)
+    assert np.array_equal(load_image(tmp_path / "s", series=2).values, VALUES[0] + 1)
+    with pytest.raises(ValueError, match='series is "leg", but s has "head", "scout": choose one of these'):
+        load_image(tmp_path / "s", series="leg")
+
+
+def test_other_files_of_the_folder_do_not_matter_and_damaged_ones_are_told(tmp_path):
+    write_series(tmp_path / "s", EVEN)
+    (tmp_path / "s" / "notes.txt").write_text("nothing")
+    content = (tmp_path / "s" / "037.dcm").read_bytes()
+    (tmp_path / "s" / "bad.dcm").write_bytes(content[:150] + b"\xff" * 60)
+    volume = load_volume(tmp_path / "s")
+    assert volume.shape == SHAPE
+    assert volume.notes in ((), ("1 of its files is damaged and left out.",))
+
+
+def test_without_positions_slices_come_in_the_order_of_their_numbers(tmp_path):
+    write_series(tmp_path / "s", EVEN, ImagePositionPatient=None, SpacingBetweenSlices=3.0)
+    volume = load_volume(tmp_path / "s")
+    assert np.array_equal(volume.values, VALUES)
+    assert (volume.spacing[0], volume.geometry) == (3.0, None)
+    assert volume.notes[0].endswith("they were taken in their order, 3 mm apart.")
+
+
+def test_one_slice_is_an_image_and_no_volume(tmp_path):
+    write_slice(tmp_path / "a.dcm", VALUES[0], (1.0, 2.0, 3.0), OBLIQUE)
+    image = load_image(tmp_path / "a.dcm")
+    assert np.array_equal(image.values, VALUES[0])
+    assert (image.spacing, image.unit, image.notes) == ((0.75, 0.5), "mm", ())
+    assert image.geometry.origin == (1.0, 2.0, 3.0)
+    assert image.geometry.depth == 9.0
+    with pytest.raises(ValueError, match=r"a\.dcm has the shape \(12, 14\)"):
+        load_volume(tmp_path / "a.dcm")
+
+
+def test_values_are_rescaled_and_white_is_bright(tmp_path):
+    unsigned = (VALUES[0] + 500).astype(np.uint16)
+    write_slice(tmp_path / "a.dcm", unsigned, RescaleSlope=0.5, RescaleIntercept=-1024)
+    assert np.array_equal(load_image(tmp_path / "a.dcm").values, 0.5 * unsigned - 1024)
+    write_slice(tmp_path / "b.dcm", unsigned, PhotometricInterpretation="MONOCHROME1", BitsStored=12, HighBit=11)
+    image = load_image(tmp_path / "b.dcm")
+    assert np.array_equal(image.values, 4095.0 - unsigned)
+    assert image.notes == ("It counts from white to black and was inverted.",)
+    write_slice(tmp_path / "c.dcm", VALUES[0], PhotometricInterpretation="MONOCHROME1")
+    assert np.array_equal(load_image(tmp_path / "c.dcm").values, -1.0 - VALUES[0])
+
+
+@pytest.mark.parametrize("told", [-2000, 63536])  # many programs write the number of 16 bits without its sign
+def test_what_fills_the_rectangle_around_an_image_is_no_data(tmp_path, told):
+    values = VALUES.astype(np.int16)
+    values[:, :2] = -2000
+    values[5] = -2000
+    for number, plane in enumerate(values):
+        position = (0.0, 0.0, 1.0 * number)
+        slice_ = dataset(plane, position, ACROSS, RescaleSlope=2.0, RescaleIntercept=-1024)
+        slice_.add_new(0x00280120, "SS" if told < 0 else "US", told)
+        slice_.save_as(tmp_path / f"{number}.dcm", enforce_file_format=True)
+    image = load_image(tmp_path / "0.dcm")
+    filled = 2 * values.shape[2]
+    assert image.notes == (f"{filled} pixels have no data, filled from around: contours there mean nothing.",)
+    inside = 2.0 * values[0, 2:] - 1024
+    assert np.array_equal(image.values[2:], inside)
+    assert image.values[:2].min() >= inside.min()
+    whole = load_volume(tmp_path)
+    assert whole.values.min() >= (2.0 * VALUES - 1024).min()
+    assert any("have no data" in note for note in whole.notes)
+
+
+def test_colors_of_fewer_bits_than_they_take_are_as_bright_as_they_are(tmp_path):
+    colors = np.stack([VALUES[0] % 4096, VALUES[1] % 4096, VALUES[2] % 4096], axis=2).astype(np.uint16)
+    changes = {
+        "Rows": colors.shape[0],
+        "Columns": colors.shape[1],
+        "BitsStored": 12,
+        "HighBit": 11,
+        "SamplesPerPixel": 3,
+        "PlanarConfiguration": 0,
+    }
+    write_slice(tmp_path / "a.dcm", colors, PhotometricInterpretation="RGB", **changes)
+    image = load_image(tmp_path / "a.dcm")
+    assert image.colors.white == 4095.0
+    assert np.allclose(image.values, colors @ [0.2125, 0.7154, 0.0721])
+
+
+def test_the_size_of_a_pixel_on_the_detector_is_called_that(tmp_path):
+    plain = {"ImagePositionPatient": None, "ImageOrientationPatient": None, "PixelSpacing": None}
+    write_slice(tmp_path / "a.dcm", VALUES[0], **plain, ImagerPixelSpacing=[0.2, 0.1])
+    image = load_image(tmp_path / "a.dcm")
+    assert (image.spacing, image.unit, image.geometry) == ((0.2, 0.1), "mm", None)
+    assert image.notes == ("The size of a pixel is that on the detector.",)
+    region = pydicom.Dataset()
+    region.PhysicalDeltaX, region.PhysicalDeltaY = 0.02, 0.03
+    region.PhysicalUnitsXDirection = region.PhysicalUnitsYDirection = 3
+    write_slice(tmp_path / "b.dcm", VALUES[0], **plain, SequenceOfUltrasoundRegions=[region])
+    image = load_image(tmp_path / "b.dcm")
+    assert (image.spacing, image.unit) == ((0.03, 0.02), "cm")
+
+
+def test_a_film_has_frames_which_become_planes_of_a_volume(tmp_path):
+    plain = {"ImagePositionPatient": None, "ImageOrientationPatient": None}
+    write_slice(tmp_path / "a.dcm", VALUES, **plain, NumberOfFrames=10, FrameTime=40.0)
+    image = load_image(tmp_path / "a.dcm")
+    assert np.array_equal(image.values, VALUES[0])
+    assert image.notes == ("Only the first of its 10 frames was taken.",)
+    assert np.array_equal(load_image(tmp_path / "a.dcm", page=4).values, VALUES[3])
+    assert np.array_equal(load_image(tmp_path / "a.dcm", time=5).values, VALUES[4])
+    volume = load_volume(tmp_path / "a.dcm")
+    assert np.array_equal(volume.values, VALUES)
+    assert volume.notes == ("Its 10 frames, which are points in time, were taken as planes.",)
+
+
+def grouped(height):
+    """What an image in a file of many tells of itself."""
+    item, place, turn, measures, values = (pydicom.Dataset() for _ in range(5))
+    place.ImagePositionPatient = [0.0, 0.0, float(height)]
+    turn.ImageOrientationPatient = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0]
+    measures.PixelSpacing, measures.SliceThickness = [0.5, 0.25], 4.0
+    values.RescaleSlope, values.RescaleIntercept = 2.0, float(height)
+    item.PlanePositionSequence, item.PlaneOrientationSequence = [place], [turn]
+    item.PixelMeasuresSequence, item.PixelValueTransformationSequence = [measures], [values]
+    return item
+
+
+def test_a_volume_in_one_file_is_ordered_by_the_places_of_its_images(tmp_path):
+    heights = [3.0 * (k * 3 % 10) for k in range(10)]
+    plain = {"ImagePositionPatient": None, "ImageOrientationPatient": None, "PixelSpacing": None}
+    groups = [grouped(height) for height in heights]
+    write_slice(tmp_path / "a.dcm", VALUES, **plain, NumberOfFrames=10, PerFrameFunctionalGroupsSequence=groups)
+    volume = load_volume(tmp_path / "a.dcm")
+    order = np.argsort(heights)
+    assert np.array_equal(volume.values, 2.0 * VALUES[order] + np.array(heights)[order, None, None])
+    assert volume.spacing == (3.0, 0.5, 0.25)
+    assert load_image(tmp_path / "a.dcm").notes == ("It is a volume, of which plane 6 of 10 was taken.",)
+
+
+@pytest.mark.parametrize("packing", [RLELossless, JPEG2000Lossless])
+def test_packed_pixels_are_the_same(tmp_path, packing):
+    codecs = pytest.importorskip("imagecodecs")
+    found = dataset(VALUES[0].astype(np.uint16))
+    if packing == RLELossless:
+        found.compress(packing)
+    else:
+        packed = codecs.jpeg2k_encode(found.pixel_array, level=0, codecformat="j2k")
+        found.PixelData = pydicom.encaps.encapsulate([packed])
+        found.file_meta.TransferSyntaxUID = packing
+        found["PixelData"].VR = "OB"
+    found.save_as(tmp_path / "a.dcm")
+    assert np.array_equal(load_image(tmp_path / "a.dcm").values, VALUES[0].astype(np.uint16))
+
+
+def of_twelve_bits(codecs):
+    """A slice packed as JPEG of 12 bits, which Pillow does not unpack."""
+    values = (VALUES[0] - VALUES.min()).astype(np.uint16)
+    found = dataset(values, BitsStored=12, HighBit=11)
+    packed = codecs.jpeg8_encode(values, level=100, bitspersample=12)
+    found.PixelData = pydicom.encaps.encapsulate([packed])
+    found.file_meta.TransferSyntaxUID = pydicom.uid.JPEGExtended12Bit
+    found["PixelData"].VR = "OB"
+    return found, codecs.jpeg8_decode(packed)
+
+
+def test_jpeg_of_twelve_bits_is_unpacked_by_imagecodecs(tmp_path):
+    found, known = of_twelve_bits(pytest.importorskip("imagecodecs"))
+    found.save_as(tmp_path / "a.dcm")
+    assert np.array_equal(load_image(tmp_path / "a.dcm").values, known)
+
+
+def test_packed_pixels_of_another_size_than_the_header_says_are_refused(tmp_path):
+    found, _ = of_twelve_bits(pytest.importorskip("imagecodecs"))
+    found.Rows = 11
+    found.save_as(tmp_path / "a.dcm")
+    with pytest.raises(ValueError, match="is damaged"):
+        load_image(tmp_path / "a.dcm")
+
+
+def test_colors_become_luminance(tmp_path):
+    colors = np.stack([VALUES[0] % 251, VALUES[1] % 251, VALUES[2] % 251], -1).astype(np.uint8)
+    write_slice(tmp_path / "a.dcm", VALUES[0].astype(np.uint8), SamplesPerPixel=3, PlanarConfiguration=0,
+                PhotometricInterpretation="RGB", PixelData=colors.tobytes())  # fmt: skip
+    image = load_image(tmp_path / "a.dcm")
+    assert np.allclose(image.values, colors @ (0.2125, 0.7154, 0.0721))
+    assert np.array_equal(image.colors.samples, colors)
+
+
+@pytest.mark.parametrize("implicit", [True, False])
+def test_old_files_without_a_mark_are_known_by_their_first_entry(tmp_path, implicit):
+    found = dataset(VALUES[0])
+    found.file_meta, found.preamble = pydicom.dataset.FileMetaDataset(), None
+    pydicom.dcmwrite(tmp_path / "a.dcm", found, implicit_vr=implicit, little_endian=True, enforce_file_format=False)
+    content = (tmp_path / "a.dcm").read_bytes()
+    assert content[128:132] != b"DICM" and reads(content[:512], tmp_path / "a.dcm")
+    assert np.array_equal(load_image(tmp_path / "a.dcm").values, VALUES[0])
+
+
+def test_a_file_without_an_image_is_called_that(tmp_path):
+    write_slice(tmp_path / "a.dcm", VALUES[0], Rows=None)
+    with pytest.raises(ValueError, match=r"a\.dcm holds no DICOM image: choose another file"):
+        load_image(tmp_path / "a.dcm")
+
+
+def test_a_file_whose_pixels_were_taken_out_is_called_that(tmp_path):
+    write_slice(tmp_path / "a.dcm", VALUES[0], PixelData=None)
+    with pytest.raises(ValueError, match=r"a\.dcm holds no DICOM image: choose another file"):
+        load_image(tmp_path / "a.dcm")
+
+
+@pytest.mark.parametrize("along", [ACROSS, OBLIQUE], ids=["across", "oblique"])
+def test_the_planes_of_a_grid_of_doses_lie_at_their_offsets(tmp_path, along):
+    """It is one file, which tells the place of the first plane and the distances of the others from it."""
+    grid = {
+        "NumberOfFrames": 10,
+        "FrameIncrementPointer": 0x3004000C,
+        "GridFrameOffsetVector": [3.0 * k for k in range(10)],
+    }
+    write_slice(tmp_path / "dose.dcm", VALUES, (-20.0, 10.0, 5.0), along, **grid)
+    volume = load_volume(tmp_path / "dose.dcm")
+    assert np.array_equal(volume.values, VALUES)
+    assert volume.notes == ()
+    assert volume.spacing == pytest.approx((3.0, 0.75, 0.5), abs=1e-5)
+    write_series(tmp_path / "s", [3.0 * k for k in range(10)], along)
+    series = load_volume(tmp_path / "s")
+    np.testing.assert_allclose(
+        volume.geometry.affine(volume.spacing), series.geometry.affine(series.spacing), atol=1e-5
+    )
+
+
+def test_colors_that_pydicom_does_not_unpack_are_unpacked_by_imagecodecs(tmp_path):
+    codecs = pytest.importorskip("imagecodecs")
+    colors = np.stack([VALUES[plane] % 251 for plane in range(3)], -1).astype(np.uint8)
+    found = dataset(
+        VALUES[0].astype(np.uint8), SamplesPerPixel=3, PlanarConfiguration=0, PhotometricInterpretation="RGB"
+    )
+    found.PixelData = pydicom.encaps.encapsulate([codecs.jpegls_encode(colors)])
+    found.file_meta.TransferSyntaxUID = pydicom.uid.JPEGLSNearLossless
+    found["PixelData"].VR = "OB"
+    found.save_as(tmp_path / "a.dcm")
+    assert np.array_equal(load_image(tmp_path / "a.dcm").colors.samples, colors)

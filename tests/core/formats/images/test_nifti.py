@@ -1,0 +1,123 @@
+"""NIfTI: values, sizes and place as nibabel gives them, and label volumes that lie on their input."""
+
+import gzip
+
+import nibabel
+import numpy as np
+import pytest
+
+from cpm_core import Result, Surface, export, load_image, load_volume
+from cpm_core.numerics.grids import zero_surface
+
+from .made import VALUES, affine, write_nifti
+
+
+@pytest.mark.parametrize("kind", [nibabel.Nifti1Image, nibabel.Nifti2Image])
+@pytest.mark.parametrize("name", ["a.nii", "a.nii.gz"])
+def test_values_sizes_and_place_are_those_of_nibabel(tmp_path, kind, name):
+    write_nifti(tmp_path / name, kind=kind, xyzt_units=2)
+    volume, known = load_volume(tmp_path / name), nibabel.load(tmp_path / name)
+    assert np.array_equal(volume.values, np.asarray(known.dataobj).T)
+    assert volume.spacing == pytest.approx(known.header.get_zooms()[::-1])
+    np.testing.assert_allclose(volume.geometry.affine(volume.spacing)[:, [2, 1, 0, 3]], known.affine, atol=1e-12)
+    assert (volume.unit, volume.geometry.convention, volume.notes) == ("mm", "RAS", ())
+    assert len(volume.file_sha256) == 64
+
+
+@pytest.mark.parametrize("form", ["sform", "qform", "neither"])
+def test_a_label_volume_has_the_affine_of_the_file_that_was_read(tmp_path, form):
+    image = nibabel.Nifti1Image(np.zeros(VALUES.T.shape, np.int16), affine())
+    image.set_sform(affine(), 1 if form == "sform" else 0)
+    image.set_qform(affine(), 1 if form == "qform" else 0)
+    ball = 4.0 - np.linalg.norm(np.indices(VALUES.shape).T - (4, 6, 7), axis=-1).T
+    image = nibabel.Nifti1Image((100 * ball).T.astype(np.int16), None, image.header)
+    nibabel.save(image, tmp_path / "a.nii.gz")
+    volume = load_volume(tmp_path / "a.nii.gz")
+    surface = Surface(*zero_surface(ball.astype(np.float32)), volume.spacing, volume.unit)
+    place = volume.shape, volume.spacing, volume.unit, volume.source
+    export(Result(np.zeros((0, 3)), (), surface, 1, True, "at rest", *place, image=volume), tmp_path / "labels.nii.gz")
+    known, written = nibabel.load(tmp_path / "a.nii.gz"), nibabel.load(tmp_path / "labels.nii.gz")
+    np.testing.assert_allclose(written.affine, known.affine, rtol=0, atol=1e-5)
+    assert np.array_equal(written.affine, known.affine) or form != "sform"
+    assert np.array_equal(np.asarray(written.dataobj) > 0, np.asarray(known.dataobj) > 0)
+
+
+def test_as_an_image_the_middle_plane_is_taken_or_the_one_that_is_chosen(tmp_path):
+    write_nifti(tmp_path / "a.nii.gz")
+    image = load_image(tmp_path / "a.nii.gz")
+    assert np.array_equal(image.values, VALUES[5])
+    assert image.notes == ("It names no unit of length; millimeters were taken.",
+                           "It is a volume, of which plane 6 of 10 was taken.")  # fmt: skip
+    third = load_image(tmp_path / "a.nii.gz", page=3)
+    assert np.array_equal(third.values, VALUES[2])
+    assert third.spacing == pytest.approx((0.75, 0.5))
+    np.testing.assert_allclose(third.geometry.origin, (affine() @ (0, 0, 2, 1))[:3])
+    assert third.geometry.depth == pytest.approx(2.0)
+
+
+def test_scaled_values_and_other_units_are_read_as_they_are_meant(tmp_path):
+    write_nifti(tmp_path / "a.nii", scl_slope=0.5, scl_inter=10.0, xyzt_units=3)
+    content = bytearray((tmp_path / "a.nii").read_bytes())
+    content[112:120] = np.array([0.5, 10.0], "<f4").tobytes()
+    (tmp_path / "a.nii").write_bytes(content)
+    volume = load_volume(tmp_path / "a.nii")
+    assert np.array_equal(volume.values, 0.5 * VALUES + 10.0)
+    assert volume.unit == "µm"
+
+
+def test_of_times_and_channels_one_is_taken(tmp_path):
+    values = np.stack([[VALUES + 10 * time + 3 * channel for time in range(4)] for channel in range(2)])
+    write_nifti(tmp_path / "a.nii", values, xyzt_units=2)
+    first = load_volume(tmp_path / "a.nii")
+    assert np.array_equal(first.values, VALUES)
+    assert first.notes == ("Only the first of its 2 channels was taken.",
+                           "Only the first of its 4 points in time was taken.")  # fmt: skip
+    chosen = load_volume(tmp_path / "a.nii", time=3, channel=2)
+    assert np.array_equal(chosen.values, VALUES + 23)
+    assert chosen.notes == ()
+    with pytest.raises(ValueError, match=r"time is 5, but a\.nii has 4 of them: choose 1 to 4"):
+        load_volume(tmp_path / "a.nii", time=5)
+
+
+def test_colors_become_luminance_or_a_channel(tmp_path):
+    red, green, blue = (VALUES % m for m in (40, 200, 90))
+    stored = np.zeros(VALUES.T.shape, [("R", "u1"), ("G", "u1"), ("B", "u1")])
+    for name, values in zip("RGB", (red, green, blue), strict=True):
+        stored[name] = values.T
+    nibabel.save(nibabel.Nifti1Image(stored, affine()), tmp_path / "a.nii")
+    volume = load_volume(tmp_path / "a.nii")
+    assert np.allclose(volume.values, 0.2125 * red + 0.7154 * green + 0.0721 * blue)
+    assert volume.colors.samples.shape == (*VALUES.shape, 3)
+    assert np.array_equal(load_volume(tmp_path / "a.nii", color="blue").values, blue)
+    most = load_volume(tmp_path / "a.nii", color="contrast")
+    assert np.array_equal(most.values, green)
+    assert "The channel green of its colors was taken, which varies the most." in most.notes
+
+
+def test_two_files_are_read_as_one(tmp_path):
+    nibabel.save(nibabel.Nifti1Pair(VALUES.T, affine()), tmp_path / "a.img")
+    volume = load_volume(tmp_path / "a.hdr")
+    assert np.array_equal(volume.values, VALUES)
+    (tmp_path / "a.img").unlink()
+    with pytest.raises(ValueError, match=r"a\.hdr"):
+        load_volume(tmp_path / "a.hdr")
+
+
+def test_a_matrix_that_is_not_valid_leaves_the_sizes(tmp_path):
+    write_nifti(tmp_path / "a.nii", xyzt_units=2)
+    content = bytearray((tmp_path / "a.nii").read_bytes())
+    content[280:328] = bytes(48)
+    (tmp_path / "a.nii").write_bytes(content)
+    volume = load_volume(tmp_path / "a.nii")
+    assert (volume.geometry, volume.spacing) == (None, pytest.approx((2.0, 0.75, 0.5)))
+    assert volume.notes == ("Its matrix is not valid, so that it is not known where it lies.",)
+
+
+def test_more_than_the_file_can_hold_is_refused_before_memory_is_taken(tmp_path):
+    write_nifti(tmp_path / "a.nii")
+    content = bytearray((tmp_path / "a.nii").read_bytes())
+    content[42:48] = np.array([30000] * 3, "<i2").tobytes()
+    for name, damaged in (("a.nii", bytes(content)), ("a.nii.gz", gzip.compress(bytes(content)))):
+        (tmp_path / name).write_bytes(damaged)
+        with pytest.raises(ValueError, match="is damaged"):
+            load_volume(tmp_path / name)

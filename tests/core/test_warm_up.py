@@ -1,0 +1,47 @@
+"""Warming up compiles the kernels and has no other effect."""
+
+import os
+import threading
+
+import numpy as np
+
+from cpm_core import Engine, Parameters, circle
+from cpm_core.warm_up import warm_up
+
+from .scenes import disk
+
+
+def test_warming_up_twice_has_no_side_effects(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    environment = dict(os.environ)
+    random_before = np.random.get_state()[1].tolist()  # noqa: NPY002 - the global generator must be untouched
+    assert warm_up() is None
+    threads = threading.active_count()
+    assert warm_up() is None
+    assert threading.active_count() == threads
+    assert list(tmp_path.iterdir()) == []
+    assert dict(os.environ) == environment
+    assert np.random.get_state()[1].tolist() == random_before  # noqa: NPY002
+
+
+def test_warming_up_next_to_a_run_does_not_change_it():
+    engine = Engine(disk((48, 48), (23.3, 24.1), 14.0).values, Parameters())
+
+    def forty_steps():
+        state = engine.start(circle((23.0, 24.0), 7.0))
+        for _ in range(40):
+            state = engine.step(state, Parameters())
+        return state.position.tobytes()
+
+    alone = forty_steps()
+    other = threading.Thread(target=warm_up)
+    other.start()
+    together = forty_steps()
+    other.join()
+    assert together == alone
+
+
+def test_nothing_begins_once_it_is_canceled():
+    called = []
+    warm_up(lambda: True, called.append)
+    assert called == []
