@@ -8,7 +8,7 @@ import numpy as np
 from cpm_core import Engine, Parameters, circle
 from cpm_core.warm_up import warm_up
 
-from ..scenes import disk
+from .scenes import disk
 
 
 def test_warming_up_twice_has_no_side_effects(tmp_path, monkeypatch):
