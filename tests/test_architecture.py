@@ -272,14 +272,8 @@ def test_no_room_imports_itself_by_way_of_others(depth):
 
 
 STILL_AROUND = {
-    ("cpm_core/contours", "cpm_core/contours/graph"),
-    ("cpm_core/contours", "cpm_core/contours/measurements"),
-    ("cpm_core/contours", "cpm_core/contours/surface"),
     ("cpm_core/formats/images", "cpm_core/formats/images/stacks"),
     ("cpm_core/objects", "cpm_core/objects/candidates"),
-    ("cpm_core/objects", "cpm_core/objects/faces"),
-    ("cpm_core/objects", "cpm_core/objects/methods"),
-    ("cpm_core/reconstruction/surface", "cpm_core/reconstruction/surface/iso"),
 }
 """Pairs of folders that still import one another; none is added."""
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from PySide6.QtCore import QPoint, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QScrollArea, QToolButton, QVBoxLayout, QWidget
 
 from app.model.text.language import tr
 from app.views.canvas.layers import Layers
@@ -14,11 +14,10 @@ from app.views.canvas.layers.layer import Layer
 from app.views.canvas.layers.layer_form import LayerForm
 from app.views.theme.icons import swatch
 from app.views.widgets.actions import LAYER, native
-from app.views.widgets.containers import Scrolled
 from app.views.widgets.fields import MarkedSlider
 
-_FOLD, _OPACITY, _LOWEST = 18, 84, 60
-"""Widths, and minimum height of the panel [px]."""
+_FOLD, _OPACITY = 18, 84
+"""Widths [px]."""
 
 _LOWEST_OPACITY, _OPACITY_STEP = 0.05, 0.05
 
@@ -31,8 +30,11 @@ class LayersPanel(QWidget):
         self.rows = {layer.name: LayerRow(layer) for layer in layers}
         self.boxes: dict[str, QCheckBox] = {name: row.box for name, row in self.rows.items()}
         scrolled = QWidget()
+        scrolled.setObjectName("scrolled")
         self.setFocusProxy(next(iter(self.boxes.values())))
-        self._area = Scrolled(scrolled, _LOWEST)
+        self._area = QScrollArea()
+        self._area.setWidget(scrolled)
+        self._area.setWidgetResizable(True)
         column = QVBoxLayout(scrolled)
         column.setContentsMargins(0, 0, 8, 0)
         column.setSpacing(3)

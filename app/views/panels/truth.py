@@ -12,6 +12,7 @@ from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
     QPushButton,
+    QScrollArea,
     QVBoxLayout,
     QWidget,
 )
@@ -21,7 +22,6 @@ from app.model.text.language import tr, written
 from app.session.features.truth_comparison import GroundTruth
 from app.views.theme import theme
 from app.views.theme.icons import swatch
-from app.views.widgets.containers import Scrolled
 from app.views.widgets.fields import MarkedSlider
 from cpm_core.contours.agreement import TOLERANCE, Comparison, ObjectCounts
 from cpm_core.contours.surface_agreement import SurfaceComparison
@@ -36,9 +36,6 @@ _MEASURES: tuple[tuple[str, str, str], ...] = (
     ("precision", tr("Precision"), tr("Fraction of the contours that has a true boundary within the tolerance.")),
     ("f", tr("F"), tr("Harmonic mean of recall and precision.")),
 )
-_LOWEST = 60
-"""Minimum height of the panel [px]."""
-
 _DISTANCES = ("hausdorff", "hausdorff95", "mean_boundary_distance")
 
 
@@ -103,7 +100,10 @@ class TruthPanel(QWidget):
         return self._truth.verified.differences if self._truth.verified else ()
 
     def _lay_out(self) -> None:
-        inner = QWidget()
+        inner, area = QWidget(), QScrollArea()
+        inner.setObjectName("scrolled")
+        area.setWidgetResizable(True)
+        area.setWidget(inner)
         column = QVBoxLayout(inner)
         column.setContentsMargins(12, 8, 12, 8)
         column.setSpacing(7)
@@ -133,7 +133,7 @@ class TruthPanel(QWidget):
         column.addStretch(1)
         outer = QVBoxLayout(self)
         outer.setContentsMargins(0, 0, 0, 0)
-        outer.addWidget(Scrolled(inner, _LOWEST))
+        outer.addWidget(area)
 
     def _set_tolerance(self, tolerance: float) -> None:
         self._truth.set_tolerance(tolerance)

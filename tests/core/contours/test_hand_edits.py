@@ -154,7 +154,7 @@ EDITS = st.one_of(
 )
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(st.lists(st.tuples(LINES, st.booleans()), max_size=4), st.lists(EDITS, max_size=5), st.integers(0, 3))
 def test_whatever_is_edited_contours_remain_contours(drawn, edits, own):
     """Arbitrary lines, and edits of which some act on places of these lines."""

@@ -150,7 +150,7 @@ def test_no_bridge_crosses_a_barrier_or_leaves_the_region():
     assert bridged(curves(*lines), flat(Regions(interest=(around,)))) == ()
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=10, deadline=None)
 @example(seed=7090, longest=40.0)
 @given(st.integers(0, 10**6), st.floats(1.0, 40.0))
 def test_bridges_only_add_and_cross_nothing_and_are_no_wider_than_asked(seed, longest):

@@ -95,11 +95,6 @@ def test_colour_becomes_luminance(tmp_path):
     assert image.notes == ("Color was turned into luminance.",)
 
 
-def test_grey_saved_as_colour_is_the_very_grey(tmp_path):
-    PIL.Image.fromarray(np.repeat(RAMP[..., np.newaxis], 3, axis=2).astype(np.uint8)).save(tmp_path / "a.bmp")
-    assert np.array_equal(load_image(tmp_path / "a.bmp").values, RAMP)
-
-
 def test_transparent_pixels_show_white_and_opaque_ones_themselves(tmp_path):
     colours = np.zeros((10, 10, 4), dtype=np.uint8)
     colours[..., :3] = 40
@@ -111,13 +106,6 @@ def test_transparent_pixels_show_white_and_opaque_ones_themselves(tmp_path):
     assert np.all(image.values[5] == 255)
     assert np.allclose(image.values[7], 40 * 0.2 + 255 * 0.8)
     assert any("white" in note for note in image.notes)
-
-
-def test_an_opaque_alpha_channel_changes_nothing(tmp_path):
-    rows = np.stack([RAMP, np.full_like(RAMP, 255)], axis=2).astype(np.uint8)
-    image = load_image(png(tmp_path / "a.png", [row.tobytes() for row in rows], colour=4, depth=8))
-    assert np.array_equal(image.values, RAMP)
-    assert image.notes == ()
 
 
 def test_palette_gives_its_colors(tmp_path):
@@ -196,11 +184,6 @@ def test_a_resolution_too_fine_for_any_screen_is_the_size_of_a_pixel(tmp_path):
 def test_the_resolution_of_a_screen_says_nothing_about_the_specimen(tmp_path):
     image = load_image(png(tmp_path / "a.png", RAMP.astype(np.uint8), 0, 8, extra=physical_size((11811, 11811))))
     assert (image.spacing, image.unit) == ((1.0, 1.0), None)
-
-
-def test_a_file_is_known_by_its_content_and_not_by_its_suffix(tmp_path):
-    png(tmp_path / "a.jpg", RAMP.astype(np.uint8), colour=0, depth=8)
-    assert np.array_equal(load_image(tmp_path / "a.jpg").values, RAMP)
 
 
 def test_colors_are_kept_beside_the_luminance(tmp_path):

@@ -84,27 +84,6 @@ def test_a_volume_in_one_page_and_a_stack_of_colors_are_read(tmp_path):
     assert np.array_equal(load_volume(tmp_path / "b.tif", color="red").values, BYTES)
 
 
-def test_damaged_pages_that_follow_each_other_in_a_circle_are_counted_once(tmp_path):
-    tifffile.imwrite(tmp_path / "a.tif", PIXELS[:2], photometric="minisblack", metadata=None)
-    with tifffile.TiffFile(tmp_path / "a.tif") as file:
-        second = file.pages[1].offset
-    content = bytearray((tmp_path / "a.tif").read_bytes())
-    entries = int.from_bytes(content[second : second + 2], "little")
-    place = second + 2 + 12 * entries
-    content[place : place + 4] = second.to_bytes(4, "little")
-    (tmp_path / "a.tif").write_bytes(content)
-    assert np.array_equal(load_image(tmp_path / "a.tif", page=2).values, PIXELS[1])
-
-
-def test_a_tile_that_is_far_larger_than_its_page_takes_no_memory(tmp_path):
-    tifffile.imwrite(tmp_path / "a.tif", BYTES[0], tile=(16, 16), compression="zlib")
-    with tifffile.TiffFile(tmp_path / "a.tif", mode="r+") as file:
-        file.pages.first.tags["TileWidth"].overwrite(536_870_928, dtype="I")
-    for load in (load_image, load_volume):
-        with pytest.raises(ValueError, match=r"a\.tif (is damaged|has the shape)"):
-            load(tmp_path / "a.tif")
-
-
 def test_pages_of_several_sizes_are_several_series(tmp_path):
     with tifffile.TiffWriter(tmp_path / "a.tif") as writer:
         writer.write(PIXELS, photometric="minisblack")

@@ -34,7 +34,7 @@ def off(boundary):
 
 
 @given(st.lists(PLACES, min_size=1, max_size=8), st.floats(1.0, 12.0), st.booleans(), st.booleans())
-@settings(max_examples=60)
+@settings(max_examples=30)
 def test_the_boundary_encloses_the_area_and_what_the_disk_has_gone_over_or_the_area_without_it(
     path, radius, adds, hole
 ):
@@ -51,7 +51,7 @@ def test_the_boundary_encloses_the_area_and_what_the_disk_has_gone_over_or_the_a
 
 
 @given(st.lists(PLACES, min_size=1, max_size=5), st.floats(1.0, 8.0), st.booleans())
-@settings(max_examples=30)
+@settings(max_examples=15)
 def test_far_from_the_brush_the_boundary_has_the_vertices_that_it_had(path, radius, adds):
     after = {corner for curve in painted((STAR, SQUARE), path, radius, adds, SHAPE) for corner in curve}
     for curve in (STAR, SQUARE):
