@@ -11,7 +11,6 @@ import signal
 import stat
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextvars import ContextVar
 from pathlib import Path
 from types import FrameType
 
@@ -20,20 +19,6 @@ _DRAFT = ".cpm-"
 
 _ABANDONED = 600.0
 """Age of a draft that nobody writes any more [s]: its writer was killed."""
-
-_WRITTEN: ContextVar[set[Path] | None] = ContextVar("written", default=None)
-"""Where files are noted that are written; see `written_files`."""
-
-
-@contextlib.contextmanager
-def written_files() -> Iterator[set[Path]]:
-    """Yield a set to which each file is added that is written in the block, whatever interrupts it afterwards."""
-    written: set[Path] = set()
-    token = _WRITTEN.set(written)
-    try:
-        yield written
-    finally:
-        _WRITTEN.reset(token)
 
 
 def write_together(contents: Sequence[tuple[Path, bytes]]) -> None:
@@ -188,9 +173,6 @@ def _finish(descriptor: int, target: Path) -> None:
 def _move(draft: Path, target: Path) -> None:
     """Let a draft take the place of its target, and note that."""
     draft.replace(target)
-    written = _WRITTEN.get()
-    if written is not None:
-        written.add(target)
 
 
 @contextlib.contextmanager
