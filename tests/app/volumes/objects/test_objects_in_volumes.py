@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import tifffile
 from PySide6.QtCore import QPoint, Qt
+from PySide6.QtWidgets import QFileDialog
 
 from app.model.volume.shape_sections import RegionSection
 from app.session.storage.session_file import DocumentFile
@@ -161,7 +162,7 @@ def test_the_table_measures_objects_in_units_of_the_volume(found, hand) -> None:
     assert 150.0 < float(row["Mean gray"]) <= 200.0
 
 
-def test_objects_are_exported_as_a_surface_and_as_labels_of_their_own(found, hand, tmp_path) -> None:
+def test_objects_are_exported_as_a_surface_and_as_labels_of_their_own(found, hand, tmp_path, monkeypatch) -> None:
     hand.key(KEY.Key_Return)
     hand.key(KEY.Key_Return)
     feature = found.feature(ExportFeature)
@@ -170,10 +171,8 @@ def test_objects_are_exported_as_a_surface_and_as_labels_of_their_own(found, han
         dialog = feature.dialog
         dialog.source.setFocus()
         hand.qtbot.keyClick(dialog.source, KEY.Key_Down)
-        assert "2 objects" in dialog.figures.text()
-        dialog.file.folder.setText(str(tmp_path))
-        dialog.file.name.clear()
-        hand.qtbot.keyClicks(dialog.file.name, name)
+        assert "2 objects" in dialog.summary.text()
+        monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_, path=tmp_path / name: (str(path), ""))
         hand.qtbot.mouseClick(dialog.export_button, Button.LeftButton)
         hand.wait(lambda name=name: (tmp_path / name).exists() and found.session.idle)
         assert "2 objects, a surface of" in found.canvas_area.messages.text
