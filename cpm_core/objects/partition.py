@@ -26,7 +26,7 @@ from cpm_core.model.volume.starts import everywhere
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.objects.candidates.appearance import Appearance, appearance
 from cpm_core.objects.candidates.choice import chosen
-from cpm_core.objects.clicks import as_places, clicked
+from cpm_core.objects.candidates.clicks import as_places, clicked
 from cpm_core.objects.faces.basins import Labels
 from cpm_core.objects.faces.closed_regions import ClosedRegions
 from cpm_core.objects.faces.faces import Faces, Ground, find_faces, ground

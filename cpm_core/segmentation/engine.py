@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,9 +19,11 @@ from cpm_core.field.placed_charges import PlacedCharge, placed_in
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.field.volume_field import pitch_of
 from cpm_core.image.image import Image
+from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model import interventions
 from cpm_core.model.coverage import no_coverage, no_surface
+from cpm_core.model.image_fields import ImageFields
 from cpm_core.model.measures import Energies, Forces, forces_asked, kinetic_energy
 from cpm_core.model.plane import step as plane
 from cpm_core.model.starts import starting_points
@@ -33,13 +35,14 @@ from cpm_core.parameters.choices import CHOICES
 from cpm_core.parameters.provenance import Provenance, taken
 from cpm_core.parameters.quotation import counted, described, sized
 from cpm_core.segmentation.outcome import contours_of, surface_of
-from cpm_core.segmentation.reach.run_fields import RunFields
+from cpm_core.segmentation.reach.local_fields import LocalFields
+from cpm_core.segmentation.reach.reach_map import ReachMap
 
 _LAWS: Mapping[int, Any] = MappingProxyType({2: plane, 3: volume})
 """The laws of a run by the number of axes of its image."""
 
 
-class Engine(RunFields):
+class Engine(ImageFields):
     """The charged-particle model on one image: a `Method` whose states are `State`.
 
     `ImageFields` describes image, parameters and regions and the errors that they raise. In a volume positions are
@@ -85,6 +88,17 @@ class Engine(RunFields):
     ) -> None:
         super().__init__(values, parameters, regions)
         self._laws = _LAWS[self.image.ndim]
+        self._local_fields = LocalFields(self.scale_field, _of_plane(regions))
+
+    def with_regions(self, regions: AnyRegions | None) -> Self:
+        """The same with other regions; see `ImageFields.with_regions`."""
+        other = super().with_regions(regions)
+        other._local_fields = LocalFields(other.scale_field, _of_plane(regions))
+        return other
+
+    def reach_map(self, start: Array, parameters: Parameters) -> ReachMap | None:
+        """How a start, shape (N, 2) [px], reaches the edges of the image; None where it does not limit a run."""
+        return self._local_fields.map_of(start, parameters)
 
     @staticmethod
     def steering(parameters: Parameters) -> tuple[object, ...]:
@@ -272,6 +286,10 @@ class Engine(RunFields):
         after: State = self._laws.stepped(state, field, self.regions, parameters)
         return after
 
+    def _field_of(self, state: State, parameters: Parameters) -> ScaleField:
+        """Fields of the scale of a state, limited to the edges that its start reaches."""
+        return self._local_fields.at(state.scale, state.start, parameters)
+
     def __repr__(self) -> str:
         return described("Engine", self.image.source, sized(self.image.shape, ""), counted(self.scales, "scale"))
 
@@ -291,3 +309,8 @@ def _provenance(image: Image, state: State, parameters: Parameters) -> Provenanc
         sha256=image.sha256,
         of_file=bool(image.file_sha256),
     )
+
+
+def _of_plane(regions: AnyRegions | None) -> Regions | None:
+    """The regions of an image; None for those of a volume, where a start does not limit a run."""
+    return regions if isinstance(regions, Regions) else None

@@ -21,7 +21,7 @@ from cpm_core.formats.common.content import fingerprint
 from cpm_core.formats.common.printable import printable
 from cpm_core.formats.images import dicom, metaimage, nifti, nrrd, numpy_array, raster, resolution, tiff
 from cpm_core.formats.images.decoded import Decoded, UnreadableError
-from cpm_core.formats.images.reading import Reading, checked_unit
+from cpm_core.formats.images.reading import Reading, UnchosenError, checked_unit
 from cpm_core.formats.images.stack import Axis, Pages, Stack, plane_of, volume_of
 from cpm_core.image.colors import LUMINANCE, LUMINANCE_NOTE, in_color
 from cpm_core.image.gray_levels import NO_DATA, no_data_note
@@ -302,7 +302,7 @@ def _guarded(file: Path, read: Callable[[], T]) -> T:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # oddities of a readable file do not concern the user
             return read()
-    except UnreadableError:
+    except (UnreadableError, UnchosenError):
         raise
     except MemoryError:
         raise ValueError(f"{file.name} does not fit into memory: crop it or make it smaller first.") from None

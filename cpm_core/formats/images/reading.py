@@ -100,7 +100,7 @@ DEFAULT = Reading()
 _DEFAULTS = {field.name: field.default for field in dataclasses.fields(Reading)}
 
 
-class UnchosenError(UnreadableError):
+class UnchosenError(ValueError):
     """A file holds several images, and none of them was chosen.
 
     Attributes

@@ -13,6 +13,7 @@ import scipy
 
 from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.objects.candidates.appearance import Appearance, log_ratio
+from cpm_core.objects.candidates.clicks import Clicked
 from cpm_core.objects.candidates.description import DESCRIPTION, description
 from cpm_core.objects.candidates.features import OBJECT, change_features, object_features
 from cpm_core.objects.candidates.grids import Box, Grid, grid_over, linked, union, without_holes
@@ -20,7 +21,6 @@ from cpm_core.objects.candidates.kinds import SEVERAL, Candidate, Kind, candidat
 from cpm_core.objects.candidates.ranking import CHANGES, FIRST
 from cpm_core.objects.candidates.situation import Situation
 from cpm_core.objects.candidates.trees import trees
-from cpm_core.objects.clicks import Clicked
 from cpm_core.objects.faces.closed_regions import ClosedRegions
 
 _MOST = 0.97

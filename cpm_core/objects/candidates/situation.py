@@ -8,10 +8,10 @@ from functools import cached_property
 import numpy as np
 
 from cpm_core.numerics.types import Array, Index, Mask
-from cpm_core.objects.boundary import prices
 from cpm_core.objects.candidates.appearance import Appearance
+from cpm_core.objects.candidates.boundary import prices
+from cpm_core.objects.candidates.clicks import Clicked
 from cpm_core.objects.candidates.grids import Box, box_of
-from cpm_core.objects.clicks import Clicked
 
 _FIRST_SHARE, _NEXT_SHARE = 0.7, 0.4
 """Largest share of the image that an object has after a first click, and that a further one changes."""
