@@ -11,20 +11,12 @@ from app.model.document.document import Document
 from app.model.document.modes import MODES
 from app.model.document.objects import objects_result
 from app.model.text.language import from_core, tr, written
-from cpm_core.contours.result import Result
-from cpm_core.contours.review import apply, reviewed, with_kept
-from cpm_core.field.edge_map import edge_map
-from cpm_core.formats import FOR_VOLUMES, WRITABLE, left_out
-from cpm_core.formats.common.provenance import facts_on, plain_shapes, text_of
-from cpm_core.formats.writers import DRAWN
-from cpm_core.image.drawing import has_matplotlib
-from cpm_core.image.geometry import Convention
-from cpm_core.image.image import Image
-from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.parameters import Parameters
-from cpm_core.parameters.provenance import Provenance, taken
-from cpm_core.reconstruction.curve.closing import can_be_closed, close_contours
-from cpm_core.segmentation.method import METHODS
+from cpm_core import METHODS, Image, Parameters, Result, Skeleton, edge_map
+from cpm_core.contours import apply, reviewed, with_kept
+from cpm_core.formats import DRAWN, FOR_VOLUMES, WRITABLE, facts_on, left_out, plain_shapes, text_of
+from cpm_core.image import Convention, has_matplotlib
+from cpm_core.parameters import Provenance, taken
+from cpm_core.reconstruction import can_be_closed, close_contours
 
 _IMAGES = {
     ".png": tr("PNG mask"),

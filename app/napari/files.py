@@ -9,10 +9,8 @@ from typing import Any
 import numpy as np
 
 from app.napari.layers import LayerData, contours_of, layer_of_contours, layer_of_points
-from cpm_core.contours.result import Result
-from cpm_core.contours.surface import Surface
-from cpm_core.formats import CONTOURS_READABLE, export
-from cpm_core.formats.contour_file import read_contours
+from cpm_core import Result, Surface, export
+from cpm_core.formats import CONTOURS_READABLE, read_contours
 
 
 def reader_of(path: str | Sequence[str]) -> Callable[[str | Sequence[str]], list[LayerData]] | None:

@@ -7,12 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour, numbers_of
-from cpm_core.contours.measurements import measure
-from cpm_core.contours.result import Result
-from cpm_core.formats.contours.contents import DEFAULT, color_of
-from cpm_core.formats.contours.curves import ellipse
-from cpm_core.numerics.types import Array
+from cpm_core import Contour, Result, measure
+from cpm_core.contours import numbers_of
+from cpm_core.formats import color_of, ellipse
+from cpm_core.formats.contours.contents import DEFAULT
+from cpm_core.numerics import Array
 from cpm_core.shapes import Polygon, Stroke
 
 LayerData = tuple[Any, dict[str, Any], str]

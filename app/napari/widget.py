@@ -10,7 +10,7 @@ from napari.types import LayerDataTuple
 
 import cpm_core as cpm
 from app.napari.layers import LayerData, layers_of_result, seeds_of
-from cpm_core.image.colors import luminance
+from cpm_core.image import luminance
 
 _AS_KIND = "for the image"
 

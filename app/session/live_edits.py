@@ -22,7 +22,7 @@ from app.session.undo_history import Erasure
 from app.session.updates import Progress
 from app.session.worker.commands import Command, FindSeeds, RunCall
 from app.session.worker.run import Run
-from cpm_core.numerics.types import Place
+from cpm_core.numerics import Place
 from cpm_core.shapes import Interest, Points, Shape, Start
 
 _MOVED = 2.0

@@ -18,16 +18,11 @@ from app.model.volume.slices import Slices
 from app.session.exchange.contour_tracking import TrackedContours
 from app.session.exchange.messages import Drawn, Reconstruction, Snapshot
 from app.session.worker.requests import Compared, Probed, Shaded
-from cpm_core.contours.contour import Contour
-from cpm_core.contours.ground_truth import Truth, VolumeTruth
-from cpm_core.contours.measurements import Measures
-from cpm_core.contours.result import Result
-from cpm_core.contours.review import Mark, ReviewedContour, reviewed
-from cpm_core.image.image import Image
-from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.numerics.types import Array, Index
-from cpm_core.objects.segmented.segmented_object import Click
-from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds
+from cpm_core import Contour, Image, Result, Skeleton, Truth, VolumeTruth
+from cpm_core.contours import Mark, Measures, ReviewedContour, reviewed
+from cpm_core.numerics import Array, Index
+from cpm_core.objects.segmented import Click
+from cpm_core.shapes import NO_SEEDS, ImageSeeds
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -32,12 +32,9 @@ from app.session.updates import Progress
 from app.session.worker.commands import Command, Export, RestoreRuns, RunCall, RunsRestored, Start, WarmUp
 from app.session.worker.run import Run
 from app.session.worker.worker_thread import WorkerThread
-from cpm_core.formats import suffix_of
-from cpm_core.formats.common.content import differ
-from cpm_core.formats.images.reading import DEFAULT, Reading
-from cpm_core.image.image import Image
-from cpm_core.parameters import Parameters
-from cpm_core.segmentation.method import METHODS
+from cpm_core import METHODS, Image, Parameters
+from cpm_core.formats import Reading, differ, suffix_of
+from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.shapes import Sphere
 
 _PREPARING = tr("Preparing (longer the very first time)…")

@@ -29,8 +29,7 @@ from app.session.signals import CONTOURS, EDITING, EXPORTING, RUNNING, SessionSi
 from app.session.worker.commands import RunsRestored
 from app.session.worker.requests import Compared, Probed, Shaded
 from app.session.worker.worker_thread import WorkerThread
-from cpm_core.contours.result import Result
-from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core import Result, Skeleton
 
 _COMPILING = tr("Preparing for the first run on this computer: {percent} %")
 

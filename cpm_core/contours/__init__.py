@@ -1,1 +1,30 @@
 """Contours: their points, measurements, agreement with one another and with a ground truth, and the user's review."""
+
+from cpm_core.contours.agreement import TOLERANCE as TOLERANCE
+from cpm_core.contours.agreement import Agreement as Agreement
+from cpm_core.contours.agreement import ObjectCounts as ObjectCounts
+from cpm_core.contours.agreement import agreement as agreement
+from cpm_core.contours.agreement import distance_to as distance_to
+from cpm_core.contours.contour import Reached as Reached
+from cpm_core.contours.contour import numbers_of as numbers_of
+from cpm_core.contours.hand_edits import HandEdit as HandEdit
+from cpm_core.contours.hand_edits import Kind as Kind
+from cpm_core.contours.hand_edits import Path as Path
+from cpm_core.contours.hand_edits import apply_to_result as apply_to_result
+from cpm_core.contours.measurements import Measures as Measures
+from cpm_core.contours.measurements import centroid as centroid
+from cpm_core.contours.packed_surface import PackedSurface as PackedSurface
+from cpm_core.contours.review import REACH as REACH
+from cpm_core.contours.review import Mark as Mark
+from cpm_core.contours.review import Neighborhood as Neighborhood
+from cpm_core.contours.review import Outline as Outline
+from cpm_core.contours.review import ReviewedContour as ReviewedContour
+from cpm_core.contours.review import Verdict as Verdict
+from cpm_core.contours.review import anchor as anchor
+from cpm_core.contours.review import apply as apply
+from cpm_core.contours.review import attached as attached
+from cpm_core.contours.review import middle as middle
+from cpm_core.contours.review import outline_of as outline_of
+from cpm_core.contours.review import reviewed as reviewed
+from cpm_core.contours.review import with_kept as with_kept
+from cpm_core.contours.surface import inside_of as inside_of

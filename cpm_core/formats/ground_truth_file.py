@@ -11,10 +11,10 @@ import numpy as np
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import Truth, VolumeTruth, truth_of_contours, truth_of_mask, truth_of_volume
 from cpm_core.contours.surface import numbered
-from cpm_core.formats import SURFACES_READABLE, load_image, load_surface
 from cpm_core.formats.contour_file import CONTOURS_READABLE, read_contours
 from cpm_core.formats.contours.contents import Plane
-from cpm_core.formats.surface_file import labels_like
+from cpm_core.formats.images.readers import load_image
+from cpm_core.formats.surface_file import SURFACES_READABLE, labels_like, load_surface
 from cpm_core.image.image import Image
 
 _BESIDE = 1.0

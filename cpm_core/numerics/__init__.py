@@ -1,1 +1,16 @@
 """What the model computes with: compiled loops and their cache, threads, and the geometry of lines in the plane."""
+
+from cpm_core.numerics.jit import compiled as compiled
+from cpm_core.numerics.parallel import cores as cores
+from cpm_core.numerics.parallel import share as share
+from cpm_core.numerics.polyline import coarser as coarser
+from cpm_core.numerics.polyline import length as length
+from cpm_core.numerics.polyline import thinned as thinned
+from cpm_core.numerics.real_numbers import voxel_sides as voxel_sides
+from cpm_core.numerics.types import Array as Array
+from cpm_core.numerics.types import Index as Index
+from cpm_core.numerics.types import Mask as Mask
+from cpm_core.numerics.types import Pixels as Pixels
+from cpm_core.numerics.types import Place as Place
+from cpm_core.numerics.types import Position as Position
+from cpm_core.numerics.types import Single as Single

@@ -1,1 +1,9 @@
 """Stacks whose pages are images of their own: one run a page, objects followed from page to page as tracks."""
+
+from cpm_core.pages.follow import Follower as Follower
+from cpm_core.pages.follow import fitting as fitting
+from cpm_core.pages.follow import trouble_of as trouble_of
+from cpm_core.pages.page import StackResult as StackResult
+from cpm_core.pages.page import StartingLine as StartingLine
+from cpm_core.pages.page import Track as Track
+from cpm_core.pages.page import starts_after as starts_after

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from cpm_core.parameters import Parameters
+from cpm_core.parameters.parameters import Parameters
 
 
 @dataclass(frozen=True, eq=False, slots=True)

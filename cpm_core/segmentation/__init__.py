@@ -1,1 +1,6 @@
 """A whole run: the engine that composes a step, the schedule of scales, its completion, and interventions."""
+
+from cpm_core.segmentation.large_images import LargeImageSettings as LargeImageSettings
+from cpm_core.segmentation.large_images import large_image_settings as large_image_settings
+from cpm_core.segmentation.method import MethodState as MethodState
+from cpm_core.segmentation.method import Steerable as Steerable

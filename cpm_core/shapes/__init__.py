@@ -1,69 +1,46 @@
-"""The shapes that a user draws: starts, which give particles; limits, which hold them back; and placed charges.
+"""The shapes that a user draws, and all that is computed from them."""
 
-A shape is frozen and checks its values. It can be moved, resized and reshaped by its handles, and gives the distance of
-a position. Shapes do not depend on the window. A new shape needs a class and an entry in the unions below; session
-files then keep its fields, and a start gives particles on the command line as well. A limit also needs an entry in
-`document_shapes.regions_of`. To draw it in the window add a tool (`app.views.canvas.tools`), an item in the layer of
-drawn shapes (`app.views.canvas.layers.drawn`) and its texts (`app.model.state.resolve`).
-"""
-
-from __future__ import annotations
-
-from collections.abc import Mapping
-from types import MappingProxyType
-from typing import get_args
-
-from cpm_core.shapes.areas import Grid, Threshold
-from cpm_core.shapes.charge import Charge
-from cpm_core.shapes.ellipse import SMALLEST_RADIUS, Circle, Ellipse
-from cpm_core.shapes.everywhere import KINDS, Everywhere, Kind
-from cpm_core.shapes.lines import Barrier, Points, Polygon, Region, Stroke
-from cpm_core.shapes.solids import Box, BoxGrid, BoxRegion, BoxThreshold, Sphere
-from cpm_core.shapes.volume_limits import EnclosedRegion, EnclosingWall, PrismRegion, Wall
-
-Start = (
-    Circle | Ellipse | Polygon | Stroke | Points | Grid | Threshold | Everywhere | Sphere | Box | BoxGrid | BoxThreshold
-)
-"""Shapes that give particles; spheres and all boxes lie in volumes, polygons, strokes and points in either."""
-
-Interest = Region | BoxRegion | PrismRegion | EnclosedRegion
-"""Regions of interest, the first in images."""
-
-Limit = Region | Barrier | BoxRegion | PrismRegion | Wall | EnclosedRegion | EnclosingWall
-"""Shapes that hold particles back; the first two in images."""
-
-Shape = Start | Limit | Charge
-
-SHAPES: Mapping[str, type[Shape]] = MappingProxyType({kind.__name__.lower(): kind for kind in get_args(Shape)})
-"""Shapes by the names that files have for them."""
-
-__all__ = [
-    "KINDS",
-    "SHAPES",
-    "SMALLEST_RADIUS",
-    "Barrier",
-    "Box",
-    "BoxGrid",
-    "BoxRegion",
-    "BoxThreshold",
-    "Charge",
-    "Circle",
-    "Ellipse",
-    "EnclosedRegion",
-    "EnclosingWall",
-    "Everywhere",
-    "Grid",
-    "Interest",
-    "Kind",
-    "Limit",
-    "Points",
-    "Polygon",
-    "PrismRegion",
-    "Region",
-    "Shape",
-    "Sphere",
-    "Start",
-    "Stroke",
-    "Threshold",
-    "Wall",
-]
+from cpm_core.shapes.areas import Grid as Grid
+from cpm_core.shapes.areas import Threshold as Threshold
+from cpm_core.shapes.charge import Charge as Charge
+from cpm_core.shapes.document_shapes import charges_of as charges_of
+from cpm_core.shapes.document_shapes import check_axes as check_axes
+from cpm_core.shapes.document_shapes import regions_of as regions_of
+from cpm_core.shapes.document_shapes import seeds_of as seeds_of
+from cpm_core.shapes.document_shapes import starts_of as starts_of
+from cpm_core.shapes.ellipse import SMALLEST_RADIUS as SMALLEST_RADIUS
+from cpm_core.shapes.ellipse import Circle as Circle
+from cpm_core.shapes.ellipse import Ellipse as Ellipse
+from cpm_core.shapes.everywhere import KINDS as KINDS
+from cpm_core.shapes.everywhere import Everywhere as Everywhere
+from cpm_core.shapes.everywhere import Kind as Kind
+from cpm_core.shapes.image_starts import NO_SEEDS as NO_SEEDS
+from cpm_core.shapes.image_starts import ImageSeeds as ImageSeeds
+from cpm_core.shapes.image_starts import ImageStart as ImageStart
+from cpm_core.shapes.image_starts import SeedCache as SeedCache
+from cpm_core.shapes.lines import Barrier as Barrier
+from cpm_core.shapes.lines import Points as Points
+from cpm_core.shapes.lines import Polygon as Polygon
+from cpm_core.shapes.lines import Region as Region
+from cpm_core.shapes.lines import Stroke as Stroke
+from cpm_core.shapes.outlines import outlines_of as outlines_of
+from cpm_core.shapes.outlines import start_on_surface as start_on_surface
+from cpm_core.shapes.outlines import starts_along as starts_along
+from cpm_core.shapes.outlines import starts_in as starts_in
+from cpm_core.shapes.path import WithoutOutline as WithoutOutline
+from cpm_core.shapes.shape import SHAPES as SHAPES
+from cpm_core.shapes.shape import Interest as Interest
+from cpm_core.shapes.shape import Limit as Limit
+from cpm_core.shapes.shape import Shape as Shape
+from cpm_core.shapes.shape import Start as Start
+from cpm_core.shapes.solids import Box as Box
+from cpm_core.shapes.solids import BoxGrid as BoxGrid
+from cpm_core.shapes.solids import BoxRegion as BoxRegion
+from cpm_core.shapes.solids import BoxThreshold as BoxThreshold
+from cpm_core.shapes.solids import Cuboid as Cuboid
+from cpm_core.shapes.solids import Sphere as Sphere
+from cpm_core.shapes.volume_limits import EnclosedRegion as EnclosedRegion
+from cpm_core.shapes.volume_limits import EnclosingWall as EnclosingWall
+from cpm_core.shapes.volume_limits import Extruded as Extruded
+from cpm_core.shapes.volume_limits import PrismRegion as PrismRegion
+from cpm_core.shapes.volume_limits import Wall as Wall

@@ -11,26 +11,14 @@ from cpm_core.image.image import Image
 from cpm_core.image.regions import Line, Regions
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions, Voxels
 from cpm_core.numerics.types import Array
-from cpm_core.shapes import (
-    Barrier,
-    BoxRegion,
-    Charge,
-    Circle,
-    Ellipse,
-    EnclosedRegion,
-    EnclosingWall,
-    Everywhere,
-    Points,
-    PrismRegion,
-    Region,
-    Shape,
-    Sphere,
-    Start,
-    Wall,
-)
+from cpm_core.shapes.charge import Charge
+from cpm_core.shapes.ellipse import Circle, Ellipse
+from cpm_core.shapes.everywhere import Everywhere
 from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds, ImageStart, SeedCache
-from cpm_core.shapes.solids import Cuboid
-from cpm_core.shapes.volume_limits import Enclosed, Extruded
+from cpm_core.shapes.lines import Barrier, Points, Region
+from cpm_core.shapes.shape import Shape, Start
+from cpm_core.shapes.solids import BoxRegion, Cuboid, Sphere
+from cpm_core.shapes.volume_limits import Enclosed, EnclosedRegion, EnclosingWall, Extruded, PrismRegion, Wall
 
 _KINDS = {2: "images", 3: "volumes"}
 _ONE = {2: "an image", 3: "a volume"}

@@ -10,7 +10,9 @@ from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.volume.starts import strength_of
 from cpm_core.numerics.types import Array
-from cpm_core.shapes import BoxThreshold, Everywhere, Threshold
+from cpm_core.shapes.areas import Threshold
+from cpm_core.shapes.everywhere import Everywhere
+from cpm_core.shapes.solids import BoxThreshold
 
 ImageStart = Everywhere | Threshold | BoxThreshold
 """Starts whose positions depend on the image."""

@@ -12,7 +12,9 @@ from cpm_core.contours.surface import Surface
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array
-from cpm_core.shapes import Circle, Ellipse, Points, Polygon, Shape, Stroke
+from cpm_core.shapes.ellipse import Circle, Ellipse
+from cpm_core.shapes.lines import Points, Polygon, Stroke
+from cpm_core.shapes.shape import Shape
 
 APART = 2.0
 """Distance of the particles that a surface gives, as of those along a stroke [smallest sides of a voxel]."""

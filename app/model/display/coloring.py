@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from app.model.display.lengths import round_up
 from app.model.text.language import tr
-from cpm_core.model.equations import EPSILON
-from cpm_core.numerics.types import Array
-from cpm_core.segmentation.method import MethodState
+from cpm_core.model import EPSILON
+from cpm_core.numerics import Array
+from cpm_core.segmentation import MethodState
 
 Marks = NDArray[np.uint8]
 

@@ -12,8 +12,8 @@ from app.model.display.lengths import short_text
 from app.model.document.document import Document
 from app.model.parameters.controls import Control, slider_range, value_of, with_value
 from app.model.text.language import from_core, tr
-from cpm_core.objects.methods import CONTOUR_METHODS, Compared
-from cpm_core.parameters import Parameters
+from cpm_core import CONTOUR_METHODS, Parameters
+from cpm_core.objects.methods import Compared
 
 FEWEST, MOST = 2, 6
 """Limits of the number of values of a parameter."""

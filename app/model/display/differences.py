@@ -11,12 +11,9 @@ from numpy.typing import NDArray
 
 from app.model.volume.slices import Slice
 from app.model.volume.surface_section import section
-from cpm_core.contours.agreement import Comparison, distance_to
-from cpm_core.contours.contour import Contour
-from cpm_core.contours.ground_truth import Truth, VolumeTruth
-from cpm_core.contours.surface import Surface
-from cpm_core.contours.surface_agreement import SurfaceComparison
-from cpm_core.numerics.types import Array, Place
+from cpm_core import Comparison, Contour, Surface, SurfaceComparison, Truth, VolumeTruth
+from cpm_core.contours import distance_to
+from cpm_core.numerics import Array, Place
 
 _APART = 0.6
 """Distance of neighboring points above which a new part begins; along a boundary it is a quarter of a pixel [px]."""

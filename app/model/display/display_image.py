@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.image.image import Image
-from cpm_core.numerics.types import Array
+from cpm_core import Image
+from cpm_core.numerics import Array
 
 Shades = NDArray[np.uint8]
 """One byte a pixel, shape (H, W), or one for red, green and blue each, shape (H, W, 3)."""

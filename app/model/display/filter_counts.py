@@ -9,9 +9,9 @@ import numpy as np
 import scipy
 
 from app.model.text.language import tr
-from cpm_core.contours.contour import Contour
-from cpm_core.contours.measurements import Measures
-from cpm_core.numerics.types import Array
+from cpm_core import Contour
+from cpm_core.contours import Measures
+from cpm_core.numerics import Array
 
 FILTERS: Mapping[str, Callable[[Measures], float | None]] = MappingProxyType(
     {

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.model.text.language import tr, written
-from cpm_core.image.drawing import KNOWN, Bar, longest_bar
+from cpm_core.image import KNOWN, Bar, longest_bar
 
 _PIXEL = "px"
 _OF_THE_IMAGE = "image"

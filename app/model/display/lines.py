@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from cpm_core.numerics.types import Array, Index
+from cpm_core.numerics import Array, Index
 
 _STILL = 0.05
 """Distance below which a segment is not drawn [px of the image]."""

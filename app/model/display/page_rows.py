@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from app.model.text.language import from_core, tr
-from cpm_core.contours.measurements import Measures, centroid, measure
-from cpm_core.pages.page import Page, StackResult, Track
+from cpm_core import Page, measure
+from cpm_core.contours import Measures, centroid
+from cpm_core.pages import StackResult, Track
 
 _ENDS = {
     "ends": tr("ends here"),

@@ -9,8 +9,8 @@ from typing import Literal
 
 from app.model.display.lengths import scientific_text
 from app.model.text.language import tr, written
-from cpm_core.model.equations import EPSILON
-from cpm_core.numerics.types import Array
+from cpm_core.model import EPSILON
+from cpm_core.numerics import Array
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -8,10 +8,9 @@ from types import MappingProxyType
 
 from app.model.document.document import Document
 from app.model.text.language import tr
-from cpm_core.contours.contour import Contour
-from cpm_core.contours.hand_edits import HandEdit, Kind
-from cpm_core.contours.review import Mark, Outline, Verdict, outline_of
-from cpm_core.numerics.types import Position
+from cpm_core import Contour
+from cpm_core.contours import HandEdit, Kind, Mark, Outline, Verdict, outline_of
+from cpm_core.numerics import Position
 
 NAMES: Mapping[Kind, str] = MappingProxyType(
     {

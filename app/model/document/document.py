@@ -12,22 +12,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.model.text.language import tr
-from cpm_core.contours.hand_edits import HandEdit
-from cpm_core.contours.packed_surface import PackedSurface
-from cpm_core.contours.review import Mark
-from cpm_core.field.placed_charges import PlacedCharge
+from cpm_core import PARAMETERS, PRESETS, Image, Parameters, PlacedCharge
+from cpm_core.contours import HandEdit, Mark, PackedSurface
+from cpm_core.formats import Reading
 from cpm_core.formats.images import resolution
-from cpm_core.formats.images.reading import DEFAULT, Reading
-from cpm_core.image.image import Image
-from cpm_core.image.pyramid import most_scales
-from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.medial_axis.outlines import Outlined
+from cpm_core.formats.images.reading import DEFAULT
+from cpm_core.image import AnyRegions, most_scales
+from cpm_core.medial_axis import Outlined
 from cpm_core.objects.methods import Compared
-from cpm_core.objects.segmented.segmented_object import Line, SegmentedObjects
-from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
-from cpm_core.shapes import Interest, Points, Shape, Start
-from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_of, starts_of
-from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds, ImageStart
+from cpm_core.objects.segmented import Line, SegmentedObjects
+from cpm_core.shapes import (
+    NO_SEEDS,
+    ImageSeeds,
+    ImageStart,
+    Interest,
+    Points,
+    Shape,
+    Start,
+    charges_of,
+    regions_of,
+    seeds_of,
+    starts_of,
+)
 
 Mode = Literal["shape", "automatic", "skeleton"]
 """Purpose of a run; see `app.model.document.modes`."""

@@ -12,10 +12,8 @@ import numpy as np
 
 from app.model.document.document import Document
 from app.model.parameters import controls
-from cpm_core.numerics import polyline
-from cpm_core.numerics.real_numbers import voxel_sides
-from cpm_core.numerics.types import Array, Place, Position
-from cpm_core.parameters import Parameters
+from cpm_core import Parameters
+from cpm_core.numerics import Array, Place, Position, polyline, voxel_sides
 from cpm_core.shapes import Everywhere, Kind, Points, Shape
 
 

@@ -11,17 +11,12 @@ import scipy
 
 from app.model.document.document import Document
 from app.model.text.language import tr
-from cpm_core.contours.contour import Contour
-from cpm_core.contours.packed_surface import PackedSurface
-from cpm_core.contours.surface import Surface, inside_of
-from cpm_core.formats.contour_file import ContourFile
-from cpm_core.image.image import Image
-from cpm_core.medial_axis.centerlines import Centerlines
-from cpm_core.numerics.types import Array, Place
-from cpm_core.objects.segmented.segmented_object import Click, Line, SegmentedObject
-from cpm_core.objects.volume_partition import VolumePartition
-from cpm_core.shapes import Points, Polygon, Stroke
-from cpm_core.shapes.outlines import start_on_surface, starts_along, starts_in
+from cpm_core import Centerlines, Contour, Image, Surface, VolumePartition
+from cpm_core.contours import PackedSurface, inside_of
+from cpm_core.formats import ContourFile
+from cpm_core.numerics import Array, Place
+from cpm_core.objects.segmented import Click, Line, SegmentedObject
+from cpm_core.shapes import Points, Polygon, Stroke, start_on_surface, starts_along, starts_in
 
 MOST = 1000
 """Most contours that are taken over: each is a shape or an object that can be moved and named by itself."""

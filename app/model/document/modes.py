@@ -11,11 +11,10 @@ from app.model.document.document import Document, ImageReference, Mode
 from app.model.document.edits import use_preset
 from app.model.parameters.controls import RATIO
 from app.model.text.language import tr
-from cpm_core.image.image import Image
-from cpm_core.image.kind import Kind
-from cpm_core.medial_axis.outlines import Outlined
-from cpm_core.parameters import OF_PLANES, OF_VOLUMES, PRESETS, Parameters
-from cpm_core.segmentation.method import METHODS
+from cpm_core import METHODS, PRESETS, Image, Parameters
+from cpm_core.image import Kind
+from cpm_core.medial_axis import Outlined
+from cpm_core.parameters import OF_PLANES, OF_VOLUMES
 from cpm_core.shapes import Everywhere, Limit, Shape
 
 

@@ -11,26 +11,21 @@ import numpy as np
 from app.model.document import edits
 from app.model.document.document import Document
 from app.model.text.language import tr
-from cpm_core.contours.contour import Bridge, Contour
-from cpm_core.contours.packed_surface import PackedSurface
-from cpm_core.contours.result import Result
-from cpm_core.contours.surface import Surface
-from cpm_core.numerics import polyline
-from cpm_core.numerics.polyline import length, thinned
-from cpm_core.numerics.types import Array, Place, Position
-from cpm_core.objects.objects_result import boundaries_result
-from cpm_core.objects.segmented.areas import lies_on, union
-from cpm_core.objects.segmented.segmented_object import (
+from cpm_core import Bridge, Contour, Result, Selection, Surface, VolumeSelection
+from cpm_core.contours import PackedSurface
+from cpm_core.numerics import Array, Place, Position, length, polyline, thinned
+from cpm_core.objects import boundaries_result
+from cpm_core.objects.segmented import (
     Click,
     Line,
     ObjectClass,
     SegmentedObject,
     SegmentedObjects,
     contours_of,
+    lies_on,
+    union,
 )
-from cpm_core.objects.selection import Selection
-from cpm_core.objects.volume_partition import VolumeSelection
-from cpm_core.parameters.provenance import Provenance
+from cpm_core.parameters import Provenance
 from cpm_core.shapes import Barrier, EnclosedRegion, EnclosingWall, Points, Polygon, Region
 
 AnySelection = Selection | VolumeSelection

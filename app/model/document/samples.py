@@ -12,7 +12,7 @@ from typing import Any
 from app.model.document.document import Mode
 from app.model.text.assets import asset
 from app.model.text.language import from_core
-from cpm_core.parameters import PRESETS, Parameters
+from cpm_core import PRESETS, Parameters
 from cpm_core.shapes import SHAPES, Shape
 
 

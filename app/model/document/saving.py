@@ -10,8 +10,8 @@ from typing import Any
 from app.model.document.document import Document, ImageReference
 from app.model.document.modes import is_only_in_another_mode, mode_called
 from app.model.text.language import tr
-from cpm_core.formats.sessions.session_file import ImageFile, SessionFile
-from cpm_core.parameters import Parameters
+from cpm_core import Parameters
+from cpm_core.formats import ImageFile, SessionFile
 
 _PARTS = (
     (tr("the drawing"), ("shapes",)),

@@ -10,8 +10,8 @@ from typing import Any
 
 from app.model.text.language import from_core, tr, written
 from app.model.text.wording import FORMULAS, Wording, rich
-from cpm_core.parameters import AUTOMATIC, DEFAULTS, OF_STARTS, PARAMETERS, Parameters
-from cpm_core.parameters.choices import CHOICES, Invalidates
+from cpm_core import PARAMETERS, Parameters
+from cpm_core.parameters import AUTOMATIC, CHOICES, DEFAULTS, OF_STARTS, Invalidates
 
 RATIO = "ratio"
 HIGHEST_RATIO = 0.99

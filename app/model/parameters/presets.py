@@ -7,9 +7,9 @@ from dataclasses import asdict, dataclass
 from functools import cache
 
 from app.model.text.language import reason, tr
-from cpm_core.formats.sessions.plain import parameters_from_plain
-from cpm_core.parameters import PLANE_PRESETS, Parameters
-from cpm_core.parameters.quotation import shown
+from cpm_core import Parameters
+from cpm_core.formats import parameters_from_plain
+from cpm_core.parameters import PLANE_PRESETS, shown
 
 SUFFIX = ".cpmpreset"
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from app.model.display.lengths import shown_in
 from app.model.text.language import tr, written
-from cpm_core.contours.surface import Surface
+from cpm_core import Surface
 
 SURFACE, CLOSED, EULER = tr("Surface"), tr("Closed"), tr("Euler char.")
 AREA, VOLUME, SUPPORT = tr("Area"), tr("Volume"), tr("Support")

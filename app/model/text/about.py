@@ -6,7 +6,7 @@ import platform
 from importlib import metadata
 
 from app.model.text.language import tr
-from cpm_core.formats.common.provenance import VERSION
+from cpm_core import VERSION
 
 PURPOSE = tr("Finds contours in images by letting charged particles flow to them.")
 

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from app.model.text.language import tr
-from cpm_core.formats.images.reading import Reading
-from cpm_core.formats.images.stack import ONLY_THESE, Stack
-from cpm_core.image.image import MINIMUM_SIDE
+from cpm_core.formats import ONLY_THESE, Reading, Stack
+from cpm_core.image import MINIMUM_SIDE
 
 _WORDS = {
     "plane": (tr("{count} planes"), tr("plane {number}")),

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.model.volume.slices import Slice
-from cpm_core.numerics.types import Array, Single
+from cpm_core.numerics import Array, Single
 
 _MOST = 1 << 18
 """Voxels of which a force is kept, at most about so many: a view shows some hundred arrows."""

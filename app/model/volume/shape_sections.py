@@ -11,8 +11,8 @@ import numpy as np
 
 from app.model.volume.slices import Slice
 from app.model.volume.surface_section import section
-from cpm_core.field.placed_charges import RADIUS
-from cpm_core.numerics.types import Array, Position
+from cpm_core.field import RADIUS
+from cpm_core.numerics import Array, Position
 from cpm_core.shapes import (
     Barrier,
     Box,
@@ -20,9 +20,12 @@ from cpm_core.shapes import (
     BoxRegion,
     BoxThreshold,
     Charge,
+    Cuboid,
+    Ellipse,
     EnclosedRegion,
     EnclosingWall,
     Everywhere,
+    Extruded,
     Grid,
     Interest,
     Points,
@@ -34,11 +37,9 @@ from cpm_core.shapes import (
     Stroke,
     Threshold,
     Wall,
+    WithoutOutline,
 )
-from cpm_core.shapes.ellipse import Ellipse
-from cpm_core.shapes.path import SMALLEST, WithoutOutline
-from cpm_core.shapes.solids import Cuboid
-from cpm_core.shapes.volume_limits import Extruded
+from cpm_core.shapes.path import SMALLEST
 
 NEAR = 1.0
 """Distance from a slice up to which it shows a point, in sides of the smallest voxel."""

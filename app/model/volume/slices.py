@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.model.text.language import tr
-from cpm_core.image.image import Image
-from cpm_core.numerics.types import Array, Place, Position
+from cpm_core import Image
+from cpm_core.numerics import Array, Place, Position
 
 T = TypeVar("T", int, float)
 V = TypeVar("V", bound=np.generic)

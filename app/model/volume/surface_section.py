@@ -10,15 +10,10 @@ import numpy as np
 
 from app.model.document.objects import AnySelection
 from app.model.volume.slices import Slice
-from cpm_core.contours.contour import Contour
-from cpm_core.contours.measurements import Measures
-from cpm_core.contours.surface import Surface
-from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Index, Place
-from cpm_core.objects.segmented.segmented_object import Click, Line, SegmentedObject, SegmentedObjects
-from cpm_core.objects.selection import Selection
-from cpm_core.objects.volume_partition import VolumeSelection
+from cpm_core import Contour, Selection, Skeleton, Surface, VolumeSelection
+from cpm_core.contours import Measures
+from cpm_core.numerics import Array, Index, Place, polyline
+from cpm_core.objects.segmented import Click, Line, SegmentedObject, SegmentedObjects
 
 _MOST = 8
 """Number of slices whose lines are kept with one surface: they are asked for again whenever the pointer moves."""

@@ -8,11 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour
-from cpm_core.contours.measurements import Measures, measure
-from cpm_core.contours.result import Result
-from cpm_core.contours.review import REACH, Mark, Neighborhood, attached, middle, with_kept
-from cpm_core.numerics.types import Position
+from cpm_core import Contour, Result, measure
+from cpm_core.contours import REACH, Mark, Measures, Neighborhood, attached, middle, with_kept
+from cpm_core.numerics import Position
 
 
 @dataclass(frozen=True, eq=False, slots=True)

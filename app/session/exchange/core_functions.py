@@ -6,11 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from cpm_core.formats import export, load_image, load_volume
-from cpm_core.image.image import Image
-from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.parameters import Parameters
-from cpm_core.segmentation.method import METHODS, Method
+from cpm_core import METHODS, Image, Method, Parameters, export, load_image, load_volume
+from cpm_core.image import AnyRegions
 from cpm_core.warm_up import warm_up_runs, warm_up_volumes
 
 

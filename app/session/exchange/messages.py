@@ -21,17 +21,13 @@ from app.model.volume.parts import Parts
 from app.model.volume.sampled_volumes import SampledForce, SampledValues
 from app.session.exchange.contour_tracking import ContourTracker, TrackedContours
 from app.session.timeline.timeline import Outline
-from cpm_core.contours.result import Result
-from cpm_core.formats.images.reading import DEFAULT, Reading
-from cpm_core.formats.sessions.session_file import SessionFile
-from cpm_core.image.image import Image
-from cpm_core.image.kind import Kind
-from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.numerics.types import Array
-from cpm_core.parameters import Parameters
-from cpm_core.segmentation.large_images import LargeImageSettings
-from cpm_core.segmentation.method import Method, MethodState
-from cpm_core.shapes.image_starts import ImageSeeds
+from cpm_core import Image, Method, Parameters, Result, Skeleton
+from cpm_core.formats import Reading, SessionFile
+from cpm_core.formats.images.reading import DEFAULT
+from cpm_core.image import Kind
+from cpm_core.numerics import Array
+from cpm_core.segmentation import LargeImageSettings, MethodState
+from cpm_core.shapes import ImageSeeds
 
 log = logging.getLogger(__name__)
 

@@ -18,19 +18,12 @@ from app.session.exchange.messages import Report, sentence
 from app.session.features.truth_comparison import GroundTruth
 from app.session.session import Session
 from app.session.tasks.tasks import Task
-from cpm_core.contours.agreement import compare
-from cpm_core.contours.ground_truth import Truth
-from cpm_core.contours.result import Result
-from cpm_core.contours.review import apply, with_kept
+from cpm_core import CONTOUR_METHODS, Engine, Facts, Image, Result, Start, Truth, compare, facts_of, moments
+from cpm_core.contours import apply, with_kept
 from cpm_core.formats import comparison
-from cpm_core.image.image import Image
-from cpm_core.numerics.parallel import cores
-from cpm_core.objects.methods import CONTOUR_METHODS, Facts, Start, facts_of, moments, result_of
-from cpm_core.segmentation.engine import Engine
-from cpm_core.shapes import Barrier, Charge, Region
-from cpm_core.shapes.document_shapes import starts_of
-from cpm_core.shapes.image_starts import SeedCache
-from cpm_core.shapes.outlines import outlines_of
+from cpm_core.numerics import cores
+from cpm_core.objects.methods import result_of
+from cpm_core.shapes import Barrier, Charge, Region, SeedCache, outlines_of, starts_of
 
 
 @dataclass(frozen=True, eq=False, slots=True)

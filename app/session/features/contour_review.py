@@ -14,10 +14,9 @@ from app.model.document.document import Document
 from app.model.text.language import tr
 from app.session.scene import NO_CONTOURS, Item, ReviewedContours
 from app.session.session import Session
-from cpm_core.contours.result import Result
-from cpm_core.contours.review import Neighborhood, Verdict, anchor
-from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Position
+from cpm_core import Result
+from cpm_core.contours import Neighborhood, Verdict, anchor
+from cpm_core.numerics import Array, Position, polyline
 
 _PLACES = 24
 """Number of places along a contour that are compared with an outline."""

@@ -14,13 +14,12 @@ from app.session.features.contour_review import ContourReview
 from app.session.scene import Item, ReviewedContours
 from app.session.session import Session
 from app.session.worker.requests import EDGES, EdgesFound, FindEdges
-from cpm_core.contours.contour import Contour
-from cpm_core.contours.hand_edits import HandEdit, Path
-from cpm_core.field.scale_field import ScaleField
-from cpm_core.numerics.types import Array, Position
+from cpm_core import Contour
+from cpm_core.contours import HandEdit, Path
+from cpm_core.field import ScaleField
+from cpm_core.numerics import Array, Position
 from cpm_core.parameters import invalidating
-from cpm_core.reconstruction.by_hand.live_wire import LiveWire, nearest_ridge, on_ridge
-from cpm_core.reconstruction.by_hand.operations import Contact, chain, cut, deletion, pull, wire_from
+from cpm_core.reconstruction import Contact, LiveWire, chain, cut, deletion, nearest_ridge, on_ridge, pull, wire_from
 
 Way = Callable[[Position], Array]
 """The path from some place to another one, shape (K, 2) [px]."""

@@ -12,8 +12,7 @@ from app.session.exchange.messages import CommandFailed, Report
 from app.session.session import Session
 from app.session.tasks.opening import images_in
 from app.session.tasks.tasks import Task
-from cpm_core.formats.common.content import fingerprint
-from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, save_session
+from cpm_core.formats import SUFFIX, SessionFile, fingerprint, save_session
 
 TOPIC = "batch"
 """What messages on it belong to."""

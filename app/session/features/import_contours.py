@@ -14,12 +14,17 @@ from app.model.text.language import tr
 from app.session.exchange.messages import Report
 from app.session.session import Session
 from app.session.tasks.tasks import Task
-from cpm_core.formats import CONTOURS_READABLE, FOR_CENTERLINES, load_centerlines, load_points
-from cpm_core.formats.common.atomic import write_together
-from cpm_core.formats.contour_file import decode_contours, plane_of, read_contours
-from cpm_core.formats.contours.contents import Plane
-from cpm_core.formats.surface_file import read_surface
-from cpm_core.image.image import Image
+from cpm_core import Image, load_centerlines, load_points
+from cpm_core.formats import (
+    CONTOURS_READABLE,
+    FOR_CENTERLINES,
+    Plane,
+    decode_contours,
+    plane_of,
+    read_contours,
+    read_surface,
+    write_together,
+)
 from cpm_core.shapes import Points
 
 MOST_POINTS = 100_000

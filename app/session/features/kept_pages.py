@@ -22,21 +22,12 @@ from app.session.timeline.moments import RunAction, Stepped
 from app.session.timeline.plain_runs import FIGURES, RunsWriter
 from app.session.timeline.stored_runs import StoredBranch, StoredRun, StoredRuns
 from app.session.undo_history import History
-from cpm_core.contours.contour import Contour
-from cpm_core.contours.result import Result
-from cpm_core.contours.review import apply, middle, with_kept
-from cpm_core.formats import load_pages
-from cpm_core.formats.contours.contour_json import page_from_plain, page_to_plain
-from cpm_core.formats.images.reading import Reading
-from cpm_core.formats.images.stack import Pages
-from cpm_core.formats.sessions.session_file import SessionFile, decode, encode
-from cpm_core.image.image import Image
-from cpm_core.pages.follow import Follower, fitting, trouble_of
-from cpm_core.pages.page import Page, StackResult, StartingLine
-from cpm_core.segmentation.method import Method, MethodState
-from cpm_core.shapes import Polygon, Shape, Start, Stroke
-from cpm_core.shapes.document_shapes import check_axes, starts_of
-from cpm_core.shapes.image_starts import SeedCache
+from cpm_core import Contour, Image, Method, Page, Result, load_pages
+from cpm_core.contours import apply, middle, with_kept
+from cpm_core.formats import Pages, Reading, SessionFile, decode, encode, page_from_plain, page_to_plain
+from cpm_core.pages import Follower, StackResult, StartingLine, fitting, trouble_of
+from cpm_core.segmentation import MethodState
+from cpm_core.shapes import Polygon, SeedCache, Shape, Start, Stroke, check_axes, starts_of
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,12 +17,9 @@ from app.model.text.language import tr
 from app.model.volume.surface_section import holds, size_of
 from app.session.features.background import LatestOnlyWorker
 from app.session.session import Session
-from cpm_core.contours.surface import Surface
-from cpm_core.image.image import Image
-from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Place, Position
-from cpm_core.objects.segmented.areas import painted, union
-from cpm_core.objects.segmented.segmented_object import Line, SegmentedObject, SegmentedObjects
+from cpm_core import Image, Surface
+from cpm_core.numerics import Array, Place, Position, polyline
+from cpm_core.objects.segmented import Line, SegmentedObject, SegmentedObjects, painted, union
 
 
 @dataclass(frozen=True, slots=True)

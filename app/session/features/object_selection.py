@@ -20,16 +20,10 @@ from app.session.features.selector import AnySelector, Partitions, selector_on
 from app.session.scene import Proposal
 from app.session.session import Session
 from app.session.tasks.tasks import Task
-from cpm_core.contours.result import Result
-from cpm_core.image.image import Image
-from cpm_core.numerics.types import Array, Place
-from cpm_core.objects.partition import Partition
-from cpm_core.objects.segmented.segmented_object import Click, selection_of
-from cpm_core.objects.selection import Selection
-from cpm_core.objects.similar import similar
-from cpm_core.objects.volume_partition import VolumeSelection
-from cpm_core.shapes import Everywhere
-from cpm_core.shapes.image_starts import ImageStart
+from cpm_core import Image, Partition, Result, Selection, VolumeSelection, similar
+from cpm_core.numerics import Array, Place
+from cpm_core.objects.segmented import Click, selection_of
+from cpm_core.shapes import Everywhere, ImageStart
 
 MOST_OFFERED = 1 << 23
 """Pixels up to which the objects of the starts are offered; a partition takes some 200 bytes for each, and time."""

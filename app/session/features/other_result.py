@@ -16,12 +16,7 @@ from app.session.scene import NO_CONTOURS, ReviewedContours, Scene
 from app.session.session import Session
 from app.session.worker.requests import Compared
 from app.session.worker.run import RESTING_SPEED
-from cpm_core.contours.contour import Contour
-from cpm_core.contours.ground_truth import Truth, VolumeTruth
-from cpm_core.contours.measurements import measure
-from cpm_core.contours.result import Result
-from cpm_core.image.image import Image
-from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core import Contour, Image, Result, Skeleton, Truth, VolumeTruth, measure
 
 Kind = Literal["branch", "kept", "truth", "image"]
 

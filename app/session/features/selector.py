@@ -16,17 +16,23 @@ from app.session.features.background import LatestOnlyWorker
 from app.session.scene import Proposal
 from app.session.session import Session
 from app.session.tasks.tasks import Task
-from cpm_core.contours.result import Result
-from cpm_core.image.image import Image
-from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.model.starts import uniform_grid
-from cpm_core.numerics.types import Array, Mask
-from cpm_core.objects.partition import EVERYWHERE, Partition, partition
-from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, places_of, selection_of
-from cpm_core.objects.selection import Selection
-from cpm_core.objects.volume_partition import VolumePartition, VolumeSelection
-from cpm_core.parameters import PRESETS, Parameters
-from cpm_core.segmentation.evolve import segment
+from cpm_core import (
+    PRESETS,
+    Image,
+    Parameters,
+    Partition,
+    Result,
+    Selection,
+    VolumePartition,
+    VolumeSelection,
+    partition,
+    segment,
+    uniform_grid,
+)
+from cpm_core.image import AnyRegions
+from cpm_core.numerics import Array, Mask
+from cpm_core.objects import EVERYWHERE
+from cpm_core.objects.segmented import Click, SegmentedObject, places_of, selection_of
 
 _QUIET = 250
 """Time without a change to parameters or limits after which a run from everywhere begins again [ms]."""

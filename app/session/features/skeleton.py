@@ -9,9 +9,7 @@ from app.model.document.document import Document
 from app.model.state.resolve import skeleton_of
 from app.model.text.language import tr
 from app.session.session import Session
-from cpm_core.image.image import Image
-from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.parameters import Parameters
+from cpm_core import Image, Parameters, Skeleton
 
 
 class Skeletons(QObject):

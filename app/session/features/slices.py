@@ -24,13 +24,11 @@ from app.session.features.background import AsyncCache, IdentityCache
 from app.session.scene import NO_CONTOURS, Item, NearParticles, ReviewedContours, Scene, ShownObjects
 from app.session.session import Session
 from app.session.worker.requests import Probed
-from cpm_core.contours.review import ReviewedContour
-from cpm_core.image.image import Image
-from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.numerics.types import Array, Index, Place
-from cpm_core.objects.segmented.segmented_object import SegmentedObjects
-from cpm_core.shapes import Shape
-from cpm_core.shapes.image_starts import ImageSeeds, ImageStart
+from cpm_core import Image, Skeleton
+from cpm_core.contours import ReviewedContour
+from cpm_core.numerics import Array, Index, Place
+from cpm_core.objects.segmented import SegmentedObjects
+from cpm_core.shapes import ImageSeeds, ImageStart, Shape
 
 AT_ONCE = 1 << 21
 """Largest number of pixels of a slice that is made at once: three of them take a third of a frame of 50 ms."""

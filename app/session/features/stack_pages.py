@@ -40,13 +40,10 @@ from app.session.storage.session_file import DocumentFile, Written
 from app.session.tasks.opening import Wanted
 from app.session.tasks.tasks import Task
 from app.session.undo_history import Change, History
-from cpm_core.contours.measurements import centroid
-from cpm_core.contours.result import Result
-from cpm_core.contours.review import apply
-from cpm_core.formats.common.provenance import plain_shapes
-from cpm_core.formats.contours.stack import export_stack
-from cpm_core.formats.sessions.session_file import ImageFile
-from cpm_core.pages.page import StackResult, starts_after
+from cpm_core import Result
+from cpm_core.contours import apply, centroid
+from cpm_core.formats import ImageFile, export_stack, plain_shapes
+from cpm_core.pages import StackResult, starts_after
 from cpm_core.shapes import Start
 
 _QUIET, _WHILE_RUNNING = 200, 1500

@@ -13,8 +13,7 @@ from app.session.timeline.timeline import Branch, Outline
 from app.session.worker.commands import RunCall
 from app.session.worker.requests import Compare, Compared, Seek
 from app.session.worker.run import Run
-from cpm_core.contours.result import Result
-from cpm_core.parameters import Parameters
+from cpm_core import Parameters, Result
 
 _EVERY, _SELDOM, _QUIET = 100, 500, 200
 """Time between two comparisons while the timeline is scrubbed and during a run, and time without a change after which

@@ -15,14 +15,21 @@ from app.session.exchange.messages import CommandFailed, Report
 from app.session.features.background import LatestOnlyWorker
 from app.session.features.contour_review import ContourReview
 from app.session.session import Session
-from cpm_core.contours.agreement import TOLERANCE, Comparison, compare
-from cpm_core.contours.contour import Contour
-from cpm_core.contours.ground_truth import Truth, VolumeTruth
-from cpm_core.contours.surface import Surface
-from cpm_core.contours.surface_agreement import SurfaceComparison, compare_surface
-from cpm_core.formats.ground_truth_file import load_truth, load_volume_truth
-from cpm_core.formats.sessions.session_file import TruthFile
-from cpm_core.image.image import Image
+from cpm_core import (
+    Comparison,
+    Contour,
+    Image,
+    Surface,
+    SurfaceComparison,
+    Truth,
+    VolumeTruth,
+    compare,
+    compare_surface,
+    load_truth,
+    load_volume_truth,
+)
+from cpm_core.contours import TOLERANCE
+from cpm_core.formats import TruthFile
 
 _TOPIC = "truth"
 

@@ -12,7 +12,7 @@ from PySide6.QtCore import QObject, QSettings, Signal
 
 from app.model.parameters.presets import SUFFIX, Preset, built_in, checked_name, read, written
 from app.model.text.language import tr
-from cpm_core.formats.common.atomic import write_together
+from cpm_core.formats import write_together
 
 _log = logging.getLogger(__name__)
 

@@ -24,8 +24,7 @@ from app.session.exchange.messages import sentence as _sentence
 from app.session.storage.preferences import Preferences
 from app.session.storage.session_file import DocumentFile
 from app.session.tasks.opening import Wanted
-from cpm_core.formats.common.atomic import remove_abandoned
-from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, load_session, save_session
+from cpm_core.formats import SUFFIX, SessionFile, load_session, remove_abandoned, save_session
 
 KEY = "journal"
 """Key under which a journal, otherwise a session file, names the file and the work that it belongs to."""

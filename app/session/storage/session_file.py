@@ -19,7 +19,7 @@ from app.session.session import Session
 from app.session.signals import SAVING
 from app.session.storage.run_keeping import RunKeeping
 from app.session.tasks.tasks import Task
-from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, TruthFile, save_session
+from cpm_core.formats import SUFFIX, SessionFile, TruthFile, save_session
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -15,17 +15,22 @@ from app.model.volume.parts import Parts
 from app.session.exchange.core_functions import Core
 from app.session.exchange.messages import ImageReady, NotOpened, Opened, Report, Saved
 from app.session.tasks.tasks import Task, Tasks
-from cpm_core.formats import READABLE, open_stack
+from cpm_core import Image, Parameters
+from cpm_core.formats import (
+    READABLE,
+    SUFFIX,
+    Reading,
+    UnchosenError,
+    dicom_files_beside,
+    find_image,
+    load_session,
+    open_stack,
+)
 from cpm_core.formats.images import raster
-from cpm_core.formats.images.dicom import dicom_files_beside
-from cpm_core.formats.images.reading import DEFAULT, Reading, UnchosenError
-from cpm_core.formats.sessions.session_file import SUFFIX, find_image, load_session
-from cpm_core.image.image import MINIMUM_SIDE, Image
-from cpm_core.image.kind import guessed_kind
-from cpm_core.image.pyramid import most_scales
-from cpm_core.parameters import Parameters
-from cpm_core.segmentation.large_images import large_image_settings
-from cpm_core.shapes.document_shapes import check_axes
+from cpm_core.formats.images.reading import DEFAULT
+from cpm_core.image import MINIMUM_SIDE, guessed_kind, most_scales
+from cpm_core.segmentation import large_image_settings
+from cpm_core.shapes import check_axes
 
 _NUMBER = re.compile(r"(\d+)")
 

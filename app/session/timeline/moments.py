@@ -9,12 +9,10 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cpm_core.field.placed_charges import PlacedCharge
-from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Place
-from cpm_core.parameters import Parameters
-from cpm_core.segmentation.method import Method, MethodState, Steerable
+from cpm_core import Method, Parameters, PlacedCharge
+from cpm_core.image import AnyRegions
+from cpm_core.numerics import Array, Place, polyline
+from cpm_core.segmentation import MethodState, Steerable
 
 BranchStep = tuple[int, int]
 """Branch and step."""

@@ -19,13 +19,15 @@ from app.model.text.language import reason, tr
 from app.session.timeline.moments import BranchStep, Erased, Joined, RunAction, Stepped
 from app.session.timeline.stored_runs import StoredBranch, StoredRun, StoredRuns
 from app.session.timeline.timeline import MOST_RUNS
-from cpm_core.field.placed_charges import PlacedCharge, in_order
-from cpm_core.formats.images.reading import Reading
-from cpm_core.formats.sessions.particle_state import state_from_plain, state_to_plain
-from cpm_core.formats.sessions.plain import (
+from cpm_core import Parameters, PlacedCharge, State
+from cpm_core.field import in_order
+from cpm_core.formats import (
     NAMES,
+    Reading,
     array_from_plain,
     array_to_plain,
+    decode,
+    encode,
     from_plain,
     items,
     mapping,
@@ -35,14 +37,13 @@ from cpm_core.formats.sessions.plain import (
     regions_to_plain,
     shape_from_plain,
     shape_to_plain,
+    state_from_plain,
+    state_to_plain,
     to_plain,
 )
-from cpm_core.formats.sessions.session_file import decode, encode
-from cpm_core.model.state import State
-from cpm_core.numerics.types import Place, Position
-from cpm_core.objects.segmented.segmented_object import SegmentedObjects
-from cpm_core.parameters import Parameters
-from cpm_core.parameters.quotation import shown
+from cpm_core.numerics import Place, Position
+from cpm_core.objects.segmented import SegmentedObjects
+from cpm_core.parameters import shown
 from cpm_core.shapes import Points, Start
 
 MOST = 24 * 2**20

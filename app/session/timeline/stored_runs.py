@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 
 from app.model.document.document import Document
 from app.session.timeline.moments import BranchStep, RunAction
-from cpm_core.numerics.types import Array, Position
-from cpm_core.segmentation.method import MethodState
+from cpm_core.numerics import Array, Position
+from cpm_core.segmentation import MethodState
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -15,8 +15,8 @@ from itertools import takewhile
 from app.model.text.language import tr
 from app.session.timeline.moments import BranchStep, KeptStates, Moment, RunAction
 from app.session.timeline.stored_runs import StoredBranch
-from cpm_core.parameters import Parameters
-from cpm_core.segmentation.method import MethodState
+from cpm_core import Parameters
+from cpm_core.segmentation import MethodState
 
 MOST_RUNS = 12
 """Largest number of runs that are kept."""

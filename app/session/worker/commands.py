@@ -35,12 +35,9 @@ from app.session.exchange.messages import (
 from app.session.tasks.tasks import Task
 from app.session.timeline.plain_runs import Plain, RunsWriter, runs_from_plain
 from app.session.worker.run import Run
-from cpm_core.contours.result import Result
-from cpm_core.formats import encoded
-from cpm_core.formats.writers import DRAWN, IN_SPACE
-from cpm_core.image.image import Image
-from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.shapes.image_starts import NO_SEEDS
+from cpm_core import Image, Result, Skeleton, encoded
+from cpm_core.formats import DRAWN, IN_SPACE
+from cpm_core.shapes import NO_SEEDS
 
 P = ParamSpec("P")
 

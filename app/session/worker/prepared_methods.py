@@ -23,15 +23,12 @@ from app.model.text.language import tr
 from app.model.volume.sampled_volumes import SampledForce, SampledValues
 from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Drawn, Overlays, sentence
-from cpm_core.contours.contour import Contour
-from cpm_core.field.placed_charges import PlacedCharge
-from cpm_core.image.image import Image
-from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.medial_axis.skeleton_method import SkeletonMethod
-from cpm_core.numerics.types import Array
-from cpm_core.parameters import Parameters, invalidating
-from cpm_core.segmentation.method import METHODS, Method
-from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds, SeedCache
+from cpm_core import METHODS, Contour, Image, Method, Parameters, PlacedCharge
+from cpm_core.image import AnyRegions
+from cpm_core.medial_axis import SkeletonMethod
+from cpm_core.numerics import Array
+from cpm_core.parameters import invalidating
+from cpm_core.shapes import NO_SEEDS, ImageSeeds, SeedCache
 
 
 class PreparedMethods:

@@ -16,15 +16,12 @@ from app.model.text.language import tr
 from app.session.exchange.contour_tracking import ContourTracker
 from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Reconstruction, ReconstructionFailed, sentence
-from cpm_core.contours.hand_edits import HandEdit, apply_to_result
-from cpm_core.contours.result import Result
-from cpm_core.image.image import Image
-from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.model.image_fields import ImageFields
-from cpm_core.numerics.types import Position
-from cpm_core.parameters import Parameters
-from cpm_core.reconstruction.by_hand.operations import carried_out
-from cpm_core.segmentation.method import Method, MethodState
+from cpm_core import Image, Method, Parameters, Result, Skeleton
+from cpm_core.contours import HandEdit, apply_to_result
+from cpm_core.model import ImageFields
+from cpm_core.numerics import Position
+from cpm_core.reconstruction import carried_out
+from cpm_core.segmentation import MethodState
 
 _SHORTEST_PAUSE = 0.15
 _REST_PER_WORK = 5.0

@@ -17,9 +17,10 @@ from app.model.text.language import reason
 from app.session.timeline.moments import RunAction, Stepped
 from app.session.timeline.stored_runs import StoredBranch, StoredRun, StoredRuns
 from app.session.timeline.timeline import Branch, Outline, Timeline
-from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.numerics.types import Array
-from cpm_core.segmentation.method import Method, MethodState
+from cpm_core import Method
+from cpm_core.image import AnyRegions
+from cpm_core.numerics import Array
+from cpm_core.segmentation import MethodState
 from cpm_core.shapes import Shape
 
 MEGABYTES = 256

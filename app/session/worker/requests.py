@@ -14,15 +14,12 @@ from app.session.exchange.contour_tracking import ContourTracker
 from app.session.exchange.messages import Reconstruction, Report, Snapshot, sentence
 from app.session.tasks.tasks import Task
 from app.session.worker.commands import Command, CommandContext
-from cpm_core.contours.agreement import Agreement, agreement
-from cpm_core.contours.result import Result
-from cpm_core.field.scale_field import ScaleField
-from cpm_core.image.image import Image
-from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.model.image_fields import ImageFields
-from cpm_core.numerics.types import Array, Place
-from cpm_core.parameters import Parameters
-from cpm_core.segmentation.method import MethodState, Steerable
+from cpm_core import Image, Parameters, Result, Skeleton
+from cpm_core.contours import Agreement, agreement
+from cpm_core.field import ScaleField
+from cpm_core.model import ImageFields
+from cpm_core.numerics import Array, Place
+from cpm_core.segmentation import MethodState, Steerable
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,17 +18,13 @@ from app.session.timeline.stored_runs import StoredRuns
 from app.session.worker.prepared_methods import OverlayMaker, PreparedMethods
 from app.session.worker.reconstruction import Reconstructor, Request, edited
 from app.session.worker.recorded_run import Begun, RecordedRun, RunRecord
-from cpm_core.contours.hand_edits import HandEdit
-from cpm_core.contours.result import Result
-from cpm_core.field.placed_charges import PlacedCharge
-from cpm_core.formats.common.provenance import plain_shapes
-from cpm_core.image.image import Image
-from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.numerics.types import Place
-from cpm_core.parameters import Parameters
-from cpm_core.segmentation.method import Method, MethodState, Steerable
-from cpm_core.shapes.image_starts import ImageSeeds
+from cpm_core import Image, Method, Parameters, PlacedCharge, Result, Skeleton
+from cpm_core.contours import HandEdit
+from cpm_core.formats import plain_shapes
+from cpm_core.image import AnyRegions
+from cpm_core.numerics import Place
+from cpm_core.segmentation import MethodState, Steerable
+from cpm_core.shapes import ImageSeeds
 
 RESTING_SPEED = 0.1
 """Speed below which a particle is shown as at rest [px per unit of time]."""

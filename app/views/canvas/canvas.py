@@ -10,7 +10,7 @@ from app.model.text.language import tr
 from app.views.canvas.image_view import ImageView
 from app.views.canvas.layers.layer import Requests
 from app.views.canvas.tools.tool import Tool, ToolInUse
-from cpm_core.numerics.types import Position
+from cpm_core.numerics import Position
 
 ZOOM = 1.2
 

@@ -22,8 +22,8 @@ from app.views.canvas.pointed import Pointed, part_around, selected_places
 from app.views.canvas.tools import TOOLS
 from app.views.canvas.tools.select import SelectTool
 from app.views.canvas.tools.tool import Tool, ToolContext
-from cpm_core.image.image import Image
-from cpm_core.numerics.types import Place, Position
+from cpm_core import Image
+from cpm_core.numerics import Place, Position
 from cpm_core.shapes import Circle, Shape, Sphere
 
 FIRST_TOOL = "circle"

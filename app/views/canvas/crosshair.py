@@ -13,7 +13,7 @@ from app.model.text.language import tr
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.items.item import Markers
 from app.views.theme import theme
-from cpm_core.numerics.types import Position
+from cpm_core.numerics import Position
 
 _Z = 9.0
 _SIZE = 36.0

@@ -17,7 +17,7 @@ from app.views.canvas.items.item import image_rectangle, to_position
 from app.views.canvas.layers import Layers
 from app.views.canvas.layers.layer import NoRequests, Requests
 from app.views.theme import theme
-from cpm_core.numerics.types import Place, Position
+from cpm_core.numerics import Place, Position
 
 _MARGIN = 0.04
 

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QLineEdit
 
 from app.views.canvas.canvas import Canvas
 from app.views.widgets.containers import keep_escape
-from cpm_core.numerics.types import Position
+from cpm_core.numerics import Position
 
 _WIDTH = 170
 

@@ -10,7 +10,7 @@ from app.model.volume.slices import Slice
 from app.session.features.slices import ShownSlices, hit_in
 from app.session.features.workspace import Workspace
 from app.views.canvas.image_view import ImageView
-from cpm_core.numerics.types import Array, Place
+from cpm_core.numerics import Array, Place
 from cpm_core.shapes import Charge
 
 

@@ -9,7 +9,7 @@ from app.model.display.lengths import size_text
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.model.volume.slices import AXES, Slices, planes_of
-from cpm_core.image.image import Image
+from cpm_core import Image
 
 _TIPS = (
     tr("Show planes: rows run down, columns to the right."),

@@ -12,8 +12,8 @@ from app.session.session import Session
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.image_view import ImageView
 from app.views.widgets.containers import keep_escape
-from cpm_core.image.image import Image
-from cpm_core.numerics.types import Place
+from cpm_core import Image
+from cpm_core.numerics import Place
 
 
 class PointerReadout(QLabel):

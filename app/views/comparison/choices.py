@@ -37,7 +37,8 @@ from app.model.parameters.controls import Control, controls
 from app.model.text.language import from_core, tr
 from app.session.session import Session
 from app.views.widgets.fields import DecimalField
-from cpm_core.objects.methods import CONTOUR_METHODS, Compared, Settings
+from cpm_core import CONTOUR_METHODS
+from cpm_core.objects.methods import Compared, Settings
 
 _VALUES = 3
 """Number of values of a parameter that are suggested."""

@@ -34,9 +34,8 @@ from app.session.session import Session
 from app.views.comparison.choices import MethodChoice, ParameterChoice
 from app.views.export.picture import Line, Picture
 from app.views.theme import theme
-from cpm_core.contours.contour import Contour
-from cpm_core.contours.ground_truth import Truth
-from cpm_core.shapes.outlines import outlines_of
+from cpm_core import Contour, Truth
+from cpm_core.shapes import outlines_of
 
 _SIDE = 290
 _LEAST_WIDTH, _MOST_WIDTH = 130, 420

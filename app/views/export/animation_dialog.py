@@ -22,7 +22,7 @@ from PySide6.QtWidgets import (
 from app.model.text.language import reason, tr, written
 from app.session.storage.preferences import Preferences
 from app.views.export.frames import NARROWEST, WIDEST, frame_size
-from cpm_core.formats.animation import check_encoder
+from cpm_core.formats import check_encoder
 
 _FORMATS = (
     (".gif", tr("GIF, shown by all programs")),

@@ -27,13 +27,10 @@ from app.views.canvas.items.item import image_rectangle
 from app.views.export.picture import Line, Picture
 from app.views.theme import theme
 from app.views.theme.theme import look
-from cpm_core.contours.result import Result
-from cpm_core.formats import FOR_CENTERLINES, FOR_SKELETONS, FOR_VOLUMES, OUTLINABLE, WRITABLE
-from cpm_core.formats.masks.labels import palette
-from cpm_core.formats.writers import IN_SPACE
-from cpm_core.image.geometry import CONVENTIONS
-from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.reconstruction.curve.closing import can_be_closed
+from cpm_core import Result, Skeleton
+from cpm_core.formats import FOR_CENTERLINES, FOR_SKELETONS, FOR_VOLUMES, IN_SPACE, OUTLINABLE, WRITABLE, palette
+from cpm_core.image import CONVENTIONS
+from cpm_core.reconstruction import can_be_closed
 
 _WIDTH = 330
 """Width of the sentences [px]."""

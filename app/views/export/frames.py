@@ -19,7 +19,7 @@ from app.session.worker.requests import FrameTaken, TakeFrame
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.image_view import ImageView
 from app.views.canvas.items.item import image_rectangle
-from cpm_core.numerics.types import Pixels
+from cpm_core.numerics import Pixels
 
 _INTERVAL = 15
 """Time between two checks whether another frame can be taken [ms]."""

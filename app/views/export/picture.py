@@ -14,7 +14,7 @@ from app.model.display.display_image import DisplayImage
 from app.views.canvas.items.item import to_xy
 from app.views.theme import theme
 from app.views.theme.theme import look
-from cpm_core.contours.contour import Contour
+from cpm_core import Contour
 
 _LINE, _HALO, _PALE = 1.7, 3.1, 1.0
 _FILL = 150

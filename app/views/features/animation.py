@@ -20,8 +20,9 @@ from app.views.export.frames import FrameRecorder, FrameRenderer, seen_part
 from app.views.widgets.actions import ActionSpec
 from app.views.window.dialogs import Files
 from app.views.window.feature import Feature, FeatureContext
-from cpm_core.formats.animation import ANIMATED, check_animation, write_animation
-from cpm_core.numerics.types import Pixels
+from cpm_core import write_animation
+from cpm_core.formats import ANIMATED, check_animation
+from cpm_core.numerics import Pixels
 
 _AHEAD = 4
 """Maximum number of frames that wait to be written."""

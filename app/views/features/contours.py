@@ -21,11 +21,10 @@ from app.views.widgets.actions import ActionSpec, Submenu
 from app.views.window.dialogs import Files, all_files
 from app.views.window.feature import Feature, FeatureContext, Panel
 from app.views.window.keyboard import Keys
-from cpm_core.contours.contour import Contour
-from cpm_core.contours.review import middle
-from cpm_core.formats import READABLE, SURFACES_READABLE
-from cpm_core.formats.contour_file import CONTOURS_READABLE
-from cpm_core.medial_axis.outlines import Outlined
+from cpm_core import Contour
+from cpm_core.contours import middle
+from cpm_core.formats import CONTOURS_READABLE, READABLE, SURFACES_READABLE
+from cpm_core.medial_axis import Outlined
 
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)

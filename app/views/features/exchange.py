@@ -33,13 +33,7 @@ from app.views.export.dialog import ExportDialog
 from app.views.widgets.actions import ActionSpec
 from app.views.window.dialogs import Button, Files, Question, all_files, ask_for_folder
 from app.views.window.feature import Feature, FeatureContext
-from cpm_core.formats import (
-    CONTOURS_READABLE,
-    FOR_CENTERLINES,
-    READABLE,
-    SURFACES_READABLE,
-    suffix_of,
-)
+from cpm_core.formats import CONTOURS_READABLE, FOR_CENTERLINES, READABLE, SURFACES_READABLE, suffix_of
 
 _SUFFIX = "files/export_suffix"
 """Preference: suffix of the last export."""

@@ -31,9 +31,7 @@ from app.views.widgets.containers import OfferBar
 from app.views.window import dialogs
 from app.views.window.dialogs import Button, Question, images_and_sessions, sessions
 from app.views.window.feature import Feature, FeatureContext
-from cpm_core.formats import CONTOURS_READABLE, FOR_CENTERLINES, READABLE, SURFACES_READABLE
-from cpm_core.formats.images.reading import Reading
-from cpm_core.formats.sessions.session_file import SUFFIX
+from cpm_core.formats import CONTOURS_READABLE, FOR_CENTERLINES, READABLE, SUFFIX, SURFACES_READABLE, Reading
 
 CONTOURS = frozenset((*CONTOURS_READABLE, *SURFACES_READABLE, *FOR_CENTERLINES)) - frozenset(READABLE)
 """Suffixes of files that are no documents, but contours or points for the one that is open."""

@@ -20,8 +20,8 @@ from app.views.widgets.actions import ActionSpec, Submenu
 from app.views.window.dialogs import ask_for_text
 from app.views.window.feature import Feature, FeatureContext, Panel
 from app.views.window.keyboard import Keys
-from cpm_core.numerics.types import Position
-from cpm_core.objects.segmented.segmented_object import SegmentedObject
+from cpm_core.numerics import Position
+from cpm_core.objects.segmented import SegmentedObject
 
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 

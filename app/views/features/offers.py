@@ -24,8 +24,8 @@ from app.views.files.pixel_size_dialog import PixelSizeDialog
 from app.views.widgets.actions import ActionSpec
 from app.views.widgets.containers import OfferBar
 from app.views.window.feature import Feature, FeatureContext
-from cpm_core.formats.images.reading import Reading
-from cpm_core.segmentation.large_images import LargeImageSettings
+from cpm_core.formats import Reading
+from cpm_core.segmentation import LargeImageSettings
 
 
 def offering(context: FeatureContext, offer: Callable[[Opened], None]) -> OfferBar:

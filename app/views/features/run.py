@@ -35,7 +35,7 @@ from app.views.window.bars import TaskBar
 from app.views.window.dialogs import Files
 from app.views.window.feature import Feature, FeatureContext, OneDialog, Panel
 from app.views.window.keyboard import Keys
-from cpm_core.formats.comparison import PICTURE, TABLE
+from cpm_core.formats import PICTURE, TABLE
 
 _UPDATE_EVERY = 250
 """Time between two updates of the panel during the run [ms]."""

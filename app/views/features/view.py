@@ -25,7 +25,7 @@ from app.views.theme import theme
 from app.views.theme.theme import Look, Theme, use_look
 from app.views.widgets.actions import LAYER, ActionSpec, Submenu
 from app.views.window.feature import Feature, FeatureContext, Panel
-from cpm_core.contours.result import Result
+from cpm_core import Result
 
 _KEY = "layers/{layer}"
 """Preference: the settings of a layer."""

@@ -31,10 +31,9 @@ from app.views.volume.space_panel import SpacePanel, specs
 from app.views.widgets.actions import ActionSpec
 from app.views.window.dialogs import Files
 from app.views.window.feature import Feature, FeatureContext, Panel
-from cpm_core.formats.animation import ANIMATED, write_animation, write_picture
-from cpm_core.formats.contours.stack import FOR_STACKS, stack_suffix_of
-from cpm_core.image.image import Image
-from cpm_core.numerics.types import Place
+from cpm_core import Image, write_animation
+from cpm_core.formats import ANIMATED, FOR_STACKS, stack_suffix_of, write_picture
+from cpm_core.numerics import Place
 
 _MENU = "View>" + tr("Sli&ces and pages")
 _JUMP = 10

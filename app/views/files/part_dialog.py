@@ -9,8 +9,8 @@ from PySide6.QtWidgets import QComboBox, QDialog, QDialogButtonBox, QFormLayout,
 
 from app.model.text.language import tr
 from app.model.volume.parts import Parts
-from cpm_core.formats.images.reading import Reading
-from cpm_core.image.colors import COLORS
+from cpm_core.formats import Reading
+from cpm_core.image import COLORS
 
 _PAGE = {"plane": tr("Plane"), "page": tr("Page"), "frame": tr("Frame")}
 _COLORS = {

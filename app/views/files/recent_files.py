@@ -13,7 +13,8 @@ from PySide6.QtWidgets import QMenu
 from app.model.text.language import tr
 from app.session.exchange.messages import Opened
 from app.session.storage.preferences import Preferences
-from cpm_core.formats.images.reading import DEFAULT, Reading
+from cpm_core.formats import Reading
+from cpm_core.formats.images.reading import DEFAULT
 
 MOST = 12
 """Largest number of files in the list."""

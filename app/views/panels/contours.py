@@ -34,7 +34,7 @@ from app.views.panels.tables import (
 from app.views.theme import theme
 from app.views.theme.icons import swatch
 from app.views.widgets.fields import MarkedSlider
-from cpm_core.contours.contour import Reached
+from cpm_core.contours import Reached
 
 VERDICTS = {"kept": tr("✓ kept"), "rejected": tr("✗ rejected"), "": "–"}
 _ORDER = {"kept": 0.0, "": 1.0, "rejected": 3.0}

@@ -19,7 +19,7 @@ from app.session.features.object_list import Figures, ObjectList
 from app.session.session import Session
 from app.views.panels.tables import Column, ItemTable, Role, Selection, TableModel, TablePanel, button_grid, wide_button
 from app.views.theme.icons import swatch
-from cpm_core.objects.segmented.segmented_object import SegmentedObject
+from cpm_core.objects.segmented import SegmentedObject
 
 
 @dataclass(frozen=True, eq=False, slots=True)

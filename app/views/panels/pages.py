@@ -14,7 +14,7 @@ from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.session.features.stack_pages import StackPages
 from app.views.panels.tables import ENTER, Column, Index, Table, TableModel, TablePanel
-from cpm_core.contours.measurements import Measures
+from cpm_core.contours import Measures
 
 _JUMP = 10
 

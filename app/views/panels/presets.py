@@ -16,7 +16,7 @@ from app.model.text.language import reason, tr
 from app.session.storage.presets import PresetStore
 from app.views.window.dialogs import Button, Files, Question, all_files, ask_for_text
 from app.views.window.feature import FeatureContext
-from cpm_core.parameters import PRESETS
+from cpm_core import PRESETS
 
 _TOPIC = "preset"
 

@@ -14,7 +14,7 @@ from app.model.display.plots import PLOTS, Plot, RunMetrics, figure
 from app.model.state.resolve import Resolved
 from app.model.text.language import tr, written
 from app.views.widgets.containers import ElidedLabel, Section
-from cpm_core.numerics.types import Array
+from cpm_core.numerics import Array
 
 _WIDE = (tr("Contours"), tr("Bridged"), tr("Skeleton of"))
 """Numbers that need a row of their own."""

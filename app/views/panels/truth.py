@@ -23,8 +23,8 @@ from app.session.features.truth_comparison import GroundTruth
 from app.views.theme import theme
 from app.views.theme.icons import swatch
 from app.views.widgets.fields import MarkedSlider
-from cpm_core.contours.agreement import TOLERANCE, Comparison, ObjectCounts
-from cpm_core.contours.surface_agreement import SurfaceComparison
+from cpm_core import Comparison, SurfaceComparison
+from cpm_core.contours import TOLERANCE, ObjectCounts
 
 _MEASURES: tuple[tuple[str, str, str], ...] = (
     ("dice", tr("Dice"), tr("Overlap of the areas: 1 if they are equal, 0 if they are disjoint.")),

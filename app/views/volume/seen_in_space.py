@@ -23,12 +23,8 @@ from app.views.canvas.layers.particles import BEGIN, UNKNOWN
 from app.views.canvas.layers.skeleton import banded
 from app.views.theme import color_maps, theme
 from app.views.theme.theme import Ink, look
-from cpm_core.contours.ground_truth import Truth, VolumeTruth
-from cpm_core.contours.surface import Surface
-from cpm_core.image.image import Image
-from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.objects.segmented.segmented_object import SegmentedObjects
-from cpm_core.objects.volume_partition import VolumeSelection
+from cpm_core import Image, Skeleton, Surface, Truth, VolumeSelection, VolumeTruth
+from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.shapes import Charge, Interest, Limit, Shape
 
 

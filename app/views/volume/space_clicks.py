@@ -11,8 +11,8 @@ from app.model.text.language import tr
 from app.session.features.object_selection import ObjectSelection
 from app.session.session import Session
 from app.views.canvas.tools.tool import TAKING_AWAY
-from cpm_core.numerics.types import Place
-from cpm_core.objects.volume_partition import VolumePartition
+from cpm_core import VolumePartition
+from cpm_core.numerics import Place
 from cpm_core.shapes import Points, Shape, Sphere
 
 _SMALL, _LEAST = 0.03, 2.0

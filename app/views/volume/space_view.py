@@ -31,7 +31,7 @@ from app.session.features.background import LatestOnlyWorker
 from app.session.session import Session
 from app.views.theme import theme
 from app.views.volume.space_marks import SpaceMarks
-from cpm_core.numerics.types import Place
+from cpm_core.numerics import Place
 
 _STEP, _ZOOM = radians(5.0), 1.2
 """What a press of a key turns and enlarges."""

@@ -13,8 +13,7 @@ from app.model.text.language import tr
 from app.session.session import Session
 from app.session.storage.folders import Purpose, first_folder, remember_folder
 from app.session.storage.preferences import Preferences
-from cpm_core.formats import READABLE
-from cpm_core.formats.sessions.session_file import SUFFIX
+from cpm_core.formats import READABLE, SUFFIX
 
 Answer = Literal["save", "discard", "cancel"]
 

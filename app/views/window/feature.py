@@ -23,7 +23,7 @@ from app.views.widgets.turns import Turns
 from app.views.window.dialogs import FileDialogs
 from app.views.window.keyboard import Areas
 from app.views.window.shortcuts import Shortcuts
-from cpm_core.formats.images.reading import Reading
+from cpm_core.formats import Reading
 
 Area = Literal["left", "right", "bottom"]
 

@@ -1,1 +1,13 @@
 """Segmented objects, as a session keeps them: clicks, boundary and class of each, and the union of two."""
+
+from cpm_core.objects.segmented.areas import lies_on as lies_on
+from cpm_core.objects.segmented.areas import painted as painted
+from cpm_core.objects.segmented.areas import union as union
+from cpm_core.objects.segmented.segmented_object import Click as Click
+from cpm_core.objects.segmented.segmented_object import Line as Line
+from cpm_core.objects.segmented.segmented_object import ObjectClass as ObjectClass
+from cpm_core.objects.segmented.segmented_object import SegmentedObject as SegmentedObject
+from cpm_core.objects.segmented.segmented_object import SegmentedObjects as SegmentedObjects
+from cpm_core.objects.segmented.segmented_object import contours_of as contours_of
+from cpm_core.objects.segmented.segmented_object import places_of as places_of
+from cpm_core.objects.segmented.segmented_object import selection_of as selection_of

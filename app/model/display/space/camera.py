@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.numerics.types import Array
+from cpm_core.numerics import Array
 
 Seen = NDArray[np.float32]
 """Positions in the picture: column and row [px] from its top left corner, and distance behind its plane [px]."""

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.model.display.space.camera import Seen
-from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.parallel import share
+from cpm_core.numerics import compiled, share
 
 Colors = NDArray[np.uint8]
 """Red, green and blue, one byte each, in the last axis."""

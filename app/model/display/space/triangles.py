@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 
 from app.model.display.space.camera import Camera, Seen
 from app.model.display.space.picture import ROWS, Colors, Picture
-from cpm_core.contours.surface import Surface
-from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.parallel import share
+from cpm_core import Surface
+from cpm_core.numerics import compiled, share
 
 Single = NDArray[np.float32]
 

@@ -13,8 +13,8 @@ from app.model.display.space.picture import Colors, Picture, draw_balls, draw_li
 from app.model.display.space.triangles import Cut, Mesh, draw_mesh
 from app.model.display.space.voxels import Shaded, draw_projection, draw_slice
 from app.model.volume.slices import Slices
-from cpm_core.image.image import Image
-from cpm_core.numerics.types import Array
+from cpm_core import Image
+from cpm_core.numerics import Array
 
 Color = tuple[int, int, int]
 

@@ -12,9 +12,7 @@ from app.model.display.display_image import IntensityWindow, apply_window
 from app.model.display.space.camera import Camera
 from app.model.display.space.picture import ROWS, Colors, Picture
 from app.model.volume.slices import Slice
-from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.parallel import share
-from cpm_core.numerics.types import Array
+from cpm_core.numerics import Array, compiled, share
 
 Bytes = NDArray[np.uint8]
 

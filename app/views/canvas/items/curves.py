@@ -14,8 +14,7 @@ from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 from app.views.canvas.items.item import OverImage, cached, line_pen, to_xy
 from app.views.theme import theme
 from app.views.theme.theme import Kind, look
-from cpm_core.numerics.polyline import coarser
-from cpm_core.numerics.types import Array
+from cpm_core.numerics import Array, coarser
 
 _RIM = 4.0
 _PIECE = 64

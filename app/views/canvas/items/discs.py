@@ -15,7 +15,7 @@ from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
 from app.views.canvas.items.item import OverImage, to_xy
 from app.views.theme.theme import look
-from cpm_core.numerics.types import Array
+from cpm_core.numerics import Array
 
 _SMALLEST = 2.4
 """Least diameter of a disc [px of the screen]."""

@@ -15,7 +15,7 @@ from PySide6.QtWidgets import QApplication, QGraphicsItem, QGraphicsObject, QSty
 
 from app.views.theme import theme
 from app.views.theme.theme import Kind, look
-from cpm_core.numerics.types import Position
+from cpm_core.numerics import Position
 
 
 def to_xy(positions: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

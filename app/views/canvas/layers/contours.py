@@ -16,8 +16,8 @@ from app.views.canvas.items.curves import Curves, Fills
 from app.views.canvas.items.item import Markers, Names, to_xy
 from app.views.canvas.layers.layer import Amount, Layer, LegendEntry, Requests, Sign, Switch
 from app.views.theme import theme
-from cpm_core.contours.ground_truth import Truth
-from cpm_core.contours.review import middle
+from cpm_core import Truth
+from cpm_core.contours import middle
 
 _SHORT = 0.06
 """Length of a short open contour, as a fraction of the diagonal of the image."""

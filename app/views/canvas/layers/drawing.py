@@ -19,8 +19,8 @@ from app.views.canvas.items.discs import NO_POSITIONS, Discs
 from app.views.canvas.items.item import Markers, OverImage, cached, line_pen, to_xy
 from app.views.canvas.layers.layer import Layer, Requests
 from app.views.theme import theme
-from cpm_core.field.placed_charges import RADIUS, REACH
-from cpm_core.numerics.types import Array, Place, Position
+from cpm_core.field import RADIUS, REACH
+from cpm_core.numerics import Array, Place, Position
 from cpm_core.shapes import (
     Barrier,
     Charge,
@@ -28,6 +28,7 @@ from cpm_core.shapes import (
     Ellipse,
     Everywhere,
     Grid,
+    ImageStart,
     Kind,
     Limit,
     Points,
@@ -38,7 +39,6 @@ from cpm_core.shapes import (
     Stroke,
     Threshold,
 )
-from cpm_core.shapes.image_starts import ImageStart
 
 _DIM_Z, _LINE_Z, _Z, _CHARGE_Z, _DRAFT_Z = 2.5, 6.5, 7.0, 7.6, 8.0
 """Places in the stack: the veil lies below particles and contours, the lines above them."""

@@ -17,7 +17,7 @@ from app.views.canvas.items.item import cached, line_pen, to_xy
 from app.views.canvas.items.tiled_image import TiledImage
 from app.views.canvas.layers.layer import Choice, Layer, Requests, Switch
 from app.views.theme import color_maps, theme
-from cpm_core.numerics.types import Array
+from cpm_core.numerics import Array
 
 _STRONGEST = 235
 """Opacity of the strongest edges, out of 255."""

@@ -15,7 +15,7 @@ from app.views.canvas.items.item import BACKGROUND, FAINT, INK, MARGIN, Markers,
 from app.views.canvas.layers.fields import arrow_lines
 from app.views.canvas.layers.layer import Amount, Layer, Requests
 from app.views.theme import theme
-from cpm_core.numerics.types import Position
+from cpm_core.numerics import Position
 
 KINDS = {
     "coulomb": (tr("Coulomb"), theme.COULOMB),

@@ -24,7 +24,7 @@ from app.views.canvas.items.item import cached
 from app.views.canvas.items.tiled_image import TiledImage
 from app.views.canvas.layers.layer import Amount, Choice, Layer, Requests
 from app.views.theme import color_maps
-from cpm_core.image.image import Image
+from cpm_core import Image
 
 WHOLE, AUTOMATIC, _HAND = "0", "0.1", "hand"
 """Ranges of gray values: all, all but the most extreme, and one chosen by hand."""

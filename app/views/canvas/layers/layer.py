@@ -15,7 +15,7 @@ from app.session.scene import Scene
 from app.session.worker.commands import Command
 from app.views.canvas.items.curves import Curves
 from app.views.canvas.items.item import OverImage
-from cpm_core.numerics.types import Array
+from cpm_core.numerics import Array
 
 Value = str | float | bool
 

@@ -25,8 +25,8 @@ from app.views.canvas.layers.image_layer import ImageLayer
 from app.views.canvas.layers.layer import Amount, Choice, Layer, Option
 from app.views.theme import color_maps
 from app.views.widgets.fields import DecimalField, MarkedSlider
-from cpm_core.image.image import Image
-from cpm_core.numerics.types import Array
+from cpm_core import Image
+from cpm_core.numerics import Array
 
 
 class LayerForm(QWidget):

@@ -14,9 +14,9 @@ from app.views.canvas.items.curves import Area, Curves, Fills
 from app.views.canvas.items.item import Markers, Names, to_xy
 from app.views.canvas.layers.layer import Amount, Layer, Requests, Switch
 from app.views.theme import theme
-from cpm_core.numerics.types import Array
-from cpm_core.objects.segmented.segmented_object import Line, SegmentedObject
-from cpm_core.objects.selection import Selection
+from cpm_core import Selection
+from cpm_core.numerics import Array
+from cpm_core.objects.segmented import Line, SegmentedObject
 
 _OFFERED, _PREVIEW = 0.4, 0.3
 """Opacity of the area of what is offered, and of what a click would take."""

@@ -21,7 +21,7 @@ from app.views.canvas.items.discs import NO_POSITIONS, Discs
 from app.views.canvas.items.item import INK, MARGIN, OverImage, Pinned
 from app.views.canvas.layers.layer import Amount, Choice, Layer, LegendEntry, Requests
 from app.views.theme import color_maps, theme
-from cpm_core.numerics.types import Array
+from cpm_core.numerics import Array
 
 BEGIN = 0.18
 """Part of the maps that is too dark to be distinguished from a dark image."""

@@ -13,8 +13,8 @@ from app.session.scene import Scene
 from app.views.canvas.items.curves import Curves
 from app.views.canvas.layers.layer import Layer, Requests
 from app.views.theme import theme
-from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.numerics.types import Array
+from cpm_core import Skeleton
+from cpm_core.numerics import Array
 
 _THICK = 95.0
 """Percentile of the radii from which all are shown as thick, so that one wide place does not make all others thin."""

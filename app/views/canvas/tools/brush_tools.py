@@ -14,8 +14,8 @@ from app.session.features.object_list import ObjectBrush
 from app.session.undo_history import Erasure
 from app.views.canvas.tools.tool import TAKING_AWAY, ShapeTool, ToolContext
 from app.views.theme import theme
-from cpm_core.numerics.types import Place, Position
-from cpm_core.objects.segmented.segmented_object import SegmentedObjects
+from cpm_core.numerics import Place, Position
+from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.shapes import Points, Shape
 
 _SHARE, _LEAST, _MOST = 0.03, 1.0, 500.0

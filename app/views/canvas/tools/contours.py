@@ -11,7 +11,7 @@ from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.views.canvas.tools.tool import Cursor, Tool, ToolContext
 from app.views.theme import theme
-from cpm_core.numerics.types import Position
+from cpm_core.numerics import Position
 
 _ADDING = Qt.KeyboardModifier.ShiftModifier | Qt.KeyboardModifier.ControlModifier
 _REMOVING = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.AltModifier

@@ -12,7 +12,7 @@ from app.model.text.language import from_core, tr
 from app.model.volume.slices import Slice
 from app.session.signals import EDITING
 from app.views.canvas.tools.tool import ShapeTool, ToolContext
-from cpm_core.numerics.types import Place, Position
+from cpm_core.numerics import Place, Position
 from cpm_core.shapes import SMALLEST_RADIUS, Box, Charge, Circle, Ellipse, Points, Shape, Sphere
 from cpm_core.shapes.solids import SMALLEST
 

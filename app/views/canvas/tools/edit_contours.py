@@ -10,9 +10,9 @@ from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.views.canvas.tools.tool import TAKING_AWAY, Cursor, Tool, ToolContext
 from app.views.theme import theme
-from cpm_core.contours.hand_edits import HandEdit
-from cpm_core.numerics.types import Array, Position
-from cpm_core.reconstruction.by_hand.operations import Contact, connect
+from cpm_core.contours import HandEdit
+from cpm_core.numerics import Array, Position
+from cpm_core.reconstruction import Contact, connect
 
 _STILL = 0.5
 """Move of the pointer, in reaches, up to which a press is a click and not a drag."""

@@ -10,7 +10,7 @@ from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.views.canvas.tools.tool import TAKING_AWAY, Cursor, Tool, ToolContext
 from app.views.theme import theme
-from cpm_core.numerics.types import Place
+from cpm_core.numerics import Place
 
 _APART = 3.0
 """Least distance between two places of a stroke [px]."""

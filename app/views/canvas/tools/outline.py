@@ -12,9 +12,8 @@ from app.session.features.hand_editing import Way
 from app.session.signals import EDITING
 from app.views.canvas.tools.tool import Cursor, Tool, ToolContext
 from app.views.theme import theme
-from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Position
-from cpm_core.reconstruction.by_hand.operations import Contact, connect, outline
+from cpm_core.numerics import Array, Position, polyline
+from cpm_core.reconstruction import Contact, connect, outline
 
 _FINEST = 1.0
 """Least distance between two corners of a freehand path [px]."""

@@ -17,8 +17,7 @@ from app.session.signals import EDITING
 from app.views.canvas.tools.drawn import box_between
 from app.views.canvas.tools.tool import Tool, ToolContext
 from app.views.theme import theme
-from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Place, Position
+from cpm_core.numerics import Place, Position, polyline
 from cpm_core.shapes import (
     Barrier,
     BoxGrid,

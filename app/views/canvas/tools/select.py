@@ -8,7 +8,7 @@ from app.model.document.edits import Hit
 from app.model.text.language import from_core, tr
 from app.session.features.slices import hit_in
 from app.views.canvas.tools.tool import Cursor, ShapeTool, ToolContext
-from cpm_core.numerics.types import Place
+from cpm_core.numerics import Place
 from cpm_core.shapes import Circle
 
 

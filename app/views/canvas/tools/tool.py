@@ -21,7 +21,7 @@ from app.session.features.object_selection import ObjectSelection
 from app.session.features.slices import ShownSlices
 from app.session.session import Session
 from app.views.canvas.layers.drawing import DrawingLayer
-from cpm_core.numerics.types import Place, Position
+from cpm_core.numerics import Place, Position
 from cpm_core.shapes import Shape
 
 Cursor = Qt.CursorShape

@@ -1,0 +1,235 @@
+"""The parameters of the charged-particle model, each defined once.
+
+`Parameters` holds the values; `PARAMETERS` describes every field: its symbol, unit, range and meaning, and what a
+change of it makes out of date. The window's sliders, the command line's flags and the error messages are all made from
+it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Literal, cast
+
+import numpy as np
+
+from cpm_core.parameters.choices import CHOICES, Accuracy, Channel, Edges, check_choice
+from cpm_core.parameters.quotation import call, shown
+from cpm_core.parameters.table import (
+    AUTOMATIC,
+    OF_CHARGES,
+    OF_PLANES,
+    OF_SKELETONS,
+    OF_STARTS,
+    OF_VOLUMES,
+    PARAMETERS,
+    UNLIMITED_REACH,
+    ParameterInfo,
+    invalidating,
+)
+
+__all__ = [
+    "AUTOMATIC",
+    "DEFAULTS",
+    "OF_CHARGES",
+    "OF_PLANES",
+    "OF_SKELETONS",
+    "OF_STARTS",
+    "OF_VOLUMES",
+    "PARAMETERS",
+    "PLANE_PRESETS",
+    "PRESETS",
+    "UNLIMITED_REACH",
+    "ParameterInfo",
+    "Parameters",
+    "invalidating",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Parameters:
+    """Parameters of a run; the defaults are the paper's (section 4.1). `PARAMETERS` has the range of each.
+
+    Parameters
+    ----------
+    reach : float
+        Distance that particles creep beyond a junction, away from the edges that bound the start, at the paper's
+        weights and annealing [px]; at `UNLIMITED_REACH` every connected edge is reached.
+    weakest_edge : float
+        Edges weaker than this fraction of those that bound the start are not reached.
+    beta : float
+        Damping coefficient β of eq. (12).
+    w1 : float
+        Weight of the Coulomb force, eq. (12).
+    w2 : float
+        Weight of the Lorentz force, eq. (12); larger than `w1`, since the repulsion on a curved contour has unit size
+        outward and only a stronger attraction holds the particles on the edge.
+    annealing : float
+        Annealing factor a: ``d_max`` is multiplied by it at every step.
+    time_step : float
+        Δt of eq. (14).
+    d_min : float
+        Spacing of particles [px]; of two nearer than half of it, one is deleted.
+    d_max : float
+        Range beyond `d_min` in which a gap between two neighbors is filled, at the start of each scale [px].
+    smoothing : float or "auto"
+        Standard deviation σ of the Gaussian before the gradient [px], or ``"auto"`` to choose it from the image's
+        noise.
+    gamma : float or "auto"
+        Exponent of the gray levels, over their range in the image, before edges are taken, or ``"auto"`` to choose it
+        from the image: 1/2 for objects on a dark background, 0.7 on a bright one, 1 where the image has none.
+    scales : int
+        Number of scales.
+    edge_floor : float
+        Fraction of the largest edge strength below which no fixed charge is placed.
+    exponent : float or "auto"
+        Power of the distance with which the force of a fixed charge decays, eq. (8), or ``"auto"`` for the number of
+        dimensions: the paper's inverse square in an image, 3 in a volume. The repulsion of particles keeps its own.
+    max_border : float
+        Largest width of the image border, as a fraction of the shorter side; 0 for no border.
+    max_gap : float
+        Loose ends of contours up to this far apart are joined along the edge map [px]; at 0 gaps stay open.
+    min_strength : float
+        Contours of a lower mean edge strength are left out, and such parts of contours with a loose end [gray levels /
+        px].
+    sure_edge : float
+        Contours whose edge strength is below this fraction of the largest stay only if they are connected to a stronger
+        one.
+    min_contrast : float
+        Contours between regions of a lower contrast are left out, and such parts of contours with a loose end.
+    min_length : float
+        Shorter contours are left out [px].
+    polarity : float
+        Skeletons are of what is dark if it is below 0, of what is light if it is above; 0 to find out by the image.
+    max_width : float
+        Wider parts have no skeleton [px]; 0 for no limit where outlines are closed, else one from the image's widths.
+    pruning : float
+        How far a shape may extend beyond the one that its skeleton represents [px].
+    edges : {"gradient", "vessels"}
+        What the edges are taken from: the gray levels, or a vessel measure.
+    accuracy : {"standard", "exact"}
+        How exactly the field of the fixed charges of a volume is computed: from blocks of two voxels, or from every
+        voxel; that of an image is always exact. `cpm_core.field.electric_field` tells the error of blocks.
+    channel : {"luminance", "red", "green", "blue", "hematoxylin", "eosin", "dab"}
+        What gives the gray levels of a color image; of no effect on a gray one.
+
+    Raises
+    ------
+    ValueError
+        When a value lies outside its range; the message names the field, the value and the range.
+
+    Examples
+    --------
+    >>> cpm.Parameters(beta=0.6, smoothing="auto")
+    Parameters(beta=0.6, smoothing='auto')
+    >>> cpm.Parameters().exponent_in(2), cpm.Parameters().exponent_in(3)
+    (2.0, 3.0)
+    >>> cpm.Parameters(beta=0.6).steering == cpm.Parameters(beta=0.6, max_gap=20).steering
+    True
+    >>> try:
+    ...     cpm.Parameters(beta=-1)
+    ... except ValueError as error:
+    ...     print(error)
+    beta is -1 but must be a number from 0 to 4.
+    """
+
+    reach: float = UNLIMITED_REACH
+    weakest_edge: float = 0.0
+    beta: float = 0.8
+    w1: float = 1.6
+    w2: float = 1.75
+    annealing: float = 0.99
+    time_step: float = 0.5
+    d_min: float = 2.0
+    d_max: float = 3.0
+    smoothing: float | Literal["auto"] = 1.0
+    gamma: float | Literal["auto"] = 1.0
+    scales: int = 3
+    edge_floor: float = 0.0
+    exponent: float | Literal["auto"] = "auto"
+    max_border: float = 0.0
+    max_gap: float = 0.0
+    min_strength: float = 0.0
+    sure_edge: float = 0.0
+    min_contrast: float = 0.0
+    min_length: float = 0.0
+    polarity: float = 0.0
+    max_width: float = 0.0
+    pruning: float = 1.0
+    edges: Edges = "gradient"
+    accuracy: Accuracy = "standard"
+    channel: Channel = "luminance"
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if isinstance(value, np.generic):
+                object.__setattr__(self, field.name, value.item())
+            if field.name in CHOICES:
+                check_choice(CHOICES[field.name], getattr(self, field.name))
+            else:
+                _check(PARAMETERS[field.name], getattr(self, field.name))
+        object.__setattr__(self, "scales", int(self.scales))
+        if not self.w2 > self.w1:
+            raise ValueError(
+                f"w2 is {self.w2:g} but must be above w1, which is {self.w1:g}: "
+                "otherwise repulsion tears the particles off the edges."
+            )
+
+    @property
+    def steering(self) -> tuple[object, ...]:
+        """Values that the motion of the particles depends on: all but those for the start and the contours."""
+        return tuple(getattr(self, name) for name in invalidating("nothing", "field"))
+
+    def exponent_in(self, dimension: int) -> float:
+        """`exponent` in an image with so many axes."""
+        return float(dimension) if self.exponent == "auto" else float(self.exponent)
+
+    def __repr__(self) -> str:
+        changed = [
+            f"{field.name}={getattr(self, field.name)!r}"
+            for field in fields(self)
+            if getattr(self, field.name) != field.default
+        ]
+        return call("Parameters", changed)
+
+
+def _check(info: ParameterInfo, value: object) -> None:
+    """Raise a `ValueError` that names field, value and range unless `value` fits."""
+    if info.name in AUTOMATIC and isinstance(value, str) and value == "auto":
+        return
+    whole = info.name == "scales"
+    fits = isinstance(value, (int, float)) and not isinstance(value, bool) and info.low <= value <= info.high
+    if not fits or (whole and value != int(cast("float", value))):
+        kind = "a whole number" if whole else "a number"
+        words = f"{kind} from {info.low:g} to {info.high:g}" + (' or "auto"' if info.name in AUTOMATIC else "")
+        raise ValueError(f"{info.name} is {shown(value)} but must be {words}.")
+
+
+DEFAULTS: dict[str, float | str] = {name: getattr(Parameters(), name) for name in (*PARAMETERS, *CHOICES)}
+"""The default value of every parameter: the paper's."""
+
+PRESETS: dict[str, Parameters] = {
+    "shape": Parameters(reach=2.0, weakest_edge=0.5),
+    "automatic": Parameters(
+        w1=0.6, w2=0.7, beta=0.4, smoothing=2.5, gamma="auto", edge_floor=0.2, max_border=0.08, sure_edge=0.3
+    ),
+    "vessels": Parameters(
+        w1=0.6, w2=0.7, beta=0.4, smoothing=1.5, edge_floor=0.2, max_border=0.08, sure_edge=0.3, edges="vessels"
+    ),
+    "noisy": Parameters(smoothing="auto"),
+    "fluorescence": Parameters(
+        w1=0.6, w2=0.7, beta=0.4, smoothing=4.0, gamma="auto", edge_floor=0.2, max_border=0.08, sure_edge=0.3
+    ),
+    "angiogram": Parameters(
+        w1=0.6, w2=0.7, beta=0.4, smoothing=2.5, edge_floor=0.2, max_border=0.08, sure_edge=0.4, edges="vessels"
+    ),
+    "ultrasound": Parameters(
+        w1=0.6, w2=0.7, beta=0.4, smoothing=6.0, gamma="auto", edge_floor=0.2, max_border=0.08, sure_edge=0.7
+    ),
+    "volume": Parameters(w1=0.6, w2=0.7, beta=0.4, smoothing="auto", edge_floor=0.16, scales=1),
+}
+"""Named settings: shape recovery (section 4.1), automatic segmentation (section 5.2), vessels and noisy images,
+automatic segmentation of kinds of images whose boundaries other settings find better, and volumes (section 5.4)."""
+
+PLANE_PRESETS: dict[str, Parameters] = {name: preset for name, preset in PRESETS.items() if name != "volume"}
+"""The settings among them that are for images."""
