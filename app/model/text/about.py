@@ -6,7 +6,7 @@ import platform
 from importlib import metadata
 
 from app.model.text.language import tr
-from cpm_core import VERSION
+from cpm_core import __version__
 
 PURPOSE = tr("Finds contours in images by letting charged particles flow to them.")
 
@@ -33,7 +33,7 @@ _LIBRARIES = {
 
 def versions() -> tuple[tuple[str, str], ...]:
     """Names and versions of the program and of all that it works with."""
-    used = [("CPM", VERSION), ("Python", platform.python_version())]
+    used = [("CPM", __version__), ("Python", platform.python_version())]
     for package, name in _LIBRARIES.items():
         try:
             used.append((name, metadata.version(package)))
@@ -45,4 +45,4 @@ def versions() -> tuple[tuple[str, str], ...]:
 def about_text() -> str:
     """All of it as plain text, as for a report of an error."""
     listed = "\n".join(f"{name}: {version}" for name, version in versions())
-    return f"CPM {VERSION}\n{PURPOSE}\n\n{PAPER}\n\n{LICENSE}\n\n{listed}\n"
+    return f"CPM {__version__}\n{PURPOSE}\n\n{PAPER}\n\n{LICENSE}\n\n{listed}\n"
