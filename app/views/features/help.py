@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QApplication, QMessageBox
 
 from app.model.document.samples import sample_called
 from app.model.text.about import LICENSE, PAPER, PURPOSE, about_text, versions
+from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.session.signals import PREFERENCES
 from app.views.theme.icons import program_icon
@@ -42,13 +43,15 @@ class HelpFeature(Feature):
         )  # fmt: skip
 
     def welcome(self) -> None:
-        """Open the guide at the first start of the program, unless a dialog asks something."""
-        if not self.context.preferences.get(SEEN, False) and QApplication.activeModalWidget() is None:
-            self.show_guide()
+        """Name the guide at the first start of the program."""
+        if not self.context.preferences.get(SEEN, False):
+            self.context.preferences.put(SEEN, True)
+            self.context.session.say(
+                with_keys(tr("New here? The guide ({key:guide}) has four examples, step by step."))
+            )
 
     def show_guide(self, page: str = "") -> None:
         """Open the guide, at a named page if given, or bring it to the front."""
-        self.context.preferences.put(SEEN, True)
         if self.guide is None:
             self.guide = Guide(self.context.window, self.context.action_specs(), self._open_sample)
             self.guide.destroyed.connect(self._forget_guide)
