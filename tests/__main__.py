@@ -9,13 +9,14 @@ import subprocess
 import sys
 
 PARTS = {
+    "long": ("pytest", "-m", "long"),
     "faults": ("tests.faults",),
     "releases": ("tests.supply",),
     "network": ("pytest", "-n0", "tests/supply"),
     "indices": ("pytest", "tests/core"),
     "claims": ("tests.benchmarks.claims",),
 }
-"""Broken input and random use; releases and licenses; no network; checked indices; the claims of the paper."""
+"""Long tests; broken input; releases and licenses; no network; checked indices; the claims of the paper."""
 
 
 def main() -> int:

@@ -50,6 +50,7 @@ class Truth(drawing.Pictured):
     <Truth drawn, 64 x 64 px, 2 contours>
     >>> truth.shape, int(truth.objects.max()), truth.boundary.shape[1]
     ((64, 64), 2, 2)
+    >>> axes = truth.plot()
     """
 
     labels: Labels

@@ -111,6 +111,7 @@ class Partition(drawing.Pictured):
     >>> again = partition.selection_of(chosen.mask, chosen.inside)
     >>> int(chosen.mask.sum()), bool((again.mask == chosen.mask).all())
     (301, True)
+    >>> axes = partition.plot()
     """
 
     image: Image

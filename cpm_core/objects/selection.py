@@ -44,6 +44,7 @@ class Selection(drawing.Pictured):
     (True, True)
     >>> chosen.holds(np.array([(32.0, 18.0), (32.0, 46.0)])).tolist()
     [True, False]
+    >>> axes = chosen.plot()
     """
 
     mask: Mask

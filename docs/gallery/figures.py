@@ -58,7 +58,7 @@ _TABLE = (
     ),
     Figure(
         "fig10", "Damping decides how many objects are found",
-        "Particles start beside the ellipse. Little damping lets them coast across the border to the circle; more "
+        "Particles start next to the ellipse. Little damping lets them coast across the border to the circle; more "
         "holds them at the border; most leaves them at the first edges.",
         recovery.damping,
     ),

@@ -11,6 +11,8 @@ from tests.benchmarks.speed.scenes import along_curves
 
 FEATURES = ["run", "field", "coulomb", "step", "reconstruction", "start"]
 
+pytestmark = pytest.mark.long
+
 
 @pytest.fixture(scope="module")
 def measured():

@@ -11,6 +11,8 @@ import pytest
 
 from tests.packages.places import ROOT, hand_out
 
+pytestmark = pytest.mark.long
+
 
 @pytest.fixture(scope="module")
 def handed_out(tmp_path_factory):

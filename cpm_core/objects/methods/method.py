@@ -358,6 +358,8 @@ class ContourMethod(Generic[S]):
     >>> method = cpm.CONTOUR_METHODS["chan_vese"]
     >>> method.title, method.defaults.__class__.__name__, method.most_steps, method.of_particles
     ('Chan-Vese', 'ChanVeseSettings', 500, False)
+    >>> method.missing
+    ''
     """
 
     name: str

@@ -164,6 +164,7 @@ def large(window: MainWindow, qtbot, image_file: Path) -> MainWindow:
     return window
 
 
+@pytest.mark.long
 def test_nothing_blocks_the_window_while_it_runs(large: MainWindow, hand, qtbot) -> None:
     session, canvas = large.session, hand.canvas
 

@@ -65,6 +65,7 @@ def open_and_close(window, name: str) -> None:
     QApplication.processEvents()
 
 
+@pytest.mark.long
 def test_a_closed_dialog_menu_or_view_is_not_kept(rested, hand) -> None:
     names = opened_by(rested)
     for name in names:

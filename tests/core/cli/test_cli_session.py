@@ -135,6 +135,7 @@ def test_a_batch_tells_json(command, session, disks, tmp_path):
     assert all(Path(file).is_file() for file in image["files"])
 
 
+@pytest.mark.long
 def test_an_image_whose_process_dies_is_tried_once_more_and_the_others_go_on(disks, monkeypatch):
     whole, killed = workers.wait, []
 

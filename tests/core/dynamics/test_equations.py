@@ -158,7 +158,7 @@ def test_damping_is_beta_at_first_and_never_falls(beta):
     assert np.isfinite(coefficient).all()
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(st.floats(0.0, 3.0), st.floats(0.0, 3.0), st.floats(0.1, 5.0), st.integers(0, 300))
 def test_friction_that_holds_holds_whatever_is_slower_pulled_less_or_idle_for_longer(pull, speed, w1, idle):
     if is_stuck(pull, speed, w1, idle):

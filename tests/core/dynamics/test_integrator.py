@@ -66,7 +66,7 @@ heap = st.tuples(st.tuples(coordinate, coordinate), st.lists(st.tuples(st.intege
 crowds = st.tuples(places, heap).map(lambda c: np.array(c[0] + c[1], dtype=float))
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(crowds, st.sampled_from([0.5, 2.0, 6.0]), st.sampled_from([0.0, 1.0, 3.0]), st.sampled_from([0.4, 1.6]))
 def test_force_is_the_normalized_coulomb_force_and_the_lorentz_force(points, d_min, d_max, w1):
     """With any number of particles on the same spot, and of equal distances."""

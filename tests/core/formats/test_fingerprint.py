@@ -33,6 +33,7 @@ def test_the_hash_of_a_file_is_that_of_all_its_bytes(tmp_path, size):
     assert fingerprint(tmp_path / "a") == hashlib.sha256(content).hexdigest()
 
 
+@pytest.mark.long
 def test_of_a_file_of_any_size_at_most_a_gibibyte_is_read(tmp_path, monkeypatch):
     parts = []
     for size in (LARGEST, LARGEST + 1, 200 * LARGEST):

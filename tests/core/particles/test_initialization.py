@@ -49,7 +49,7 @@ def length_of(path):
     return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(CORNERS, st.floats(0.3, 20.0), st.integers(2, 5))
 def test_stroke_is_evenly_spaced_along_its_line(corners, spacing, parts):
     """Cut at every particle, the line falls into pieces of one length, which is the spacing as nearly as it goes."""

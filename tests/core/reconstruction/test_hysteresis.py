@@ -41,7 +41,7 @@ def by_edge(rated):
 thresholds = st.floats(0.0, 9.0)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(rated_graphs(), thresholds, thresholds)
 def test_remaining_edges_are_strong_enough_and_connected_to_sure_ones(made, least, sure):
     kept, rated = kept_edges(made, least, sure)
@@ -55,7 +55,7 @@ def test_remaining_edges_are_strong_enough_and_connected_to_sure_ones(made, leas
     assert kept == truth
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(rated_graphs())
 def test_closed_contours_and_those_between_junctions_are_rated_as_a_whole(made):
     points, edges, strength = made

@@ -135,7 +135,7 @@ def edges_of(graph):
     return {(a, b) for a, b in graph.edges().tolist()}
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(graphs())
 def test_contours_use_every_edge_exactly_once_and_end_at_ends_and_junctions(graph):
     walked = []
@@ -188,7 +188,7 @@ def test_junctions_close_to_each_other_are_merged(rung, longest, count):
         np.testing.assert_array_equal(meeting, np.full((4, 1), 1.0) * [0.5 * (rung + 1), 9.0])
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(graphs(), st.integers(1, 4))
 def test_dropping_spurs_only_removes_and_never_opens_a_cycle(graph, longest):
     before = edges_of(graph)

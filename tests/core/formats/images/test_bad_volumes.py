@@ -169,6 +169,7 @@ def test_a_volume_that_names_more_values_than_it_has_is_damaged_and_takes_no_mem
     assert re.search("is damaged|make it smaller", refusal(path))
 
 
+@pytest.mark.long
 def test_a_tiff_of_countless_samples_in_each_pixel_is_damaged(tmp_path):
     path = tmp_path / "samples.tif"
     tifffile.imwrite(path, np.zeros((8000, 8000, 16), np.uint8), compression="deflate", planarconfig="contig")

@@ -130,7 +130,7 @@ def test_limits_hold_at_every_scale():
 moves = st.tuples(*[st.floats(-3.0, 9.0)] * 3)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(st.integers(0, 2**32 - 1), moves, moves, st.floats(0.0, 1.0))
 @example(1, (0.5, 0.5, 0.0), (0.5, 0.5, 3.0), 0.3)
 def test_a_move_crosses_a_wall_exactly_where_a_sampled_one_does(seed, a, b, filled):
