@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import chain
 from typing import NamedTuple, TypeGuard
 
 import numpy as np
@@ -151,9 +152,9 @@ def _lines(noun: str, lines: Iterable[Iterable[Sequence[float]]], least: int) ->
 
 def _plain(line: object) -> TypeGuard[Line]:
     """Whether a line is what `_line` would make of it."""
-    return type(line) is tuple and all(
-        type(point) is tuple and type(point[0]) is type(point[1]) is float for point in line
-    )
+    if type(line) is not tuple or not set(map(type, line)) <= {tuple}:
+        return False
+    return set(map(type, chain.from_iterable(line))) <= {float}
 
 
 @lru_cache(maxsize=_KEPT)
