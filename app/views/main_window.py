@@ -239,4 +239,4 @@ class MainWindow(QMainWindow):
         geometry = self.preferences.get(_GEOMETRY, QByteArray())
         if not geometry.isEmpty():
             self.restoreGeometry(geometry)
-            self.restoreState(self.preferences.get(_LAYOUT, QByteArray()), self.docks.version)
+            self.docks.restore_layout(self.preferences.get(_LAYOUT, QByteArray()))

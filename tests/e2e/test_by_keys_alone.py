@@ -6,9 +6,9 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import Qt, QTimer
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QMenu, QWidget
+from PySide6.QtWidgets import QApplication, QFileDialog, QMenu, QWidget
 
 from app.views.main_window import MainWindow
 from cpm_core.shapes import Circle
@@ -88,9 +88,7 @@ def move_a_slider(window: MainWindow, keys: Keys) -> None:
     session = window.session
     beta = window.panels["parameters"].rows["beta"].slider
     keys.press(KEY.Key_Q)
-    for _ in range(20):
-        if not beta.hasFocus():
-            keys.press(KEY.Key_Down)
+    keys.go_to(beta)
     before = session.document.parameters.beta
     keys.press(KEY.Key_Right, KEY.Key_Right, KEY.Key_Return)
     assert session.document.parameters.beta > before
@@ -127,18 +125,37 @@ def select_and_name_an_object(window: MainWindow, keys: Keys) -> None:
 
 
 def export(window: MainWindow, keys: Keys, path: Path) -> None:
-    """To a file in another folder."""
+    """To a file in another folder: the format in the form, the name in the dialog of the system."""
     keys.press(KEY.Key_E, held=CONTROL)
     keys.wait(lambda: QApplication.activeModalWidget() is not None)
     dialog = QApplication.activeModalWidget()
     keys.wait(dialog.isActiveWindow)
-    file = dialog.file
-    for field, text in ((file.folder, str(path.parent)), (file.name, path.name)):
-        keys.go_to(field)
-        keys.press(KEY.Key_A, held=CONTROL)
-        keys.type(text)
-    keys.go_to(dialog.export_button)
-    keys.press(KEY.Key_Space)
+    keys.go_to(dialog.format)
+    for _ in range(dialog.format.count()):
+        if dialog.suffix != path.suffix:
+            keys.press(KEY.Key_Down)
+    assert dialog.suffix == path.suffix
+    named = []
+
+    def name_the_file() -> None:
+        """While the button waits for the answer."""
+        asked = QApplication.activeModalWidget()
+        if not isinstance(asked, QFileDialog) or not asked.isActiveWindow():
+            return
+        asking.stop()
+        keys.type(str(path))
+        keys.press(KEY.Key_Return)
+        named.append(asked.result())
+        if asked.isVisible():
+            asked.reject()  # else the test would never end
+
+    asking = QTimer(dialog, interval=20)
+    asking.timeout.connect(name_the_file)
+    asking.start()
+    keys.press(KEY.Key_Return)
+    assert named == [QFileDialog.DialogCode.Accepted]
     keys.wait(path.exists)
     assert json.loads(path.read_text())["features"]
     keys.wait(lambda: window.session.idle)
+    keys.wait(window.isActiveWindow)
+    assert window.canvas_area.canvas.hasFocus()

@@ -7,6 +7,7 @@ import pytest
 from PIL import Image as Picture
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor
+from PySide6.QtWidgets import QFileDialog
 
 from app.model.document.samples import samples
 from app.views.application import make_application, open_window
@@ -29,10 +30,12 @@ def test_the_first_press_of_run_recovers_the_u_and_export_writes_it(window, qtbo
         qtbot.waitUntil(window.isActiveWindow, timeout=PATIENCE)
         qtbot.keyClick(window.canvas_area.canvas, Qt.Key.Key_E, Qt.KeyboardModifier.ControlModifier)
         dialog = window.feature(ExportFeature).dialog
-        for field, text in ((dialog.file.folder, str(tmp_path)), (dialog.file.name, path.name)):
-            field.selectAll()
-            qtbot.keyClicks(field, text)
-        qtbot.keyClick(field, Qt.Key.Key_Return)
+        to = dialog.format.findData(suffix)
+        while (away := to - dialog.format.currentIndex()) != 0:
+            qtbot.keyClick(dialog.format, Qt.Key.Key_Down if away > 0 else Qt.Key.Key_Up)
+            assert abs(to - dialog.format.currentIndex()) == abs(away) - 1
+        monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_, path=path: (str(path), ""))
+        qtbot.keyClick(dialog.format, Qt.Key.Key_Return)
         qtbot.waitUntil(path.exists, timeout=PATIENCE)
         qtbot.waitUntil(lambda path=path: str(path) in window.canvas_area.messages.text, timeout=PATIENCE)
     mask = np.asarray(Picture.open(tmp_path / "u.png"))

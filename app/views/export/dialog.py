@@ -242,7 +242,9 @@ class ExportDialog(QDialog):
         if isinstance(self._whole, Skeleton):
             return description_of(self._whole, self._image)
         if self.source.currentData() == "objects":
-            return tr("In a label volume each voxel has the number of its object.")
+            count = self._count("objects")
+            counted = tr("1 object") if count == 1 else tr("{count} objects").format(count=count)
+            return tr("{count}; in a label volume each voxel has the number of its object.").format(count=counted)
         return "\n".join(f"{label}: {value}" for label, value, _ in figure_texts(self._session.status.surface))
 
 

@@ -6,7 +6,7 @@ import zlib
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 
-from PySide6.QtCore import QObject, Qt, QTimer
+from PySide6.QtCore import QByteArray, QObject, Qt, QTimer
 from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QDockWidget, QMainWindow, QTabBar, QTabWidget, QWidget
 
@@ -83,6 +83,8 @@ class Docks(QObject):
         self.actions: list[PanelAction] = []
         self._panels = list(panels)
         self._docks: dict[str, QDockWidget] = {}
+        self._front: str | None = ""
+        """The panel below the canvas that is in front; None where its height is stored and is kept."""
         self._tidying = QTimer(self, singleShot=True, interval=0)
         self._tidying.timeout.connect(self._tidy)
         # Panels beside the canvas reach the bottom of the window; those below the canvas are as wide as the canvas.
@@ -137,8 +139,14 @@ class Docks(QObject):
             dock.raise_()
         beside = [dock for (area, _), dock in first.items() if area == "right"]
         window.resizeDocks(beside, [_WIDTH] * len(beside), Qt.Orientation.Horizontal)
-        heights = [panel.height for panel in self._panels]
-        window.resizeDocks(list(self), heights, Qt.Orientation.Vertical)
+        window.resizeDocks(list(self), [panel.height for panel in self._panels], Qt.Orientation.Vertical)
+        self._front = ""
+        self._tidying.start()
+
+    def restore_layout(self, layout: QByteArray) -> None:
+        """Move the panels to the places and heights of a stored layout, if it has the same panels."""
+        if self._window.restoreState(layout, self.version):
+            self._front = None
 
     def leave(self) -> None:
         """Hide the floating panels before the window closes."""
@@ -162,3 +170,15 @@ class Docks(QObject):
             bar.setUsesScrollButtons(True)
             bar.setExpanding(False)
             bar.setDrawBase(False)
+        self._fit()
+
+    def _fit(self) -> None:
+        """Give the area below the canvas the height of the panel in front: a timeline is lower than a table."""
+        for panel in self._panels:
+            dock = self._docks[panel.name]
+            below = self._window.dockWidgetArea(dock) in _LOW_AREAS and not dock.isFloating()
+            if panel.area == "bottom" and below and not dock.visibleRegion().isEmpty():
+                if self._front not in (None, panel.name):
+                    self._window.resizeDocks([dock], [panel.height], Qt.Orientation.Vertical)
+                self._front = panel.name
+                return

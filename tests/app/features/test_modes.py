@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QToolButton
+from PySide6.QtWidgets import QFileDialog, QToolButton
 
 from app.model.document import edits
 from app.model.document.document import ImageReference
@@ -51,7 +51,7 @@ def test_automatic_segmentation_needs_no_drawing(window, hand) -> None:
     assert window.session.status.closed == 1
 
 
-def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, tmp_path) -> None:
+def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, tmp_path, monkeypatch) -> None:
     session, layer = window.session, window.canvas_area.canvas.layers["skeleton"]
     hand.key(Qt.Key.Key_F3, Qt.KeyboardModifier.ControlModifier)
     assert not window.actions_by_name["export"].isEnabled()
@@ -70,11 +70,17 @@ def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, tmp_path)
     dialog = window.feature(ExportFeature).dialog
     assert dialog is not None
     assert {dialog.format.itemData(at) for at in range(dialog.format.count())} - {None} == set(FOR_SKELETONS)
-    assert dialog.file.name.text().endswith("_skeleton.svg")
-    dialog.file.folder.setText(str(tmp_path))
-    dialog.file.name.selectAll()
-    hand.qtbot.keyClicks(dialog.file.name, path.name)
+    dialog.format.setFocus()
+    while dialog.suffix != ".csv":
+        at = dialog.format.currentIndex()
+        hand.qtbot.keyClick(dialog.format, Qt.Key.Key_Down)
+        assert dialog.format.currentIndex() == at + 1
+    offered = []
+    monkeypatch.setattr(
+        QFileDialog, "getSaveFileName", lambda _, title, begin, *rest: (offered.append(begin) or str(path), "")
+    )
     hand.qtbot.mouseClick(dialog.export_button, Qt.MouseButton.LeftButton)
+    assert offered[0].endswith("_skeleton.csv")
     hand.wait(path.exists)
     assert path.read_bytes() == encoded(first, ".csv")
     window.activateWindow()

@@ -36,7 +36,7 @@ def test_the_parameters_that_decide_are_seen_without_scrolling(window, hand) -> 
 def test_the_image_has_its_room_in_a_window_of_1280_by_720(window, hand) -> None:
     resized(window, hand, 1280, 720)
     canvas = window.canvas_area.canvas
-    hand.wait(lambda: canvas.width() * canvas.height() >= 0.45 * 1280 * 720)
+    hand.wait(lambda: canvas.width() * canvas.height() >= 0.5 * 1280 * 720)
 
 
 def test_in_a_window_of_800_by_500_everything_can_be_reached(window, hand) -> None:

@@ -172,6 +172,11 @@ def test_objects_are_exported_as_a_surface_and_as_labels_of_their_own(found, han
         dialog.source.setFocus()
         hand.qtbot.keyClick(dialog.source, KEY.Key_Down)
         assert "2 objects" in dialog.summary.text()
+        dialog.format.setFocus()
+        while (away := dialog.format.findData(name[-4:]) - dialog.format.currentIndex()) != 0:
+            at = dialog.format.currentIndex()
+            hand.qtbot.keyClick(dialog.format, KEY.Key_Down if away > 0 else KEY.Key_Up)
+            assert dialog.format.currentIndex() != at
         monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_, path=tmp_path / name: (str(path), ""))
         hand.qtbot.mouseClick(dialog.export_button, Button.LeftButton)
         hand.wait(lambda name=name: (tmp_path / name).exists() and found.session.idle)
