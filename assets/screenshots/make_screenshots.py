@@ -191,6 +191,7 @@ def trust(stand: Stand) -> None:
     window.docks.reveal("contours")
     stand.do("next_contour")
     stand.settle()
+    wait(lambda: window.workspace.truth.idle)
     stand.take("trust")
 
 

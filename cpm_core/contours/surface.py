@@ -19,6 +19,12 @@ from cpm_core.parameters.quotation import counted, described
 
 _WHOLE = "a whole number of at least 4"
 
+_SMALL = 60
+"""Number of triangles of a piece of a surface that is not divided further where they cannot be fewer."""
+
+_MOST_FEWER = 8
+"""Factor by which the triangles of a piece become fewer at most."""
+
 _FARTHEST = 1e9
 """Largest coordinate of a vertex, beyond any volume that can be processed [voxels]."""
 
@@ -188,30 +194,26 @@ class Surface:
         Notes
         -----
         Edges are contracted by the quadric error metric of Garland and Heckbert (1997), doi:10.1145/258734.258849.
+        Vertices at free edges stay in place. Where the topology of the whole would change, pieces are contracted.
         """
-        import fast_simplification  # noqa: PLC0415 - rarely needed
-
         wanted = int(checked_number("faces", faces, lambda count: count >= 4 and count == int(count), _WHOLE))
         if self.nonmanifold_edges:
             raise ValueError(
                 f"The surface has edges with more than two triangles, {self.nonmanifold_edges} in number: "
                 "triangles can be left out of a manifold surface only."
             )
-        while wanted < len(self.faces):
-            places, corners = fast_simplification.simplify(
-                self._physical.copy(), self.faces.astype(np.int32), target_count=wanted
-            )
-            few = replace(
-                self, vertices=places / np.array(self.spacing), faces=corners, whole=self.whole or self, numbers=None
-            )
-            if few._topology == self._topology:
-                return few
-            wanted *= 2
-        return self
+        if wanted >= len(self.faces):
+            return self
+        few = _contracted(Surface(self._physical, self.faces), wanted)
+        if len(few.faces) == len(self.faces):
+            return self
+        places = few.vertices / np.array(self.spacing)
+        return replace(self, vertices=places, faces=few.faces, whole=self.whole or self, numbers=None)
 
     @property
-    def _topology(self) -> tuple[int, int, int, int]:
-        return self.euler, self.free_edges, self.nonmanifold_edges, self.components
+    def _topology(self) -> tuple[int, ...]:
+        flat = len(self.faces) - len(np.unique(np.sort(self.faces, axis=1), axis=0))  # two triangles on each other
+        return self.euler, self.free_edges, self.nonmanifold_edges, self.components, flat
 
     @property
     def components(self) -> int:
@@ -253,6 +255,38 @@ def _rows_of_three(name: str, values: ArrayLike) -> Array:
 
 _BESIDE = (1.3e-6, 2.9e-6)
 """How far beside the voxel centers lines run, so that they pass through no vertex of a surface on the grid [voxels]."""
+
+
+def _contracted(surface: Surface, wanted: int) -> Surface:
+    """A surface with about as many triangles as wanted, piece by piece where the whole would change its topology."""
+    import fast_simplification  # noqa: PLC0415 - rarely needed
+
+    target = max(wanted, 4)
+    while target < len(surface.faces):
+        corners = surface.faces.astype(np.int32)
+        found = fast_simplification.simplify(
+            surface.vertices.copy(), corners, target_count=target, preserve_border=True
+        )
+        few = Surface(*found)
+        if few._topology == surface._topology:
+            return few
+        target = 2 * target if 4 * target < len(surface.faces) else len(surface.faces)
+    middles = surface.vertices[surface.faces].mean(axis=1)
+    if len(middles) < _SMALL:
+        return surface
+    along = middles[:, np.argmax(np.ptp(middles, axis=0))]
+    low = along < np.median(along)
+    pieces = []
+    for part in (low, ~low):
+        used, corners = np.unique(surface.faces[part], return_inverse=True)
+        piece = Surface(surface.vertices[used], corners.reshape(-1, 3))
+        least = len(piece.faces) // _MOST_FEWER
+        pieces.append(_contracted(piece, max(least, round(wanted * float(part.mean())))))
+    one, other = pieces
+    places, number = np.unique(np.concatenate([one.vertices, other.vertices]), axis=0, return_inverse=True)
+    corners = number.ravel()[np.concatenate([one.faces, other.faces + len(one.vertices)])]
+    joined = Surface(places, corners)
+    return joined if joined._topology == surface._topology else surface
 
 
 def inside_of(surface: Surface, shape: tuple[int, ...]) -> Mask:
