@@ -24,7 +24,7 @@ The model on one page
    newly covered, repulsion fades and damping grows, more slowly for particles that still move far from all covered
    cells; a particle that is at rest there is skipped until that changes. A run is in **equilibrium** when eq. (23)
    holds and hardly any particle has moved, been inserted or been deleted for twenty steps (`model.equations`).
-   **Completion**: before a run ends, **reseeding** puts particles beside the boundaries that have none, of enclosed
+   **Completion**: before a run ends, **reseeding** puts particles next to the boundaries that have none, of enclosed
    regions that have been reached on another boundary: the outline around a hole, or a hole in an object
    (`model.plane.enclosed_regions`). Particles at rest off the edges are then removed.
 7. All this happens on one **scale** of the image after the other, from coarse to fine (`image.pyramid`,

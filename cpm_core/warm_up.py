@@ -33,7 +33,7 @@ _CHARGES_IN_VOLUME = (PlacedCharge((4.0, 4.0, 4.0), 1.0),)
 _STEPS = 12
 
 _MOST_STEPS = 60
-"""Steps in which a run in the small volume ends, and one in the small image goes on to the finer scale."""
+"""Steps in which a run in the small volume ends, and one in the small image continues to the finer scale."""
 
 
 def step_once() -> None:
@@ -63,7 +63,7 @@ def objects_once() -> None:
 
 
 def extras_once() -> None:
-    """Run the kernels of regions, barriers, placed charges, forces, denoising, and of the level sets beside them."""
+    """Run the kernels of regions, barriers, placed charges, forces, denoising, and of the level sets next to them."""
     engine = Engine(_IMAGE, _PARAMETERS, _REGIONS)
     state = engine.step(engine.start(circle((15.5, 15.5), 5.0)), _PARAMETERS, _CHARGES)
     engine.forces(state, _PARAMETERS, _CHARGES)

@@ -90,7 +90,7 @@ class Proposal:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class ShownObjects:
-    """What is shown of the selection of objects beside those of the document.
+    """What is shown of the selection of objects next to those of the document.
 
     Attributes
     ----------
@@ -131,7 +131,7 @@ class Scene:
     """What is shown on the canvas.
 
     The image of the scene of a session may be a volume; each view draws the scene of a slice of it, which
-    `app.session.features.slices` makes: that has an image, and `volume` and `near` beside it.
+    `app.session.features.slices` makes: that has an image, and `volume` and `near` next to it.
 
     Attributes
     ----------

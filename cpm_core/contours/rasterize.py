@@ -55,7 +55,7 @@ def paint(contours: Sequence[Contour], shape: tuple[int, ...]) -> Labels:
 
 
 def check_plane(shape: Sequence[int]) -> None:
-    """Refuse a shape but of rows and columns: what fills polygons reads others from places beside them in memory."""
+    """Refuse a shape but of rows and columns: what fills polygons reads others from places next to them in memory."""
     if len(shape) != 2:
         raise ValueError(f"shape of image is {shown(shape)} but must be rows and columns.")
 

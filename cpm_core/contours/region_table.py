@@ -162,7 +162,7 @@ def volume_table(labels: NDArray[np.integer], gray: Array | None, spacing: Seque
 
 
 def _row(label: int, outlines: Sequence[Contour], holes: Sequence[Contour], sides: Array) -> dict[str, object]:
-    """The columns of one label but for gray levels."""
+    """The columns of one label except for gray levels."""
     paths, cuts = ([contour.path * sides for contour in some] for some in (outlines, holes))
     filled, net = _NOTHING, _NOTHING
     for path in paths:

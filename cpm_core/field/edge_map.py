@@ -34,7 +34,7 @@ _CLEAR = 0.25
 """Fraction of the strong edges under which the background is weak enough."""
 
 NO_SMOOTHING = 0.01
-"""Standard deviation up to which a Gaussian has no weight beside its pixel in double precision [px]."""
+"""Standard deviation up to which a Gaussian has no weight next to its pixel in double precision [px]."""
 
 _WORTH_A_THREAD = 2**15
 """Pixels from which a thread pays: 64 lines of 512."""

@@ -31,7 +31,7 @@ In a volume the mesh fills the volume and eight cells beyond each of its faces, 
 stays the inverse square, since Poisson's equation has no other: compare it with the exact field of exponent 2, not with
 that of exponent 3 that runs in volumes use. Sweeps must carry the potential of the faces across the whole mesh, so by
 default their number grows with it. Measured on three edge maps (a torus, a ball and a box, the same under noise) with
-the cut-off of 10 px; angles as above, and processor time beside that of the convolution:
+the cut-off of 10 px; angles as above, and processor time next to that of the convolution:
 
 ==========  =======  =====================  =====================  =========  ============  ============
 volume      sweeps   up to 3 px from edges  further away           of size    time          convolution

@@ -33,13 +33,13 @@ _MOST_BACKGROUND = 0.35
 """Largest background, as a fraction of the largest edge strength; an image above it is full of edges."""
 
 _RIDGE, _SLOPE = 0.6, 0.4
-"""Fractions of the strongest neighbor: above the first a pixel is on an edge, below the second it is beside one."""
+"""Fractions of the strongest neighbor: above the first a pixel is on an edge, below the second it is next to one."""
 
 _MARGIN = 4
 """Distance beyond the regions of interest up to which the edge map is kept, so that edges inside are complete [px]."""
 
 _SUMMIT_REACH, _FIELD_REACH = 2, 1
-"""Distance in which the ridge of an edge, and the largest field beside it, are searched [px]."""
+"""Distance in which the ridge of an edge, and the largest field next to it, are searched [px]."""
 
 _OVERLAP = _SUMMIT_REACH + 1
 """Lines beyond a part of the image on which its forces depend: a central difference within reach of a ridge."""
@@ -232,7 +232,7 @@ def _weakest_edge(strength: Array, strongest: float, edge_floor: float) -> float
 
 
 def least_strength(strongest: float) -> float:
-    """Edge strength that holds particles beside any background, from the largest edge strength."""
+    """Edge strength that holds particles next to any background, from the largest edge strength."""
     return _MOST_BACKGROUND * strongest if strongest > 0.0 else np.inf
 
 
@@ -241,12 +241,12 @@ def lorentz_force(field: Array, grad: Array, strength: Array, strongest: float) 
 
     Away from edges it is the unit vector of the field (section 3.3). On an edge there are three differences:
 
-    - The field is divided by its largest size beside the edge and not by its own, so that the force falls linearly
+    - The field is divided by its largest size next to the edge and not by its own, so that the force falls linearly
       through zero where the field does. Unit vectors would round that position to the middle between two pixels.
     - The part along the edge is removed. On the ridge it is all that is left of the field. Scaled up, it would pull
       particles from weak to strong parts of the edge and keep them circling; motion along an edge is left to the
       Coulomb force.
-    - Where the field points away from the ridge, as it does all across a weak edge beside a strong one, the slope of
+    - Where the field points away from the ridge, as it does all across a weak edge next to a strong one, the slope of
       the edge map takes its place, so that every edge holds its particles.
 
     `field`, shape (D, \*shape), is the electric field, `grad` the image gradient, `strength`, shape (\*shape), the size

@@ -1,4 +1,4 @@
-"""The Lorentz force on a particle in a volume, and the ridge of the edge map beside it.
+"""The Lorentz force on a particle in a volume, and the ridge of the edge map next to it.
 
 Far from edges it is the unit vector of the field. On an edge the field along the normal changes its sign over a
 fraction of a voxel, and its part along the edge leads to stronger parts. There the relative slope of the edge map takes
@@ -29,7 +29,7 @@ _HALF_NEAR = 0.5
 """Edge strength, as a fraction of the floor, at which the slope of the edge map begins to count."""
 
 _RIDGE_STEP, _LONGEST_STEP, _SHORTEST_STEP = 0.7, 0.6, 0.01
-"""Distance of the two samples beside a ridge, longest step towards it, and the one after which it is reached."""
+"""Distance of the two samples next to a ridge, longest step towards it, and the one after which it is reached."""
 
 
 @compiled
@@ -82,7 +82,7 @@ def far_at(far: Single, pitch: Vector, block: Vector, place: Vector) -> Vector:
 
 @compiled
 def on_ridge(smoothed: Single, edges: Single, pitch: Vector, place: Vector, rounds: int) -> Vector:
-    """The place on the ridge of the edge map beside another one, along the normal: the top of a parabola, repeated."""
+    """The place on the ridge of the edge map next to another one, along the normal: the top of a parabola, repeated."""
     for _ in range(rounds):
         normal = normal_at(smoothed, pitch, place)
         here = sampled(edges, pitch, place)

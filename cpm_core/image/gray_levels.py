@@ -18,13 +18,13 @@ _LEAST_NO_DATA = 9e36
 """Size from which a value that occurs often, far from all others, stands for no data: 9.97e36, 3.4e38, 1.8e308."""
 
 _FAR = 1e-6
-"""Largest gray level beside such values, as a fraction of `_LEAST_NO_DATA`."""
+"""Largest gray level next to such values, as a fraction of `_LEAST_NO_DATA`."""
 
 _MOST_SPAN = 1e15
 """Largest span of gray levels, and the inverse of the smallest, that fields of single precision are made of."""
 
 _BESIDE = 2
-"""Widths of a pixel up to which a known pixel lies beside an unknown one."""
+"""Widths of a pixel up to which a known pixel lies next to an unknown one."""
 
 
 class Usable(NamedTuple):
@@ -78,9 +78,9 @@ def _absent(values: Array) -> Mask | None:
 
 
 def _filled(values: Array, known: Mask) -> Array:
-    """Values whose unknown pixels are means of known ones beside unknown ones, the farther away, the more of them.
+    """Values whose unknown pixels are means of known ones next to unknown ones, the farther away, the more of them.
 
-    Known ones beyond would put the brightness of an object at some distance beside the background around it.
+    Known ones beyond would put the brightness of an object at some distance next to the background around it.
     """
     beside = known & scipy.ndimage.binary_dilation(~known, iterations=_BESIDE)
     return np.where(known, values, _spread(np.where(beside, values, 0.0), beside))

@@ -137,7 +137,7 @@ class Image(drawing.Pictured):
         object.__setattr__(self, "notes", (*self.notes, *changes))
 
     def _take_colors(self, samples: NDArray[Any], color: str) -> NDArray[Any]:
-        """Gray levels of colors, which are kept beside the luminance."""
+        """Gray levels of colors, which are kept next to the luminance."""
         found = reduced(samples[..., :3], samples[..., 3] if samples.shape[-1] == 4 else None)
         values, notes = found.values, found.notes
         if found.colors is not None and color == LUMINANCE:

@@ -42,7 +42,7 @@ def guessed_kind(values: Array) -> Kind | None:
     smooth = scipy.ndimage.gaussian_filter
     dark, bright = float((levels < _ENDS).mean()), float((levels > 1.0 - _ENDS).mean())
     between = 1.0 - dark - bright
-    if between < 0.15 and min(dark, bright) > 2.0 * between:  # but for blurred edges, two gray levels alone
+    if between < 0.15 and min(dark, bright) > 2.0 * between:  # except for blurred edges, two gray levels alone
         return "line art"
     quarter, median, three_quarters = np.percentile(levels, [25.0, 50.0, 75.0]).tolist()
     mean, fine = _blocks(levels).mean(1), _blocks(levels - smooth(levels, 4.0)).std(1)

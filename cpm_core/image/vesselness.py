@@ -27,13 +27,13 @@ _RIM = 0.1
 
 
 def vesselness(values: Array) -> Array:
-    r"""Vessel measure of an image, shape (\*shape), in gray levels: large within vessels, 0 beside them.
+    r"""Vessel measure of an image, shape (\*shape), in gray levels: large within vessels, 0 next to them.
 
     The largest answer of Sato's filter over several widths. Whether vessels are darker or brighter than what is around
     them is taken from the image: the answer with the larger mean cube counts, in which few strong lines weigh most.
     """
     margin = round(_MARGIN * _SIGMAS[-1])
-    wider = np.pad(values, margin, mode="reflect", reflect_type="odd")  # a slope of light goes on beyond the border
+    wider = np.pad(values, margin, mode="reflect", reflect_type="odd")  # a slope of light continues beyond the border
     curvatures = [_curvatures(wider, sigma) for sigma in _SIGMAS]
     inner = (slice(margin, -margin),) * values.ndim
     dark = np.maximum(np.max([highest[inner] for _, highest in curvatures], axis=0), 0.0)

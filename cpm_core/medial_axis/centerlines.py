@@ -40,7 +40,7 @@ _AS_DEEP = 0.1
 _WINDOW = np.stack(np.meshgrid(*[np.arange(-1, 2)] * 3, indexing="ij"), -1).reshape(-1, 3)
 
 _MARGIN = 8
-"""Voxels by which a branch goes on beyond its ends when it is smoothed."""
+"""Voxels by which a branch continues beyond its ends when it is smoothed."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -135,7 +135,7 @@ class Skeleton(drawing.Pictured):
         ax : matplotlib.axes.Axes, optional
             Where, such as the axes of `Image.plot`; by default in a new figure.
         image, scale_bar : bool
-            What is drawn beside them, as in `Result.plot`, which also says what is returned and raised.
+            What is drawn next to them, as in `Result.plot`, which also says what is returned and raised.
         """
         ax = drawing.axes_for(ax)
         if image and self.image is not None:

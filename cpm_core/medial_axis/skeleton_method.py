@@ -74,7 +74,7 @@ class SkeletonState:
     lines : Centerlines or None
         The branches in a volume.
     stop_reason : str
-        Why the run ended, in words; empty while it goes on.
+        Why the run ended, in words; empty while it continues.
     converged : bool
         Whether it ended with a skeleton.
     """

@@ -174,7 +174,7 @@ def within_objects(axis: Axis, boundary: Boundary, values: Array, smoothing: flo
         return np.zeros(0, np.bool_)
     low, high = np.full(2, -0.5), np.array(values.shape) - 0.5
     clear = _AWAY * step_width(smoothing)
-    # two positions are compared: the vertex itself and one just beside the edge, since beyond a sharp tip the object
+    # two positions are compared: the vertex itself and one just next to the edge, since beyond a sharp tip the object
     # is still visible for some distance, and far away there may be something else without edges
     share = np.minimum(clear / np.maximum(axis.radius, clear), 1.0)
     edge = boundary.points[axis.nearest]
@@ -259,7 +259,7 @@ def own_width(found: Axis, boundary: Boundary) -> float:
 
 
 def _weights(found: Axis, boundary: Boundary) -> Array:
-    """Length of each edge of an axis times the strength of the boundary beside it, shape (M,)."""
+    """Length of each edge of an axis times the strength of the boundary next to it, shape (M,)."""
     return np.asarray(lengths(found) * boundary.strength[found.nearest[found.edges]].mean(axis=1))
 
 

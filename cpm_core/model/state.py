@@ -266,7 +266,7 @@ class State:
     quiet : int
         Consecutive steps in which hardly any particle moved, was inserted or was deleted.
     reseedings : int
-        Number of reseedings beside boundaries of enclosed regions at this scale.
+        Number of reseedings next to boundaries of enclosed regions at this scale.
     stop_reason : str
         Why the run ended, in words; empty while it continues.
     converged : bool

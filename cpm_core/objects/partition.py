@@ -178,7 +178,7 @@ class Partition(drawing.Pictured):
     def selection_of(
         self, mask: Mask, inside: Array = NOWHERE, outside: Array = NOWHERE, remark: str = ""
     ) -> Selection:
-        """Make an object of a set of pixels, shape (H, W); its boundary follows the contours that pass beside it."""
+        """Make an object of a set of pixels, shape (H, W); its boundary follows the contours that pass next to it."""
         found = outlines(mask, self._ground)
         contours = tuple(outline.contour for outline in found)
         gaps = tuple(gap for outline in found for gap in outline.gaps)

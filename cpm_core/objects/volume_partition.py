@@ -1,7 +1,7 @@
 """The bodies into which closed surfaces part a volume, and the choice of an object among them by clicks.
 
 A body is a connected part of the volume without the surface: what a surface encloses, or what lies between two of them,
-such as the wall of a shell and the hollow in it. Its boundary are the components of the surface beside it, and its
+such as the wall of a shell and the hollow in it. Its boundary are the components of the surface next to it, and its
 volume and area are those of the triangles, not of voxels. Nothing is closed across gaps here, nor chosen by gray
 levels: a click selects the body that it lies in, a further one adds another body, and one outside takes a body away.
 """

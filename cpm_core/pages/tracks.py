@@ -1,7 +1,7 @@
 """Tracks: contours on one page after the other that bound the same object.
 
 Two contours belong to one track where they overlap most: closed ones by the areas that they alone enclose, as in the
-label mask; open ones by the areas between them and the line that joins their ends, or by the length that runs beside
+label mask; open ones by the areas between them and the line that joins their ends, or by the length that runs next to
 the other. The measure is that of Dice, 0 to 1.
 """
 
@@ -28,7 +28,7 @@ _PART = 0.5
 """Share of an area that has to lie in another for it to be a part of that one."""
 
 _BESIDE = 6.0
-"""Distance up to which one line runs beside another [px]."""
+"""Distance up to which one line runs next to another [px]."""
 
 _SAMPLING = 1.0
 """Distance between the samples of lines that are compared [px]."""
@@ -174,7 +174,7 @@ def _joined(contour: Contour) -> Contour:
 
 
 def _beside(before: Sequence[Contour], now: Sequence[Contour]) -> Array:
-    """Share of the length of two contours, taken together, that runs beside the other, shape (N, M)."""
+    """Share of the length of two contours, taken together, that runs next to the other, shape (N, M)."""
     then = [sampled(contour.path, _SAMPLING) for contour in before]
     later = [sampled(contour.path, _SAMPLING) for contour in now]
     shared = _samples_near(then, now) + _samples_near(later, before).T
@@ -183,7 +183,7 @@ def _beside(before: Sequence[Contour], now: Sequence[Contour]) -> Array:
 
 
 def _samples_near(samples: Sequence[Array], contours: Sequence[Contour]) -> Array:
-    """Number of samples of each line that lie beside each contour."""
+    """Number of samples of each line that lie next to each contour."""
     owner = np.repeat(np.arange(len(samples)), [len(one) for one in samples])
     place, contour, _ = Neighborhood(contours).pairs(np.concatenate(samples), _BESIDE)
     count = np.zeros((len(samples), len(contours)))

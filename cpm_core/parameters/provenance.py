@@ -11,7 +11,7 @@ from cpm_core.parameters.parameters import Parameters
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Provenance:
-    """How a result was found; files tell it beside the version of the program and the outcome of the run.
+    """How a result was found; files tell it next to the version of the program and the outcome of the run.
 
     Attributes
     ----------

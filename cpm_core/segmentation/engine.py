@@ -238,7 +238,7 @@ class Engine(ImageFields):
         Returns
         -------
         State
-            With the other particles, which are not reactivated: no particles are inserted beside those at rest, and a
+            With the other particles, which are not reactivated: no particles are inserted next to those at rest, and a
             run that has ended stays so. Without any particle left the run ends.
 
         Raises

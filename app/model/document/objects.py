@@ -355,7 +355,7 @@ def _painted(curve: Line, path: Sequence[Position], radius: float) -> list[Line]
     on = np.abs(polyline.distances(path, points) - radius) <= _ON_BRUSH
     if on.all():
         return [(*curve, curve[0])]
-    first = int(np.argmin(on))  # off the brush, so that no stretch goes on from the end to the beginning
+    first = int(np.argmin(on))  # off the brush, so that no stretch continues from the end to the beginning
     points, on = np.roll(points, -first, axis=0), np.roll(on, -first)
     ends = np.flatnonzero(np.diff(np.concatenate([[False], on, [False]]).astype(int)))
     stretches = (points[begin:end] for begin, end in ends.reshape(-1, 2))

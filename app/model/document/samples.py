@@ -29,7 +29,7 @@ class Sample:
 
     @property
     def picture(self) -> Path:
-        """The file of its picture: itself, or that beside a volume."""
+        """The file of its picture: itself, or that next to a volume."""
         return self.path.with_suffix(".png")
 
 

@@ -169,7 +169,7 @@ class Saved(Report):
 class Opened(Report):
     """An image is opened: it has been read, and a method is ready.
 
-    `parameters` have as many of the requested `scales` as the image has room for. `folder` are the images beside it,
+    `parameters` have as many of the requested `scales` as the image has room for. `folder` are the images next to it,
     itself among them, `beside` is a session of it that has not been opened with it, and `kind` what it looks like.
     `large` are settings for an image that is large. A volume has no `display`, which each view makes of the slice that
     it shows. `parts` are what the file holds, None where that is not known, and `reading` says which of them is open.
@@ -225,7 +225,7 @@ class RunFailed(Report):
 
 @dataclass(frozen=True, slots=True)
 class WentOn(Report):
-    """A run that had ended goes on after an intervention."""
+    """A run that had ended continues after an intervention."""
 
     generation: int
 

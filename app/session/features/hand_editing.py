@@ -112,11 +112,11 @@ class HandEditing(QObject):
         return wire_from(self._edges, end).to
 
     def snapped(self, place: Position) -> Position:
-        """A place moved onto the edge beside it, if there is one."""
+        """A place moved onto the edge next to it, if there is one."""
         return place if self._edges is None else nearest_ridge(place, self._edges, _SNAP)
 
     def snapped_path(self, path: Array) -> Array:
-        """A path moved onto the edges beside it, shape (K, 2)."""
+        """A path moved onto the edges next to it, shape (K, 2)."""
         return path if self._edges is None else on_ridge(path, self._edges)
 
     def pulled(self, held: Contact, to: Position, snapping: bool) -> HandEdit:

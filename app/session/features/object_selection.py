@@ -205,7 +205,7 @@ class ObjectSelection(QObject):
         self.changed.emit()
 
     def _withdraw(self) -> None:
-        """Offer nothing of a run that has been reset or goes on."""
+        """Offer nothing of a run that has been reset or continues."""
         if self.proposals and not (self.selecting or self._starts):
             self._follow()
 

@@ -91,7 +91,7 @@ class Partitions(QObject):
 
     @property
     def preparing(self) -> bool:
-        """Whether a run from everywhere goes on."""
+        """Whether a run from everywhere continues."""
         return self._task is not None and not self._task.over
 
     @property

@@ -47,7 +47,7 @@ class BranchComparison(QObject):
         return compared if compared is not None and compared.branch is not None else None
 
     def compare(self, branch: int | None) -> None:
-        """Show another branch beside that of the run; None for none."""
+        """Show another branch next to that of the run; None for none."""
         self.branch = branch
         self._ask()
         self._quiet.start()
@@ -89,7 +89,7 @@ NOTHING = Outline()
 
 
 class TimelineNavigation(QObject):
-    """Goes along the timeline of a session's run; `comparison` shows another branch beside it."""
+    """Goes along the timeline of a session's run; `comparison` shows another branch next to it."""
 
     changed = Signal()
     """The position or the branches have changed."""

@@ -1,4 +1,4 @@
-"""The user's presets: one file each in a folder beside the preferences."""
+"""The user's presets: one file each in a folder next to the preferences."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _log = logging.getLogger(__name__)
 
 
 class PresetStore(QObject):
-    """The presets of the program, and those of the user in a folder, by default beside the preferences."""
+    """The presets of the program, and those of the user in a folder, by default next to the preferences."""
 
     changed = Signal()
     """The presets have changed."""

@@ -1,1 +1,1 @@
-"""Long tasks beside the run: each on a separate thread, with progress and cancel."""
+"""Long tasks next to the run: each on a separate thread, with progress and cancel."""

@@ -97,7 +97,7 @@ def parts_of(path: Path, reading: Reading) -> tuple[Parts | None, Reading]:
 
 
 def _series_around(path: Path) -> Path | None:
-    """The folder of a file, where both it and enough files beside it are DICOM."""
+    """The folder of a file, where both it and enough files next to it are DICOM."""
     around = dicom_files_beside(path, MINIMUM_SIDE)
     return path.parent if len(around) >= MINIMUM_SIDE else None
 
@@ -112,7 +112,7 @@ class Wanted:
     """A request to open an image or a session file at `path`, and `otherwise` if that cannot be used.
 
     A session has its own parameters. Where `saved` gives its content, `path` only gives its place. The `notes` are
-    shown once it is open. An image that `resumes` is opened with the session beside it, if there is one. A stack of
+    shown once it is open. An image that `resumes` is opened with the session next to it, if there is one. A stack of
     planes is opened `as_volume`, or one plane as an image; None leaves that to the kind of the file. `reading` says
     which part of it is wanted.
     """

@@ -108,7 +108,7 @@ class Tasks(QObject):
 
     @property
     def idle(self) -> bool:
-        """Whether no task goes on, not even a cancelled one that has not stopped yet."""
+        """Whether no task continues, not even a cancelled one that has not stopped yet."""
         return not self._tasks and not self._threads
 
     def begin(self, name: str, cancellable: bool = True) -> Task:

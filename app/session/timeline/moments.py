@@ -122,7 +122,7 @@ class RunAction(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Stepped:
-    """One step with these parameters, placed charges and regions; a run that had ended goes on."""
+    """One step with these parameters, placed charges and regions; a run that had ended continues."""
 
     parameters: Parameters
     charges: tuple[PlacedCharge, ...] = ()

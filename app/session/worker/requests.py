@@ -167,7 +167,7 @@ class Probe(Command):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class TakeFrame(Command):
-    """Report all that is shown of one step of a branch; the run itself goes on.
+    """Report all that is shown of one step of a branch; the run itself continues.
 
     Nothing is done once the task is over.
     """

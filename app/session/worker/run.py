@@ -122,7 +122,7 @@ class Run:
             self._reconstruct()
 
     def place(self, image_generation: int, charges: tuple[PlacedCharge, ...]) -> bool:
-        """Use these placed charges on this image from the next step on; whether a run that had ended goes on."""
+        """Use these placed charges on this image from the next step on; whether a run that had ended continues."""
         if image_generation != self.image_generation:
             return False
         self.charges = charges
@@ -130,7 +130,7 @@ class Run:
         return self._go_on()
 
     def limit(self, regions: AnyRegions | None) -> bool:
-        """Use these regions and barriers from the next step on; whether a run that had ended goes on."""
+        """Use these regions and barriers from the next step on; whether a run that had ended continues."""
         if self.method is None or regions == self.method.regions:
             return False
         self.method = self.method.with_regions(regions)
@@ -139,7 +139,7 @@ class Run:
         return self._go_on()
 
     def join(self, document: Document) -> bool:
-        """Add the particles of a document's starts; whether a run that had ended goes on."""
+        """Add the particles of a document's starts; whether a run that had ended continues."""
         if not isinstance(self.method, Steerable) or self.state is None:
             return False
         ended = bool(self.state.stop_reason)
@@ -204,7 +204,7 @@ class Run:
         return self._remaining > 0
 
     def go(self, steps: int | None = None) -> None:
-        """Take `steps` steps, or steps until `halt`; a run that has ended goes on only with other parameters."""
+        """Take `steps` steps, or steps until `halt`; a run that has ended continues only with other parameters."""
         if self.method is None or self.state is None:
             return
         if self.state.stop_reason and self.state.steering != self.method.steering(self.parameters):

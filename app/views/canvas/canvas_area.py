@@ -61,7 +61,7 @@ class CanvasArea(QWidget):
         """Lines above the canvas, and below it, which features add."""
         layout.addLayout(self.offers)
         self.views = _grid_around(self.canvas)
-        """The canvas, and views beside it, which features add."""
+        """The canvas, and views next to it, which features add."""
         layout.addLayout(self.views, 1)
         layout.addLayout(self.controls)
         layout.addWidget(self.strip)
@@ -118,7 +118,7 @@ class CanvasArea(QWidget):
         return thing, view.mapTo(self, inside.toPoint())
 
     def _view_at(self, point: QPoint) -> ImageView:
-        """The view of an image or slice at a point: the canvas, or one beside it."""
+        """The view of an image or slice at a point: the canvas, or one next to it."""
         widget = self.childAt(point)
         while widget is not None and not isinstance(widget, ImageView):
             widget = widget.parentWidget()
@@ -245,7 +245,7 @@ def _displaced(scene: Scene, by: Position) -> Place:
 
 
 def _grid_around(canvas: QWidget) -> QGridLayout:
-    """A grid in which the canvas takes the first column, as high as two views beside it."""
+    """A grid in which the canvas takes the first column, as high as two views next to it."""
     grid = QGridLayout()
     grid.setSpacing(2)
     grid.addWidget(canvas, 0, 0, 2, 1)

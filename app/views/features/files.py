@@ -79,7 +79,7 @@ class OpenSaveFeature(Feature):
 
         Contours and points are used in the image that is open, presets are imported.
 
-        An image that `resumes` is opened with the session beside it. Of a recent file that part is opened which was
+        An image that `resumes` is opened with the session next to it. Of a recent file that part is opened which was
         chosen last.
         """
         self.context.canvas_area.messages.keep_only(*OF_THE_PROGRAM)
@@ -319,7 +319,7 @@ def _samples() -> list[Entry]:
 
 
 class FolderFeature(Feature):
-    """Opens the previous and the next image of a folder, each with the session beside it."""
+    """Opens the previous and the next image of a folder, each with the session next to it."""
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)

@@ -1,1 +1,1 @@
-"""The panels beside the canvas, one a module."""
+"""The panels next to the canvas, one a module."""

@@ -163,7 +163,7 @@ class Histogram(QWidget):
         for index, count in enumerate(self._counts.tolist()):
             if count:
                 role = QPalette.ColorRole.Highlight if (index + 1) / _BINS > self._threshold else QPalette.ColorRole.Mid
-                # the root keeps a single value visible beside hundreds
+                # the root keeps a single value visible next to hundreds
                 tall = max(3.0, height * math.sqrt(count / most))
                 painter.fillRect(
                     QRectF(inset + index * width, height - tall, max(1.5, width - 1), tall), palette.color(role)

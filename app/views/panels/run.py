@@ -61,7 +61,7 @@ class Numbers(QWidget):
                 self._values[name].setText(value)
 
     def value(self, name: str) -> str:
-        """The value shown beside a name."""
+        """The value shown next to a name."""
         return self._values[name].text()
 
     def _lay_out(self, numbers: Sequence[Number]) -> None:
@@ -367,7 +367,7 @@ class StatusPanel(QWidget):
         self.section.setVisible(bool(others))
 
     def value(self, label: str) -> str:
-        """The number shown beside a label."""
+        """The number shown next to a label."""
         return (self._leading if label in self._leading else self._others).value(label)
 
     @property

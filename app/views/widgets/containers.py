@@ -54,7 +54,7 @@ class Scrolled(QScrollArea):
         return QSize(self._content.minimumSizeHint().width() + self._bar(), self._least)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Make room for the scroll bar and a gap beside it, or take it back."""
+        """Make room for the scroll bar and a gap next to it, or take it back."""
         super().resizeEvent(event)
         gap = _GAP if self._bar() else 0
         if self.viewportMargins().right() != gap:

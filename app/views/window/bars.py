@@ -152,7 +152,7 @@ class ToolPalette(QToolBar):
         return button
 
     def _widened(self, button: QToolButton, text: str) -> QToolButton:
-        """A button as wide as the palette, with a short text beside its icon."""
+        """A button as wide as the palette, with a short text next to its icon."""
         button.defaultAction().setIconText(text)
         button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         button.setMaximumWidth(_WIDEST)

@@ -24,7 +24,7 @@ _ROLES = {
 }
 
 _LEAST_WIDTH, _BESIDE_TITLE = 360, 180
-"""Least width of a dialog, and what its frame needs beside its title, so that the title is not cut off [px]."""
+"""Least width of a dialog, and what its frame needs next to its title, so that the title is not cut off [px]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,7 +200,7 @@ class FileDialogs:
         """A file to write, which has a suffix of these kinds; None when the user cancels.
 
         `name` is suggested, its suffix is added to a name without one, and `folder` is where the dialog begins, by
-        default beside the image.
+        default next to the image.
         """
         parent = parent or self._window
         known = [known for kind in kinds for known in kind.suffixes]

@@ -71,7 +71,7 @@ _FEATURES = (
 _UPRIGHT = _FEATURES | QDockWidget.DockWidgetFeature.DockWidgetVerticalTitleBar
 
 _WIDTH = 330
-"""Initial width of the panels beside the canvas [px]."""
+"""Initial width of the panels next to the canvas [px]."""
 
 
 class Docks(QObject):
@@ -87,7 +87,7 @@ class Docks(QObject):
         """The panel below the canvas that is in front; None where its height is stored and is kept."""
         self._tidying = QTimer(self, singleShot=True, interval=0)
         self._tidying.timeout.connect(self._tidy)
-        # Panels beside the canvas reach the bottom of the window; those below the canvas are as wide as the canvas.
+        # Panels next to the canvas reach the bottom of the window; those below the canvas are as wide as the canvas.
         window.setCorner(Qt.Corner.BottomRightCorner, Qt.DockWidgetArea.RightDockWidgetArea)
         window.setCorner(Qt.Corner.BottomLeftCorner, Qt.DockWidgetArea.LeftDockWidgetArea)
         window.setDockOptions(
@@ -155,7 +155,7 @@ class Docks(QObject):
                 dock.hide()
 
     def _tidy(self) -> None:
-        """Show no heading where a tab names a panel, and that of a panel below the canvas upright beside it."""
+        """Show no heading where a tab names a panel, and that of a panel below the canvas upright next to it."""
         for dock in self:
             beside = self._window.tabifiedDockWidgets(dock)
             tabbed = not dock.isFloating() and any(not other.isHidden() for other in beside)

@@ -57,7 +57,7 @@ class FeatureContext:
     refresh : callable
         Updates the window after a change that the session does not report.
     open_file : callable
-        Opens a file, or with True as second argument an image with the session beside it; asks about unsaved work.
+        Opens a file, or with True as second argument an image with the session next to it; asks about unsaved work.
     open_part : callable
         Opens a part of a file, with True a volume, with False an image; asks about unsaved work.
     do : callable
@@ -98,7 +98,7 @@ class FeatureContext:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Panel:
-    """A panel beside the canvas; it can be moved, closed, and opened again from the menu View.
+    """A panel next to the canvas; it can be moved, closed, and opened again from the menu View.
 
     Attributes
     ----------

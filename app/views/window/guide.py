@@ -1,4 +1,4 @@
-"""The guide: pages of ``assets/guide`` that explain real tasks, in a dialog beside the window."""
+"""The guide: pages of ``assets/guide`` that explain real tasks, in a dialog next to the window."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ _LABELS = {control.name: f"“{control.title}” ({control.rich_symbol})" for co
 
 
 class Guide(QDialog):
-    """Shows the pages beside the window; links open samples and other pages.
+    """Shows the pages next to the window; links open samples and other pages.
 
     `specs` are all actions, whose names and keys the pages mention; `open_sample` opens a sample by its file name.
     """

@@ -22,7 +22,7 @@ _ABANDONED = 600.0
 
 
 def write_together(contents: Sequence[tuple[Path, bytes]]) -> None:
-    """Write temporary files beside the targets first, and rename them once all of them are on the disk.
+    """Write temporary files next to the targets first, and rename them once all of them are on the disk.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def write_together(contents: Sequence[tuple[Path, bytes]]) -> None:
 
 @contextlib.contextmanager
 def draft_of(path: Path) -> Iterator[Path]:
-    """Give a temporary file beside a target, for content that is too large to be made in memory.
+    """Give a temporary file next to a target, for content that is too large to be made in memory.
 
     Parameters
     ----------

@@ -131,7 +131,7 @@ def _stack(name: str, series: Series, notes: tuple[str, ...], pydicom: Any) -> S
     if len({frame.path for time in series.frames for frame in time}) == 1:
         check_content(first.path, len(series.frames) * planes * first.each * first.shape[0] * first.shape[1])
     row, col = first.spacing or (1.0, 1.0)
-    # millimeters of a depth beside centimeters of a pixel occur in ultrasound alone, which has no slices
+    # millimeters of a depth next to centimeters of a pixel occur in ultrasound alone, which has no slices
     in_mm = first.unit == "mm"
 
     def take(time: int, _channel: int, begin: int, end: int) -> Decoded:

@@ -1,4 +1,4 @@
-"""MetaImage: volumes of ITK, in one file (.mha) or with the values in a file beside the header (.mhd)."""
+"""MetaImage: volumes of ITK, in one file (.mha) or with the values in a file next to the header (.mhd)."""
 
 from __future__ import annotations
 

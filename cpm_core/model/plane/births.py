@@ -196,7 +196,7 @@ class _Offers(NamedTuple):
     place : ndarray, shape (N, M, 2)
         Where [px].
     other : ndarray of int64, shape (N, M)
-        The second of the two particles beside each position; the first itself for a position ahead.
+        The second of the two particles next to each position; the first itself for a position ahead.
     room : ndarray, shape (N, M)
         Distance of each position from all other particles [px].
     crowd : ndarray of int64, shape (N, M)
@@ -307,7 +307,7 @@ def _halfway(
     faintest: float,
     rule: Rule,
 ) -> Place:
-    """Midpoint of two particles, if it is free and the ridge beside it does not belong to another row."""
+    """Midpoint of two particles, if it is free and the ridge next to it does not belong to another row."""
     squared = (far_y - y) ** 2 + (far_x - x) ** 2
     if not rule.d_min**2 < squared <= rule.reach**2:
         return False, y, x, 0.0, _FULL

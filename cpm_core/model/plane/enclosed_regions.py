@@ -35,7 +35,7 @@ _REACH, _REACH_SMOOTHING = 3.0, 2.0
 """Greatest distance from a region's rim to the ridge of the edge around it: a length [px] plus a multiple of sigma."""
 
 _COVERED = 0.5
-"""Fraction of a boundary that must have particles beside it to count as reached."""
+"""Fraction of a boundary that must have particles next to it to count as reached."""
 
 _LEAST_STRETCH = 8
 """Least length of a stretch without particles that is reseeded [px]: boundaries a few pixels apart share their rim, and
@@ -49,7 +49,7 @@ _STRIDE = 6.0
 
 
 def reseeding_places(scale_field: ScaleField, positions: Array) -> Array:
-    """Positions, shape (M, 2), beside the boundaries of enclosed regions that have been reached only elsewhere [px].
+    """Positions, shape (M, 2), next to the boundaries of enclosed regions that have been reached only elsewhere [px].
 
     `positions`, shape (N, 2), are those of the particles on an edge [px of the scale].
     """
@@ -127,7 +127,7 @@ def _rims(regions: Labels) -> tuple[Labels, Labels]:
     count = 0
     windows = cast("list[tuple[slice, ...] | None]", scipy.ndimage.find_objects(beside))
     for number, window in enumerate(windows, start=1):
-        if window is None:  # all pixels beside the region belong to other regions
+        if window is None:  # all pixels next to the region belong to other regions
             continue
         labels, found = scipy.ndimage.label(beside[window] == number, structure=eight)
         part = rims[window]

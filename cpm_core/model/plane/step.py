@@ -112,7 +112,7 @@ def _drawn(state: State) -> NDArray[np.bool_]:
 
 
 def reseeded(state: State, scale_field: ScaleField) -> State | None:
-    """Reseed beside enclosed boundaries that no particle has reached; None when none is missing.
+    """Reseed next to enclosed boundaries that no particle has reached; None when none is missing.
 
     There is no reseeding in a run with erased particles, nor where a placed charge is stronger than an edge.
     """

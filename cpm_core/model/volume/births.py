@@ -242,7 +242,7 @@ def _offer(
     found: Array,
     count: Index,
 ) -> None:
-    """Pull a place to the ridge, and offer it if the edge of the particle goes on there and there is room."""
+    """Pull a place to the ridge, and offer it if the edge of the particle continues there and there is room."""
     position, normals, _, strength = sheets
     smoothed, edges, pitch, floor = edge
     place = on_ridge(smoothed, edges, pitch, place, _ROUNDS)

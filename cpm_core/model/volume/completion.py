@@ -1,6 +1,6 @@
 """Completion of a scale of a volume: surfaces that fronts did not reach, and the particles that remain.
 
-Fronts stop at some narrow joints between vessels, although the edge goes on. When a run is quiet, particles are
+Fronts stop at some narrow joints between vessels, although the edge continues. When a run is quiet, particles are
 launched on the stretches that no particle covers, of all parts of the edge map that particles have reached, and of
 those that cannot be moved apart from them (`inseparable`).
 """

@@ -323,7 +323,7 @@ def _parts(
 
 @compiled
 def _repulsion(cells: Cells, place: Vector, i: int, normals: Array, seated: Mask, d_min: float) -> Vector:
-    """Normalized Coulomb force on a particle from those near it, but for those on other sheets."""
+    """Normalized Coulomb force on a particle from those near it, except for those on other sheets."""
     reach = REACH * d_min
     total = (0.0, 0.0, 0.0)
     nearest, second = np.inf, (_FAR_NEIGHBOR * d_min) ** 2

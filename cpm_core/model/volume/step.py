@@ -59,7 +59,7 @@ found for so many steps."""
 
 
 def moved_on(state: State, field: VolumeField, parameters: Parameters) -> State:
-    """The state after one time step, before it is decided whether the run goes on."""
+    """The state after one time step, before it is decided whether the run continues."""
     space, step = state.space, state.step_of_scale
     assert space is not None
     extent, d_min = field.extent, parameters.d_min
@@ -245,7 +245,7 @@ def energies(state: State, field: VolumeField, parameters: Parameters) -> Energi
 
 @compiled
 def _pair_energy(cells: Cells, position: Array, normals: Array, seated: Mask, reach: float) -> float:
-    """Sum of ``(1/r^2 - 1/R^2) / 2`` over the pairs nearer than the reach R, but for those on different sheets."""
+    """Sum of ``(1/r^2 - 1/R^2) / 2`` over the pairs nearer than the reach R, except for those on different sheets."""
     total = 0.0
     for i in range(len(position)):
         place = row_of(position, i)

@@ -1,4 +1,4 @@
-"""Clicks: which faces the places that a person has clicked stand for."""
+"""Clicks: which faces the places that a user has clicked stand for."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ def _rounded(places: Array, ground: Ground) -> Index:
 
 
 def _smoothest(pixels: Index, ground: Ground) -> Index:
-    """The pixels, shape (N, 2); of one beside a contour the smoothest one near it."""
+    """The pixels, shape (N, 2); of one next to a contour the smoothest one near it."""
     pixel = pixels.copy()
     if not len(pixel):
         return pixel

@@ -1,4 +1,4 @@
-"""Description: what is known of the object that a drawn start may mean, beside `features.OBJECT`.
+"""Description: what is known of the object that a drawn start may mean, next to `features.OBJECT`.
 
 The edge along the boundary is told by its strength here, not by its rank, and what surrounds the object is looked at up
 to a distance that grows with it; the shape is compared with its convex hull.
@@ -77,7 +77,7 @@ def _describe(
     col: int,
     found: Array,
 ) -> float:
-    """Fill in the features but for the last one; the depth of the point in the mask."""
+    """Fill in the features except for the last one; the depth of the point in the mask."""
     rows, cols = mask.shape
     away, depth = np.empty((rows, cols), np.float32), np.empty((rows, cols), np.float32)
     distance(mask, False, away)
@@ -146,7 +146,7 @@ def _surroundings(
 
 @compiled
 def _smoothed(counts: Array, k: int) -> float:
-    """A bin of a histogram, smoothed; beyond its ends it goes on as at them."""
+    """A bin of a histogram, smoothed; beyond its ends it continues as at them."""
     last = BINS - 1
     near = counts[max(k - 1, 0)] + counts[min(k + 1, last)]
     far = counts[max(k - 2, 0)] + counts[min(k + 2, last)]

@@ -1,4 +1,4 @@
-"""Features of candidates: the edge around them, their gray levels and those beside them, and where the click lies."""
+"""Features of candidates: the edge around them, their gray levels and those next to them, and where the click lies."""
 
 from __future__ import annotations
 
@@ -156,7 +156,7 @@ def _end_at_border(mask: Mask, at_border: Mask, depth: Single) -> float:
 
 @compiled
 def along_boundary(mask: Mask, rank: Single, weakest: float) -> tuple[float, float, float]:
-    """Points of a mask beside others; the sum of the strongest rank at each; and the number of those below another."""
+    """Points of a mask next to others; the sum of the strongest rank at each; and the number of those below another."""
     rows, cols = mask.shape
     boundary, edges, weak = 0.0, 0.0, 0.0
     for r in range(rows):

@@ -159,7 +159,7 @@ def _margins(situation: Situation) -> Iterator[Candidate]:
     box = union(situation.box, (row, row + 1, col, col + 1))
     box = _within_image((box[0] - reach, box[1] + reach, box[2] - reach, box[3] + reach), situation)
     part = situation.chosen[box[0] : box[1], box[2] : box[3]]
-    # beyond the border of the image the object goes on
+    # beyond the border of the image the object continues
     distance = scipy.ndimage.distance_transform_edt(part if not situation.adding else ~part)
     away = float(distance[row - box[0], col - box[2]])
     if away >= _MARGIN:

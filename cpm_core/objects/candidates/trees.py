@@ -35,7 +35,7 @@ class Trees:
     feature : ndarray of int64, shape (N,)
         Number of the feature that a node asks for; -1 for a leaf.
     value : ndarray, shape (N,)
-        Value up to which a node goes on to the left; what a leaf says.
+        Value up to which a node continues to the left; what a leaf says.
     left, right : ndarray of int64, shape (N,)
         The following nodes.
     """

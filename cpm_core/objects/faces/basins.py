@@ -2,7 +2,7 @@
 
 The watershed by steepest descent (Meyer 1994, DOI 10.1016/0165-1684(94)90060-4), and the merging of basins that are
 shallow or small, from the lowest pass between two of them to the highest. Written anew since the water must not pass
-the links that lines cross, and since a person waits for it: that of scikit-image has walls of whole pixels only, and
+the links that lines cross, and since a user waits for it: that of scikit-image has walls of whole pixels only, and
 takes several times as long.
 """
 
@@ -70,7 +70,7 @@ def _close(right: Mask, down: Mask, closed: NDArray[np.int8]) -> None:
 def _descent(height: Single, closed: NDArray[np.int8], cols: int) -> Labels:
     """The next pixel on the way down from each; itself where the way ends, one pixel of each basin.
 
-    On level ground the way leads to the nearest place from which it goes on down.
+    On level ground the way leads to the nearest place from which it continues down.
     """
     count = len(height)
     down = np.full(count, -1, np.int32)

@@ -109,7 +109,7 @@ def changed_graph(
     changed : ndarray of bool, shape (F + N,)
         Which faces have other pixels, the N new ones among them.
     window : tuple of slice
-        Rows and columns that hold these faces and the pixels beside them.
+        Rows and columns that hold these faces and the pixels next to them.
     labels, values, strength, lines, barriers
         As for `face_graph`.
     """

@@ -25,7 +25,7 @@ _DEPTH, _AREA = 0.02, 24
 """Basins that are less deep or have fewer pixels are parts of a neighbor; see `basins`."""
 
 _NECK, _FAR = 0.04, 24.0
-"""How much higher the ground is beside a line than `_FAR` pixels from all of them, where there is no edge: the square
+"""How much higher the ground is next to a line than `_FAR` pixels from all of them, where there is no edge: the square
 root of an edge strength, as a fraction of that of the largest. It parts two wide places at the neck between them, as at
 a gap in an outline."""
 
@@ -61,7 +61,7 @@ class Ground:
 
     @cached_property
     def beside(self) -> Mask:
-        """Pixels that a contour passes beside, shape (H, W)."""
+        """Pixels that a contour passes next to, shape (H, W)."""
         return self.contours.pixels
 
     @cached_property

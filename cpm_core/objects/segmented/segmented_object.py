@@ -1,4 +1,4 @@
-"""Segmented objects: what a person has selected in an image, with classes, as a session keeps it."""
+"""Segmented objects: what a user has selected in an image, with classes, as a session keeps it."""
 
 from __future__ import annotations
 

@@ -217,7 +217,7 @@ def _redrawn(path: Array, begin: Contact, end: Contact) -> HandEdit:
 
 
 def _instead(stretch: PolygonalLine, path: Array, begin: Contact, end: Contact) -> HandEdit:
-    """A path in place of a stretch of a contour, which goes on before its beginning and behind its end."""
+    """A path in place of a stretch of a contour, which continues before its beginning and behind its end."""
     before = () if begin.at_end else (begin.off(-_BEHIND),)
     after = () if end.at_end else (end.off(_BEHIND),)
     return HandEdit(places(stretch.points), places(path), False, before, after)

@@ -1,12 +1,12 @@
 """Parts of the inside that hang together other than through a wall: by necks thinner than the voxels, and by threads.
 
 Where a vessel is about as thin as a voxel, the smoothed volume may sink below the local threshold although the vessel
-goes on. Between two parts the way along which the volume stays highest passes a saddle; if it lies in a neck, the
+continues. Between two parts the way along which the volume stays highest passes a saddle; if it lies in a neck, the
 voxels of the way are raised. The ways make no loop, since each joins two parts that were apart.
 
 At a saddle between two parts the gray levels rise toward both. Across that way they fall on all sides along a neck,
 as steeply as they rise along it; in a gap between two objects they hardly change. And where objects are truly apart,
-edges face each other: particles sit on both banks with normals that point across, while along a neck they sit beside
+edges face each other: particles sit on both banks with normals that point across, while along a neck they sit next to
 the way and their normals point away from it.
 
 Threads are vessels so thin and faint that no particle stays on them. The way between two parts along which the volume

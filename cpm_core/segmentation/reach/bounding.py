@@ -73,7 +73,7 @@ class Bounds(NamedTuple):
     area : ndarray of bool, shape (H, W)
         What the start covers.
     boundary : ndarray of bool, shape (H, W)
-        Pixels beside it, on both sides.
+        Pixels next to it, on both sides.
     inside : ndarray of bool, shape (H, W)
         What it encloses.
     sigma : float
@@ -239,7 +239,7 @@ def _basins(strength: Array, pieces: Labels, shut: Mask) -> tuple[Labels, Labels
 
 
 def _joined(strength: Array, basins: Labels, background: int) -> Labels:
-    """Number of each basin; the same for neighbors whose common border is weak beside the rest of their boundaries."""
+    """Number of each basin; the same for neighbors whose common border is weak next to the rest of their boundaries."""
     count = background + 1
     pairs, crossed = [np.zeros((2, 0), np.int32)], [np.zeros(0)]
     for axis in range(2):
@@ -299,7 +299,7 @@ def _frame(shape: tuple[int, ...], sigma: float) -> Mask:
 
 
 def _beside(labels: Labels) -> Mask:
-    """Pixels beside one of another label, not counting the image border."""
+    """Pixels next to one of another label, not counting the image border."""
     beside = np.zeros(labels.shape, bool)
     for axis in range(2):
         line, out = np.moveaxis(labels, axis, 0), np.moveaxis(beside, axis, 0)
@@ -310,7 +310,7 @@ def _beside(labels: Labels) -> Mask:
 
 
 def _rim(shut: Mask) -> Mask:
-    """Pixels of a mask and those beside it."""
+    """Pixels of a mask and those next to it."""
     return np.asarray(scipy.ndimage.binary_dilation(shut))
 
 

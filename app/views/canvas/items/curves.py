@@ -25,7 +25,7 @@ _STEPS = 2
 """Zooms per factor of two at which invisible corners are removed again; in between slightly more is drawn."""
 
 _WIDEST = 24.0
-"""Margin for the widest line beside its corners [px of the screen]."""
+"""Margin for the widest line next to its corners [px of the screen]."""
 
 _MANY = 100
 """Number of visible pieces from which halos are drawn without antialiasing."""
@@ -100,7 +100,7 @@ class Curves(OverImage):
                 painter.drawPath(self._pieces[index])
 
     def _pens(self) -> tuple[QPen, ...]:
-        """Pens of halo and line, in the look in use; the rim of a halo is as wide beside a line of any width."""
+        """Pens of halo and line, in the look in use; the rim of a halo is as wide next to a line of any width."""
         pen = line_pen(self._color, self._width, self._kind)
         if self._dashed:
             pen.setDashPattern(_DASHES)

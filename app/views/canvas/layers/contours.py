@@ -174,7 +174,7 @@ class ContourLayer(Layer):
         self._junctions.setData(x=x, y=y)
 
     def _is_short(self, item: Item) -> bool:
-        """Whether a contour is open, short, and nothing that a person has named or kept."""
+        """Whether a contour is open, short, and nothing that a user has named or kept."""
         image, reviewed = self.scene.image, item.reviewed
         if item.contour.closed or image is None or item.contour.name or reviewed.verdict == "kept":
             return False

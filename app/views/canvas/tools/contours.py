@@ -86,7 +86,7 @@ class ContourTool(Tool):
             self._show()
 
     def release(self) -> None:
-        """Keep the selection; a click beside all contours removes it."""
+        """Keep the selection; a click next to all contours removes it."""
         if self._corner is not None and not self._found and not self._held & (_ADDING | _REMOVING):
             self._review.select(())
         self._end()

@@ -155,7 +155,7 @@ class OutlineTool(Tool):
         return contact.place if contact is not None else self._editing.snapped(at)
 
     def _begin_piece(self) -> None:
-        """The line goes on from the last anchor, and not along what has been drawn."""
+        """The line continues from the last anchor, and not along what has been drawn."""
         self._way = self._editing.way_from(self._anchors[-1], self._pieces) if self._anchors else None
 
     def _piece(self, place: Position) -> Array:
