@@ -15,7 +15,7 @@ AREA, VOLUME, SUPPORT = tr("Area"), tr("Volume"), tr("Support")
 
 @dataclass(frozen=True, slots=True)
 class SurfaceFigures:
-    """Figures of a surface, measured next to the window.
+    """Figures of a surface, measured on another thread.
 
     Attributes
     ----------

@@ -88,7 +88,7 @@ class Parts:
 
     @property
     def several_volumes(self) -> bool:
-        """Whether there is anything to choose next to the page."""
+        """Whether there is anything to choose besides the page."""
         return max(self.times, self.channels, len(self.series)) > 1
 
     @property

@@ -18,7 +18,7 @@ from cpm_core.numerics.memory import check_room
 from cpm_core.parameters.quotation import counted, described, shown
 
 _BYTES_OF_GRAY = 16
-"""Memory of a voxel next to its own while it is read: its gray level, and that once more as it is copied [bytes]."""
+"""Memory of a voxel besides its own while it is read: its gray level, and that once more as it is copied [bytes]."""
 
 _SLANTED = 0.5
 """Angle by which axes may be off right ones without a note [degrees]."""

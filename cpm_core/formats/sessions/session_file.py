@@ -469,7 +469,7 @@ def _depth(plain: object) -> int:
 
 
 def part_for(path: Path, reading: Reading) -> dict[str, Any]:
-    """What `load_image` is told next to the path to read another file as a session reads its own.
+    """What `load_image` needs besides the path to read another file as a session reads its own.
 
     Page, channel and point in time are chosen of a file that holds several. The size of a pixel that was set by hand
     holds where a file tells none.

@@ -256,7 +256,7 @@ class Layer(QObject):
             self.changed.emit()
 
     def acts(self, name: str) -> bool:
-        """Whether an option has an effect next to the present other ones."""
+        """Whether an option has an effect together with the other ones."""
         return True
 
     def follow_choice(self, name: str) -> None:
