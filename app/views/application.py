@@ -80,8 +80,7 @@ def run(path: str | None = None) -> int:
     window = open_window(path)
     unexpected = UnexpectedErrors(window.session)
     unexpected.watch()
-    # After the window has its size, in which the message has its place.
-    QTimer.singleShot(0, window, window.feature(HelpFeature).welcome)
+    window.feature(HelpFeature).welcome(window.feature(BeginningFeature).bar)
     # Ctrl+C in the terminal closes the window; Python handles signals only while it runs, hence the timer.
     signal.signal(signal.SIGINT, lambda *_: window.close())
     wake = QTimer()

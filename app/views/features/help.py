@@ -12,9 +12,11 @@ from app.model.document.samples import sample_called
 from app.model.text.about import LICENSE, PAPER, PURPOSE, about_text, versions
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
+from app.session.exchange.messages import Opened
 from app.session.signals import PREFERENCES
 from app.views.theme.icons import program_icon
 from app.views.widgets.actions import ActionSpec
+from app.views.widgets.containers import OfferBar
 from app.views.window.feature import Feature, FeatureContext
 from app.views.window.guide import KEYS, Guide
 from app.views.window.preferences import PreferencesDialog, ShortcutsPage
@@ -42,13 +44,19 @@ class HelpFeature(Feature):
                        self._show_about, gap=True),
         )  # fmt: skip
 
-    def welcome(self) -> None:
-        """Name the guide at the first start of the program."""
-        if not self.context.preferences.get(SEEN, False):
-            self.context.preferences.put(SEEN, True)
-            self.context.session.say(
-                with_keys(tr("New here? The guide ({key:guide}) has four examples, step by step."))
-            )
+    def welcome(self, bar: OfferBar) -> None:
+        """Offer the guide when the first image is open, at the first start of the program."""
+        if self.context.preferences.get(SEEN, False):
+            return
+        self.context.preferences.put(SEEN, True)
+        session = self.context.session
+
+        def offer(_: Opened) -> None:
+            session.stop_listening(Opened, offer)
+            question = tr("New here? The guide ({key:guide}) has four examples, step by step.")
+            bar.offer(with_keys(question), (tr("&Guide"), self.show_guide))
+
+        session.listen(Opened, offer)
 
     def show_guide(self, page: str = "") -> None:
         """Open the guide, at a named page if given, or bring it to the front."""
