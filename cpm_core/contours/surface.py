@@ -263,9 +263,9 @@ def _contracted(surface: Surface, wanted: int) -> Surface:
 
     target = max(wanted, 4)
     while target < len(surface.faces):
-        corners = surface.faces.astype(np.int32)
+        triangles = surface.faces.astype(np.int32)
         found = fast_simplification.simplify(
-            surface.vertices.copy(), corners, target_count=target, preserve_border=True
+            surface.vertices.copy(), triangles, target_count=target, preserve_border=True
         )
         few = Surface(*found)
         if few._topology == surface._topology:
