@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
+from PySide6.QtGui import QCursor
 
 from cpm_core.numerics import polyline
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
@@ -115,7 +116,8 @@ def test_escape_in_a_stroke_brings_the_objects_back(window, hand, brush) -> None
 
 def test_enter_and_arrow_keys_paint_and_with_alt_take_away(window, hand, brush) -> None:
     hand.canvas.setFocus()
-    hand.key(KEY.Key_Return)  # shows the cross-hair
+    QCursor.setPos(hand.canvas.viewport().mapToGlobal(hand.at(32.0, 32.0)))
+    hand.key(KEY.Key_Return)  # shows the cross-hair under the pointer
     hand.key(KEY.Key_Return)
     for _ in range(5):
         hand.key(KEY.Key_Right)
