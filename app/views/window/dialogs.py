@@ -104,14 +104,6 @@ def ask_for_text(parent: QWidget, title: str, label: str, button: str, text: str
     return _typed(dialog)
 
 
-def ask_for_one(parent: QWidget, title: str, label: str, button: str, offered: Sequence[str]) -> str | None:
-    """One of the texts on offer, None when the user cancels; `button` says what is done with it."""
-    dialog = _input(parent, title, label, button)
-    dialog.setComboBoxItems(list(offered))
-    dialog.setComboBoxEditable(False)
-    return _typed(dialog)
-
-
 def _input(parent: QWidget, title: str, label: str, button: str) -> QInputDialog:
     dialog = QInputDialog(parent)
     dialog.setWindowTitle(title)

@@ -68,7 +68,6 @@ _FEATURES = (
     | QDockWidget.DockWidgetFeature.DockWidgetMovable
     | QDockWidget.DockWidgetFeature.DockWidgetFloatable
 )
-_UPRIGHT = _FEATURES | QDockWidget.DockWidgetFeature.DockWidgetVerticalTitleBar
 
 _WIDTH = 330
 """Initial width of the panels next to the canvas [px]."""
