@@ -9,8 +9,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
 
-import numpy as np
-
 from app.model.document.document import Document, ImageReference
 from app.model.document.saving import restored
 from app.model.text.language import tr
@@ -19,8 +17,8 @@ from app.session.exchange.core_functions import Core
 from app.session.exchange.messages import sentence
 from app.session.tasks.tasks import Cancelled, Task
 from app.session.timeline.moments import RunAction, Stepped
-from app.session.timeline.plain_runs import FIGURES, RunsWriter
-from app.session.timeline.stored_runs import StoredBranch, StoredRun, StoredRuns
+from app.session.timeline.plain_runs import RunsWriter
+from app.session.timeline.stored_runs import Branch, StoredBranch, StoredRun, StoredRuns
 from app.session.undo_history import History
 from cpm_core import Contour, Image, Method, Page, Result, load_pages
 from cpm_core.contours import apply, middle, with_kept
@@ -398,7 +396,7 @@ def _plain_run(
     last = state.step
     action: RunAction = Stepped(document.parameters, document.charges, method.regions)
     steps = ((), *(((action,),) * last))
-    branch = StoredBranch(1, _NAME, False, None, 0, steps, scales, np.empty((FIGURES, 0)))
+    branch = StoredBranch(Branch(1, _NAME, None, 0, last, scales), steps)
     run = StoredRun(document, document.sources, (branch,))
     numbers = {contour.number: middle(contour) for contour in contours}
     return RunsWriter().to_plain(StoredRuns((run,), (1, last), {(1, last): state}, numbers))

@@ -135,7 +135,7 @@ class RunCall(Command):
         if self._call(run):
             context.report(WentOn(run.generation))
         if run.state is None and self.method in _CHANGING_RUNS:
-            context.report(RunsKept(run.generation, run.recorded.outline))
+            context.report(RunsKept(run.generation, run.timeline.outline))
 
     def failure_report(self, error: Exception) -> Report:
         """Nothing has changed."""
@@ -317,7 +317,7 @@ class CollectRuns(Command):
         try:
             run = context.run
             plain = self.writer.to_plain(run.stored(self.drawn))
-            self.found.append(RunsCollected(self.generation, run.recorded.timeline.edition, plain))
+            self.found.append(RunsCollected(self.generation, run.timeline.edition, plain))
             context.report(self.found[0])
         finally:
             self.done.set()
@@ -358,12 +358,12 @@ class RestoreRuns(Command):
         failed = run.restore(stored)
         if fault or failed:
             context.report(CommandFailed(fault or failed))
-        known = {branch.identity for branch in run.recorded.timeline.branches}
+        known = {branch.identity for branch in run.timeline.outline.branches}
         here = stored.here if stored.here is not None and stored.here[0] in known else None
         begun = {-number: (kept.document, kept.drawn) for number, kept in enumerate(stored.runs, 1)}
-        context.report(RunsRestored(self.generation, begun, here is not None, run.recorded.timeline.edition))
+        context.report(RunsRestored(self.generation, begun, here is not None, run.timeline.edition))
         if here is None:
-            context.report(RunsKept(run.generation, run.recorded.outline))
+            context.report(RunsKept(run.generation, run.timeline.outline))
         else:
             run.go_to(*here, lambda: not context.closing())
             run.halt()

@@ -20,8 +20,8 @@ from app.model.text.wording import wording_called
 from app.session.features.comparison import ComparisonWritten
 from app.session.features.timeline import TimelineNavigation
 from app.session.storage.presets import PresetStore
+from app.session.timeline.timeline import MEGABYTE
 from app.session.worker.commands import RunCall
-from app.session.worker.recorded_run import MEGABYTE
 from app.session.worker.run import Run
 from app.views.canvas.items.item import image_rectangle
 from app.views.comparison.dialog import CompareDialog
