@@ -82,7 +82,6 @@ class StackPages(QObject):
         self._seen: Result | None = None
         self._drawn: tuple[Mapping[str, Any], ...] = ()
         self._linking = LatestOnlyWorker(session, "cpm-pages", tr("following objects through the pages"))
-        self._linking.done.connect(self._take_linked)
         self._later = QTimer(self, singleShot=True)
         self._later.timeout.connect(self._link)
         self._done.connect(self._take_page)
@@ -274,7 +273,7 @@ class StackPages(QObject):
             result = linked(source, found, drawn)
             return source, result, page_rows(result)
 
-        self._linking.ask(work)
+        self._linking.ask(work, self._take_linked)
 
     def _take_linked(self, made: tuple[StackSource, StackResult, tuple[PageRow, ...]]) -> None:
         source, result, rows = made
