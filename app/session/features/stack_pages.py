@@ -219,10 +219,9 @@ class StackPages(QObject):
             self.task.cancel()
             self._look_at_task()
 
-    def _work(self, order: PageOrder, task: Task) -> Report | None:
+    def _work(self, order: PageOrder, task: Task) -> None:
         for done in run_pages(order, self._core, task):
             self._done.emit((order, done))
-        return None
 
     def _take_page(self, made: tuple[PageOrder, PageDone]) -> None:
         """Keep a page that has been run, unless the user has changed it since; that which is open is shown anew."""
