@@ -50,7 +50,7 @@ class SessionSignals(QObject):
         """Number under which the image was opened."""
         self._troubles: dict[str, str] = {}
         self._gathering = self._gathered = False
-        self._listeners: dict[type[Report], list[Callable[[Any], None]]] = {}
+        self._listeners: dict[type[Report], list[Callable[[Any], object]]] = {}
 
     def show(self, scene: Scene) -> None:
         """Show another scene."""

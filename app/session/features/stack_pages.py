@@ -138,7 +138,7 @@ class StackPages(QObject):
         if not self._turning:
             self._turning = True
             self._session.pause()
-            self._file.runs.collect(lambda _: self._turn())
+            self._file.runs.collect(self._turn)
 
     def _turn(self) -> None:
         """Keep the page that is open, and open the one that is wanted."""
