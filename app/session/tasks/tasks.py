@@ -162,6 +162,10 @@ class Tasks(QObject):
         thread.start()
         return task
 
+    def call(self, then: Callable[[], object]) -> None:
+        """Call something on the window's thread, from any thread."""
+        self._report(Finished(then))
+
     def look(self) -> None:
         """Announce changes since the last call."""
         for thread in [thread for thread in self._threads if not thread.is_alive()]:
