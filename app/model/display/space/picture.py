@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +18,7 @@ Colors = NDArray[np.uint8]
 FAR = np.float32(3e38)
 """Distance of what shows nothing."""
 
-ROWS = 32
+_ROWS = 32
 """Rows that one thread fills at the least."""
 
 
@@ -42,30 +44,17 @@ class Picture:
 
     def covered_by(self, other: Picture, opacity: float) -> None:
         """Lay another picture of the same size over this one, with this opacity, where what it shows is nearer."""
+        nearer = other.depths < self.depths
+        mixed = self.colors[nearer] * np.float32(1.0 - opacity) + other.colors[nearer] * np.float32(opacity)
+        self.colors[nearer] = np.rint(mixed).astype(np.uint8)
+
+    def draw(self, kernel: Callable[..., None], *drawn: Any) -> None:
+        """Let a compiled function draw what is given into parts of the rows, on several threads."""
 
         def some(begin: int, end: int) -> None:
-            _cover(self.colors, self.depths, other.colors, other.depths, np.float32(opacity), begin, end)
+            kernel(*drawn, self.colors, self.depths, begin, end)
 
-        share(some, self.size[0], ROWS)
-
-
-@compiled
-def _cover(
-    colors: Colors,
-    depths: NDArray[np.float32],
-    over: Colors,
-    near: NDArray[np.float32],
-    opacity: np.float32,
-    begin: int,
-    end: int,
-) -> None:
-    rest = np.float32(1.0) - opacity
-    for row in range(begin, end):
-        for col in range(depths.shape[1]):
-            if near[row, col] < depths[row, col]:
-                for channel in range(3):
-                    mixed = rest * colors[row, col, channel] + opacity * over[row, col, channel]
-                    colors[row, col, channel] = np.uint8(mixed + np.float32(0.5))
+        share(some, self.size[0], _ROWS)
 
 
 def draw_lines(picture: Picture, seen: Seen, colors: Colors) -> None:
@@ -103,11 +92,7 @@ def _inside(start: float, way: float, size: int, begin: float, end: float) -> tu
 
 def draw_balls(picture: Picture, seen: Seen, colors: Colors, radius: float) -> None:
     """Draw balls of a radius [px] at places in a picture, in their colors (N, 3)."""
-
-    def some(begin: int, end: int) -> None:
-        _draw_balls(seen, colors, np.float32(radius), picture.colors, picture.depths, begin, end)
-
-    share(some, picture.size[0], ROWS)
+    picture.draw(_draw_balls, seen, colors, np.float32(radius))
 
 
 @compiled

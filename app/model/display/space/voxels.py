@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from app.model.display.display_image import IntensityWindow, apply_window
 from app.model.display.space.camera import Camera
-from app.model.display.space.picture import ROWS, Colors, Picture
+from app.model.display.space.picture import Colors, Picture
 from app.model.volume.slices import Slice
 from cpm_core.numerics import Array, compiled, share
 
@@ -57,11 +57,7 @@ def draw_projection(
     right, down = (camera.axes[k] / camera.scale / sizes for k in range(2))
     away = camera.axes[2] / sizes
     away = away / np.abs(away).max()
-
-    def some(begin: int, end: int) -> None:
-        _draw_projection(volume.voxels, volume.maxima, corner, right, down, away, table, picture.colors, begin, end)
-
-    share(some, picture.size[0], ROWS)
+    picture.draw(_draw_projection, volume.voxels, volume.maxima, corner, right, down, away, table)
 
 
 @compiled
@@ -74,11 +70,12 @@ def _draw_projection(
     away: Array,
     table: Colors,
     shown: Colors,
+    depths: NDArray[np.float32],
     begin: int,
     end: int,
 ) -> None:
     for row in range(begin, end):
-        for col in range(shown.shape[1]):
+        for col in range(depths.shape[1]):
             plane = corner[0] + col * right[0] + row * down[0]
             brightest = _brightest(
                 voxels,
@@ -138,12 +135,7 @@ def draw_slice(picture: Picture, place: Slice, colors: Colors, camera: Camera, s
     steps = camera.axes / camera.scale
     origin = np.array([place.index * spacing[across] - corner[across], corner[down], corner[right]])
     sides = np.array([[steps[k, axis] for axis in (across, down, right)] for k in range(3)])
-    sizes = np.array([spacing[down], spacing[right]])
-
-    def some(begin: int, end: int) -> None:
-        _draw_slice(colors, origin, sides, sizes, picture.colors, picture.depths, begin, end)
-
-    share(some, picture.size[0], ROWS)
+    picture.draw(_draw_slice, colors, origin, sides, np.array([spacing[down], spacing[right]]))
 
 
 @compiled
