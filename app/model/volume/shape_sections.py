@@ -200,12 +200,15 @@ def _of_sphere(sphere: Sphere, axis: int, index: float) -> Iterator[StartSection
         return
     radius = math.sqrt(sphere.radius**2 - off**2)
     center, (down, right) = (_flat(values, axis) for values in (sphere.center, sphere.sides))
-    seeds = sphere.seeds()
-    near = np.abs(seeds[:, axis] - index) * sphere.sides[axis] <= NEAR
-    row, col = center
-    along, across = max(radius / right, SMALLEST), max(radius / down, SMALLEST)
-    held = ((row, col + along), (row + across, col), (row, col - along), (row - across, col))
-    yield StartSection(Ellipse((row, col), (along, across)), held, _spread(np.delete(seeds[near], axis, axis=1)))
+    line = Ellipse(center, (max(radius / right, SMALLEST), max(radius / down, SMALLEST)))
+    near = _seeds_near(sphere, axis, index, NEAR / sphere.sides[axis])
+    yield StartSection(line, line.handles()[:4], _spread(near))
+
+
+def _seeds_near(start: Sphere | Box | BoxGrid, axis: int, index: float, reach: float) -> Array:
+    """The particles of a start so many voxels from a slice, as places in it."""
+    seeds = start.seeds()
+    return np.delete(seeds[np.abs(seeds[:, axis] - index) <= reach], axis, axis=1)
 
 
 def _of_box(box: Cuboid, axis: int, index: float) -> Iterator[Section]:
@@ -213,31 +216,23 @@ def _of_box(box: Cuboid, axis: int, index: float) -> Iterator[Section]:
         return
     (top, left), (bottom, right) = _flat(box.first, axis), _flat(box.last, axis)
     corners = ((top, left), (top, right), (bottom, right), (bottom, left))
+    row, col = 0.5 * (top + bottom), 0.5 * (left + right)
+    held = (*corners, (top, col), (row, right), (bottom, col), (row, left))
     if isinstance(box, Box):
-        seeds = box.seeds()
-        near = np.abs(seeds[:, axis] - index) <= max(NEAR, 0.6 * box.apart)
-        yield StartSection(Polygon(corners), _on_sides(corners), _spread(np.delete(seeds[near], axis, axis=1)))
+        yield StartSection(Polygon(corners), held, _spread(_seeds_near(box, axis, index, max(NEAR, 0.6 * box.apart))))
     elif isinstance(box, BoxGrid):
-        seeds = box.seeds()
-        near = np.abs(seeds[:, axis] - index) * box.sides[axis] <= max(NEAR, 0.5 * box.spacing)
-        yield StartSection(Grid(corners, box.spacing), _on_sides(corners), np.delete(seeds[near], axis, axis=1))
+        reach = max(NEAR, 0.5 * box.spacing) / box.sides[axis]
+        yield StartSection(Grid(corners, box.spacing), held, _seeds_near(box, axis, index, reach))
     elif isinstance(box, BoxThreshold):
         yield Threshold(corners, box.fraction)
     else:
-        yield RegionSection(corners, held=_on_sides(corners))
+        yield RegionSection(corners, held=held)
 
 
 def _spread(places: Array) -> Array:
     """One of the places in each pixel of the slice: more of them would hide each other by their rims."""
     _, first = np.unique(np.round(places), axis=0, return_index=True)
     return places[np.sort(first)]
-
-
-def _on_sides(corners: Sequence[Position]) -> tuple[Position, ...]:
-    """Corners of a rectangle, and the middles of its sides."""
-    following = (*corners[1:], corners[0])
-    middles = ((0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])) for a, b in zip(corners, following, strict=True))
-    return (*corners, *middles)
 
 
 def _of_line(line: Stroke | Polygon, axis: int, index: float) -> Iterator[Shape]:
