@@ -24,7 +24,7 @@ from app.views.canvas.status_fields import PointerReadout, ZoomField
 from app.views.features import FEATURES
 from app.views.features.exchange import ImportFeature
 from app.views.features.files import OpenSaveFeature, StartFeature
-from app.views.features.run import ParametersFeature, RunControlFeature
+from app.views.features.run import RunControlFeature
 from app.views.features.view import AppearanceFeature
 from app.views.theme import theme
 from app.views.widgets.actions import Actions, ActionSpec, Submenu
@@ -161,7 +161,6 @@ class MainWindow(QMainWindow):
         importing = self.feature(ImportFeature)
         files.import_contours = importing.take
         importing.open_files = files.take_dropped
-        files.bring_in = self.feature(ParametersFeature).presets.import_file
         self.feature(StartFeature).show_files_of(files.recent)
 
     def _keep_tool(self) -> None:

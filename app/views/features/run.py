@@ -218,7 +218,7 @@ class ParametersFeature(Feature):
         super().__init__(context)
         store = PresetStore(parent=context.window)
         self.presets = Presets(context, store)
-        self.panel = ParametersPanel(context.session, self.presets.button)
+        self.panel = ParametersPanel(context.session, self.presets)
         context.preferences.follow(
             WORDING, lambda: self.panel.use_wording(wording_called(context.preferences.value(WORDING)))
         )
