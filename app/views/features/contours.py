@@ -35,7 +35,7 @@ class ContoursFeature(Feature):
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
-        session, canvas = context.session, context.canvas_area.canvas
+        canvas = context.canvas_area.canvas
         self._review = context.workspace.review
         self._layer = canvas.layers.contours
         self.panel = ContourPanel(self._review, self._fill_colors)

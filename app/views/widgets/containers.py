@@ -40,7 +40,7 @@ def arrange(
     spacing: int | None = None,
     wide: QWidget | None = None,
 ) -> Layout:
-    """Fill a row or a column, and return it; None is room that is left free, `wide` the part that takes what remains."""
+    """Fill a row or a column, and return it; None is free room, `wide` the part that takes what remains."""
     layout.setContentsMargins(*margins)
     if spacing is not None:
         layout.setSpacing(spacing)

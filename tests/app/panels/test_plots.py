@@ -113,7 +113,9 @@ def test_each_curve_and_each_change_of_scale_is_drawn(panel):
     panel.show_plots(["count"])
     metrics = trace_of(60)
     with_scales = panel.chart.grab().toImage()
-    panel.chart.show_metrics(RunMetrics(*[column if name != "scale" else 0 * column for name, column in columns(metrics)]))
+    panel.chart.show_metrics(
+        RunMetrics(*[column if name != "scale" else 0 * column for name, column in columns(metrics)])
+    )
     assert panel.chart.grab().toImage() != with_scales
 
 
