@@ -62,9 +62,10 @@ class Numbers(QWidget):
         return self._values[name].text()
 
     def _lay_out(self, numbers: Sequence[Number]) -> None:
-        while item := self._grid.takeAt(0):
-            item.widget().hide()
-            item.widget().deleteLater()
+        for label in self.findChildren(QLabel):
+            label.hide()
+            self._grid.removeWidget(label)
+            label.deleteLater()
         self._values = {}
         place = 0
         for name, _, explanation in numbers:
@@ -103,7 +104,7 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
         self._read: int | None = None
         # Later, since Qt is going through the items of the scene when it reports another palette.
         self._recolor = QTimer(self, singleShot=True, interval=0)
-        self._recolor.timeout.connect(lambda: self.show_plots([drawn.plot for drawn in self._drawn]))
+        self._recolor.timeout.connect(self._redraw)
         self.viewport().setMouseTracking(True)
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.setAccessibleName(tr("Plot of the run over its steps"))
@@ -229,6 +230,9 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
 
     # Internal
 
+    def _redraw(self) -> None:
+        self.show_plots([drawn.plot for drawn in self._drawn])
+
     def _show_reading(self) -> None:
         """Show the cursor, and the names of the curves in their colors, with the values that are read."""
         self.setAccessibleDescription(self.reading)
@@ -248,7 +252,7 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
         return figure(float(series.of(self._metrics)[self._read]))
 
     def _color(self, role: QPalette.ColorRole) -> QColor:
-        return self.palette().color(role)
+        return QColor(self.palette().color(role))
 
     def _series_color(self, colors: tuple[str, str]) -> str:
         """The darker of two colors on a light background, the brighter on a dark one."""
@@ -346,7 +350,8 @@ class RunPanel(Scrolled):
         arrange(column, self.status, self.plots, margins=(12, 6, 12, 6), spacing=4, wide=self.plots).addStretch()
         super().__init__(content, _LOWEST)
         for section in self.sections.values():
-            section.fold.toggled.connect(lambda: (self.show_metrics(self._metrics), self.folded.emit()))
+            section.fold.toggled.connect(lambda: self.show_metrics(self._metrics))
+            section.fold.toggled.connect(self.folded)
 
     @property
     def unfolded(self) -> list[str]:

@@ -502,7 +502,8 @@ def menu_button(text: str, fill: Callable[[QMenu], None]) -> QToolButton:
     """A wide button that opens a menu, which is filled each time."""
     button = wide_button(text)
     menu = QMenu(button)
-    menu.aboutToShow.connect(lambda: (menu.clear(), fill(menu)))
+    menu.aboutToShow.connect(menu.clear)
+    menu.aboutToShow.connect(partial(fill, menu))
     button.setMenu(menu)
     button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
     return button

@@ -64,7 +64,8 @@ class TruthPanel(QWidget):
         self._tolerance_label = QLabel()
         self.tolerance = MarkedSlider(0.25, 10.0, 0.25, TOLERANCE)
         self.tolerance.setAccessibleName(tr("Tolerance"))
-        self.tolerance.moved_to.connect(lambda tolerance: (truth.set_tolerance(tolerance), self._show()))
+        self.tolerance.moved_to.connect(truth.set_tolerance)
+        self.tolerance.moved_to.connect(self._show)
         self.tolerance.restored.connect(lambda: self.tolerance.move_to(TOLERANCE))
         self.values: dict[str, QLabel] = {}
         measures, legend = QGridLayout(), QHBoxLayout()
