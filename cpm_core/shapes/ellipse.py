@@ -130,9 +130,7 @@ class Ellipse:
         turn = np.linspace(0.0, 2.0 * np.pi, _CORNERS)
         (along, across), (first, second) = self._axes, self.radii
         return np.asarray(
-            np.array(self.center)
-            + first * np.cos(turn)[:, None] * along
-            + second * np.sin(turn)[:, None] * across
+            np.array(self.center) + first * np.cos(turn)[:, None] * along + second * np.sin(turn)[:, None] * across
         )
 
     def moved(self, by: Position) -> Ellipse:
