@@ -14,12 +14,11 @@ from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cpm_core.contours.contour import Contour, check_name
+from cpm_core.contours.contour import Contour, Neighborhood, check_name
 from cpm_core.contours.result import Result, remaining
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Position
+from cpm_core.numerics.types import Position
 from cpm_core.parameters.quotation import shown
 
 Verdict = Literal["", "kept", "rejected"]
@@ -184,35 +183,6 @@ def attached(contours: Sequence[Contour], anchors: Sequence[Position], reach: fl
             found[number] = index
             taken.add(index)
     return found
-
-
-class Neighborhood:
-    """Spatial index of contours, to find those near a position."""
-
-    def __init__(self, contours: Sequence[Contour]) -> None:
-        import shapely  # noqa: PLC0415 - takes long to load
-
-        # GEOS knows no distance from a line without length
-        self._lines = np.array(
-            [shapely.LineString(c.path) if c.length else shapely.Point(c.points[0]) for c in contours], dtype=object
-        )
-        self._tree = shapely.STRtree(self._lines)
-
-    def passing(self, place: Position, reach: float) -> list[tuple[int, float]]:
-        """Index and distance [px] of the contours within `reach` [px] of a position, nearest first."""
-        _, index, away = self.pairs(np.array([place]), reach)
-        return sorted(zip(index.tolist(), away.tolist(), strict=True), key=lambda one: (one[1], one[0]))
-
-    def pairs(self, places: Array, reach: float) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
-        """Pairs of a position, of shape (N, 2), and a contour within `reach` [px] of it.
-
-        Returns the index of the position, that of the contour, and their distance [px], each of shape (P,).
-        """
-        import shapely  # noqa: PLC0415
-
-        points = shapely.points(places)
-        place, contour = self._tree.query(points, "dwithin", reach)
-        return place, contour, shapely.distance(points[place], self._lines[contour])
 
 
 def middle(contour: Contour) -> Position:

@@ -13,10 +13,9 @@ from typing import Literal
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour
+from cpm_core.contours.contour import Contour, Neighborhood
 from cpm_core.contours.measurements import containment
 from cpm_core.contours.rasterize import paint
-from cpm_core.contours.review import Neighborhood
 from cpm_core.numerics.polyline import sampled
 from cpm_core.numerics.types import Array, Index
 from cpm_core.parameters.quotation import described
