@@ -116,52 +116,69 @@ class FreePart:
 @compiled
 def _cut(graph: Arcs, capacity: Index, excess: Index) -> Mask:
     """Fill the graph with flow; `capacity` and `excess` become what is left of them."""
-    begin, head, back, _ = graph
     count = len(excess)
-    level, at = np.empty(count, np.int64), np.empty(count, np.int64)
-    order, way = np.empty(count, np.int64), np.empty(count, np.int64)
+    level, order, way = np.empty(count, np.int64), np.empty(count, np.int64), np.empty(count, np.int64)
     while True:
-        last = 0
-        for i in range(count):
-            level[i], at[i] = -1, begin[i]
-            if excess[i] > 0:
-                level[i], order[last] = 0, i
-                last += 1
-        sources, first, is_open = last, 0, False
-        while first < last:
-            i = order[first]
-            first += 1
-            is_open |= excess[i] < 0
-            for a in range(begin[i], begin[i + 1]):
-                if capacity[a] > 0 and level[head[a]] < 0:
-                    level[head[a]], order[last] = level[i] + 1, head[a]
-                    last += 1
-        if not is_open:
+        sources = _measure(graph, capacity, excess, level, order)
+        if sources == 0:
             inside: Mask = level >= 0
             return inside
-        for root in order[:sources]:
-            i, depth = root, 0
-            while excess[root] > 0:
-                if excess[i] < 0:
-                    flow = min(excess[root], -excess[i])
-                    for a in way[:depth]:
-                        flow = min(flow, capacity[a])
-                    for a in way[:depth]:
-                        capacity[a] -= flow
-                        capacity[back[a]] += flow
-                    excess[root] -= flow
-                    excess[i] += flow
-                    i, depth = root, 0
-                elif at[i] < begin[i + 1]:
-                    a = at[i]
-                    if capacity[a] > 0 and level[head[a]] == level[i] + 1:
-                        i, way[depth] = head[a], a
-                        depth += 1
-                    else:
-                        at[i] += 1
-                elif depth:
-                    depth -= 1
-                    i = head[back[way[depth]]]
-                    at[i] += 1
+        _fill(graph, capacity, excess, level, order[:sources], way)
+
+
+@compiled
+def _measure(graph: Arcs, capacity: Index, excess: Index, level: Index, order: Index) -> int:
+    """Lengths of the shortest ways from inside, -1 for none; return how many nodes they begin at, if one leads outside.
+
+    These nodes are the first ones in the order.
+    """
+    begin, head, _, _ = graph
+    last = 0
+    for i in range(len(excess)):
+        level[i] = -1
+        if excess[i] > 0:
+            level[i], order[last] = 0, i
+            last += 1
+    sources, first, leads_out = last, 0, False
+    while first < last:
+        i = order[first]
+        first += 1
+        leads_out |= excess[i] < 0
+        for a in range(begin[i], begin[i + 1]):
+            if capacity[a] > 0 and level[head[a]] < 0:
+                level[head[a]], order[last] = level[i] + 1, head[a]
+                last += 1
+    return sources if leads_out else 0
+
+
+@compiled
+def _fill(graph: Arcs, capacity: Index, excess: Index, level: Index, sources: Index, way: Index) -> None:
+    """Fill all shortest ways from some nodes with flow."""
+    begin, head, back, _ = graph
+    at = begin.copy()
+    for root in sources:
+        i, depth = root, 0
+        while excess[root] > 0:
+            if excess[i] < 0:
+                flow = min(excess[root], -excess[i])
+                for a in way[:depth]:
+                    flow = min(flow, capacity[a])
+                for a in way[:depth]:
+                    capacity[a] -= flow
+                    capacity[back[a]] += flow
+                excess[root] -= flow
+                excess[i] += flow
+                i, depth = root, 0
+            elif at[i] < begin[i + 1]:
+                a = at[i]
+                if capacity[a] > 0 and level[head[a]] == level[i] + 1:
+                    i, way[depth] = head[a], a
+                    depth += 1
                 else:
-                    break
+                    at[i] += 1
+            elif depth:
+                depth -= 1
+                i = head[back[way[depth]]]
+                at[i] += 1
+            else:
+                break
