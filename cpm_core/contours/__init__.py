@@ -5,8 +5,8 @@ from cpm_core.contours.agreement import Agreement as Agreement
 from cpm_core.contours.agreement import ObjectCounts as ObjectCounts
 from cpm_core.contours.agreement import agreement as agreement
 from cpm_core.contours.agreement import distance_to as distance_to
-from cpm_core.contours.contour import Neighborhood as Neighborhood
 from cpm_core.contours.contour import Reached as Reached
+from cpm_core.contours.contour import neighborhood as neighborhood
 from cpm_core.contours.contour import numbers_of as numbers_of
 from cpm_core.contours.hand_edits import HandEdit as HandEdit
 from cpm_core.contours.hand_edits import Kind as Kind

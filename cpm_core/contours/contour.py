@@ -10,10 +10,10 @@ from functools import cached_property
 from typing import Literal, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Position
+from cpm_core.numerics.segments import PathTree
+from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import counted, described, shown
 
 SAMPLING = 0.25
@@ -196,33 +196,9 @@ def sampled(contours: Sequence[Contour]) -> Array:
     return np.concatenate([np.empty((0, 2)), *(polyline.sampled(contour.path, SAMPLING) for contour in contours)])
 
 
-class Neighborhood:
+def neighborhood(contours: Sequence[Contour]) -> PathTree:
     """Spatial index of contours, to find those near a position."""
-
-    def __init__(self, contours: Sequence[Contour]) -> None:
-        import shapely  # noqa: PLC0415 - takes long to load
-
-        # GEOS knows no distance from a line without length
-        self._lines = np.array(
-            [shapely.LineString(c.path) if c.length else shapely.Point(c.points[0]) for c in contours], dtype=object
-        )
-        self._tree = shapely.STRtree(self._lines)
-
-    def passing(self, place: Position, reach: float) -> list[tuple[int, float]]:
-        """Index and distance [px] of the contours within `reach` [px] of a position, nearest first."""
-        _, index, away = self.pairs(np.array([place]), reach)
-        return sorted(zip(index.tolist(), away.tolist(), strict=True), key=lambda one: (one[1], one[0]))
-
-    def pairs(self, places: Array, reach: float) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
-        """Pairs of a position, of shape (N, 2), and a contour within `reach` [px] of it.
-
-        Returns the index of the position, that of the contour, and their distance [px], each of shape (P,).
-        """
-        import shapely  # noqa: PLC0415
-
-        points = shapely.points(places)
-        place, contour = self._tree.query(points, "dwithin", reach)
-        return place, contour, shapely.distance(points[place], self._lines[contour])
+    return PathTree([contour.path for contour in contours])
 
 
 _ON = 0.01
@@ -234,5 +210,5 @@ def bridges_on(bridges: Sequence[Bridge], contours: Sequence[Contour]) -> tuple[
     if not bridges or not contours:
         return ()
     middles = np.array([bridge.points[len(bridge.points) // 2] for bridge in bridges])
-    there = set(Neighborhood(contours).pairs(middles, _ON)[0].tolist())
+    there = set(neighborhood(contours).pairs(middles, _ON)[0].tolist())
     return tuple(bridge for number, bridge in enumerate(bridges) if number in there)

@@ -15,7 +15,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour, Neighborhood, check_name
+from cpm_core.contours.contour import Contour, check_name, neighborhood
 from cpm_core.contours.result import Result, remaining
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Position
@@ -172,7 +172,7 @@ def attached(contours: Sequence[Contour], anchors: Sequence[Position], reach: fl
     found: list[int | None] = [None] * len(anchors)
     if not contours or not anchors:
         return found
-    near = Neighborhood(contours).pairs(np.array(anchors, dtype=float), reach)
+    near = neighborhood(contours).pairs(np.array(anchors, dtype=float), reach)
     pairs = sorted(
         (away, number, -contours[index].length, index)
         for number, index, away in zip(*(of_pair.tolist() for of_pair in near), strict=True)
@@ -263,7 +263,7 @@ def _missing(contours: Sequence[Contour], kept: Sequence[Mark]) -> list[Mark]:
         return list(kept)
     owner = attached(contours, [mark.anchor for mark in kept])
     places = [polyline.middles(mark.outline.contour().path, _SAMPLES) for mark in kept]
-    place, contour, _ = Neighborhood(contours).pairs(np.concatenate(places), _SAME)
+    place, contour, _ = neighborhood(contours).pairs(np.concatenate(places), _SAME)
     found = []
     for index, mark in enumerate(kept):
         along = (contour == owner[index]) & (place // _SAMPLES == index) if owner[index] is not None else np.zeros(1)
