@@ -8,7 +8,7 @@ centers lie inside.
 from __future__ import annotations
 
 import html
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -189,12 +189,8 @@ def _ellipse(net: Array, center: Array) -> dict[str, object]:
     }
 
 
-_LEVELS: dict[str, Callable[..., Column]] = {
-    "intensity_mean": scipy.ndimage.mean,
-    "intensity_std": scipy.ndimage.standard_deviation,
-    "intensity_min": scipy.ndimage.minimum,
-    "intensity_max": scipy.ndimage.maximum,
-}
+_LEVELS = {"mean": "mean", "std": "standard_deviation", "min": "minimum", "max": "maximum"}
+"""Names of columns of gray levels, and of the functions of scipy.ndimage that measure them."""
 
 
 def _gray_columns(numbers: Index, labels: NDArray[np.integer], gray: Array | None) -> dict[str, Column]:
@@ -202,10 +198,10 @@ def _gray_columns(numbers: Index, labels: NDArray[np.integer], gray: Array | Non
     if gray is None or not len(numbers):
         return {}
     there = np.isin(numbers, labels)
-    columns = {name: np.full(len(numbers), np.nan) for name in _LEVELS}
+    columns = {f"intensity_{name}": np.full(len(numbers), np.nan) for name in _LEVELS}
     with np.errstate(invalid="ignore"):  # scipy divides by the size of labels that are not asked for, too
         for name, measure in _LEVELS.items():
-            columns[name][there] = measure(gray, labels, numbers[there])
+            columns[f"intensity_{name}"][there] = getattr(scipy.ndimage, measure)(gray, labels, numbers[there])
     return columns
 
 

@@ -104,7 +104,7 @@ class PathTree:
     def passing(self, place: Position, reach: float) -> list[int]:
         """Indices of the paths within `reach` [px] of a position, nearest first."""
         _, path, away = self.pairs(np.array([place]), reach)
-        return path[np.lexsort((path, away))].tolist()
+        return list(path[np.lexsort((path, away))].tolist())
 
 
 def cut(segment: Array, others: Array, tolerance: float) -> Array:
