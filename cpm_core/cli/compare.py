@@ -11,12 +11,8 @@ from typing import Any
 import numpy as np
 
 from cpm_core.cli.arguments import (
-    add_export,
-    add_image,
-    add_max_steps,
-    add_part,
-    add_preset,
-    add_session,
+    PART,
+    add,
     as_number,
     check_targets,
     numbers_of,
@@ -61,9 +57,9 @@ _WIDTH = 24
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    add_image(parser, optional=True)
-    add_session(parser)
-    add_part(parser.add_argument_group("part of a file"), channel=True)
+    add(parser, "image", nargs="?")
+    add(parser, "--session")
+    add(parser.add_argument_group("part of a file"), *PART, "--channel")
     start = parser.add_argument_group("start (one at least, of a session or here; several add up)")
     for flag, form, words in (
         ("--circle", "ROW,COL,RADIUS", "a circle, in px"),
@@ -96,14 +92,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="settings of methods, such as gac.balloon=0.5 cpm.smoothing=2; of "
         f"{'; of '.join(others)}; of {' and '.join(_OURS)}: the parameters of cpm run",
     )
-    add_preset(methods, f"of {' and '.join(_OURS)} those of the session")
-    add_max_steps(methods)
+    add(methods, "--preset", help=f"named settings (default: of {' and '.join(_OURS)} those of the session)")
+    add(methods, "--max-steps")
     outcome = parser.add_argument_group("outcome")
     outcome.add_argument("--truth", metavar="MASK", help="ground truth: a mask, or a file of contours")
-    add_export(
+    add(
         outcome,
-        "the table (.csv), a picture of the methods side by side (.png), or the contours of each method in a format of "
-        "cpm run (such as .svg, .json, .tif): with several methods a file for each, such as a.gac.svg",
+        "--export",
+        help="write the table (.csv), a picture of the methods side by side (.png), or the contours of each method in "
+        "a format of cpm run (such as .svg, .json, .tif): with several methods a file for each, such as a.gac.svg",
     )
 
 
@@ -117,8 +114,6 @@ def run(arguments: argparse.Namespace) -> int:
             raise ValueError(f"--{name} is for images, but --sphere is for volumes: leave one out.")
     named = arguments.methods or [name for name in compared.methods if name]
     for method in map(method_named, named):
-        if method.missing:
-            raise ValueError(method.missing)
         if ndim == 3 and not method.in_volumes:
             raise ValueError(f"{method.title} is for images: in a volume choose among {', '.join(runnable(ndim))}.")
     names = list(dict.fromkeys(named or runnable(ndim)))
@@ -137,9 +132,6 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         start = _start_on(image, drawn, arguments, session)
     truth = truth_for(arguments, image)
-    for method in () if named else CONTOUR_METHODS.values():
-        if method.missing and (ndim == 2 or method.in_volumes):
-            say(method.missing)
     announce_compilation()
     tiles: list[Tile] = []
     for name in names:

@@ -8,11 +8,9 @@ from typing import Any
 
 from cpm_core.cli.arguments import (
     EXPORTED,
-    add_export,
-    add_image,
+    PART,
+    add,
     add_parameters,
-    add_part,
-    add_space,
     check_exports,
     parameters_of,
     part_of,
@@ -44,7 +42,7 @@ _OF = ("auto", "dark", "light")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    add_image(parser)
+    add(parser, "image")
     parser.add_argument("--volume", action="store_true", help="IMAGE is a volume, as with --export LINES.swc")
     parser.add_argument(
         "--of",
@@ -56,11 +54,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--within", metavar="MASK", help="the skeleton of the objects of this mask, an image of the same size"
     )
     parser.add_argument("--outside", action="store_true", help="the skeleton of the background, too")
-    add_part(parser.add_argument_group("part of a file"))
+    add(parser.add_argument_group("part of a file"), *PART)
     add_parameters(parser.add_argument_group("parameters"), _PARAMETERS)
     outcome = parser.add_argument_group("outcome")
-    add_space(outcome)
-    add_export(outcome, f"the skeleton {EXPORTED}")
+    add(outcome, "--space")
+    add(outcome, "--export", help=f"write the skeleton {EXPORTED}")
 
 
 def run(arguments: argparse.Namespace) -> int:
