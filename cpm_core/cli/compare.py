@@ -110,8 +110,6 @@ def run(arguments: argparse.Namespace) -> int:
             raise ValueError(f"--{name} is for images, but --sphere is for volumes: leave one out.")
     named = arguments.methods or [name for name in compared.methods if name]
     for method in map(method_named, named):
-        if method.missing:
-            raise ValueError(method.missing)
         if ndim == 3 and not method.in_volumes:
             raise ValueError(f"{method.title} is for images: in a volume choose among {', '.join(runnable(ndim))}.")
     names = list(dict.fromkeys(named or runnable(ndim)))
@@ -124,9 +122,6 @@ def run(arguments: argparse.Namespace) -> int:
     image = _image(arguments, session, targets)
     start = _start_on(image, drawn, arguments, session)
     truth = truth_for(arguments, image)
-    for method in () if named else CONTOUR_METHODS.values():
-        if method.missing and (ndim == 2 or method.in_volumes):
-            say(method.missing)
     announce_compilation()
     source, unit = (None, "px") if truth is None else (truth.source, "px")
     if isinstance(truth, VolumeTruth):
