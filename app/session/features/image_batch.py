@@ -13,7 +13,7 @@ from app.session.exchange.messages import CommandFailed
 from app.session.session import Session
 from app.session.tasks.opening import images_in
 from app.session.tasks.tasks import Task
-from cpm_core.formats import SUFFIX, SessionFile, fingerprint, save_session
+from cpm_core.formats import SUFFIX, SessionFile, save_session
 
 TOPIC = "batch"
 """What messages on it belong to."""
@@ -50,7 +50,7 @@ def apply_to_folder(session: Session, folder: Path, then: Callable[[BatchDone], 
 
 
 def _apply(session: SessionFile, folder: Path, task: Task) -> BatchDone:
-    from cpm_core.cli.batch import Batch, Order
+    from cpm_core.cli.batch import Batch
     from cpm_core.cli.workers import here
 
     images, output = tuple(map(str, images_in(folder))), folder / _RESULTS
@@ -62,10 +62,8 @@ def _apply(session: SessionFile, folder: Path, task: Task) -> BatchDone:
         text = tr("{folder} is no folder, and none can be made: {reason}.")
         raise ValueError(text.format(folder=output, reason=cause(error))) from error
     save_session(session, output / _APPLIED)
-    order = Order(images, session, fingerprint(output / _APPLIED), output, WRITTEN, session.parameters)
-    batch = Batch(order)
-    rows = dict(batch.known)
-    for number, row in batch.rows(here(batch.jobs, None, task.check_cancelled)):
-        rows[number] = row
-        task.fraction = len(rows) / len(images)
-    return BatchDone(len(images), sum(bool(row.trouble) for row in rows.values()), output / _TABLE)
+    batch = Batch(images, session, output / _APPLIED, output, WRITTEN)
+    for _ in batch.write(here(batch.jobs, None, task.check_cancelled)):
+        task.fraction = len(batch.rows) / len(images)
+    failed = sum(bool(row.trouble) for row in batch.rows.values())
+    return BatchDone(len(images), failed, output / _TABLE)
