@@ -20,7 +20,7 @@ from app.session.signals import SessionSignals
 from app.session.timeline.moments import Erased
 from app.session.undo_history import Erasure
 from app.session.updates import Progress
-from app.session.worker.commands import Command, FindSeeds, RunCall
+from app.session.worker.commands import Command, find_seeds, run_call
 from app.session.worker.run import Run
 from cpm_core.numerics import Place
 from cpm_core.shapes import Interest, Points, Shape, Start
@@ -95,18 +95,18 @@ class Live:
         """The document has changed; unless `complete`, the gesture that changes it continues."""
         session = self._session
         if before.parameters != after.parameters:
-            self._post(RunCall(None, Run.set_parameters, after.parameters))
+            self._post(run_call(None, Run.set_parameters, after.parameters))
         if after.image_starts and before.seeding_inputs != after.seeding_inputs:
             self._progress.busy("seeding", tr("Looking for places to start from…"))
-            self._post(FindSeeds(session.image_generation, after))
+            self._post(find_seeds(session.image_generation, after))
         if before.charges != after.charges:
-            self._post(RunCall(None, Run.place, session.image_generation, after.charges))
+            self._post(run_call(None, Run.place, session.image_generation, after.charges))
         if before.hand_edits != after.hand_edits:
-            self._post(RunCall(None, Run.edit_by_hand, after.hand_edits))
+            self._post(run_call(None, Run.edit_by_hand, after.hand_edits))
         if not self._progress.status.started:
             return
         if before.regions != after.regions:
-            self._post(RunCall(session.generation, Run.limit, after.regions))
+            self._post(run_call(session.generation, Run.limit, after.regions))
         if complete:
             self.end_gesture()
 
@@ -124,7 +124,7 @@ class Live:
         new = (drawn - self._executed) & gained
         if new:
             self._execute(self._executed + new)
-            self._post(RunCall(self._session.generation, Run.join, _only(document, new)))
+            self._post(run_call(self._session.generation, Run.join, _only(document, new)))
 
     def begin_erasure(self) -> Erasure:
         """An erasure that has not removed anything yet."""
@@ -143,7 +143,7 @@ class Live:
         if not self._progress.status.started:
             return rest, False
         erasure.sources += lost
-        self._post(RunCall(session.generation, Run.erase, path, radius, erasure.number))
+        self._post(run_call(session.generation, Run.erase, path, radius, erasure.number))
         return rest, bool(lost) or self._reached(path, radius)
 
     def turn(self, erasures: Sequence[Erasure], back: bool) -> None:

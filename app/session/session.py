@@ -29,11 +29,11 @@ from app.session.tasks.opening import Opener, Wanted
 from app.session.tasks.tasks import Tasks
 from app.session.undo_history import Change, ChangeInWords, Erasure, History, Turned
 from app.session.updates import Progress
-from app.session.worker.commands import Command, Export, RestoreRuns, RunCall, RunsRestored, Start, WarmUp
+from app.session.worker.commands import Command, RunsRestored, restore_runs, run_call, start, warm_up, write_contours
 from app.session.worker.run import Run
 from app.session.worker.worker_thread import WorkerThread
 from cpm_core import METHODS, Image, Parameters
-from cpm_core.formats import Reading, differ, suffix_of
+from cpm_core.formats import Reading, differ
 from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.shapes import Sphere
 
@@ -88,7 +88,8 @@ class Session(QObject):
             RunsRestored,
             lambda kept: self.live.restore(kept.begun) if kept.generation == self.image_generation else None,
         )
-        self.listen(NotOpened, self._keep_or_open_otherwise)
+        self.listen(NotOpened, lambda refused: self.open(refused.otherwise) if refused.otherwise else None)
+        self.listen(NotOpened, lambda refused: self.say(refused.sentence, True, OPENING))
 
     # State
 
@@ -251,12 +252,12 @@ class Session(QObject):
         if self.status.phase != "running":
             self._start_if_needed()
             self._progress.phase("running")
-            self.post(RunCall(self._signals.generation, Run.go))
+            self.post(run_call(self._signals.generation, Run.go))
 
     def pause(self) -> None:
         """Stop after the current step."""
         if self.status.phase == "running":
-            self.hold(RunCall(None, Run.halt))
+            self.hold(run_call(None, Run.halt))
 
     def toggle(self) -> None:
         """Pause when running, otherwise run."""
@@ -269,7 +270,7 @@ class Session(QObject):
         """Take one step; start a run first if there is none."""
         if can_step(self.situation) and self._ready():
             self._start_if_needed()
-            self.hold(RunCall(self._signals.generation, Run.go, 1))
+            self.hold(run_call(self._signals.generation, Run.go, 1))
 
     def reset(self) -> None:
         """Take the particles away and go back to the initialization; the run stays on the timeline."""
@@ -278,7 +279,7 @@ class Session(QObject):
             kept = self.status.step > 0
             self._signals.generation = self._next_generation()
             self._progress.forget()
-            self.post(RunCall(None, Run.discard, self._signals.generation))
+            self.post(run_call(None, Run.discard, self._signals.generation))
             if kept:
                 kept_on = tr(
                     "The run is kept on the timeline: click it there, or press {key:timeline_last}, to go back to it."
@@ -292,7 +293,7 @@ class Session(QObject):
 
     def set_pace(self, steps_per_second: float | None) -> None:
         """Limit the steps per second; None for no limit."""
-        self.post(RunCall(None, Run.set_pace, steps_per_second))
+        self.post(run_call(None, Run.set_pace, steps_per_second))
 
     def want_overlay(self, name: str, wanted: bool) -> None:
         """Choose whether an overlay is kept up to date; see `app.session.worker.prepared_methods`."""
@@ -302,7 +303,7 @@ class Session(QObject):
             shown = {kept: array for kept, array in self.scene.overlays.items() if kept in self._overlays}
             if len(shown) < len(self.scene.overlays):
                 self.show(replace(self.scene, overlays=shown))
-            self.post(RunCall(None, Run.set_overlays, self._overlays))
+            self.post(run_call(None, Run.set_overlays, self._overlays))
 
     def post(self, command: Command) -> None:
         """Send a command to the worker."""
@@ -375,19 +376,18 @@ class Session(QObject):
         path = Path(path)
         self.attempt(EXPORTING)
         task = self.tasks.begin(tr("Writing {name}…").format(name=path.name))
-        order, suffix = order or ExportOrder(), suffix_of(path)
-        self.post(Export(task, self.scene.reconstruction, self.document, suffix, path, order))
+        self.post(write_contours(task, self.scene.reconstruction, self.document, order or ExportOrder(), path))
 
-    def copy_contours(self, suffix: str) -> None:
+    def copy_contours(self, suffix: str, then: Callable[[bytes], object]) -> None:
         """Prepare the contours that are shown for the clipboard, as a file with this suffix would hold them."""
         self.attempt(EXPORTING)
         task = self.tasks.begin(tr("Copying contours…"))
-        self.post(Export(task, self.scene.reconstruction, self.document, suffix))
+        self.post(write_contours(task, self.scene.reconstruction, self.document, ExportOrder(), suffix, then))
 
     def warm_up(self) -> None:
         """Compile or load the kernels ahead of the first step."""
         self._progress.busy("preparing", _PREPARING)
-        self._opener.afterwards(lambda: self.post(WarmUp()))
+        self._opener.afterwards(lambda: self.post(warm_up()))
 
     # Internal
 
@@ -431,7 +431,7 @@ class Session(QObject):
         if image is not None and after.image is not None and after.image.sized(image) is not image:
             sized = after.image.sized(image)
             self._signals.scene = replace(self.scene, image=sized)
-            self.post(RunCall(None, Run.rescale, sized, after))
+            self.post(run_call(None, Run.rescale, sized, after))
         self.live.follow(before, after, complete)
 
     def _ready(self) -> bool:
@@ -451,7 +451,7 @@ class Session(QObject):
             self._signals.generation = self._next_generation()
             self.live.begin(self._signals.generation, self.document)
             self._progress.forget(MODES[self.document.mode].method)
-            self.post(Start(self._signals.generation, self._signals.image_generation, self.document))
+            self.post(start(self._signals.generation, self._signals.image_generation, self.document))
 
     def _next_generation(self) -> int:
         self._numbered += 1
@@ -460,10 +460,10 @@ class Session(QObject):
     def _turn_erasures(self, erasures: Sequence[Erasure], back: bool) -> None:
         goes_on = self.status.phase == "running"
         self.live.turn(erasures, back)
-        self.hold(RunCall(None, Run.turn_erasures, tuple(erasure.number for erasure in erasures), back))
+        self.hold(run_call(None, Run.turn_erasures, tuple(erasure.number for erasure in erasures), back))
         if goes_on:
             self._progress.phase("running")
-            self.post(RunCall(self._signals.generation, Run.go))
+            self.post(run_call(self._signals.generation, Run.go))
 
     def _wake(self) -> None:
         if not self._timer.isActive():
@@ -486,7 +486,7 @@ class Session(QObject):
             self.former_parameters = self.wanted_parameters
         self._asked_scales, self._used_scales = opened.scales, opened.parameters.scales
         self._signals.generation = self._signals.image_generation = self._next_generation()
-        self.post(RunCall(None, Run.use, self._signals.generation, opened.method, opened.parameters))
+        self.post(run_call(None, Run.use, self._signals.generation, opened.method, opened.parameters))
         # With its own document from the first moment: the shapes of the former one may have another number of axes.
         before, document = self.document, _document(opened, self.document.mode)
         slices = Slices.of(opened.image.shape)
@@ -498,11 +498,11 @@ class Session(QObject):
         self._progress.forget()
         self.live.forget()
         self.begin_document(document, before)
-        self.post(RunCall(None, Run.edit_by_hand, self.document.hand_edits))
-        self.post(RunCall(None, Run.set_parameters, opened.parameters))
+        self.post(run_call(None, Run.edit_by_hand, self.document.hand_edits))
+        self.post(run_call(None, Run.set_parameters, opened.parameters))
         if opened.image.ndim == 3:
             self._progress.busy("preparing", _PREPARING)
-            self.post(WarmUp(volumes=True))
+            self.post(warm_up(volumes=True))
         self._restore_runs(opened)
         if opened.notes:
             self.say(" ".join(map(from_core, opened.notes)))
@@ -516,15 +516,9 @@ class Session(QObject):
         if known is not None and known.sha256 and differ(known.sha256, opened.sha256):
             return  # the notes report that the image has changed
         self._progress.busy("restoring", tr("Bringing back the runs…"))
-        self.post(RunCall(None, Run.place, self._signals.image_generation, self.document.charges))
-        self.post(RunCall(None, Run.limit, self.document.regions))
-        self.post(RestoreRuns(self._signals.image_generation, opened.saved.file.runs, image))
-
-    def _keep_or_open_otherwise(self, refused: NotOpened) -> None:
-        """Keep what is open, unless there is another file to open."""
-        if refused.otherwise is not None:
-            self.open(refused.otherwise)
-        self.say(refused.sentence, True, OPENING)
+        self.post(run_call(None, Run.place, self._signals.image_generation, self.document.charges))
+        self.post(run_call(None, Run.limit, self.document.regions))
+        self.post(restore_runs(self._signals.image_generation, opened.saved.file.runs, image))
 
 
 def _document(opened: Opened, mode: Mode) -> Document:

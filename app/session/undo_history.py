@@ -11,7 +11,7 @@ from typing import Any
 from app.model.document.document import Document, ImageReference
 from app.model.parameters.controls import Control, choice_controls, controls, value_of
 from app.model.text.language import tr, written
-from cpm_core.shapes import Charge, Everywhere, Interest, Limit, Points, Shape
+from cpm_core.shapes import Charge, Everywhere, Interest, Limit, Points
 
 DEEPEST = 500
 
@@ -126,7 +126,10 @@ class History:
         """
         for changes in (self._done, self._undone):
             if any(change.after.image != image or change.erasure is not None for change in changes):
-                changes[:] = [_on(change, image) for change in changes if change.before != change.after]
+                changes[:] = [
+                    Change(change.name, replace(change.before, image=image), replace(change.after, image=image))
+                    for change in changes if change.before != change.after
+                ]  # fmt: skip
         return self
 
     def _turn(self, source: list[Change], target: list[Change], *, back: bool) -> Turned | None:
@@ -138,16 +141,11 @@ class History:
         return Turned(change.before if back else change.after, (change,), back)
 
 
-def _on(change: Change, image: ImageReference | None) -> Change:
-    before, after = replace(change.before, image=image), replace(change.after, image=image)
-    return replace(change, before=before, after=after, erasure=None)
-
-
 _ICONS: tuple[tuple[Any, str], ...] = (
-    (Charge, "attract"), (Interest, "region"), (Limit, "barrier"), (Everywhere, "everywhere"), (Points, "points"),
-    (object, "circle"),
+    (type(None), "bin"), (Charge, "attract"), (Interest, "region"), (Limit, "barrier"), (Everywhere, "everywhere"),
+    (Points, "points"), (object, "circle"),
 )  # fmt: skip
-"""Icons of shapes, those of their tools; the first kind that a shape is of counts."""
+"""Icons of shapes, those of their tools, and of none; the first kind that a shape is of counts."""
 
 _PARTS = (("objects", "objects"), ("hand_edits", "edit_contours"), ("marks", "contours"), ("mode", "run"))
 """Other parts of a document and the icons of their changes."""
@@ -167,17 +165,10 @@ def described(name: str, before: Document, after: Document) -> ChangeInWords:
     if before.parameters != after.parameters:
         return ChangeInWords(_parameter(before, after) or text, "slider")
     if before.shapes != after.shapes:
-        return ChangeInWords(text, _icon_of_shapes(before.shapes, after.shapes))
+        added = next((shape for shape in after.shapes if shape not in before.shapes), None)
+        return ChangeInWords(text, next(icon for kind, icon in _ICONS if isinstance(added, kind)))
     icons = (icon for part, icon in _PARTS if getattr(before, part) != getattr(after, part))
     return ChangeInWords(text, next(icons, ""))
-
-
-def _icon_of_shapes(before: tuple[Shape, ...], after: tuple[Shape, ...]) -> str:
-    """The icon of what was drawn or changed, or a bin."""
-    added = [shape for shape in after if shape not in before]
-    if not added:
-        return "bin"
-    return next(icon for kind, icon in _ICONS if isinstance(added[0], kind))
 
 
 def _parameter(before: Document, after: Document) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -34,6 +35,12 @@ from cpm_core import Result, Skeleton
 
 _COMPILING = tr("Preparing for the first run on this computer: {percent} %")
 
+_ENDED_BY: Mapping[type[Report], tuple[str, ...]] = {
+    Opened: ("seeding", "restoring"), RunsRestored: ("restoring",), RunFailed: ("restoring",),
+    SeedsFound: ("seeding",), WarmedUp: ("preparing",),
+}  # fmt: skip
+"""What is no longer being prepared once a report arrives."""
+
 _FIGURES_EVERY = 0.1
 """Time between two updates of the numbers in the window [s]."""
 
@@ -47,10 +54,6 @@ class Progress:
         self._busy: dict[str, str] = {}
         self._shown_at = 0.0
         self._known = RunStatus()
-        session.listen(Finished, lambda finished: finished.then())
-        session.listen(Probed, self._take_probed)
-        session.listen(Compared, self._take_compared)
-        session.listen(Shaded, lambda shaded: self._show(shaded=shaded))
 
     @property
     def status(self) -> RunStatus:
@@ -148,46 +151,38 @@ class Progress:
             self._session.show_status()
 
     def _take_report(self, report: Report) -> None:
+        session = self._session
+        for what in _ENDED_BY.get(type(report), ()):
+            self._busy.pop(what, None)
         match report:
-            case Opened():
-                self._busy.pop("seeding", None)
-                self._busy.pop("restoring", None)
-            case RunsRestored(generation, _, shown):
-                self._busy.pop("restoring", None)
-                if shown and generation == self._session.generation:
-                    # the state that is shown may have been taken before this report
-                    self._known = replace(self._known, phase="finished" if self._known.stop_reason else "paused")
-            case RunFailed(generation, sentence):
-                self._busy.pop("restoring", None)
-                if generation == self._session.generation:
-                    self._known = replace(self._known, phase="paused" if self._known.count else "ready")
-                    self._session.say(sentence, True, RUNNING)
-            case WentOn(generation):
-                if generation == self._session.generation:
-                    self._known = replace(self._known, phase="running")
+            case RunsRestored(generation, _, True) if generation == session.generation:
+                # the state that is shown may have been taken before this report
+                self._known = replace(self._known, phase="finished" if self._known.stop_reason else "paused")
+            case RunFailed(generation, sentence) if generation == session.generation:
+                self._known = replace(self._known, phase="paused" if self._known.count else "ready")
+                session.say(sentence, True, RUNNING)
+            case WentOn(generation) if generation == session.generation:
+                self._known = replace(self._known, phase="running")
             case SeedsFound(generation, image_seeds, sentence):
-                self._busy.pop("seeding", None)
                 if sentence:
-                    self._session.say(sentence, True, EDITING)
-                if generation == self._session.image_generation:
+                    session.say(sentence, True, EDITING)
+                if generation == session.image_generation:
                     self._show(image_seeds=image_seeds)
             case Exported(path, counts):
                 written = tr("Written: {path}").format(path=path)
-                self._session.say(written if counts is None else f"{written} ({summary_text(counts)})", topic=EXPORTING)
+                session.say(written if counts is None else f"{written} ({summary_text(counts)})", topic=EXPORTING)
             case CommandFailed(sentence, topic):
-                self._session.say(sentence, True, topic)
-            case Compiling(percent):
-                if "preparing" in self._busy:
-                    self._busy["preparing"] = _COMPILING.format(percent=percent)
-            case WarmedUp():
-                self._busy.pop("preparing", None)
-        self._session.pass_on(report)
-        self._session.show_status()
-
-    def _take_probed(self, probed: Probed) -> None:
-        self._session.trouble(probed.trouble, "forces")
-        self._show(probed=probed)
-
-    def _take_compared(self, compared: Compared) -> None:
-        if compared.generation == self._session.generation:
-            self._show(compared=compared)
+                session.say(sentence, True, topic)
+            case Compiling(percent) if "preparing" in self._busy:
+                self._busy["preparing"] = _COMPILING.format(percent=percent)
+            case Probed():
+                session.trouble(report.trouble, "forces")
+                self._show(probed=report)
+            case Compared(generation) if generation == session.generation:
+                self._show(compared=report)
+            case Shaded():
+                self._show(shaded=report)
+            case Finished(then):
+                then()
+        session.pass_on(report)
+        session.show_status()

@@ -15,7 +15,7 @@ from app.session.scene import NO_CONTOURS, ReviewedContours, Scene
 from app.session.session import Session
 from app.session.timeline.stored_runs import Branch
 from app.session.timeline.timeline import Outline
-from app.session.worker.requests import Compare, Compared
+from app.session.worker.requests import Compared, compare
 from app.session.worker.run import RESTING_SPEED
 from cpm_core import Contour, Image, Result, Skeleton, Truth, VolumeTruth, measure
 
@@ -68,7 +68,7 @@ class OtherResult(QObject):
         self._later = QTimer(self, singleShot=True)
         self._later.timeout.connect(self._ask)
         self._quiet = QTimer(self, singleShot=True, interval=_QUIET)
-        self._quiet.timeout.connect(self._compare_contours)
+        self._quiet.timeout.connect(lambda: self._ask(thorough=True))
         session.scene_changed.connect(self._follow)
         session.image_changed.connect(self._forget)
 
@@ -220,16 +220,14 @@ class OtherResult(QObject):
             if not self._later.isActive():
                 self._later.start(_SELDOM if self._session.status.phase == "running" else _EVERY)
 
-    def _compare_contours(self) -> None:
-        """Compare the contours, which takes longer, once nothing changes any more."""
-        contours = self._session.scene.contours.result
-        if self.branch is not None and contours is not None and self._session.status.phase != "running":
-            self._ask(contours)
-
-    def _ask(self, against: Result | None = None) -> None:
+    def _ask(self, thorough: bool = False) -> None:
+        """Ask for the branch, if `thorough` with its contours, which takes longer, once nothing changes any more."""
         snapshot = self._session.scene.snapshot
+        against = self._session.scene.contours.result if thorough else None
+        if thorough and (against is None or self.branch is None or self._session.status.phase == "running"):
+            return
         step = snapshot.state.step if snapshot is not None else 0
-        self._session.post(Compare(self._session.generation, self.branch, step, against))
+        self._session.post(compare(self._session.generation, self.branch, step, against))
 
     def _forget(self) -> None:
         """Another image has been opened."""

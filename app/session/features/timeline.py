@@ -12,8 +12,8 @@ from app.session.features.other_result import NOTHING, OtherResult
 from app.session.session import Session
 from app.session.timeline.stored_runs import Branch
 from app.session.timeline.timeline import Outline
-from app.session.worker.commands import RunCall
-from app.session.worker.requests import Seek
+from app.session.worker.commands import run_call
+from app.session.worker.requests import seek
 from app.session.worker.run import Run
 from cpm_core import Parameters
 
@@ -42,7 +42,11 @@ class TimelineNavigation(QObject):
         session.status_changed.connect(self._follow_phase)
         session.image_changed.connect(lambda: self._use_outline(NOTHING))
         session.listen(CommandFailed, self._give_up_going)
-        session.listen(RunsKept, self._take_kept)
+        session.listen(
+            RunsKept,
+            lambda kept: None if kept.generation != session.generation or session.status.started
+            else self._use_outline(kept.timeline),
+        )  # fmt: skip
 
     @property
     def playing(self) -> bool:
@@ -128,13 +132,13 @@ class TimelineNavigation(QObject):
 
     def rename(self, branch: int, name: str) -> None:
         """Give a branch another name."""
-        self._session.post(RunCall(self._session.generation, Run.rename_branch, branch, name))
+        self._session.post(run_call(self._session.generation, Run.rename_branch, branch, name))
 
     def drop(self, branch: int) -> None:
         """Remove a branch; if the run is on it, pause."""
         if self.branch(branch) is None:
             return
-        command = RunCall(self._session.generation, Run.drop_branch, branch)
+        command = run_call(self._session.generation, Run.drop_branch, branch)
         if branch == self.place[0]:
             self._target = None
             self._session.hold(command)
@@ -165,13 +169,13 @@ class TimelineNavigation(QObject):
         if self.branch(branch) is None:
             return
         if not self._session.status.started:  # until now the regions were of no use to the worker
-            self._session.post(RunCall(None, Run.limit, self._session.document.regions))
+            self._session.post(run_call(None, Run.limit, self._session.document.regions))
         step = min(max(step, self.first), self.last(branch))
         if (branch, step) == self.place and self._session.status.phase != "running":
             return
         target = self._target = (branch, step)
-        seek = Seek(self._session.generation, branch, step, wanted=lambda: self._target in (None, target))
-        self._session.hold(seek)
+        session = self._session
+        session.hold(seek(session.generation, branch, step, lambda: self._target in (None, target)))
         self._stay.start()
         self.changed.emit()
 
@@ -197,10 +201,6 @@ class TimelineNavigation(QObject):
             self._target = None
         self.changed.emit()
 
-    def _take_kept(self, kept: RunsKept) -> None:
-        if kept.generation == self._session.generation and not self._session.status.started:
-            self._use_outline(kept.timeline)
-
     def _use_outline(self, outline: Outline) -> None:
         """Show runs while the run is on none of them."""
         self._play.stop()
@@ -216,7 +216,7 @@ class TimelineNavigation(QObject):
 
     def _reconstruct(self) -> None:
         if self._session.status.started and self._session.status.phase != "running":
-            self._session.post(RunCall(None, Run.stay))
+            self._session.post(run_call(None, Run.stay))
 
     def _give_up_going(self, _: CommandFailed) -> None:
         """The failed command may have been the one that goes to another step."""

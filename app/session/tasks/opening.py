@@ -86,7 +86,10 @@ def parts_of(path: Path, reading: Reading) -> tuple[Parts | None, Reading]:
     paged = path.suffix.lower() in PAGED
     try:
         try:
-            return Parts.of(open_stack(path, reading.series), paged, _series_around(path)), reading
+            stack = open_stack(path, reading.series)
+            # the folder, where both the file and enough files next to it are DICOM
+            series = path.parent if len(dicom_files_beside(path, MINIMUM_SIDE)) >= MINIMUM_SIDE else None
+            return Parts.of(stack, paged, series), reading
         except UnchosenError as error:
             if not error.images:
                 raise
@@ -94,12 +97,6 @@ def parts_of(path: Path, reading: Reading) -> tuple[Parts | None, Reading]:
             return Parts.of(open_stack(path, first.series), paged), first
     except ValueError:
         return None, reading
-
-
-def _series_around(path: Path) -> Path | None:
-    """The folder of a file, where both it and enough files next to it are DICOM."""
-    around = dicom_files_beside(path, MINIMUM_SIDE)
-    return path.parent if len(around) >= MINIMUM_SIDE else None
 
 
 def opens_as_volume(parts: Parts | None) -> bool:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -96,44 +95,30 @@ class PreparedMethods:
 _MOST_VOXELS = 1 << 26
 """Largest volume whose field is worked out, for which it takes 800 MB at a time."""
 
-Overlay = Callable[[Method[Any], Parameters, Sequence[PlacedCharge]], Drawn]
 
+def overlay(name: str, method: Method[Any], parameters: Parameters, charges: Sequence[PlacedCharge]) -> Drawn:
+    """What lies over the image.
 
-def _edge_map(method: Method[Any], parameters: Parameters, charges: Sequence[PlacedCharge]) -> Drawn:
-    found = method.edge_map(parameters)
-    return volume_of_edge_map(found) if found.ndim == 3 else DisplayImage.of(display_of_edge_map(found))
-
-
-def _potential(method: Method[Any], parameters: Parameters, charges: Sequence[PlacedCharge]) -> Drawn:
-    found = method.potential(parameters, charges)
-    return volume_of_potential(found) if found.ndim == 3 else DisplayImage.of(display_of_potential(found))
-
-
-def _iso_lines(method: Method[Any], parameters: Parameters, charges: Sequence[PlacedCharge]) -> Drawn:
-    """Lines of equal potential; the values of a volume, in whose slices they are found."""
-    found = method.potential(parameters, charges)
-    return SampledValues.of(found) if found.ndim == 3 else iso_lines(found)
-
-
-def _field(method: Method[Any], parameters: Parameters, charges: Sequence[PlacedCharge]) -> Drawn:
+    These are display images of the edge map and of the potential, shape (H, W), or (P, R, C) of a volume; the electric
+    `field` of edges and placed charges, shape (2, H, W); `iso_lines` of equal potential, shape (M, 2), with a row of
+    NaN after each. Of a volume the last two are what its slices are made from.
+    """
     image = method.image
-    if math.prod(image.shape) > _MOST_VOXELS:
-        raise ValueError(tr("The volume is too large for arrows of the field: open a part of it, or reduce its size."))
-    found = method.field(parameters, 0, charges)
-    return SampledForce.of(found, image.spacing) if image.ndim == 3 else found
-
-
-OVERLAYS: Mapping[str, Overlay] = MappingProxyType(
-    {
-        "edge_map": _edge_map,
-        "field": _field,
-        "potential": _potential,
-        "iso_lines": _iso_lines,
-    }
-)
-"""Display images of the edge map and of the potential, shape (H, W), or (P, R, C) of a volume; electric field of edges
-and placed charges, shape (2, H, W); lines of equal potential, shape (M, 2), with a row of NaN after each. Of a volume
-the last two are what their slices are made from."""
+    deep = image.ndim == 3
+    if name == "edge_map":
+        edges = method.edge_map(parameters)
+        return volume_of_edge_map(edges) if deep else DisplayImage.of(display_of_edge_map(edges))
+    if name == "field":
+        if math.prod(image.shape) > _MOST_VOXELS:
+            raise ValueError(
+                tr("The volume is too large for arrows of the field: open a part of it, or reduce its size.")
+            )
+        field = method.field(parameters, 0, charges)
+        return SampledForce.of(field, image.spacing) if deep else field
+    potential = method.potential(parameters, charges)
+    if name == "potential":
+        return volume_of_potential(potential) if deep else DisplayImage.of(display_of_potential(potential))
+    return SampledValues.of(potential) if deep else iso_lines(potential)
 
 
 class OverlayMaker:
@@ -165,7 +150,7 @@ class OverlayMaker:
         arrays, trouble = {}, ""
         for name in self._wanted:
             try:
-                arrays[name] = OVERLAYS[name](method, parameters, charges)
+                arrays[name] = overlay(name, method, parameters, charges)
             except Exception as error:  # the run does not depend on what is shown over the image
                 trouble = sentence(error, tr("preparing what lies over the image"))
         self._made.put(Overlays(image_generation, arrays, trouble))

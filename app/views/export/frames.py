@@ -15,7 +15,7 @@ from app.session.scene import ReviewedContours, Scene
 from app.session.session import Session
 from app.session.signals import FILMING
 from app.session.tasks.tasks import Task
-from app.session.worker.requests import FrameTaken, TakeFrame
+from app.session.worker.requests import FrameTaken, take_frame
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.image_view import ImageView
 from app.views.canvas.items.item import image_rectangle
@@ -151,7 +151,6 @@ class FrameRecorder(QObject):
         self._timer.setInterval(_INTERVAL)
         self._timer.timeout.connect(self._advance)
         self._timer.start()
-        session.listen(FrameTaken, self._take_frame)
         self._advance()
 
     def stop(self) -> None:
@@ -159,7 +158,6 @@ class FrameRecorder(QObject):
         if not self.over:
             self.over = True
             self._timer.stop()
-            self._session.stop_listening(FrameTaken, self._take_frame)
             self._renderer.close()
             self.deleteLater()
 
@@ -169,11 +167,11 @@ class FrameRecorder(QObject):
         elif not self._due and self._next < len(self._places) and self._has_room():
             self._due = True
             branch, step = self._places[self._next]
-            command = TakeFrame(self._task, self._generation, branch, step, self._contours)
+            command = take_frame(self._task, self._generation, branch, step, self._contours, self._take_frame)
             self._session.post(command)
 
     def _take_frame(self, report: FrameTaken) -> None:
-        if report.task is not self._task or self.over or self._task.over:
+        if self.over or self._task.over:
             return
         self._due = False
         if report.moment is None:

@@ -26,7 +26,6 @@ from app.session.features.import_contours import (
 )
 from app.session.signals import EXPORTING, OPENING
 from app.session.tasks.tasks import Task
-from app.session.worker.commands import Copied
 from app.views.export.dialog import ExportDialog
 from app.views.widgets.actions import ActionSpec
 from app.views.window.dialogs import Button, Files, Question, all_files, ask_for_folder
@@ -136,16 +135,12 @@ _MIME = {".svg": "image/svg+xml", ".csv": "text/csv", ".geojson": "application/g
 class ClipboardFeature(Feature):
     """Copies for other programs."""
 
-    def __init__(self, context: FeatureContext) -> None:
-        super().__init__(context)
-        context.session.listen(Copied, self._put_contours)
-
     def action_specs(self) -> Sequence[ActionSpec]:
         """Contours in several formats, and the view."""
         contours = [
             ActionSpec(name, "Edit", text, tr("Copy the contours to the clipboard."),
-                       partial(self.context.session.copy_contours, suffix), keys, gap=suffix == ".svg",
-                       when=has_contours)
+                       partial(self.context.session.copy_contours, suffix, partial(self._put_contours, suffix)), keys,
+                       gap=suffix == ".svg", when=has_contours)
             for name, text, suffix, keys in _COPIES
         ]  # fmt: skip
         view = ActionSpec("copy_view", "Edit", tr("Copy &view as image"),
@@ -157,10 +152,10 @@ class ClipboardFeature(Feature):
         QApplication.clipboard().setImage(self.context.canvas_area.canvas.grab().toImage())
         self.context.session.say(tr("The view is on the clipboard."), topic=EXPORTING)
 
-    def _put_contours(self, report: Copied) -> None:
+    def _put_contours(self, suffix: str, content: bytes) -> None:
         data = QMimeData()
-        data.setText(report.content.decode())  # most programs take text only
-        data.setData(_MIME[report.suffix], report.content)
+        data.setText(content.decode())  # most programs take text only
+        data.setData(_MIME[suffix], content)
         QApplication.clipboard().setMimeData(data)
         self.context.session.say(tr("The contours are on the clipboard."), topic=EXPORTING)
 

@@ -20,7 +20,7 @@ from app.model.text.wording import wording_called
 from app.session.features.timeline import TimelineNavigation
 from app.session.storage.presets import PresetStore
 from app.session.timeline.timeline import MEGABYTE
-from app.session.worker.commands import RunCall
+from app.session.worker.commands import run_call
 from app.session.worker.run import Run
 from app.views.canvas.items.item import image_rectangle
 from app.views.comparison.dialog import CompareDialog
@@ -95,7 +95,7 @@ class RunControlFeature(Feature):
         watched = "potential" in shown and "plots" in unfolded
         if watched != self._watched:
             self._watched = watched
-            self.context.session.post(RunCall(None, Run.watch_energy, watched))
+            self.context.session.post(run_call(None, Run.watch_energy, watched))
 
     def _show(self) -> None:
         running = is_running(self.context.session.situation)
@@ -195,7 +195,7 @@ class TimelineFeature(Feature):
 
     def _use_budget(self) -> None:
         megabytes = int(self.context.preferences.value(TIMELINE_MEMORY))
-        self.context.session.post(RunCall(None, Run.set_timeline_budget, megabytes * MEGABYTE))
+        self.context.session.post(run_call(None, Run.set_timeline_budget, megabytes * MEGABYTE))
 
 
 class TasksFeature(Feature):

@@ -19,7 +19,7 @@ from app.model.display.display_image import (
 )
 from app.model.text.language import tr
 from app.session.scene import Scene
-from app.session.worker.requests import Shade
+from app.session.worker.requests import shade
 from app.views.canvas.items.item import cached
 from app.views.canvas.items.tiled_image import TiledImage
 from app.views.canvas.layers.layer import Amount, Choice, Layer, Requests
@@ -170,13 +170,13 @@ class ImageLayer(Layer):
             self._item.use_curve(None if window == IntensityWindow(*self.ends) else color_curve(window, colors.white))
             self._item.show_image(whole)
         elif colors is not None:
-            self.requests.post(Shade(image, window, self._channel()))
+            self.requests.post(shade(image, window, self._channel()))
         elif window == IntensityWindow(*self.ends):
             self._item.show_image(whole)
         elif image.values.size <= _AT_ONCE:
             self._item.show_image(DisplayImage.of(apply_window(image.values, window)))
         else:
-            self.requests.post(Shade(image, window))
+            self.requests.post(shade(image, window))
 
     def _in_color(self) -> bool:
         """Whether a color image is shown in its colors."""
