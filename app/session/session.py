@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -27,7 +27,7 @@ from app.session.scene import ReviewedContours, Scene
 from app.session.signals import EDITING, EXPORTING, OPENING, RUNNING, SessionSignals
 from app.session.tasks.opening import Opener, Wanted
 from app.session.tasks.tasks import Tasks
-from app.session.undo_history import Change, ChangeInWords, Erasure, History, Turned
+from app.session.undo_history import Change, Erasure, History, Turned
 from app.session.updates import Progress
 from app.session.worker.commands import Command, RunsRestored, restore_runs, run_call, start, warm_up, write_contours
 from app.session.worker.run import Run
@@ -139,7 +139,7 @@ class Session(QObject):
     @property
     def situation(self) -> Situation:
         """Everything that decides what the window shows and enables."""
-        return Situation(self.document, self.status, self.undo_name, self.redo_name, self.selected)
+        return Situation(self.document, self.status, self.history.undo_name, self.history.redo_name, self.selected)
 
     @property
     def resolved(self) -> Resolved:
@@ -158,26 +158,6 @@ class Session(QObject):
 
     # Editing
 
-    @property
-    def undo_name(self) -> str:
-        """Name of the change that undo takes back, empty if there is none."""
-        return self.history.undo_name
-
-    @property
-    def redo_name(self) -> str:
-        """Name of the change that redo repeats, empty if there is none."""
-        return self.history.redo_name
-
-    @property
-    def changes(self) -> tuple[tuple[ChangeInWords, ...], int]:
-        """All changes to the document in words, and how many of them are done; the others are undone."""
-        return self.history.changes, self.history.done
-
-    def use_history(self, history: History) -> None:
-        """Take up the history of the document that is open, as it was left."""
-        self.history = history
-        self.show_status()
-
     def edit(
         self, name: str, edit: Callable[[Document], Document], gesture: str = "", erasure: Erasure | None = None
     ) -> None:
@@ -195,8 +175,6 @@ class Session(QObject):
         if after != before or erasure is not None:
             self.history.push(Change(name, before, after, gesture, erasure))
             self._use(after, complete=not gesture)
-        if after == before and erasure is not None:
-            self._announce()
 
     def seal(self) -> None:
         """End a gesture: the next edit is undone separately."""
@@ -397,42 +375,33 @@ class Session(QObject):
             return
         erasures = [change.erasure for change in turned.changes if change.erasure is not None]
         if erasures:
-            self._turn_erasures(erasures, turned.back)
-        same = turned.document == self.document
+            goes_on = self.status.phase == "running"
+            self.live.turn(erasures, turned.back)
+            self.hold(run_call(None, Run.turn_erasures, tuple(one.number for one in erasures), turned.back))
+            if goes_on:
+                self._progress.phase("running")
+                self.post(run_call(self._signals.generation, Run.go))
         self._use(turned.document)
-        if same:
-            self._announce()
 
-    def _announce(self) -> None:
-        """The history has changed, and the document has not."""
-        self.document_changed.emit(self.document)
-        self.show_status()
-
-    def _use(self, document: Document | None, complete: bool = True, before: Document | None = None) -> None:
+    def _use(self, document: Document, complete: bool = True, before: Document | None = None) -> None:
+        """Show another document, or the same one after the history has changed."""
         before, scene = before or self.document, self.scene
-        if document is None or document == before:
-            return
-        self.attempt(EDITING, RUNNING)  # an edit may be the remedy for why a run did not begin
-        selected = scene.selected
-        if selected is not None and selected >= len(document.shapes):
-            selected = None
-        contours = scene.contours
-        if document.marks != before.marks:
-            contours = ReviewedContours.of(contours.tracked, document.marks)
-        self._signals.scene = replace(scene, document=document, selected=selected, contours=contours)
-        self._follow(before, document, complete)
-        self.scene_changed.emit()
+        if document != before:
+            self.attempt(EDITING, RUNNING)  # an edit may be the remedy for why a run did not begin
+            selected, contours, image = scene.selected, scene.contours, scene.image
+            if selected is not None and selected >= len(document.shapes):
+                selected = None
+            if document.marks != before.marks:
+                contours = ReviewedContours.of(contours.tracked, document.marks)
+            # the size of a pixel that has been set by hand, before all that follows from an edit
+            sized = image if image is None or document.image is None else document.image.sized(image)
+            self._signals.scene = replace(scene, image=sized, document=document, selected=selected, contours=contours)
+            if sized is not None and sized is not image:
+                self.post(run_call(None, Run.rescale, sized, document))
+            self.live.follow(before, document, complete)
+            self.scene_changed.emit()
         self.document_changed.emit(document)
         self.show_status()
-
-    def _follow(self, before: Document, after: Document, complete: bool) -> None:
-        """Give the image the size of a pixel that has been set by hand, before all that follows from an edit."""
-        image = self.scene.image
-        if image is not None and after.image is not None and after.image.sized(image) is not image:
-            sized = after.image.sized(image)
-            self._signals.scene = replace(self.scene, image=sized)
-            self.post(run_call(None, Run.rescale, sized, after))
-        self.live.follow(before, after, complete)
 
     def _ready(self) -> bool:
         self.attempt(RUNNING)
@@ -456,14 +425,6 @@ class Session(QObject):
     def _next_generation(self) -> int:
         self._numbered += 1
         return self._numbered
-
-    def _turn_erasures(self, erasures: Sequence[Erasure], back: bool) -> None:
-        goes_on = self.status.phase == "running"
-        self.live.turn(erasures, back)
-        self.hold(run_call(None, Run.turn_erasures, tuple(erasure.number for erasure in erasures), back))
-        if goes_on:
-            self._progress.phase("running")
-            self.post(run_call(self._signals.generation, Run.go))
 
     def _wake(self) -> None:
         if not self._timer.isActive():

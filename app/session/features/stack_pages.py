@@ -171,7 +171,8 @@ class StackPages(QObject):
             page = self._coming.pop(self.number, None)
             if page is not None:
                 self._given = page.given
-                self._session.use_history(page.history.on(self._session.document.image))
+                self._session.history = page.history.on(self._session.document.image)
+                self._session.show_status()
         else:
             self._begin_stack(opened)
         self.changed.emit()

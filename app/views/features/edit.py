@@ -149,8 +149,10 @@ class HistoryFeature(Feature):
         super().__init__(context)
         session = context.session
         self.panel = HistoryPanel(session.go_to)
-        session.document_changed.connect(lambda _: self.panel.show_changes(*session.changes))
-        self.panel.show_changes(*session.changes)
+        session.document_changed.connect(
+            lambda _: self.panel.show_changes(session.history.changes, session.history.done)
+        )
+        self.panel.show_changes(session.history.changes, session.history.done)
 
     def panels(self) -> Sequence[Panel]:
         """The history."""

@@ -38,7 +38,7 @@ def test_a_channel_is_taken_with_the_keys_undone_and_named_in_the_history(colore
     row.box.setFocus()
     hand.qtbot.keyClick(row.box, Qt.Key.Key_Down)
     assert colored.session.document.parameters.channel == "red"
-    assert colored.session.changes[0][-1].text == "Channel luminance → red"
+    assert colored.session.history.changes[-1].text == "Channel luminance → red"
     colored.actions_by_name["undo"].trigger()
     assert colored.session.document.parameters.channel == "luminance"
     assert row.box.currentText() == "luminance"

@@ -287,7 +287,7 @@ class SessionMachine(RuleBasedStateMachine):
         assert self.session.document == self.now
         assert bool(self.session.situation.undo_name) == bool(self.past)
         assert bool(self.session.situation.redo_name) == bool(self.future)
-        assert self.session.changes[1] == len(self.past)
+        assert self.session.history.done == len(self.past)
         assert self.session.selected is None or self.session.selected < len(self.now.shapes)
 
     @invariant()
