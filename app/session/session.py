@@ -24,11 +24,10 @@ from app.session.exchange.mailbox import Pacer
 from app.session.exchange.messages import ImageReady, NotOpened, Opened
 from app.session.live_edits import Live
 from app.session.scene import ReviewedContours, Scene
-from app.session.signals import EDITING, EXPORTING, OPENING, RUNNING, SessionSignals
+from app.session.signals import EDITING, EXPORTING, OPENING, RUNNING, Board
 from app.session.tasks.opening import Opener, Wanted
 from app.session.tasks.tasks import Tasks
 from app.session.undo_history import Change, Erasure, History, Turned
-from app.session.updates import Progress
 from app.session.worker.commands import Command, RunsRestored, restore_runs, run_call, start, warm_up, write_contours
 from app.session.worker.run import Run
 from app.session.worker.worker_thread import WorkerThread
@@ -52,21 +51,20 @@ class Session(QObject):
     def __init__(self, core: Core | None = None, parent: QObject | None = None) -> None:
         super().__init__(parent)
         core = core or Core()
-        self._signals = signals = SessionSignals(self)
-        self.scene_changed, self.image_changed = signals.scene_changed, signals.image_changed
-        self.document_changed, self.status_changed = signals.document_changed, signals.status_changed
-        self.said, self.attempted = signals.said, signals.attempted
-        self.show, self.show_status = signals.show, signals.show_status
-        self.listen, self.stop_listening, self.pass_on = signals.listen, signals.stop_listening, signals.pass_on
-        self.say, self.trouble, self.attempt = signals.say, signals.trouble, signals.attempt
         self._worker_thread = WorkerThread(core)
+        self._board = board = Board(self._worker_thread, self)
+        self.scene_changed, self.image_changed = board.scene_changed, board.image_changed
+        self.document_changed, self.status_changed = board.document_changed, board.status_changed
+        self.said, self.attempted = board.said, board.attempted
+        self.show, self.show_status = board.show, board.show_status
+        self.listen, self.stop_listening, self.pass_on = board.listen, board.stop_listening, board.pass_on
+        self.say, self.trouble, self.attempt = board.say, board.trouble, board.attempt
         self.tasks = Tasks(self._worker_thread.report, self._wake, self)
         self.tasks.changed.connect(self.show_status)
-        self._progress = Progress(signals, self._worker_thread)
         self._numbered = 0
         self.history = History()
         """What can be undone and redone."""
-        self.live = Live(signals, self._progress, self.post)
+        self.live = Live(board, self.post)
         self._overlays: frozenset[str] = frozenset()
         self._frames = Pacer()
         self._timer = QTimer(self)
@@ -96,17 +94,17 @@ class Session(QObject):
     @property
     def scene(self) -> Scene:
         """The scene that is shown."""
-        return self._signals.scene
+        return self._board.scene
 
     @property
     def generation(self) -> int:
         """Number of the current run; snapshots and reports of other runs are not shown."""
-        return self._signals.generation
+        return self._board.generation
 
     @property
     def image_generation(self) -> int:
         """Number under which the image was opened."""
-        return self._signals.image_generation
+        return self._board.image_generation
 
     @property
     def image(self) -> Image | None:
@@ -126,7 +124,7 @@ class Session(QObject):
     @property
     def status(self) -> RunStatus:
         """State of the run."""
-        status = self._progress.status
+        status = self._board.status
         document, method = self.document, METHODS[status.method]
         other = status.method != MODES[document.mode].method
         stale = status.started and (other or (method.seeded and self.live.outdated(document)))
@@ -218,7 +216,7 @@ class Session(QObject):
     def begin_document(self, document: Document, before: Document | None = None) -> None:
         """Use another document, with an empty undo history, in place of the present one or of one `before` it."""
         self.history = History()
-        self._signals.scene = replace(self.scene, selected=None)
+        self._board.scene = replace(self.scene, selected=None)
         self._use(document, before=before)
 
     # Running
@@ -229,8 +227,8 @@ class Session(QObject):
             return
         if self.status.phase != "running":
             self._start_if_needed()
-            self._progress.phase("running")
-            self.post(run_call(self._signals.generation, Run.go))
+            self._board.phase("running")
+            self.post(run_call(self._board.generation, Run.go))
 
     def pause(self) -> None:
         """Stop after the current step."""
@@ -248,16 +246,16 @@ class Session(QObject):
         """Take one step; start a run first if there is none."""
         if can_step(self.situation) and self._ready():
             self._start_if_needed()
-            self.hold(run_call(self._signals.generation, Run.go, 1))
+            self.hold(run_call(self._board.generation, Run.go, 1))
 
     def reset(self) -> None:
         """Take the particles away and go back to the initialization; the run stays on the timeline."""
         if self.status.started:
             self.attempt(RUNNING)
             kept = self.status.step > 0
-            self._signals.generation = self._next_generation()
-            self._progress.forget()
-            self.post(run_call(None, Run.discard, self._signals.generation))
+            self._board.generation = self._next_generation()
+            self._board.forget()
+            self.post(run_call(None, Run.discard, self._board.generation))
             if kept:
                 kept_on = tr(
                     "The run is kept on the timeline: click it there, or press {key:timeline_last}, to go back to it."
@@ -266,7 +264,7 @@ class Session(QObject):
 
     def hold(self, command: Command) -> None:
         """Pause the run by a command after which it stays at some step."""
-        self._progress.phase("paused")
+        self._board.phase("paused")
         self.post(command)
 
     def set_pace(self, steps_per_second: float | None) -> None:
@@ -364,7 +362,7 @@ class Session(QObject):
 
     def warm_up(self) -> None:
         """Compile or load the kernels ahead of the first step."""
-        self._progress.busy("preparing", _PREPARING)
+        self._board.busy("preparing", _PREPARING)
         self._opener.afterwards(lambda: self.post(warm_up()))
 
     # Internal
@@ -379,8 +377,8 @@ class Session(QObject):
             self.live.turn(erasures, turned.back)
             self.hold(run_call(None, Run.turn_erasures, tuple(one.number for one in erasures), turned.back))
             if goes_on:
-                self._progress.phase("running")
-                self.post(run_call(self._signals.generation, Run.go))
+                self._board.phase("running")
+                self.post(run_call(self._board.generation, Run.go))
         self._use(turned.document)
 
     def _use(self, document: Document, complete: bool = True, before: Document | None = None) -> None:
@@ -395,7 +393,7 @@ class Session(QObject):
                 contours = ReviewedContours.of(contours.tracked, document.marks)
             # the size of a pixel that has been set by hand, before all that follows from an edit
             sized = image if image is None or document.image is None else document.image.sized(image)
-            self._signals.scene = replace(scene, image=sized, document=document, selected=selected, contours=contours)
+            self._board.scene = replace(scene, image=sized, document=document, selected=selected, contours=contours)
             if sized is not None and sized is not image:
                 self.post(run_call(None, Run.rescale, sized, document))
             self.live.follow(before, document, complete)
@@ -417,10 +415,10 @@ class Session(QObject):
         status = self.status
         over = status.phase == "finished" and not status.steered
         if status.phase == "ready" or over or status.stale:
-            self._signals.generation = self._next_generation()
-            self.live.begin(self._signals.generation, self.document)
-            self._progress.forget(MODES[self.document.mode].method)
-            self.post(start(self._signals.generation, self._signals.image_generation, self.document))
+            self._board.generation = self._next_generation()
+            self.live.begin(self._board.generation, self.document)
+            self._board.forget(MODES[self.document.mode].method)
+            self.post(start(self._board.generation, self._board.image_generation, self.document))
 
     def _next_generation(self) -> int:
         self._numbered += 1
@@ -433,9 +431,9 @@ class Session(QObject):
 
     def _frame(self) -> None:
         self._frames.stepped()
-        with self._signals.gathering():
+        with self._board.gathering():
             self.tasks.look()
-            self._progress.look()
+            self._board.look()
         if self.scene.snapshot is not None:
             self.live.use(self.scene.snapshot.timeline.began)
         if self.idle:
@@ -446,8 +444,8 @@ class Session(QObject):
         if self.document.image is not None:
             self.former_parameters = self.wanted_parameters
         self._asked_scales, self._used_scales = opened.scales, opened.parameters.scales
-        self._signals.generation = self._signals.image_generation = self._next_generation()
-        self.post(run_call(None, Run.use, self._signals.generation, opened.method, opened.parameters))
+        self._board.generation = self._board.image_generation = self._next_generation()
+        self.post(run_call(None, Run.use, self._board.generation, opened.method, opened.parameters))
         # With its own document from the first moment: the shapes of the former one may have another number of axes.
         before, document = self.document, _document(opened, self.document.mode)
         slices = Slices.of(opened.image.shape)
@@ -456,13 +454,13 @@ class Session(QObject):
             slices = slices.through(first.center)
         self.show(Scene(opened.image, opened.display, document=document, slices=slices))
         self.image_changed.emit()
-        self._progress.forget()
+        self._board.forget()
         self.live.forget()
         self.begin_document(document, before)
         self.post(run_call(None, Run.edit_by_hand, self.document.hand_edits))
         self.post(run_call(None, Run.set_parameters, opened.parameters))
         if opened.image.ndim == 3:
-            self._progress.busy("preparing", _PREPARING)
+            self._board.busy("preparing", _PREPARING)
             self.post(warm_up(volumes=True))
         self._restore_runs(opened)
         if opened.notes:
@@ -476,10 +474,10 @@ class Session(QObject):
         known = opened.saved.file.image
         if known is not None and known.sha256 and differ(known.sha256, opened.sha256):
             return  # the notes report that the image has changed
-        self._progress.busy("restoring", tr("Bringing back the runs…"))
-        self.post(run_call(None, Run.place, self._signals.image_generation, self.document.charges))
+        self._board.busy("restoring", tr("Bringing back the runs…"))
+        self.post(run_call(None, Run.place, self._board.image_generation, self.document.charges))
         self.post(run_call(None, Run.limit, self.document.regions))
-        self.post(restore_runs(self._signals.image_generation, opened.saved.file.runs, image))
+        self.post(restore_runs(self._board.image_generation, opened.saved.file.runs, image))
 
 
 def _document(opened: Opened, mode: Mode) -> Document:

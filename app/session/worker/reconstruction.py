@@ -167,9 +167,9 @@ class Reconstructor:
         with self._changed:
             given, self._given = self._given, None
         if given is not None and given[0] is image:
-            self._tracker.begin(given[1])
+            self._tracker.places = given[1]
         elif image is not self._image:
-            self._tracker.begin()
+            self._tracker.places = {}
         self._image = image
 
     def _reconstruct(self, request: Request) -> None:

@@ -58,7 +58,7 @@ class AnimationFeature(Feature):
         dialog = AnimationDialog(
             self.context.window,
             self.context.preferences,
-            self._navigation.first,
+            0,
             self._navigation.last(branch),
             self._part,
         )
