@@ -24,7 +24,7 @@ from app.session.worker.run import Run
 from cpm_core.numerics import Place
 from cpm_core.shapes import Interest, Points, Shape, Start
 
-_MOVED = 2.0
+_LAG = 2.0
 """Distance by which particles may have moved since they were shown [px]."""
 
 
@@ -155,7 +155,7 @@ class Live:
         if scene.snapshot is None or scene.image is None:
             return True
         moving = self._board.status.phase == "running"
-        erased = Erased(path, radius + _MOVED * moving)
+        erased = Erased(path, radius + _LAG * moving)
         return bool(np.any(erased.reaches(scene.snapshot.position, scene.image.spacing)))
 
 

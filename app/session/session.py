@@ -322,8 +322,8 @@ class Session(QObject):
         """Open an image or a session file, and `otherwise` when that file cannot be used.
 
         What is open stays until the new image is known to be usable. An image that `resumes` is opened with the session
-        beside it. A stack is opened `as_volume`, or one plane of it; None leaves that to its kind. `reading` says which
-        part of the file is wanted.
+        next to it. A stack is opened `as_volume`, or one plane of it; None leaves that to its kind. `reading` is how,
+        and which part of the file.
         """
         path = Path(path)
         sample = sample_at(path)

@@ -203,22 +203,13 @@ class Board(QObject):
         result = found.result
         closed = sum(contour.closed for contour in result.contours)
         bridges = result.bridges if isinstance(result, Result) else ()
-        self._known = replace(
-            self._known,
-            closed=closed,
-            open=len(result.contours) - closed,
-            bridges=len(bridges),
-            longest_bridge=max((bridge.length for bridge in bridges), default=0.0),
-            surface=found.figures,
-        )
+        figures: dict[str, Any] = {
+            "closed": closed, "open": len(result.contours) - closed, "bridges": len(bridges), "surface": found.figures,
+            "longest_bridge": max((bridge.length for bridge in bridges), default=0.0),
+        }  # fmt: skip
         if isinstance(result, Skeleton):
-            self._known = replace(
-                self._known,
-                length=result.length,
-                thickness=result.thickness,
-                width=result.width,
-                polarity=result.polarity,
-            )
+            figures |= {name: getattr(result, name) for name in ("length", "thickness", "width", "polarity")}
+        self._known = replace(self._known, **figures)
         reviewed = ReviewedContours.of(found.tracked, self.scene.document.marks)
         self._show(reconstruction=found, contours=reviewed)
         self.show_status()

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Hashable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from app.model.document.document import Document, ImageReference
-from app.model.parameters.controls import Control, choice_controls, controls, value_of
+from app.model.parameters.controls import choice_controls, controls, value_of
 from app.model.text.language import tr, written
+from cpm_core import Parameters
 from cpm_core.shapes import Charge, Everywhere, Interest, Limit, Points
 
 DEEPEST = 500
@@ -173,27 +173,23 @@ def described(name: str, before: Document, after: Document) -> ChangeInWords:
 
 def _parameter(before: Document, after: Document) -> str:
     """The values of the only parameter that differs; empty if there are several."""
-    old, new = before.parameters, after.parameters
-    lines = [
-        tr("{name} {old} → {new}").format(name=control.title, old=_shown(control, one), new=_shown(control, other))
-        for control in controls()
-        if not _same(one := value_of(old, control.name), other := value_of(new, control.name))
-    ]
+    old, new = _values(before.parameters), _values(after.parameters)
+    changed = [name for name, value in old.items() if value != new[name]]
+    if len(changed) != 1:
+        return ""
+    return tr("{name} {old} → {new}").format(name=changed[0], old=old[changed[0]], new=new[changed[0]])
+
+
+def _values(parameters: Parameters) -> dict[str, str]:
+    """The values of all parameters as they are shown, by their titles."""
+    found: dict[str, str] = {}
+    for control in controls():
+        value = value_of(parameters, control.name)
+        number = isinstance(value, float | int) and (
+            dict(control.words).get(value) or written(f"{value:.{control.decimals}f}")
+        )
+        found[control.title] = number or tr("auto")
     for choice in choice_controls():
-        titles = {value: title for value, title, _ in choice.choices}
-        one, other = (titles[str(value_of(of, choice.name))] for of in (old, new))
-        if one != other:
-            lines.append(tr("{name} {old} → {new}").format(name=choice.title, old=one, new=other))
-    return lines[0] if len(lines) == 1 else ""
-
-
-def _same(one: float | str, other: float | str) -> bool:
-    if isinstance(one, str) or isinstance(other, str):
-        return one == other
-    return math.isclose(one, other, rel_tol=1e-9, abs_tol=1e-12)
-
-
-def _shown(control: Control, value: float | str) -> str:
-    if isinstance(value, str):
-        return tr("auto")
-    return dict(control.words).get(value) or written(f"{value:.{control.decimals}f}")
+        chosen = value_of(parameters, choice.name)
+        found[choice.title] = next(title for value, title, _ in choice.choices if value == chosen)
+    return found

@@ -37,15 +37,15 @@ class ContourTracker:
     """Recognizes the contours of one reconstruction after the other, and numbers those of an image, by where they pass.
 
     A number is never given to another contour. While particles move, contours come and go: those that are new have
-    numbers only until the next reconstruction. The numbers of a settled one stay, also those of contours that a filter
-    leaves out and later shows again.
+    numbers only until the next reconstruction. The numbers of the last one of a run stay, also those of contours that a
+    filter leaves out and later shows again.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, places: Mapping[int, Position] | None = None) -> None:
         self._fresh = itertools.count()
         self._seen: list[tuple[int, Position]] = []
-        self.places: Mapping[int, Position] = {}
-        """A place of each numbered contour; another image begins with others, or none."""
+        self.places: Mapping[int, Position] = places or {}
+        """A place of each numbered contour; never changed, but replaced."""
 
     def track(self, result: Result, thorough: bool) -> TrackedContours:
         """Number and measure the contours of a reconstruction.
@@ -55,7 +55,7 @@ class ContourTracker:
         """
         if len(result.shape) == 3:
             return TrackedContours(result, (), ())
-        numbers = self.numbers(result.contours, settled=thorough)
+        numbers = self.numbers(result.contours, lasting=thorough)
         contours = tuple(replace(one, number=number) for one, number in zip(result.contours, numbers, strict=True))
         found = attached(contours, [place for _, place in self._seen])
         known = {index: key for (key, _), index in zip(self._seen, found, strict=True) if index is not None}
@@ -64,7 +64,7 @@ class ContourTracker:
         measures = measure(contours, result.spacing, contrast=thorough)
         return TrackedContours(replace(result, contours=contours) if contours else result, keys, measures)
 
-    def numbers(self, contours: Sequence[Contour], *, settled: bool) -> tuple[int, ...]:
+    def numbers(self, contours: Sequence[Contour], *, lasting: bool) -> tuple[int, ...]:
         """Number of each contour: that of the one that passed there before, or a new one.
 
         Of several numbers at one contour the oldest wins, so that contours which a filter has cut apart have their
@@ -85,6 +85,6 @@ class ContourTracker:
                     given.add(number)
         fresh = itertools.count(max(self.places, default=0) + 1)
         numbers = tuple(found[index] if index in found else next(fresh) for index in range(len(contours)))
-        if settled:
+        if lasting:
             self.places = {**self.places, **dict(zip(numbers, map(middle, contours), strict=True))}
         return numbers

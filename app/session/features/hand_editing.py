@@ -51,7 +51,7 @@ class HandEditing(QObject):
         """The open contours, and the places of both ends of each, in turn, shape (2 N, 2) [px]."""
         self._edges: ScaleField | None = None
         self._asked: tuple[object, ...] = ()
-        self._told: tuple[int, ...] = ()
+        self._reported: tuple[int, ...] = ()
         session.image_changed.connect(self._forget)
         session.scene_changed.connect(self._follow)
 
@@ -194,7 +194,7 @@ class HandEditing(QObject):
         return next((item for item in seen if item.contour is contact.line.source), None)
 
     def _forget(self) -> None:
-        self._edges, self._asked, self._told = None, (), ()
+        self._edges, self._asked, self._reported = None, (), ()
         self.mark(())
 
     def _follow(self) -> None:
@@ -206,15 +206,15 @@ class HandEditing(QObject):
         if self.marked:
             still = {id(item.contour) for item in contours.items}
             self.mark([mark for mark in self.marked if id(mark.line.source) in still])
-        self._tell_missed()
+        self._report_missed()
 
-    def _tell_missed(self) -> None:
+    def _report_missed(self) -> None:
         """Say once that edits have not found their contours after a run."""
         missed, found = self.missed, self._session.scene.reconstruction
-        if missed == self._told or found is None or (missed and not getattr(found.result, "steps", 0)):
+        if missed == self._reported or found is None or (missed and not getattr(found.result, "steps", 0)):
             return
-        new = [index for index in missed if index not in self._told]
-        self._told = missed
+        new = [index for index in missed if index not in self._reported]
+        self._reported = missed
         if new:
             self._session.say(_NOT_FOUND.format(count=len(missed), all=len(self._session.document.hand_edits)))
 

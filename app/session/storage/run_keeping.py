@@ -78,10 +78,10 @@ class RunKeeping(QObject):
         """Collect soon what is new in the runs, once they are at rest."""
         if outline is self._outline:
             return
-        moved = self._outline is None or outline.branch != self._outline.branch
+        elsewhere = self._outline is None or outline.branch != self._outline.branch
         self._outline = outline
         running = self._session.status.phase == "running"
-        if (moved or outline.edition != self._collected) and not running and not self._timer.isActive():
+        if (elsewhere or outline.edition != self._collected) and not running and not self._timer.isActive():
             self._timer.start()
 
     def _take(self, collected: RunsCollected | RunsRestored) -> None:

@@ -20,13 +20,11 @@ from app.model.document.document import Document
 from app.model.document.modes import MODES
 from app.model.text.language import tr
 from app.model.volume.sampled_volumes import SampledForce, SampledValues
-from app.session.exchange.mailbox import Mailbox
-from app.session.exchange.messages import Drawn, Overlays, sentence
+from app.session.exchange.messages import Drawn
 from cpm_core import METHODS, Contour, Image, Method, Parameters, PlacedCharge
 from cpm_core.image import AnyRegions
 from cpm_core.medial_axis import SkeletonMethod
 from cpm_core.numerics import Array
-from cpm_core.parameters import invalidating
 from cpm_core.shapes import NO_SEEDS, ImageSeeds, SeedCache
 
 
@@ -119,39 +117,3 @@ def overlay(name: str, method: Method[Any], parameters: Parameters, charges: Seq
     if name == "potential":
         return volume_of_potential(potential) if deep else DisplayImage.of(display_of_potential(potential))
     return SampledValues.of(potential) if deep else iso_lines(potential)
-
-
-class OverlayMaker:
-    """Computes the requested overlays again when what they depend on has changed."""
-
-    def __init__(self, made: Mailbox[Overlays]) -> None:
-        self._made = made
-        self._wanted: frozenset[str] = frozenset()
-        self._shown: tuple[object, ...] = ()
-
-    def want(self, names: frozenset[str]) -> None:
-        """Keep only these up to date."""
-        self._wanted, self._shown = names, ()
-
-    def refresh(
-        self,
-        image_generation: int,
-        method: Method[Any] | None,
-        parameters: Parameters,
-        charges: Sequence[PlacedCharge],
-    ) -> None:
-        """Compute the requested overlays if they would differ from the last ones; without a method there are none."""
-        if method is None or not self._wanted:
-            return
-        made_of = [getattr(parameters, name) for name in invalidating("field")]
-        key = (method, self._wanted, charges, *made_of)
-        if key == self._shown:
-            return
-        arrays, trouble = {}, ""
-        for name in self._wanted:
-            try:
-                arrays[name] = overlay(name, method, parameters, charges)
-            except Exception as error:  # the run does not depend on what is shown over the image
-                trouble = sentence(error, tr("preparing what lies over the image"))
-        self._made.put(Overlays(image_generation, arrays, trouble))
-        self._shown = key

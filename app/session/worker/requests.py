@@ -20,7 +20,7 @@ from cpm_core.contours import Agreement, agreement
 from cpm_core.field import ScaleField
 from cpm_core.model import ImageFields
 from cpm_core.numerics import Array, Place
-from cpm_core.segmentation import MethodState, Steerable
+from cpm_core.segmentation import Steerable
 
 
 def seek(generation: int, branch: int, step: int, wanted: Callable[[], bool]) -> Command:
@@ -44,14 +44,14 @@ def compare(generation: int, branch: int | None, step: int, against: Result | No
         if branch is None or generation != run.generation:
             context.report(Compared(generation))
             return
-        state = run.timeline.state(branch, step, lambda: not context.closing())
-        if state is None:
+        moment = run.moment(branch, step, lambda: not context.closing())
+        if moment is None:
             return
-        result = run.result_of(branch, state) if against is not None and state.step > 0 else None
+        result = run.result_of(branch, moment.state) if against is not None and moment.state.step > 0 else None
         apart = None
         if against is not None and isinstance(result, Result):
             apart = agreement(against.contours, result.contours)
-        context.report(Compared(generation, branch, state, state.position, result, apart))
+        context.report(Compared(generation, branch, moment, result, apart))
 
     return Command(work, tr("comparing branches"), "compare", partial(CommandFailed, topic="comparing"))
 
@@ -60,14 +60,12 @@ def compare(generation: int, branch: int | None, step: int, against: Result | No
 class Compared(Report):
     """Another branch at the step that is shown; `branch` is None for no comparison.
 
-    `position`, shape (N, 2), holds its particles (row, col) [px of the image]; `apart` is the distance of its contours
-    from those that are shown.
+    `apart` is the distance of its contours from those that are shown.
     """
 
     generation: int
     branch: int | None = None
-    state: MethodState | None = None
-    position: Array | None = None
+    snapshot: Snapshot | None = None
     result: Result | Skeleton | None = None
     apart: Agreement | None = None
 

@@ -17,7 +17,6 @@ from app.model.text.language import tr
 from app.model.volume.slices import AXES, Slices
 from app.session.exchange.messages import Exported, Report
 from app.session.features.background import AsyncCache
-from app.session.features.stack_pages import WantedContour
 from app.session.scene import Scene
 from app.session.tasks.tasks import Task
 from app.views.canvas.image_view import ImageView
@@ -192,7 +191,7 @@ class PagesFeature(Feature):
         super().__init__(context)
         self._pages = pages = context.workspace.pages
         self.bar = PageBar()
-        self.panel = PagePanel(pages, WantedContour(pages, context.workspace.review).show)
+        self.panel = PagePanel(pages, pages.show)
         self.bar.moved.connect(pages.open)
         self.bar.asked.connect(self._run_or_stop)
         self.bar.followed.connect(self._follow)

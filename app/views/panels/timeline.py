@@ -399,19 +399,19 @@ class TimelinePanel(QWidget):
     def _show_difference(self) -> None:
         compared = self._navigation.comparison.found
         sentence = ""
-        if compared is not None and compared.state is not None:
+        if compared is not None and compared.snapshot is not None:
             words = (
                 tr("{there} particles at its last step, {here} here")
-                if compared.state.step < self._navigation.place[1]
+                if compared.snapshot.state.step < self._navigation.place[1]
                 else tr("{there} particles there, {here} here")
             )
-            sentence = words.format(there=compared.state.count, here=self._navigation.count)
+            sentence = words.format(there=compared.snapshot.state.count, here=self._navigation.count)
             apart = compared.apart
             if apart is not None and math.isfinite(apart.hausdorff):
                 template = tr("{particles}; contours {mean} px apart on average, {largest} px at most.")
                 mean, largest = written(f"{apart.mean_boundary_distance:.2f}"), written(f"{apart.hausdorff:.2f}")
                 sentence = template.format(particles=sentence, mean=mean, largest=largest)
-            self.difference.setToolTip(tr("Compared at step {step}.").format(step=compared.state.step))
+            self.difference.setToolTip(tr("Compared at step {step}.").format(step=compared.snapshot.state.step))
         self.difference.setText(sentence)
         self.difference.setVisible(bool(sentence))
 
