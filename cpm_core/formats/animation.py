@@ -14,7 +14,7 @@ import numpy as np
 import PIL.Image
 from PIL.PngImagePlugin import PngInfo
 
-from cpm_core.formats.common.atomic import check_place, draft_of, write_together
+from cpm_core.formats.common.atomic import check_place, drafts_of, write_together
 from cpm_core.numerics.memory import free
 from cpm_core.numerics.types import Pixels
 
@@ -113,7 +113,7 @@ def write_animation(
         if (first := next(taken, None)) is None:
             raise ValueError(f"{file.name} would be an animation without frames: let it run first.")
         write = _write_video if file.suffix.lower() == ".mp4" else _write_by_pillow
-        with draft_of(file) as draft:
+        with drafts_of(file) as (draft,):
             write(first, taken, draft, file.suffix.lower(), frames_per_second, comment)
     except _CancelledError:
         return False

@@ -10,9 +10,9 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import Measures, measure
 from cpm_core.contours.rasterize import paint
 from cpm_core.contours.result import Result
+from cpm_core.formats.common.plain import encoded_json
 from cpm_core.formats.common.provenance import ENTRY, PROGRAM, facts_of
-from cpm_core.formats.contours.contents import DEFAULT, Contents, color_of, rgb
-from cpm_core.formats.contours.json_text import PIXEL, rounded, text
+from cpm_core.formats.contours.contents import DEFAULT, PIXEL, Contents, color_of, rgb, rounded
 from cpm_core.formats.contours.mask import mask_of_runs, outlines
 from cpm_core.medial_axis.skeleton import Skeleton
 
@@ -73,7 +73,7 @@ def encode(result: Result | Skeleton) -> bytes:
             instance[_OUTLINES] = [*polygons, *map(_polygon, holes)]
             instance[_HOLES] = [False] * len(polygons) + [True] * len(holes)
         instances.append(instance)
-    return text(
+    return encoded_json(
         {
             "info": {"description": f"Contours of {result.source}", "contributor": PROGRAM, ENTRY: facts_of(result)},
             "licenses": [],

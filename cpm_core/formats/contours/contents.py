@@ -18,6 +18,9 @@ from cpm_core.numerics.types import Array
 DEFAULT = "#d6006c"
 """Color of contours without one of their own: visible on gray and on white."""
 
+PIXEL = 0.5
+"""Where the center of the first pixel lies for formats that count from its corner [px]."""
+
 
 def title(contour: Contour, number: int) -> str:
     """Name of a contour, or its number."""
@@ -28,6 +31,16 @@ def rgb(contour: Contour) -> tuple[int, int, int]:
     """Red, green and blue of a contour, from 0 to 255."""
     color = contour.color or DEFAULT
     return int(color[1:3], 16), int(color[3:5], 16), int(color[5:7], 16)
+
+
+def pairs(points: Array) -> list[list[float]]:
+    """Points (row, col) as pairs [x, y] from the corner of the image, the usual origin in graphics [px]."""
+    return rounded(points[:, ::-1] + PIXEL)
+
+
+def rounded(values: Array) -> list[Any]:
+    """Numbers to a ten thousandth of a pixel, in nested lists."""
+    return list(np.round(values, 4).tolist())
 
 
 @dataclass(frozen=True, slots=True)

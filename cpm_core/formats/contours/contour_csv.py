@@ -16,11 +16,11 @@ import numpy as np
 from cpm_core.contours.contour import numbers_of
 from cpm_core.contours.measurements import centroid, contour_labels, measure
 from cpm_core.contours.result import Result
+from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.printable import cell, text_of_cell
 from cpm_core.formats.common.provenance import entries_of, facts_of
 from cpm_core.formats.contours.contents import Contents
 from cpm_core.formats.contours.curves import ellipse
-from cpm_core.formats.images.decoded import UnreadableError
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.pages.page import StackResult
 

@@ -14,9 +14,9 @@ import numpy as np
 from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.measurements import measure
 from cpm_core.contours.result import Result
+from cpm_core.formats.common.plain import encoded_json
 from cpm_core.formats.common.provenance import ENTRY, facts_of, facts_on
-from cpm_core.formats.contours.contents import Contents, checked
-from cpm_core.formats.contours.json_text import rounded, text
+from cpm_core.formats.contours.contents import Contents, checked, rounded
 from cpm_core.formats.images.decoded import MAXIMUM_PIXELS
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array
@@ -47,7 +47,7 @@ def encode(result: Result | Skeleton) -> bytes:
     found, unless it is the luminance. ``provenance`` is how they were found (`provenance.facts_of`). Of a
     skeleton the branches are contours with ``radii`` [px], and there is no run.
     """
-    return text({"format": _OF_IMAGE, "version": 1, **_result_to_plain(result)})
+    return encoded_json({"format": _OF_IMAGE, "version": 1, **_result_to_plain(result)})
 
 
 def encode_pages(found: StackResult) -> bytes:
@@ -65,7 +65,7 @@ def encode_pages(found: StackResult) -> bytes:
         for one in found.tracks
     ]
     pages = list(map(page_to_plain, found.pages))
-    return text({"format": _OF_STACK, "version": 1, "stack": stack, "tracks": tracks, "pages": pages})
+    return encoded_json({"format": _OF_STACK, "version": 1, "stack": stack, "tracks": tracks, "pages": pages})
 
 
 def page_to_plain(page: Page) -> dict[str, Any]:

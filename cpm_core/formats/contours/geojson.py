@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import Measures, measure
 from cpm_core.contours.result import Result
+from cpm_core.formats.common.plain import encoded_json
 from cpm_core.formats.common.provenance import ENTRY, facts_of
-from cpm_core.formats.contours.contents import DEFAULT, Contents, color_of, rgb, title
-from cpm_core.formats.contours.json_text import PIXEL, pairs, text
+from cpm_core.formats.contours.contents import DEFAULT, PIXEL, Contents, color_of, pairs, rgb, title
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array
 
@@ -30,7 +30,7 @@ def encode(result: Result | Skeleton) -> bytes:
     (x, y) in px from the corner of the image, the center of the first pixel at (0.5, 0.5). How they were found is an
     entry of the collection, a foreign member as the format allows.
     """
-    return text({"type": "FeatureCollection", ENTRY: facts_of(result), "features": features_of(result)})
+    return encoded_json({"type": "FeatureCollection", ENTRY: facts_of(result), "features": features_of(result)})
 
 
 def features_of(result: Result | Skeleton) -> list[dict[str, Any]]:

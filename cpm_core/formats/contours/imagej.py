@@ -15,11 +15,10 @@ from roifile import ROI_OPTIONS, ROI_SUBTYPE, ROI_TYPE, ImagejRoi
 
 from cpm_core.contours.contour import Contour, numbers_of
 from cpm_core.contours.result import Result
+from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.provenance import ascii_entries_of, facts_of
-from cpm_core.formats.contours.contents import DEFAULT, Contents, rgb, title
+from cpm_core.formats.contours.contents import DEFAULT, PIXEL, Contents, rgb, title
 from cpm_core.formats.contours.curves import bezier, ellipse, nested, rectangle
-from cpm_core.formats.contours.json_text import PIXEL
-from cpm_core.formats.images.decoded import UnreadableError
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array
 

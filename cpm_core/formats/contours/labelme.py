@@ -15,10 +15,10 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
+from cpm_core.formats.common.plain import encoded_json
 from cpm_core.formats.common.provenance import ENTRY, facts_of
-from cpm_core.formats.contours.contents import Contents
+from cpm_core.formats.contours.contents import PIXEL, Contents, pairs
 from cpm_core.formats.contours.curves import ellipse, nested, rectangle
-from cpm_core.formats.contours.json_text import PIXEL, pairs, text
 from cpm_core.formats.contours.mask import opened, outlines
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array
@@ -61,7 +61,7 @@ def encode(result: Result | Skeleton) -> bytes:
         }
         for contour in result.contours
     ]
-    return text(
+    return encoded_json(
         {
             "version": _VERSION,
             "flags": {},

@@ -15,10 +15,10 @@ import tifffile
 
 from cpm_core.contours.rasterize import Labels, label_type, paint
 from cpm_core.contours.result import Result
-from cpm_core.formats.common.atomic import check_place, draft_of, write_together
+from cpm_core.formats.common.atomic import check_place, drafts_of, write_together
+from cpm_core.formats.common.plain import encoded_json
 from cpm_core.formats.common.provenance import ENTRY, PROGRAM, facts_of
 from cpm_core.formats.contours import contour_csv, contour_json, geojson, imagej
-from cpm_core.formats.contours.json_text import text
 from cpm_core.formats.masks.labels import entries_for_imagej
 from cpm_core.pages.page import StackResult
 
@@ -43,7 +43,7 @@ def encode_geojson(found: StackResult) -> bytes:
             feature["properties"] |= {"page": page, "track": track}
             features.append(feature)
     made = {ENTRY: facts_of(found.results[0][1])} if found.results else {}
-    return text({"type": "FeatureCollection", **made, "features": features})
+    return encoded_json({"type": "FeatureCollection", **made, "features": features})
 
 
 def encode_set(found: StackResult) -> bytes:
@@ -175,7 +175,7 @@ def export_stack(
             if (suffix := stack_suffix_of(file)) in _ENCODERS:
                 write_together([(file, _ENCODERS[suffix][1](found))])
             else:
-                with draft_of(file) as draft:
+                with drafts_of(file) as (draft,):
                     write_labels(found, draft)
         except ValueError as error:
             if refused is None:

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.result import Result
+from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.provenance import facts_of, text_of
 from cpm_core.formats.contours.contents import DEFAULT, Contents, Plane
 from cpm_core.formats.contours.curves import bezier
-from cpm_core.formats.images.decoded import UnreadableError
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array
 

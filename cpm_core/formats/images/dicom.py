@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import logging
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cpm_core.formats.common.content import UnreadableError, content_of
 from cpm_core.formats.common.printable import printable
-from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size, from_bands, from_samples
+from cpm_core.formats.images.decoded import Decoded, check_size, from_bands, from_samples
 from cpm_core.formats.images.dicom_series import Frame, Series, all_series, frames_of
 from cpm_core.formats.images.reading import Reading, series_of
 from cpm_core.formats.images.stack import Stack, check_content, joined
@@ -19,9 +21,6 @@ from cpm_core.image.gray_levels import NO_DATA
 from cpm_core.parameters.quotation import shown
 
 READS = {".dcm": "DICOM image, or a folder with the slices of a series", ".dicom": "the same", ".ima": "the same"}
-
-FOLDER = bytes(128) + b"DICM"
-"""What stands for the first bytes of a folder with a series."""
 
 _MARK, _PLACE = b"DICM", 128
 _GROUPS = (b"\x08\x00", b"\x02\x00")
@@ -62,30 +61,23 @@ def is_series(folder: Path) -> bool:
 
 def dicom_files_beside(path: Path, most: int) -> list[Path]:
     """So many DICOM files at most in the folder of a DICOM file; none for another file or a folder."""
-    try:
-        with path.open("rb") as stream:
-            known = reads(stream.read(512), path)
-        return _files(path.parent, most) if known else []
-    except OSError:
-        return []
+    return _files(path.parent, most) if _is_dicom(path) else []
 
 
 def _files(folder: Path, most: int | None = None) -> list[Path]:
     """DICOM files of a folder by their first bytes, in the order of their names, so many at most."""
-    found: list[Path] = []
-    for path in sorted(folder.iterdir()):
-        if path.name.startswith(".") or not path.is_file():
-            continue
-        try:
-            with path.open("rb") as stream:
-                head = stream.read(512)
-        except OSError:
-            continue
-        if reads(head, path):
-            found.append(path)
-            if len(found) == most:
-                break
-    return found
+    try:
+        paths = sorted(folder.iterdir())
+    except OSError:
+        return []
+    return list(islice((path for path in paths if not path.name.startswith(".") and _is_dicom(path)), most))
+
+
+def _is_dicom(path: Path) -> bool:
+    try:
+        return reads(content_of(path, part=512), path)
+    except UnreadableError:
+        return False
 
 
 def stack(path: Path, reading: Reading) -> Stack:

@@ -13,8 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.printable import printable
-from cpm_core.formats.images.decoded import Decoded, UnreadableError, from_bands
+from cpm_core.formats.images.decoded import Decoded, from_bands
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.images.stack import NO_PLACE, Stack, check_content
 from cpm_core.image.geometry import from_affine

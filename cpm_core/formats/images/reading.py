@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
+from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.images import resolution
-from cpm_core.formats.images.decoded import UnreadableError
 from cpm_core.image.colors import LUMINANCE, checked_color
 from cpm_core.numerics.real_numbers import checked_number
 from cpm_core.parameters.quotation import shown
@@ -54,7 +53,7 @@ class Reading:
     time: int | None = None
     series: int | str | None = None
     color: str = LUMINANCE
-    spacing: tuple[float, ...] | None = None
+    spacing: Annotated[tuple[float, ...], 1, 2, 3] | None = None
     unit: str | None = None
 
     def __post_init__(self) -> None:
@@ -82,17 +81,6 @@ class Reading:
         fields = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
         return {name: given for name, given in fields.items() if given is not None and given != _DEFAULTS[name]}
 
-    @classmethod
-    def of(cls, given: Mapping[str, Any]) -> Reading:
-        """A reading from plain JSON; ValueError when it is not valid."""
-        unknown = sorted(str(name) for name in given if name not in _DEFAULTS)
-        if unknown:
-            raise ValueError(f"reading has a value {shown(unknown[0])}, but only {', '.join(_DEFAULTS)} are known.")
-        spacing = given.get("spacing")
-        if spacing is not None and not (isinstance(spacing, list | tuple) and 1 <= len(spacing) <= 3):
-            raise ValueError(f"spacing is {shown(spacing)} but must be one to three numbers.")
-        return cls(**{**given, "spacing": None if spacing is None else tuple(spacing)})
-
 
 DEFAULT = Reading()
 """All is left to the reader."""
@@ -100,7 +88,7 @@ DEFAULT = Reading()
 _DEFAULTS = {field.name: field.default for field in dataclasses.fields(Reading)}
 
 
-class UnchosenError(ValueError):
+class UnchosenError(UnreadableError):
     """A file holds several images, and none of them was chosen.
 
     Attributes

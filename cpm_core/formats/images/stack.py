@@ -9,7 +9,8 @@ from typing import Literal, overload
 
 import numpy as np
 
-from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size
+from cpm_core.formats.common.content import UnreadableError
+from cpm_core.formats.images.decoded import Decoded, check_size
 from cpm_core.formats.images.reading import Reading, index_of
 from cpm_core.image.colors import Colors
 from cpm_core.image.geometry import Geometry

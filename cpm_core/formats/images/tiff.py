@@ -13,9 +13,10 @@ import numpy as np
 import tifffile
 from numpy.typing import NDArray
 
+from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.printable import printable
 from cpm_core.formats.images import resolution
-from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size, from_samples, upright
+from cpm_core.formats.images.decoded import Decoded, check_size, from_samples, upright
 from cpm_core.formats.images.reading import Reading, series_of
 from cpm_core.formats.images.stack import Stack, check_content, joined
 from cpm_core.image.colors import full_scale

@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cpm_core.contours.result import Result
-from cpm_core.formats.images.decoded import UnreadableError
 from cpm_core.formats.meshes.coordinates import mesh_of
 from cpm_core.formats.meshes.triangles import Triangles, split
 from cpm_core.image.geometry import Convention
@@ -59,7 +58,7 @@ def read(content: bytes) -> Triangles:
     """Triangles of a file, as text or as binary numbers; UnreadableError when it has none."""
     head, mark, body = content.partition(b"end_header")
     if not mark:
-        raise UnreadableError("its header has no end")
+        raise ValueError("its header has no end")
     body = body.partition(b"\n")[2]
     form = order = ""
     rows: dict[str, int] = {}
@@ -113,7 +112,7 @@ def _element(body: bytes, count: int, properties: list[_Property]) -> tuple[dict
                 entries[0].append(length)
                 entries = entries[1]
             if length < 0:
-                raise UnreadableError("a list has a negative number of entries")
+                raise ValueError("a list has a negative number of entries")
             entries.extend(np.frombuffer(body, one.kind, length, at).tolist())
             at += length * np.dtype(one.kind).itemsize
     return found, body[at:]

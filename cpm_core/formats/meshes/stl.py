@@ -8,7 +8,7 @@ import struct
 import numpy as np
 
 from cpm_core.contours.result import Result
-from cpm_core.formats.images.decoded import UnreadableError
+from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.meshes.coordinates import mesh_of
 from cpm_core.formats.meshes.triangles import Triangles
 from cpm_core.image.geometry import Convention
@@ -43,7 +43,7 @@ def read(content: bytes) -> Triangles:
         corners = np.array(_VERTEX.findall(content), dtype=np.float64).reshape(-1, 3)
         corners = corners[: len(corners) // 3 * 3]
     else:
-        raise UnreadableError("it has no triangles")
+        raise UnreadableError("It has no triangles: write it again.")
     order = np.lexsort(corners.T)
     first = np.append(True, (np.diff(corners[order], axis=0) != 0).any(axis=1))[: len(order)]
     number = np.empty(len(corners), np.int64)
