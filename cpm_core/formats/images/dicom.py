@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import logging
+import math
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
@@ -14,7 +16,7 @@ from numpy.typing import NDArray
 from cpm_core.formats.common.content import UnreadableError, content_of
 from cpm_core.formats.common.printable import printable
 from cpm_core.formats.images.decoded import Decoded, check_size, from_bands, from_samples
-from cpm_core.formats.images.dicom_series import Frame, Series, all_series, frames_of
+from cpm_core.formats.images.dicom_series import Frame, all_series, frames_of
 from cpm_core.formats.images.reading import Reading, series_of
 from cpm_core.formats.images.stack import Stack, check_content, joined
 from cpm_core.image.gray_levels import NO_DATA
@@ -104,54 +106,30 @@ def stack(path: Path, reading: Reading) -> Stack:
         raise UnreadableError(f"{name} holds no DICOM image: choose another file or folder.")
     if min(min(frame.shape) for frame in frames) < 1:
         raise ValueError("an image has no pixels")
-    series = all_series(frames)
-    titles = tuple(one.title for one in series)
-    largest = int(np.argmax([len(one.frames) * len(one.frames[0]) for one in series]))
-    number = series_of(reading.series, titles, largest, name)
-    notes = []
-    whole = sum(not one.partial for one in series)
-    if whole > 1 and reading.series is None:
-        which = f"{number + 1} ({shown(titles[number])})"
-        notes.append(f"Of its {whole} series that with the most images was taken, {which}.")
-    if damaged:
-        notes.append(f"{damaged} of its files {'is' if damaged == 1 else 'are'} damaged and left out.")
-    return replace(_stack(name, series[number], tuple(notes), pydicom), series=titles, number=number)
+    if path.is_file():
+        check_content(path, sum(frame.each * math.prod(frame.shape) for frame in frames))
 
-
-def _stack(name: str, series: Series, notes: tuple[str, ...], pydicom: Any) -> Stack:
-    first, planes = series.frames[0][0], len(series.frames[0])
-    if len({frame.path for time in series.frames for frame in time}) == 1:
-        check_content(first.path, len(series.frames) * planes * first.each * first.shape[0] * first.shape[1])
-    row, col = first.spacing or (1.0, 1.0)
-    # millimeters of a depth next to centimeters of a pixel occur in ultrasound alone, which has no slices
-    in_mm = first.unit == "mm"
-
-    def take(time: int, _channel: int, begin: int, end: int) -> Decoded:
+    def decode(wanted: Sequence[Frame]) -> Decoded:
         opened: tuple[Path | None, Any] = (None, None)
         found = []
-        for frame in series.frames[time][begin:end]:
+        for frame in wanted:
             if opened[0] != frame.path:
                 opened = frame.path, _dataset(pydicom, frame.path)
             found.append(_decoded(opened[1], frame, name))
         return joined(found)
 
-    return Stack(
-        name,
-        (planes, *first.shape),
-        take,
-        first.each,
-        len(series.frames),
-        1,
-        (series.depth if series.depth and in_mm else row, row, col),
-        first.unit,
-        series.geometry if in_mm else None,
-        series.places if in_mm else (),
-        series.stretch,
-        (*notes, *series.notes),
-        series.of_volume,
-        word="frame" if planes == 1 else "plane",
-        otherwise=planes // 2,
-    )
+    groups = all_series(frames, name, decode)
+    series = sorted((one for group in groups for one in group), key=lambda one: (one.series, -one.shape[0]))
+    titles = tuple(title for one in series for title in one.series)
+    number = series_of(reading.series, titles, int(np.argmax([one.times * one.shape[0] for one in series])), name)
+    chosen = series[number]
+    notes = []
+    if len(groups) > 1 and reading.series is None:
+        which = f"{number + 1} ({shown(titles[number])})"
+        notes.append(f"Of its {len(groups)} series that with the most images was taken, {which}.")
+    if damaged:
+        notes.append(f"{damaged} of its files {'is' if damaged == 1 else 'are'} damaged and left out.")
+    return replace(chosen, series=titles, number=number, notes=(*notes, *chosen.notes))
 
 
 def _dataset(pydicom: Any, path: Path) -> Any:
