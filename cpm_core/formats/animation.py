@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib.util
 import io
 import math
-import os
 from collections.abc import Callable, Iterable, Iterator
 from itertools import chain
 from pathlib import Path
@@ -15,6 +14,7 @@ import PIL.Image
 from PIL.PngImagePlugin import PngInfo
 
 from cpm_core.formats.common.atomic import check_place, drafts_of, write_together
+from cpm_core.formats.common.content import AnyPath
 from cpm_core.numerics.memory import free
 from cpm_core.numerics.types import Pixels
 
@@ -41,7 +41,7 @@ _VIDEO = (
 
 def write_animation(
     frames: Iterable[Pixels],
-    path: str | os.PathLike[str],
+    path: AnyPath,
     frames_per_second: float = 25.0,
     progress: Callable[[int], object] | None = None,
     cancelled: Callable[[], bool] | None = None,
@@ -120,7 +120,7 @@ def write_animation(
     return True
 
 
-def check_animation(path: str | os.PathLike[str]) -> None:
+def check_animation(path: AnyPath) -> None:
     """Check in advance whether `write_animation` could write to a path.
 
     Raises

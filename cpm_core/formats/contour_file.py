@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import logging
-import os
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -13,7 +12,7 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import labels_of
-from cpm_core.formats.common.content import content_of, decoding
+from cpm_core.formats.common.content import AnyPath, content_of, decoding
 from cpm_core.formats.contours import coco, contour_csv, contour_json, dxf, geojson, imagej, labelme, mask, svg
 from cpm_core.formats.contours.contents import Contents, Plane
 from cpm_core.formats.images.readers import READABLE, load_image
@@ -61,7 +60,7 @@ class ContourFile:
 
 
 def load_contours(
-    path: str | os.PathLike[str],
+    path: AnyPath,
     image: Image | None = None,
     *,
     page: int | None = None,
@@ -119,7 +118,7 @@ def plane_of(image: Image | None) -> Plane:
     return Plane((rows, cols), (height, width), image.unit)
 
 
-def read_contours(path: str | os.PathLike[str], plane: Plane = UNKNOWN, *, page: int | None = None) -> ContourFile:
+def read_contours(path: AnyPath, plane: Plane = UNKNOWN, *, page: int | None = None) -> ContourFile:
     """Read contours and single points, with the shape of the image where the file gives it; see `load_contours`.
 
     A file that holds only single points is no error.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import os
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +11,7 @@ import numpy as np
 
 from cpm_core.contours.ground_truth import labels_of
 from cpm_core.contours.surface import Surface, surface_of_labels
-from cpm_core.formats.common.content import content_of, decoding
+from cpm_core.formats.common.content import AnyPath, content_of, decoding
 from cpm_core.formats.images.readers import load_volume
 from cpm_core.formats.meshes import obj, ply, stl, vtk
 from cpm_core.formats.meshes.coordinates import place_of
@@ -44,7 +43,7 @@ _MOST_LABELS = 100_000
 
 
 def load_surface(
-    path: str | os.PathLike[str],
+    path: AnyPath,
     image: Image | None = None,
     *,
     space: Convention | None = None,
@@ -91,7 +90,7 @@ def load_surface(
 
 
 def read_surface(
-    path: str | os.PathLike[str], image: Image | None = None, space: Convention | None = None
+    path: AnyPath, image: Image | None = None, space: Convention | None = None
 ) -> tuple[Surface, tuple[str, ...]]:
     """Read a surface, with what was assumed; see `load_surface`."""
     file = Path(path)

@@ -6,19 +6,20 @@ A new one is a module of its own with a function that makes the bytes of a file,
 from __future__ import annotations
 
 import logging
-import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.atomic import check_place, write_together
+from cpm_core.formats.common.content import AnyPath
+from cpm_core.formats.common.plain import Entries
 from cpm_core.formats.common.printable import printable
+from cpm_core.formats.common.provenance import Outcome
 from cpm_core.formats.contours import (
     coco,
     contour_csv,
@@ -40,7 +41,7 @@ from cpm_core.parameters.quotation import shown
 
 _LOG = logging.getLogger(__name__)
 
-Found = Result | Skeleton | Centerlines
+Found = Outcome | Centerlines
 
 
 @dataclass(frozen=True)
@@ -173,9 +174,9 @@ _CLOSED_ONLY = OUTLINABLE | {".coco.json"}
 
 def export(
     result: Found,
-    *paths: str | os.PathLike[str],
+    *paths: AnyPath,
     outlines: bool = False,
-    image: str | os.PathLike[str] | None = None,
+    image: AnyPath | None = None,
     space: Convention = "LPS",
     warn: Callable[[str], object] = _LOG.warning,
     refused: Callable[[Path, str], object] | None = None,
@@ -307,11 +308,11 @@ def encoded(result: Found, suffix: str, *, outlines: bool = False, space: Conven
     if not isinstance(result, Centerlines):
         contours = tuple(replace(contour, name=printable(contour.name)) for contour in result.contours)
         result = replace(result, contours=contours, source=printable(result.source))
-    options: dict[str, Any] = {"outlines": outlines, "space": space}
+    options: Entries = {"outlines": outlines, "space": space}
     return form.encode(result, **{name: options[name] for name in form.options})
 
 
-def suffix_of(path: str | os.PathLike[str]) -> str:
+def suffix_of(path: AnyPath) -> str:
     """Suffix of a format that can be written, which a file's name ends in, in lower case; empty when there is none.
 
     Of several the longest counts, so that ``a.coco.json`` is not a plain ``.json``; a name that consists of a suffix
@@ -322,7 +323,7 @@ def suffix_of(path: str | os.PathLike[str]) -> str:
     return suffix if len(suffix) < len(name) else ""
 
 
-def check_export(path: str | os.PathLike[str]) -> None:
+def check_export(path: AnyPath) -> None:
     """Check in advance whether `export` could write to a path.
 
     Raises

@@ -13,6 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
+AnyPath = str | os.PathLike[str]
+
 MOST = 2**29
 """Most bytes of a file of contours or of a surface."""
 

@@ -28,6 +28,9 @@ from cpm_core.shapes import SHAPES, Shape
 
 T = TypeVar("T")
 
+Entries = dict[str, Any]
+"""Names with plain values: an object of JSON."""
+
 LARGEST = 1e6
 """Largest absolute value of a number: far outside of any image, and sums of such numbers do not overflow."""
 
@@ -72,7 +75,7 @@ def from_plain(kind: type[T], plain: object, where: str) -> T:
     unknown = sorted(str(name) for name in plain if name not in fields)
     if unknown:
         raise ValueError(f"{where} has a value {shown(unknown[0])}, but only {', '.join(fields)} are known.")
-    given: dict[str, Any] = {}
+    given: Entries = {}
     for name, field in fields.items():
         if name in plain:
             given[name] = _value(hints[name], plain[name], f"{name} of {where}")
@@ -84,7 +87,7 @@ def from_plain(kind: type[T], plain: object, where: str) -> T:
         raise ValueError(f"{where} cannot be used: {error}") from error
 
 
-def shape_to_plain(shape: Shape) -> dict[str, Any]:
+def shape_to_plain(shape: Shape) -> Entries:
     """A shape as plain JSON: its kind and the values of its fields."""
     kind = next(name for name, made in SHAPES.items() if type(shape) is made)
     return {"shape": kind, **to_plain(shape)}
@@ -208,7 +211,7 @@ _READ: dict[Any, Callable[[object, str], Any]] = {
 }
 
 
-def array_to_plain(array: NDArray[Any]) -> dict[str, Any]:
+def array_to_plain(array: NDArray[Any]) -> Entries:
     """An array of numbers as plain JSON, exactly."""
     return {"shape": list(array.shape), "data": packed(array)}
 
@@ -228,7 +231,7 @@ def array_from_plain(plain: object, dtype: DTypeLike, shape: tuple[int | None, .
     return unpacked(given.get("data"), dtype, math.prod(sides), where).reshape(sides)
 
 
-def regions_to_plain(regions: AnyRegions | None) -> dict[str, Any]:
+def regions_to_plain(regions: AnyRegions | None) -> Entries:
     """An entry with the limits; none without any."""
     return {name: to_plain(regions) for name, kind in _REGIONS.items() if isinstance(regions, kind)}
 

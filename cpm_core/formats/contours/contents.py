@@ -13,6 +13,7 @@ import numpy as np
 from PIL import ImageColor
 
 from cpm_core.contours.contour import MOST_LETTERS, Contour, Reached
+from cpm_core.formats.common.plain import Entries
 from cpm_core.numerics.types import Array
 
 DEFAULT = "#d6006c"
@@ -116,7 +117,7 @@ class Contents:
         self.places.append((row, col, page))
 
 
-def checked(properties: dict[str, Any]) -> dict[str, Any]:
+def checked(properties: Entries) -> Entries:
     """Properties of a contour; those that it cannot have are dropped."""
     reached = properties.get("reached", "")
     return {

@@ -14,8 +14,8 @@ import numpy as np
 from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.measurements import measure
 from cpm_core.contours.result import Result
-from cpm_core.formats.common.plain import encoded_json
-from cpm_core.formats.common.provenance import ENTRY, facts_of, facts_on
+from cpm_core.formats.common.plain import Entries, encoded_json
+from cpm_core.formats.common.provenance import ENTRY, Outcome, facts_of, facts_on
 from cpm_core.formats.contours.contents import Contents, checked, rounded
 from cpm_core.formats.images.decoded import MAXIMUM_PIXELS
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -34,7 +34,7 @@ _FARTHEST = 1e100
 """Distance of a vertex from the first pixel up to which lengths and areas can be computed [px]."""
 
 
-def encode(result: Result | Skeleton) -> bytes:
+def encode(result: Outcome) -> bytes:
     """Write an object with the image, the run, the contours and the bridges; `load_contours` reads it back.
 
     ``points`` are pairs [row, col] in px, pixel centers at integers; lengths are in px, areas in px², strengths in gray
@@ -58,7 +58,7 @@ def encode_pages(found: StackResult) -> bytes:
     ``ends``, null for those that do not. Each of ``pages`` has its number, ``trouble`` where it could not be used,
     ``events``, and what `encode` writes of an image; the number of a contour is its track.
     """
-    stack: dict[str, Any] = {"name": found.source, "pages": found.count, "axis": found.axis, "alone": found.alone}
+    stack: Entries = {"name": found.source, "pages": found.count, "axis": found.axis, "alone": found.alone}
     stack |= {"drawn": facts_on(found.source, Provenance(), found.drawn).get("shapes", [])}
     tracks = [
         {"track": one.number, "pages": list(one.pages), "origin": one.origin, "ends": one.end and one.end.kind}
@@ -68,13 +68,13 @@ def encode_pages(found: StackResult) -> bytes:
     return encoded_json({"format": _OF_STACK, "version": 1, "stack": stack, "tracks": tracks, "pages": pages})
 
 
-def page_to_plain(page: Page) -> dict[str, Any]:
+def page_to_plain(page: Page) -> Entries:
     """A page as an entry of ``pages``; see `encode_pages`."""
     events = [
         {"kind": event.kind, "page": event.page, "track": event.track, "others": list(event.others)}
         for event in page.events
     ]
-    plain: dict[str, Any] = {"page": page.number, "trouble": page.trouble, "events": events}
+    plain: Entries = {"page": page.number, "trouble": page.trouble, "events": events}
     if page.result is not None:
         plain |= _result_to_plain(page.result)
         for entry in plain["contours"]:
@@ -82,12 +82,12 @@ def page_to_plain(page: Page) -> dict[str, Any]:
     return plain
 
 
-def _result_to_plain(result: Result | Skeleton) -> dict[str, Any]:
-    image: dict[str, Any] = {"name": result.source, "shape": list(result.shape)}
+def _result_to_plain(result: Outcome) -> Entries:
+    image: Entries = {"name": result.source, "shape": list(result.shape)}
     image |= {"spacing": list(result.spacing), "unit": result.unit}
     if result.channel != "luminance":
         image["channel"] = result.channel
-    content: dict[str, Any] = {"image": image, ENTRY: facts_of(result)}
+    content: Entries = {"image": image, ENTRY: facts_of(result)}
     if isinstance(result, Result):
         content["run"] = {
             "steps": result.steps,
@@ -104,11 +104,11 @@ def _result_to_plain(result: Result | Skeleton) -> dict[str, Any]:
     return content
 
 
-def _contours_to_plain(result: Result | Skeleton) -> list[dict[str, Any]]:
-    entries: list[dict[str, Any]] = []
+def _contours_to_plain(result: Outcome) -> list[Entries]:
+    entries: list[Entries] = []
     rows = measure(result.contours, result.spacing)
     for index, (contour, row) in enumerate(zip(result.contours, rows, strict=True)):
-        entry: dict[str, Any] = {
+        entry: Entries = {
             "number": row.number,
             "label": row.label,
             "name": row.name,
@@ -141,7 +141,7 @@ def is_own(content: Any) -> bool:
     return isinstance(content, dict) and content.get("format") in (_OF_IMAGE, _OF_STACK)
 
 
-def read(content: dict[str, Any]) -> Contents:
+def read(content: Entries) -> Contents:
     """Contours with their numbers, objects and strengths, of a stack with their pages."""
     found = Contents()
     for page in content["pages"] if content["format"] == _OF_STACK else [content]:

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.atomic import check_place, write_together
-from cpm_core.formats.common.provenance import facts_of, text_of
+from cpm_core.formats.common.content import AnyPath
+from cpm_core.formats.common.provenance import Outcome, facts_of, text_of
 from cpm_core.image.drawing import FIGURES, encoded_figure, new_figure
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.parameters.quotation import shown
 
 
 def write_figure(
-    result: Result | Skeleton,
-    *paths: str | os.PathLike[str],
+    result: Outcome,
+    *paths: AnyPath,
     image: bool = True,
     contours: bool = True,
     particles: bool = False,
@@ -54,7 +54,7 @@ def write_figure(
     write_together(contents)
 
 
-def check_figure(path: str | os.PathLike[str]) -> None:
+def check_figure(path: AnyPath) -> None:
     """Raise a `ValueError` for a path to which no figure can be written."""
     file = Path(path)
     if file.suffix.lower() not in FIGURES:
@@ -62,7 +62,7 @@ def check_figure(path: str | os.PathLike[str]) -> None:
     check_place(file)
 
 
-def encoded(suffix: str, result: Result | Skeleton, **drawn: bool) -> bytes:
+def encoded(suffix: str, result: Outcome, **drawn: bool) -> bytes:
     """What `write_figure` writes, as bytes; `drawn` is what it draws."""
     surface = result.surface if isinstance(result, Result) else None
     figure, ax = new_figure(result.shape if surface is None else None, result.spacing)

@@ -11,17 +11,15 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import Measures, measure
-from cpm_core.contours.result import Result
-from cpm_core.formats.common.plain import encoded_json
-from cpm_core.formats.common.provenance import ENTRY, facts_of
+from cpm_core.formats.common.plain import Entries, encoded_json
+from cpm_core.formats.common.provenance import ENTRY, Outcome, facts_of
 from cpm_core.formats.contours.contents import DEFAULT, PIXEL, Contents, color_of, pairs, rgb, title
-from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array
 
-Known = dict[str, Any]
+Known = Entries
 
 
-def encode(result: Result | Skeleton) -> bytes:
+def encode(result: Outcome) -> bytes:
     """Write a collection of features, one for each contour (RFC 7946, with the properties that QuPath uses).
 
     A closed contour is a polygon whose interior rings are the contours directly inside it, so it covers the pixels of
@@ -33,7 +31,7 @@ def encode(result: Result | Skeleton) -> bytes:
     return encoded_json({"type": "FeatureCollection", ENTRY: facts_of(result), "features": features_of(result)})
 
 
-def features_of(result: Result | Skeleton) -> list[dict[str, Any]]:
+def features_of(result: Outcome) -> list[Entries]:
     """The features of a result; see `encode`."""
     rows = measure(result.contours, result.spacing)
     holes: dict[int, list[Contour]] = {}
@@ -79,7 +77,7 @@ def _measurements(contour: Contour, row: Measures, unit: str | None) -> dict[str
     return {name: round(value, 6) for name, value in found.items()}
 
 
-def _geometry(contour: Contour, holes: Sequence[Contour]) -> dict[str, Any]:
+def _geometry(contour: Contour, holes: Sequence[Contour]) -> Entries:
     if contour.closed and len(contour.points) > 2:
         rings = [_ring(contour.points, 1.0), *(_ring(hole.points, -1.0) for hole in holes)]
         return {"type": "Polygon", "coordinates": rings}

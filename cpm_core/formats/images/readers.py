@@ -10,12 +10,13 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cpm_core.formats.common.content import UnreadableError, content_of, decoding, fingerprint
+from cpm_core.formats.common.content import AnyPath, UnreadableError, content_of, decoding, fingerprint
+from cpm_core.formats.common.plain import Entries
 from cpm_core.formats.common.printable import printable
 from cpm_core.formats.images import dicom, metaimage, nifti, nrrd, numpy_array, raster, resolution, tiff
 from cpm_core.formats.images.decoded import Decoded
@@ -68,7 +69,7 @@ READABLE: dict[str, str] = {suffix: text for reader in _READERS for suffix, text
 
 
 def load_image(
-    path: str | os.PathLike[str],
+    path: AnyPath,
     go_on: Callable[[], object] | None = None,
     *,
     page: int | None = None,
@@ -124,7 +125,7 @@ def load_image(
 
 
 def load_volume(
-    path: str | os.PathLike[str],
+    path: AnyPath,
     go_on: Callable[[], object] | None = None,
     *,
     channel: int | None = None,
@@ -167,7 +168,7 @@ def load_volume(
 
 
 def load_pages(
-    path: str | os.PathLike[str],
+    path: AnyPath,
     go_on: Callable[[], object] | None = None,
     *,
     channel: int | None = None,
@@ -214,7 +215,7 @@ def load_pages(
     name, axis, count = next((one for one in axes if one[2] > 1), axes[0])
 
     def page(number: int) -> Image:
-        chosen: dict[str, Any] = {name: number}
+        chosen: Entries = {name: number}
         one = replace(reading, **chosen)
         with _decoding(file):
             decoded = plane_of(stack, one)
@@ -231,12 +232,12 @@ def load_pages(
     )
 
 
-def holds_volume(path: str | os.PathLike[str], series: int | str | None = None) -> bool:
+def holds_volume(path: AnyPath, series: int | str | None = None) -> bool:
     """Whether a file holds enough planes for a volume; ValueError as for `load_volume`."""
     return open_stack(path, series).shape[0] >= MINIMUM_SIDE
 
 
-def open_stack(path: str | os.PathLike[str], series: int | str | None = None) -> Stack:
+def open_stack(path: AnyPath, series: int | str | None = None) -> Stack:
     """What a file holds, of whose planes none has been read yet.
 
     Parameters

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 
 from cpm_core.formats.common.content import UnreadableError
+from cpm_core.formats.common.plain import Entries
 from cpm_core.formats.images import resolution
 from cpm_core.image.colors import LUMINANCE, checked_color
 from cpm_core.numerics.real_numbers import checked_number
@@ -76,7 +77,7 @@ class Reading:
             raise ValueError(f"unit is {shown(self.unit)} but there is no spacing: give the size of a pixel as well.")
 
     @property
-    def arguments(self) -> dict[str, Any]:
+    def arguments(self) -> Entries:
         """What is chosen, by name."""
         fields = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
         return {name: given for name, given in fields.items() if given is not None and given != _DEFAULTS[name]}

@@ -6,11 +6,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cpm_core.contours.result import Result
+from cpm_core.formats.common.plain import Entries
+from cpm_core.formats.common.provenance import Outcome
 from cpm_core.formats.meshes.coordinates import mesh_of
 from cpm_core.formats.meshes.triangles import Triangles, split
 from cpm_core.image.geometry import Convention
-from cpm_core.medial_axis.skeleton import Skeleton
 
 _OBJECT = "object"
 """Property of a triangle: the number of its object."""
@@ -23,7 +23,7 @@ _KINDS = {
 _ORDERS = {"ascii": "<", "binary_little_endian": "<", "binary_big_endian": ">"}
 
 
-def encode(result: Result | Skeleton, space: Convention = "LPS") -> bytes:
+def encode(result: Outcome, space: Convention = "LPS") -> bytes:
     """Make a binary PLY file of the surface of a result with its normals; ValueError when it has none."""
     mesh = mesh_of(result, space)
     precise = mesh.points.dtype == np.float64
@@ -77,7 +77,7 @@ def read(content: bytes) -> Triangles:
         body = np.array(body.split(), dtype=np.float64).astype("<f8").tobytes()
         for element, known in properties.items():
             properties[element] = [_Property(one.name, "<f8", "<f8" if one.counts else "") for one in known]
-    columns: dict[str, dict[str, Any]] = {}
+    columns: dict[str, Entries] = {}
     for element, known in properties.items():
         columns[element], body = _element(body, rows[element], known)
     vertices, polygons = columns["vertex"], columns["face"]
@@ -88,7 +88,7 @@ def read(content: bytes) -> Triangles:
     return Triangles(points, faces, numbers)
 
 
-def _element(body: bytes, count: int, properties: list[_Property]) -> tuple[dict[str, Any], bytes]:
+def _element(body: bytes, count: int, properties: list[_Property]) -> tuple[Entries, bytes]:
     """The numbers of an element by the names of its properties, of a list its counts and all entries; and the rest."""
     fields: list[Any] = []
     for one in properties:
@@ -101,7 +101,7 @@ def _element(body: bytes, count: int, properties: list[_Property]) -> tuple[dict
             columns = {one.name: table[one.name] for one in properties}
             lists = {name: (lengths, columns[name].ravel()) for name, lengths in counts.items()}
             return columns | lists, body[table.nbytes :]
-    found: dict[str, Any] = {one.name: ([], []) if one.counts else [] for one in properties}
+    found: Entries = {one.name: ([], []) if one.counts else [] for one in properties}
     at = 0
     for _ in range(count):
         for one in properties:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import logging
-import os
 import warnings
 from collections import deque
 from collections.abc import Callable
@@ -15,7 +14,7 @@ import numpy as np
 import scipy
 
 from cpm_core.formats.common.atomic import check_place, write_together
-from cpm_core.formats.common.content import content_of
+from cpm_core.formats.common.content import AnyPath, content_of
 from cpm_core.formats.common.provenance import PROGRAM, facts_on, text_of
 from cpm_core.formats.meshes.coordinates import Place, decimals_for, place_of, positions, unit_in_ascii
 from cpm_core.image.geometry import Convention, Geometry
@@ -36,7 +35,7 @@ _UNDEFINED = 0
 """Type of a point of no known structure."""
 
 
-def write_swc(lines: Centerlines, path: str | os.PathLike[str], geometry: Geometry | None = None) -> None:
+def write_swc(lines: Centerlines, path: AnyPath, geometry: Geometry | None = None) -> None:
     """Write center lines as an SWC file; see `encode`. ValueError when it cannot be written there.
 
     Examples
@@ -99,7 +98,7 @@ def encode(lines: Centerlines, geometry: Geometry | None = None, space: Conventi
 
 
 def load_centerlines(
-    path: str | os.PathLike[str],
+    path: AnyPath,
     image: Image | None = None,
     *,
     space: Convention | None = None,

@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.contours.result import Result
 from cpm_core.formats.common.content import UnreadableError
+from cpm_core.formats.common.provenance import Outcome
 from cpm_core.formats.meshes.coordinates import mesh_of
 from cpm_core.formats.meshes.triangles import Triangles, split
 from cpm_core.image.geometry import Convention
-from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Index
 
 _TITLE = 255
@@ -28,7 +27,7 @@ _KINDS = {
 }
 
 
-def encode(result: Result | Skeleton, space: Convention = "LPS") -> bytes:
+def encode(result: Outcome, space: Convention = "LPS") -> bytes:
     """Make a binary file, version 3.0, of the surface of a result with its normals; ValueError when it has none."""
     mesh = mesh_of(result, space)
     count, faces = len(mesh.points), len(mesh.faces)
