@@ -17,10 +17,11 @@ from cpm_core.cli.inputs import notes_on
 from cpm_core.cli.output import IN_PART, Files, StatusLine, announce_compilation, facts_of_run, report, say, say_notes
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats import load_pages
+from cpm_core.formats.common.atomic import check_target
 from cpm_core.formats.common.content import differ
 from cpm_core.formats.contours.contour_json import load_stack_result
-from cpm_core.formats.contours.stack import check_stack_export, export_stack, stack_suffix_of
 from cpm_core.formats.images.stack import Pages
+from cpm_core.formats.stack_files import FOR_STACKS, export_stack, stack_suffix_of
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.types import Array
@@ -90,7 +91,7 @@ def check_pages(arguments: argparse.Namespace, image: Path) -> None:
             given = f"--{name.replace('_', '-')}"
             raise ValueError(f"{given} is for one image, but --pages runs several: leave one of them out.")
     for path in arguments.export:
-        check_stack_export(path)
+        check_target(path, FOR_STACKS)
     check_targets(arguments.export, arguments, image)
     if arguments.resume and not _kept_in(arguments.export):
         raise ValueError("--resume needs the .json file that holds the pages that are done: add it to --export.")

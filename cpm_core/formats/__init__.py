@@ -37,9 +37,6 @@ from cpm_core.formats.contours.contour_json import page_from_plain as page_from_
 from cpm_core.formats.contours.contour_json import page_to_plain as page_to_plain
 from cpm_core.formats.contours.curves import ellipse as ellipse
 from cpm_core.formats.contours.points_csv import load_points
-from cpm_core.formats.contours.stack import FOR_STACKS as FOR_STACKS
-from cpm_core.formats.contours.stack import export_stack as export_stack
-from cpm_core.formats.contours.stack import stack_suffix_of as stack_suffix_of
 from cpm_core.formats.images.dicom import dicom_files_beside as dicom_files_beside
 from cpm_core.formats.images.readers import READABLE, holds_volume, load_image, load_pages, load_volume, open_stack
 from cpm_core.formats.images.reading import Reading as Reading
@@ -60,6 +57,9 @@ from cpm_core.formats.sessions.session_file import encode as encode
 from cpm_core.formats.sessions.session_file import find_image as find_image
 from cpm_core.formats.sessions.session_file import load_session as load_session
 from cpm_core.formats.sessions.session_file import save_session as save_session
+from cpm_core.formats.stack_files import FOR_STACKS as FOR_STACKS
+from cpm_core.formats.stack_files import export_stack as export_stack
+from cpm_core.formats.stack_files import stack_suffix_of as stack_suffix_of
 from cpm_core.formats.surface_file import SURFACES_READABLE, load_surface
 from cpm_core.formats.surface_file import read_surface as read_surface
 from cpm_core.formats.writers import DRAWN as DRAWN

@@ -13,7 +13,7 @@ import numpy as np
 import PIL.Image
 from PIL.PngImagePlugin import PngInfo
 
-from cpm_core.formats.common.atomic import check_place, drafts_of, write_together
+from cpm_core.formats.common.atomic import check_target, drafts_of, write_together
 from cpm_core.formats.common.content import AnyPath
 from cpm_core.numerics.memory import free
 from cpm_core.numerics.types import Pixels
@@ -129,10 +129,7 @@ def check_animation(path: AnyPath) -> None:
         When the suffix is not known, the encoder that it needs is not installed, or no file can be written there.
     """
     file = Path(path)
-    if file.suffix.lower() not in ANIMATED and not file.is_dir():
-        known = ", ".join(f"{suffix} ({text})" for suffix, text in ANIMATED.items())
-        raise ValueError(f"{file.name} has no suffix of an animation: choose one of {known}.")
-    check_place(file)
+    check_target(file, ANIMATED)
     check_encoder(file.suffix.lower())
 
 

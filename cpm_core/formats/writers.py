@@ -15,7 +15,7 @@ import numpy as np
 
 from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.result import Result
-from cpm_core.formats.common.atomic import check_place, write_together
+from cpm_core.formats.common.atomic import check_target, suffix_among, write_together
 from cpm_core.formats.common.content import AnyPath
 from cpm_core.formats.common.plain import Entries
 from cpm_core.formats.common.printable import printable
@@ -146,6 +146,8 @@ FORMATS: tuple[Format, ...] = (
     Format(".points.csv", points_csv.encode, volume="the particles of a run in a volume, as a table"),
     Format(".swc", swc.encode, lines="center lines in a volume as a tree of points with radii", options=("space",)),
 )
+
+_SUFFIXES = tuple(one.suffix for one in FORMATS)
 
 WRITABLE: dict[str, str] = {one.suffix: one.contours for one in FORMATS if one.contours}
 """Suffixes that a result can be exported to, some of two parts -> what is written."""
@@ -292,7 +294,7 @@ def encoded(result: Found, suffix: str, *, outlines: bool = False, space: Conven
     """
     form = next((one for one in FORMATS if one.suffix == suffix), None)
     if form is None:
-        raise ValueError(f"{shown(suffix)} names no format that can be written: choose one of {_known()}.")
+        raise ValueError(f"{shown(suffix)} names no format that can be written: choose one of {', '.join(_SUFFIXES)}.")
     if isinstance(result, Skeleton) and result.lines is not None:
         result = result.lines
     if isinstance(result, Centerlines):
@@ -318,9 +320,7 @@ def suffix_of(path: AnyPath) -> str:
     Of several the longest counts, so that ``a.coco.json`` is not a plain ``.json``; a name that consists of a suffix
     only has none.
     """
-    name = Path(path).name.lower()
-    suffix = max((one.suffix for one in FORMATS if name.endswith(one.suffix)), key=len, default="")
-    return suffix if len(suffix) < len(name) else ""
+    return suffix_among(path, _SUFFIXES)
 
 
 def check_export(path: AnyPath) -> None:
@@ -331,13 +331,4 @@ def check_export(path: AnyPath) -> None:
     ValueError
         When the suffix is not known, the folder does not exist or is not writable, or the path is a folder.
     """
-    file = Path(path)
-    if not suffix_of(file) and not file.is_dir():
-        named = f"ends in {shown(file.suffix)}" if file.suffix and file.suffix not in WRITABLE else "has no suffix"
-        raise ValueError(f"{file.name} {named}, which names no format that can be written: choose one of {_known()}.")
-    check_place(file)
-
-
-def _known() -> str:
-    """Suffixes of all formats that can be written, in words."""
-    return ", ".join(one.suffix for one in FORMATS)
+    check_target(path, _SUFFIXES)

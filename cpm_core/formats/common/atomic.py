@@ -10,9 +10,12 @@ import secrets
 import signal
 import stat
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from types import FrameType
+
+from cpm_core.formats.common.content import AnyPath
+from cpm_core.parameters.quotation import shown
 
 _DRAFT = ".cpm-"
 """Beginning of the name of a draft."""
@@ -83,6 +86,30 @@ def append(path: Path, content: bytes) -> None:
     """Append to a file, whose reader ignores an end that is cut short; ValueError when it cannot be written."""
     with _failures_told(path), path.open("ab") as stream:
         stream.write(content)
+
+
+def suffix_among(path: AnyPath, known: Iterable[str]) -> str:
+    """The longest of some suffixes that a file's name ends in, in lower case; empty for none, and where it is all."""
+    name = Path(path).name.lower()
+    suffix = max((one for one in known if name.endswith(one)), key=len, default="")
+    return suffix if len(suffix) < len(name) else ""
+
+
+def check_target(path: AnyPath, known: Iterable[str]) -> None:
+    """Check in advance whether a file could be written to a path, in one of the formats with these suffixes.
+
+    Raises
+    ------
+    ValueError
+        When the suffix is not known, or `check_place` does.
+    """
+    file = Path(path)
+    if not suffix_among(file, known) and not file.is_dir():
+        named = f"ends in {shown(file.suffix)}" if file.suffix and file.suffix not in known else "has no suffix"
+        raise ValueError(
+            f"{file.name} {named}, which names no format that can be written: choose one of {', '.join(known)}."
+        )
+    check_place(file)
 
 
 def check_place(file: Path) -> None:

@@ -11,7 +11,7 @@ from cpm_core.contours.measurements import Measures, measure
 from cpm_core.contours.rasterize import paint
 from cpm_core.formats.common.plain import Entries, encoded_json
 from cpm_core.formats.common.provenance import ENTRY, PROGRAM, Outcome, facts_of
-from cpm_core.formats.contours.contents import DEFAULT, PIXEL, Contents, color_of, rgb, rounded
+from cpm_core.formats.contours.contents import PIXEL, Contents, rgb, rounded
 from cpm_core.formats.contours.mask import mask_of_runs, outlines
 
 _OBJECT = "object"
@@ -92,7 +92,7 @@ def read(content: Entries) -> Contents:
     The category is the name of a contour. Of run-length masks contours run between pixels, unless CPM has written
     their outlines next to them.
     """
-    found = Contents()
+    found = Contents(own=ENTRY in (content.get("info") or {}))
     categories = {entry["id"]: entry["name"] for entry in content.get("categories", [])}
     images = {entry["id"]: entry for entry in content["images"]}
     used = {entry["image_id"] for entry in content["annotations"]}
@@ -112,8 +112,7 @@ def read(content: Entries) -> Contents:
 
 
 def _add(found: Contents, entry: Entries, name: str) -> None:
-    color = color_of(entry.get("color"))
-    known: Entries = {"name": name, "color": "" if color == DEFAULT else color}
+    known = {"name": name, "color": entry.get("color")}
     shapes = entry.get("segmentation")
     if entry.get(_OUTLINES):
         found.add_object(zip(map(_corners, entry[_OUTLINES]), entry[_HOLES], strict=True), **known)

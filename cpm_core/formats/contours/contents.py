@@ -71,6 +71,8 @@ class Contents:
         Shape of the image, where the file gives it.
     notes : list of str
         What else has to be reported, one sentence each.
+    own : bool
+        Whether CPM has written the file: what it writes for a contour without a name and color is none.
     """
 
     contours: list[Contour] = field(default_factory=list)
@@ -79,6 +81,7 @@ class Contents:
     left_out: Counter[str] = field(default_factory=Counter)
     shape: tuple[int, int] | None = None
     notes: list[str] = field(default_factory=list)
+    own: bool = False
     _objects: int = field(default=0, repr=False)
 
     def add(self, points: Any, closed: bool, *, page: int = 0, junctions: Any = (), **properties: Any) -> None:
@@ -95,9 +98,12 @@ class Contents:
         if closed and len(vertices) > 2 and np.array_equal(vertices[0], vertices[-1]):
             vertices = vertices[:-1]
         first, last = (*map(bool, junctions), False, False)[:2]
-        self.contours.append(
-            Contour(vertices, closed and len(vertices) > 2, junctions=(first, last), **checked(properties))
-        )
+        known = checked(properties)
+        if self.own and re.fullmatch(r"(contour|track) \d+", known["name"]):
+            known["name"] = ""
+        if self.own and known["color"] == DEFAULT:
+            known["color"] = ""
+        self.contours.append(Contour(vertices, closed and len(vertices) > 2, junctions=(first, last), **known))
         self.pages.append(page)
 
     def add_object(self, curves: Iterable[tuple[Any, bool]], *, page: int = 0, **properties: Any) -> None:

@@ -14,7 +14,8 @@ import numpy as np
 from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.measurements import measure
 from cpm_core.contours.result import Result
-from cpm_core.formats.common.plain import Entries, encoded_json
+from cpm_core.formats.common.content import content_of, decoding
+from cpm_core.formats.common.plain import Entries, encoded_json, from_plain, to_plain
 from cpm_core.formats.common.provenance import ENTRY, Outcome, facts_of, facts_on
 from cpm_core.formats.contours.contents import Contents, checked, rounded
 from cpm_core.formats.images.decoded import MAXIMUM_PIXELS
@@ -70,11 +71,7 @@ def encode_pages(found: StackResult) -> bytes:
 
 def page_to_plain(page: Page) -> Entries:
     """A page as an entry of ``pages``; see `encode_pages`."""
-    events = [
-        {"kind": event.kind, "page": event.page, "track": event.track, "others": list(event.others)}
-        for event in page.events
-    ]
-    plain: Entries = {"page": page.number, "trouble": page.trouble, "events": events}
+    plain: Entries = {"page": page.number, "trouble": page.trouble, "events": to_plain(page.events)}
     if page.result is not None:
         plain |= _result_to_plain(page.result)
         for entry in plain["contours"]:
@@ -87,16 +84,10 @@ def _result_to_plain(result: Outcome) -> Entries:
     image |= {"spacing": list(result.spacing), "unit": result.unit}
     if result.channel != "luminance":
         image["channel"] = result.channel
-    content: Entries = {"image": image, ENTRY: facts_of(result)}
+    content: Entries = {"image": image, ENTRY: facts_of(result), "contours": _contours_to_plain(result)}
     if isinstance(result, Result):
-        content["run"] = {
-            "steps": result.steps,
-            "converged": result.converged,
-            "stop_reason": result.stop_reason,
-            "particles": len(result.particles),
-        }
-    content["contours"] = _contours_to_plain(result)
-    if isinstance(result, Result):
+        run = {name: getattr(result, name) for name in ("steps", "converged", "stop_reason")}
+        content["run"] = run | {"particles": len(result.particles)}
         content["bridges"] = [
             {"length": round(bridge.length, 4), "strength": round(bridge.strength, 6), "points": rounded(bridge.points)}
             for bridge in result.bridges
@@ -108,21 +99,11 @@ def _contours_to_plain(result: Outcome) -> list[Entries]:
     entries: list[Entries] = []
     rows = measure(result.contours, result.spacing)
     for index, (contour, row) in enumerate(zip(result.contours, rows, strict=True)):
-        entry: Entries = {
-            "number": row.number,
-            "label": row.label,
-            "name": row.name,
-            "color": row.color,
-            "closed": row.closed,
-            "junctions": list(contour.junctions),
-            "inside": row.inside,
-            "length": round(row.length, 4),
-            "gross_area": round(row.area, 4),
-            "net_area": round(row.net_area, 4),
-            "strength": round(row.strength, 6),
-            "contrast": None if row.contrast is None else round(row.contrast, 6),
-            "by_hand": round(row.by_hand, 4),
-        }
+        entry: Entries = {name: getattr(row, name) for name in ("number", "label", "name", "color", "closed", "inside")}
+        entry |= {"junctions": list(contour.junctions), "length": round(row.length, 4)}
+        entry |= {"gross_area": round(row.area, 4), "net_area": round(row.net_area, 4)}
+        entry |= {"by_hand": round(row.by_hand, 4), "strength": round(row.strength, 6)}
+        entry["contrast"] = None if row.contrast is None else round(row.contrast, 6)
         if contour.reached:
             entry["reached"] = contour.reached
         if result.unit:
@@ -163,29 +144,20 @@ def load_stack_result(path: Path) -> StackResult:
     ValueError
         When there is no such file, or it was not written so; one sentence that says what to do.
     """
-    try:
-        plain = json.loads(Path(path).read_text(encoding="utf-8"))
+    otherwise = "choose a .json file that was written of all pages, or name another one."
+    with decoding(path.name, f"holds no pages of a stack: {otherwise}"):
+        plain = json.loads(content_of(path))
         if plain["format"] != _OF_STACK:
             raise ValueError("another format")
         stack = plain["stack"]
         pages = tuple(page_from_plain(entry) for entry in plain["pages"])
         drawn = tuple(stack["drawn"])
         return StackResult(str(stack["name"]), int(stack["pages"]), pages, stack["axis"], bool(stack["alone"]), drawn)
-    except OSError as error:
-        raise ValueError(f"{path} cannot be read: {error.strerror or error}.") from error
-    except (KeyError, TypeError, ValueError, IndexError, AttributeError, RecursionError) as error:
-        raise ValueError(
-            f"{Path(path).name} holds no pages of a stack: choose a .json file that was written of all pages, or name "
-            "another one."
-        ) from error
 
 
 def page_from_plain(plain: Mapping[str, Any]) -> Page:
     """The page of an entry; an exception of some kind for one that is damaged."""
-    events = tuple(
-        TrackEvent(event["kind"], int(event["page"]), int(event["track"]), tuple(map(int, event["others"])))
-        for event in plain["events"]
-    )
+    events = tuple(from_plain(TrackEvent, event, "event of a page") for event in plain["events"])
     result = _result_from(plain) if "contours" in plain else None
     return Page(int(plain["page"]), result, events, str(plain["trouble"]))
 

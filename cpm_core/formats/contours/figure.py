@@ -5,12 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from cpm_core.contours.result import Result
-from cpm_core.formats.common.atomic import check_place, write_together
+from cpm_core.formats.common.atomic import check_target, write_together
 from cpm_core.formats.common.content import AnyPath
 from cpm_core.formats.common.provenance import Outcome, facts_of, text_of
 from cpm_core.image.drawing import FIGURES, encoded_figure, new_figure
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.parameters.quotation import shown
 
 
 def write_figure(
@@ -48,18 +47,10 @@ def write_figure(
     """
     files = list(map(Path, paths))
     for file in files:
-        check_figure(file)
+        check_target(file, FIGURES)
     drawn = {"image": image, "contours": contours, "particles": particles, "labels": labels, "scale_bar": scale_bar}
     contents = [(file, encoded(file.suffix.lower(), result, **drawn)) for file in files]
     write_together(contents)
-
-
-def check_figure(path: AnyPath) -> None:
-    """Raise a `ValueError` for a path to which no figure can be written."""
-    file = Path(path)
-    if file.suffix.lower() not in FIGURES:
-        raise ValueError(f"{shown(file.name)} names no figure: choose one of {', '.join(FIGURES)}.")
-    check_place(file)
 
 
 def encoded(suffix: str, result: Outcome, **drawn: bool) -> bytes:

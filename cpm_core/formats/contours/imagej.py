@@ -16,7 +16,7 @@ from cpm_core.contours.contour import Contour, numbers_of
 from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.plain import Entries
 from cpm_core.formats.common.provenance import Outcome, ascii_entries_of, facts_of
-from cpm_core.formats.contours.contents import DEFAULT, PIXEL, Contents, rgb, title
+from cpm_core.formats.contours.contents import PIXEL, Contents, rgb, title
 from cpm_core.formats.contours.curves import bezier, ellipse, nested, rectangle
 from cpm_core.numerics.types import Array
 
@@ -128,15 +128,11 @@ def read(content: bytes) -> Contents:
     found = Contents()
     for name, selection in _selections(content, found):
         roi = ImagejRoi.frombytes(selection)
-        own = "cpm_program" in (roi.props or "")
+        found.own = "cpm_program" in (roi.props or "")
         title = (roi.name or "").rstrip("\0") or name
         color = "" if not roi.stroke_color or roi.stroke_color[0] == 0 else list(roi.stroke_color[1:4])
-        known: Entries = {"name": title, "color": color}
-        if own:
-            known["name"] = "" if re.fullmatch(r"(contour|track) \d+", title) else title
-            known["color"] = "" if bytes(roi.stroke_color[1:4]).hex() == DEFAULT[1:] else color
         page = max(roi.position, roi.z_position, roi.t_position, 0)
-        _add(found, roi, selection, page, known)
+        _add(found, roi, selection, {"page": page, "name": title, "color": color})
     return found
 
 
@@ -158,17 +154,17 @@ def _selections(content: bytes, found: Contents) -> Iterator[tuple[str, bytes]]:
                 found.left_out["file of the set that is no selection"] += 1
 
 
-def _add(found: Contents, roi: ImagejRoi, selection: bytes, page: int, known: Entries) -> None:
+def _add(found: Contents, roi: ImagejRoi, selection: bytes, known: Entries) -> None:
     if roi.multi_coordinates is not None:
         curves = [curve - PIXEL for curve in _composite(roi.multi_coordinates.astype(np.float64))]
-        found.add_object(nested(curves), page=page, **known)
+        found.add_object(nested(curves), **known)
     elif roi.roitype in _AREAL:
-        found.add(_area(roi, selection) - PIXEL, True, page=page, **known)
+        found.add(_area(roi, selection) - PIXEL, True, **known)
     elif roi.roitype in _LINES:
-        found.add(_rows(roi.coordinates()), False, page=page, **known)
+        found.add(_rows(roi.coordinates()), False, **known)
     elif roi.roitype == ROI_TYPE.POINT:
         for place in _rows(roi.coordinates()):
-            found.add_place(place, page)
+            found.add_place(place, known["page"])
     else:
         found.left_out["empty selection"] += 1
 

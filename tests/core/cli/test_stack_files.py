@@ -11,7 +11,7 @@ import tifffile
 
 import cpm_core as cpm
 from cpm_core.formats.contours.contour_json import load_stack_result
-from cpm_core.formats.contours.stack import FOR_STACKS, export_stack
+from cpm_core.formats.stack_files import FOR_STACKS, export_stack
 from cpm_core.pages.page import Page, StackResult
 
 from .drawn import MOVING, SHAPE, SPLITTING

@@ -13,7 +13,7 @@ import tifffile
 
 from cpm_core.contours.rasterize import Labels, label_type, paint
 from cpm_core.contours.result import Result
-from cpm_core.formats.common.atomic import check_place, drafts_of, write_together
+from cpm_core.formats.common.atomic import check_target, drafts_of, suffix_among, write_together
 from cpm_core.formats.common.content import AnyPath
 from cpm_core.formats.common.plain import Entries, encoded_json
 from cpm_core.formats.common.provenance import ENTRY, PROGRAM, facts_of
@@ -131,18 +131,7 @@ FOR_STACKS: dict[str, str] = {**_STACKS, **{suffix: text for suffix, (text, _) i
 
 def stack_suffix_of(path: AnyPath) -> str:
     """Suffix of such a file, the longest that fits; empty for others."""
-    name = Path(path).name.lower()
-    suffix = max((suffix for suffix in FOR_STACKS if name.endswith(suffix)), key=len, default="")
-    return suffix if len(suffix) < len(name) else ""
-
-
-def check_stack_export(path: AnyPath) -> None:
-    """Raise ValueError unless `export_stack` could write to a path."""
-    file = Path(path)
-    if not stack_suffix_of(file):
-        known = ", ".join(FOR_STACKS)
-        raise ValueError(f"{file.name} names no format for all pages of a stack: choose one of {known}.")
-    check_place(file)
+    return suffix_among(path, FOR_STACKS)
 
 
 def export_stack(
@@ -168,7 +157,7 @@ def export_stack(
     """
     files = list(map(Path, paths))
     for file in files:
-        check_stack_export(file)
+        check_target(file, FOR_STACKS)
     for file in files:
         try:
             if (suffix := stack_suffix_of(file)) in _ENCODERS:
