@@ -135,9 +135,9 @@ class TimelineNavigation(QObject):
         return next((branch.first for branch in self._outline.branches if branch.parent is None), 0)
 
     @property
-    def recorded(self) -> bool:
-        """Whether there are runs to go to."""
-        return bool(self._outline.branches)
+    def branches(self) -> tuple[Branch, ...]:
+        """The branches, the oldest first."""
+        return self._outline.branches
 
     @property
     def count(self) -> int:

@@ -140,6 +140,8 @@ class TimelineFeature(Feature):
         self.navigation = context.workspace.navigation
         self.panel = TimelinePanel(self.navigation, lambda: is_running(context.session.situation))
         Keys(context.canvas_area.canvas, self._go_to_end)
+        self._shown = False, False
+        self.navigation.changed.connect(self._follow)
         context.session.document_changed.connect(lambda _: self.panel.show_parameters())
         context.preferences.follow(TIMELINE_MEMORY, self._use_budget)
 
@@ -148,7 +150,8 @@ class TimelineFeature(Feature):
         navigation = self.navigation
         moves = [
             ActionSpec(f"timeline_{name}", _MENU, text, tip, partial(go, navigation), keys, icon=icon,
-                       when=lambda _: navigation.recorded)
+                       when=lambda _: bool(navigation.branches),
+                       pictured=(lambda _: "pause" if navigation.playing else "play") if name == "play" else None)
             for name, text, go, keys, tip, icon in _MOVES
         ]  # fmt: skip
         return (
@@ -177,9 +180,12 @@ class TimelineFeature(Feature):
             ),
         )
 
-    def use_keys(self) -> None:
-        """Name the keys as they are now."""
-        self.panel.show_keys()
+    def _follow(self) -> None:
+        """Enable and picture the moves."""
+        shown = self.navigation.playing, bool(self.navigation.branches)
+        if shown != self._shown:
+            self._shown = shown
+            self.context.refresh()
 
     def _go_to_end(self, event: QKeyEvent) -> bool:
         """Go to the first or last step by Home and End on the canvas; in sliders and fields they keep their meaning."""
@@ -218,7 +224,7 @@ class ParametersFeature(Feature):
         super().__init__(context)
         store = PresetStore(parent=context.window)
         self.presets = Presets(context, store)
-        self.panel = ParametersPanel(context.session, self.presets.button)
+        self.panel = ParametersPanel(context.session, self.presets)
         context.preferences.follow(
             WORDING, lambda: self.panel.use_wording(wording_called(context.preferences.value(WORDING)))
         )

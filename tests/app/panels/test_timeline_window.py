@@ -223,17 +223,17 @@ def test_branches_are_named_and_deleted(rested, hand, fresh, monkeypatch) -> Non
     scrub(rested, hand, 1, 40)
     hand.wait(lambda: rested.session.status.phase == "paused" and rested.session.idle)
     panel = rested.panels["timeline"]
-    assert not panel.delete.isEnabled()
+    assert not rested.actions_by_name["timeline_delete"].isEnabled()
     go_on_otherwise(rested, hand)
     monkeypatch.setattr(timeline, "ask_for_text", lambda *_: "stiffer")
     panel.rename.trigger()
     hand.wait(lambda: [branch.name for branch in navigation(rested).outline.branches] == ["Run 1", "stiffer"])
     fork = navigation(rested).outline.branches[1].first
-    panel.delete.trigger()
+    rested.actions_by_name["timeline_delete"].trigger()
     hand.wait(lambda: len(navigation(rested).outline.branches) == 1 and rested.session.idle)
     assert rested.session.status.step == fork
     np.testing.assert_array_equal(shown(rested), ordered(fresh[fork]))
-    assert not panel.delete.isEnabled()
+    assert not rested.actions_by_name["timeline_delete"].isEnabled()
 
 
 def test_setting_the_parameters_of_a_step_again_repeats_its_branch(rested, hand, fresh) -> None:
