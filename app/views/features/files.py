@@ -51,7 +51,7 @@ class OpenSaveFeature(Feature):
         self.document_file.restored.connect(self._use_view_state)
         context.session.document_changed.connect(lambda _: self._name_window())
         context.session.listen(Opened, self._take_opened)
-        context.session.listen(Written, lambda written: self._remember(written.order.path))
+        context.session.listen(Written, lambda written: self._remember(written.path))
         self._name_window()
 
     def action_specs(self) -> Sequence[ActionSpec | Submenu]:

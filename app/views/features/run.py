@@ -15,13 +15,12 @@ from app.model.parameters.controls import CHANNEL
 from app.model.preferences.table import TIMELINE_MEMORY, UNIT, WORDING
 from app.model.state.resolve import resolve
 from app.model.state.situation import can_step, has_image, has_particles, is_running, is_started
-from app.model.text.language import from_core, tr, written
+from app.model.text.language import tr, written
 from app.model.text.wording import wording_called
-from app.session.features.comparison import ComparisonWritten
 from app.session.features.timeline import TimelineNavigation
 from app.session.storage.presets import PresetStore
+from app.session.timeline.timeline import MEGABYTE
 from app.session.worker.commands import RunCall
-from app.session.worker.recorded_run import MEGABYTE
 from app.session.worker.run import Run
 from app.views.canvas.items.item import image_rectangle
 from app.views.comparison.dialog import CompareDialog
@@ -262,7 +261,6 @@ class ComparisonFeature(Feature):
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
         self.dialog = OneDialog(self._made)
-        context.session.listen(ComparisonWritten, self._report)
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """Open it with the choice of parameters, or with that of methods."""
@@ -303,8 +301,3 @@ class ComparisonFeature(Feature):
         image = self.context.session.scene.image
         name = f"{Path(image.source).stem if image else ''}.methods.csv"
         return self.context.files.ask_where_to_save("export", tr("Export the comparison"), name, kinds, parent=parent)
-
-    def _report(self, report: ComparisonWritten) -> None:
-        names = ", ".join(file.name for file in report.files)
-        wrote = tr("Wrote {name}.").format(name=names)
-        self.context.session.say(" ".join((*((wrote,) if names else ()), *map(from_core, report.notes))))
