@@ -151,7 +151,8 @@ def _elements(
         raise ValueError("groups are nested too deeply")
     for element in parent:
         tag = _tag(element)
-        style = _style(element)
+        parts = (part.partition(":") for part in element.get("style", "").split(";"))
+        style = element.attrib | {name.strip(): value.strip() for name, _, value in parts if value}
         if tag in _NOT_DRAWN or style.get("display") == "none":
             continue
         if tag in _LEFT_OUT:
@@ -169,12 +170,6 @@ def _elements(
 def _tag(element: ET.Element) -> str:
     tag: Any = element.tag
     return tag.rpartition("}")[2] if isinstance(tag, str) else ""  # a comment has a function for a tag
-
-
-def _style(element: ET.Element) -> dict[str, str]:
-    """Attributes of an element with those of its style, which win."""
-    parts = (part.partition(":") for part in element.get("style", "").split(";"))
-    return {**element.attrib, **{name.strip(): value.strip() for name, _, value in parts if value}}
 
 
 def _known(element: ET.Element, look: dict[str, str], own: bool) -> Entries:

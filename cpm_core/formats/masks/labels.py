@@ -40,7 +40,7 @@ def labels_of(result: Outcome, *, outlines: bool = False) -> NDArray[np.unsigned
     -------
     ndarray of uint16 or uint32, shape `result.shape`
         Labels, 0 outside; 32 bits where there are more than 65535. Of a volume the objects inside the surface, the
-        largest first.
+        largest first. Branches are lines one pixel wide, the longest first, and on top where they meet.
 
     Raises
     ------
@@ -53,25 +53,12 @@ def labels_of(result: Outcome, *, outlines: bool = False) -> NDArray[np.unsigned
                 f"{result.source} has no closed surface, so that nothing is inside: write the surface itself."
             )
         return result.labels.astype(label_type(int(result.labels.max())))
-    _count(result, outlines)
+    count = _count(result, outlines)
     if isinstance(result, Skeleton):
-        return paint_branches(result)
+        return paint_lines(result.contours, range(1, count + 1), result.shape)
     if outlines:
         return paint_lines(result.contours, numbers_of(result.contours), result.shape)
     return result.labels.astype(label_type(len(result.contours)))
-
-
-def paint_branches(skeleton: Skeleton) -> NDArray[np.unsignedinteger]:
-    """Draw each branch of a skeleton as a line one pixel wide, connected along sides or corners of pixels.
-
-    The longest branch has label 1, the next 2, and so on; where branches meet, the longer one is on top.
-
-    Returns
-    -------
-    ndarray of uint16 or uint32, shape `skeleton.shape`
-        Labels, 0 off the skeleton; 32 bits where there are more than 65535.
-    """
-    return paint_lines(skeleton.contours, range(1, len(skeleton.contours) + 1), skeleton.shape)
 
 
 def paint_lines(

@@ -209,10 +209,9 @@ def encode(session: SessionFile, folder: Path) -> bytes:
         read = {name: to_plain(given) for name, given in session.image.reading.arguments.items()}
         plain["image"] = {**to_plain(session.image), **_place_to_plain(session.image.path, folder), "reading": read}
     plain["shapes"] = [shape_to_plain(shape) for shape in session.shapes]
-    plain["parameters"] = to_plain(session.parameters)
-    plain["marks"] = [to_plain(mark) for mark in session.marks]
+    plain |= {"parameters": to_plain(session.parameters), "marks": to_plain(session.marks)}
     if session.hand_edits:
-        plain["hand_edits"] = [to_plain(edit) for edit in session.hand_edits]
+        plain["hand_edits"] = to_plain(session.hand_edits)
     if session.comparison != Compared():
         plain["comparison"] = {
             "methods": list(session.comparison.methods),
