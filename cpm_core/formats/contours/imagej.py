@@ -6,7 +6,7 @@ import io
 import re
 import struct
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import PurePosixPath
 
 import numpy as np
@@ -59,24 +59,26 @@ def encode_set(result: Outcome) -> bytes:
     """
     if not result.contours:
         raise ValueError(f"{result.source} has no contours, and ImageJ opens no empty set: let it run on.")
-    stream, properties = io.BytesIO(), properties_of(result)
-    names = {""}  # in lower case, because some file systems ignore case
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
-        for number, contour in zip(numbers_of(result.contours), result.contours, strict=True):
-            name = plain = re.sub(r"[^\w .()+-]", "_", title(contour, number))[:_LONGEST]
-            while name.lower() in names:
-                name = f"{plain}-{number}" if name == plain else f"{name}-"
-            names.add(name.lower())
-            add(archive, name, selection(contour, number, properties))
+    properties, taken = properties_of(result), {""}
+    found = {}
+    for number, contour in zip(numbers_of(result.contours), result.contours, strict=True):
+        name = plain = re.sub(r"[^\w .()+-]", "_", title(contour, number))[:_LONGEST]
+        while name.lower() in taken:  # some file systems ignore case
+            name = f"{plain}-{number}" if name == plain else f"{name}-"
+        taken.add(name.lower())
+        found[name] = selection(contour, number, properties)
+    return set_of(found.items())
+
+
+def set_of(selections: Iterable[tuple[str, bytes]]) -> bytes:
+    """An archive of selections by their names, without a date, because the result has none."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as archive:
+        for name, content in selections:
+            entry = zipfile.ZipInfo(f"{name}.roi")
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, content, zipfile.ZIP_DEFLATED)
     return stream.getvalue()
-
-
-def add(archive: zipfile.ZipFile, name: str, content: bytes) -> None:
-    """Add a selection to a set, without a date, because the result has none."""
-    entry = zipfile.ZipInfo(f"{name}.roi")
-    entry.compress_type = zipfile.ZIP_DEFLATED
-    entry.external_attr = 0o644 << 16
-    archive.writestr(entry, content)
 
 
 def selection(contour: Contour, number: int, properties: str, **place: int) -> bytes:

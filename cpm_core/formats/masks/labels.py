@@ -19,9 +19,9 @@ from cpm_core.contours.rasterize import MOST_LABELS, label_type
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.plain import Entries
 from cpm_core.formats.common.provenance import PROGRAM, Outcome, entries_of, facts_of, text_of
+from cpm_core.formats.images import resolution
 from cpm_core.medial_axis.skeleton import Skeleton
 
-_PER_CENTIMETER = {"nm": 1e7, "µm": 1e4, "mm": 10.0, "cm": 1.0, "m": 0.01}
 _GOLDEN, _PLASTIC, _SILVER = 0.6180339887, 0.7548776662, 0.4142135624
 """Steps of hue, saturation and brightness from one label to the next; multiples of them are spread evenly."""
 
@@ -120,9 +120,8 @@ def encode_tiff(result: Outcome, *, outlines: bool = False) -> bytes:
             entries["metadata"]["spacing"] = result.spacing[0]
     else:
         entries |= {"metadata": None, "description": text_of(facts)}
-        if result.unit in _PER_CENTIMETER:
-            factor = _PER_CENTIMETER[result.unit]
-            entries["resolution"] = (factor / width, factor / height)
+        if factor := resolution.factor(result.unit, "cm"):
+            entries["resolution"] = (1.0 / (factor * width), 1.0 / (factor * height))
             entries["resolutionunit"] = "CENTIMETER"
     stream = io.BytesIO()
     tifffile.imwrite(stream, mask, photometric="minisblack", software=PROGRAM, **entries)
