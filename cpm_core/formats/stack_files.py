@@ -157,7 +157,7 @@ def export_stack(
     """
     files = list(map(Path, paths))
     for file in files:
-        check_target(file, FOR_STACKS)
+        check_target(file, FOR_STACKS, "for all pages of a stack")
     for file in files:
         try:
             if (suffix := stack_suffix_of(file)) in _ENCODERS:

@@ -99,8 +99,8 @@ def suffix_among(path: AnyPath, known: Iterable[str]) -> str:
     return suffix if len(suffix) < len(name) else ""
 
 
-def check_target(path: AnyPath, known: Iterable[str]) -> None:
-    """Check in advance whether a file could be written to a path, in one of the formats with these suffixes.
+def check_target(path: AnyPath, known: Iterable[str], what: str = "that can be written") -> None:
+    """Check in advance whether a file could be written to a path, in a format `what` with one of these suffixes.
 
     Raises
     ------
@@ -110,9 +110,7 @@ def check_target(path: AnyPath, known: Iterable[str]) -> None:
     file = Path(path)
     if not suffix_among(file, known) and not file.is_dir():
         named = f"ends in {shown(file.suffix)}" if file.suffix and file.suffix not in known else "has no suffix"
-        raise ValueError(
-            f"{file.name} {named}, which names no format that can be written: choose one of {', '.join(known)}."
-        )
+        raise ValueError(f"{file.name} {named}, which names no format {what}: choose one of {', '.join(known)}.")
     check_place(file)
 
 
