@@ -141,9 +141,9 @@ def overlaps_of(before: Sequence[Contour], now: Sequence[Contour], shape: tuple[
     overlaps = _of_areas(before, now, shape)
     lines = np.array([not one.closed for one in before])[:, None] | np.array([not one.closed for one in now])[None]
     if lines.any():  # the ends of an open one are joined, as those of an object that the border of the image cuts
-        ring = [[replace(one, closed=len(one.points) > 2) for one in contours] for contours in (before, now)]
+        then, later = ([replace(one, closed=len(one.points) > 2) for one in contours] for contours in (before, now))
         overlaps.part[lines] = 0.0
-        overlaps.dice[lines] = np.maximum(_of_areas(*ring, shape).dice, _beside(before, now))[lines]
+        overlaps.dice[lines] = np.maximum(_of_areas(then, later, shape).dice, _beside(before, now))[lines]
     return overlaps
 
 
