@@ -233,14 +233,12 @@ def _advance(
 def _part_inside(image: Array, row: float, col: float, to_row: float, to_col: float) -> float:
     """Fraction of a straight line from a position in the image that lies inside."""
     part = 1.0
-    if to_row < 0.0:
-        part = row / (row - to_row)
-    elif to_row > image.shape[0] - 1.0:
-        part = (image.shape[0] - 1.0 - row) / (to_row - row)
-    if to_col < 0.0:
-        part = min(part, col / (col - to_col))
-    elif to_col > image.shape[1] - 1.0:
-        part = min(part, (image.shape[1] - 1.0 - col) / (to_col - col))
+    rows, cols = image.shape
+    for at, to, last in ((row, to_row, rows - 1.0), (col, to_col, cols - 1.0)):
+        if to < 0.0:
+            part = min(part, at / (at - to))
+        elif to > last:
+            part = min(part, (last - at) / (to - at))
     return part
 
 
