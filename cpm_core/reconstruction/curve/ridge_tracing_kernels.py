@@ -13,7 +13,7 @@ from cpm_core.field.scale_field import FAINTEST
 from cpm_core.image.regions import BarrierMap, crosses
 from cpm_core.numerics.jit import compiled, inlined
 from cpm_core.numerics.types import Array, Index
-from cpm_core.reconstruction.curve.ridge import Ridge, height, slope
+from cpm_core.reconstruction.curve.ridge import Ridge, height, slope, uphill
 
 _HALVINGS = 4
 """How often a step may be halved where the ridge bends."""
@@ -73,9 +73,8 @@ def place_on_ridge(ridge: Ridge, place: Array, ahead: Array, step: float, first:
     """Move some seeds onto the ridge, and write its direction there."""
     farthest = _SIDEWAYS * step
     for i in range(first, last):
-        down, right = height(ridge.down, place[i, 0], place[i, 1]), height(ridge.right, place[i, 0], place[i, 1])
-        size = max(np.sqrt(down * down + right * right), 1e-300)
-        found, place[i, 0], place[i, 1] = _correct(ridge, place[i, 0], place[i, 1], down / size, right / size, farthest)
+        down, right = uphill(ridge, place[i, 0], place[i, 1])
+        found, place[i, 0], place[i, 1] = _correct(ridge, place[i, 0], place[i, 1], down, right, farthest)
         if found:
             found, ahead[i, 0], ahead[i, 1] = _direction(ridge, place[i, 0], place[i, 1])
 
