@@ -13,6 +13,7 @@ from cpm_core.numerics.types import Array
 PROBE = 0.3
 """Distance on both sides of a position at which the edge map is sampled for its slope [px]."""
 
+
 class Ridge(NamedTuple):
     """Arrays that define the ridges of a scale; a plain tuple for the compiled loops.
 
