@@ -340,18 +340,14 @@ def brushed(
     if boundary:
         made = before or SegmentedObject(number, (), boundary, category=objects.category)
         kept = tuple(gap for gap in made.gaps if lies_on(gap, boundary))
-        painted = tuple(line for curve in boundary for line in _painted(curve, path, radius))
+        painted = []
+        for points in map(np.array, boundary):
+            on = np.abs(polyline.distances(path, points) - radius) <= _ON_BRUSH
+            runs = (points[run].tolist() for run in polyline.stretches(on, closed=True) if len(run) > 1)
+            painted += [tuple((row, col) for row, col in run) for run in runs]
         items[number] = replace(made, clicks=(), boundary=boundary, gaps=(*kept, *painted))
     else:
         items.pop(number, None)
     edited = objects.edited if objects.edited != number else 0
     clicks = objects.clicks if edited == objects.edited else ()
     return replace(document, objects=replace(objects, items=tuple(items.values()), edited=edited, clicks=clicks))
-
-
-def _painted(curve: Line, path: Sequence[Position], radius: float) -> list[Line]:
-    """The stretches of a closed curve that run along the edge of a brush."""
-    points = np.array(curve)
-    on = np.abs(polyline.distances(path, points) - radius) <= _ON_BRUSH
-    runs = polyline.stretches(on, closed=True)
-    return [tuple((row, col) for row, col in points[run].tolist()) for run in runs if len(run) > 1]
