@@ -33,7 +33,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.preferences.shortcuts import refusal
-from app.model.preferences.table import PAGES, PREFERENCES, Choice, Color, Flag, Number, Preference
+from app.model.preferences.table import BY_PAGE, PAGES, PREFERENCES, Choice, Color, Flag, Number, Preference
 from app.model.text.language import tr
 from app.session.storage.preferences import Preferences
 from app.views.theme.icons import swatch
@@ -76,7 +76,9 @@ class PreferencesDialog(QDialog):
             page, forms[name] = _form()
             pages.addWidget(shortcuts if name == "shortcuts" else page)
         self.rows = {
-            preference.label: self._add_field(forms[preference.page], preference) for preference in PREFERENCES
+            preference.label: self._add_field(forms[page], preference)
+            for page, listed in BY_PAGE.items()
+            for preference in listed
         }
         preferences.changed.connect(self._follow)
         self.contents.currentRowChanged.connect(pages.setCurrentIndex)
@@ -106,9 +108,8 @@ class PreferencesDialog(QDialog):
     def reset(self) -> None:
         """Set everything on the shown page to its default."""
         page = list(PAGES)[self.contents.currentRow()]
-        for preference in PREFERENCES:
-            if preference.page == page:
-                self._preferences.choose(preference, preference.default)
+        for preference in BY_PAGE.get(page, ()):
+            self._preferences.choose(preference, preference.default)
         if page == "shortcuts":
             self.shortcuts.reset()
 
