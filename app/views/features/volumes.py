@@ -325,7 +325,7 @@ class SpaceFeature(Feature):
         view, camera = self._view, self.panel.view.camera
         if view is None or camera is None:
             return None
-        draw = partial(picture_of, view, camera, self.panel.view.room, self.panel.view.look, self.panel.view.marks)
+        draw = partial(picture_of, view, camera, self.panel.view.room)
         comment = self._comment
 
         def work(task: Task) -> Report:
@@ -350,7 +350,7 @@ class SpaceFeature(Feature):
         if view is None or camera is None:
             return None
         size = animation_size(shown.room)
-        frames = partial(turn, view, camera.enlarged(size[0] / shown.room[0]), size, shown.look, shown.marks)
+        frames = partial(turn, view, camera.enlarged(size[0] / shown.room[0]), size)
         comment = self._comment
 
         def work(task: Task) -> Report | None:
