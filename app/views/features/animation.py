@@ -24,9 +24,6 @@ from cpm_core import write_animation
 from cpm_core.formats import ANIMATED, check_animation
 from cpm_core.numerics import Pixels
 
-_AHEAD = 4
-"""Maximum number of frames that wait to be written."""
-
 _TIMEOUT = 0.05
 """Time between two checks for cancellation [s]."""
 
@@ -82,33 +79,11 @@ class AnimationFeature(Feature):
             partial(_encode, frames, len(plan.steps), path, plan.frames_per_second, self._comment),
             tr("writing {name}").format(name=path.name),
         )
-        self._film(
-            task,
-            FrameRenderer(session.scene, self.context.canvas_area.canvas, self._part(plan.zoomed), plan.size),
-            [(branch, step) for step in plan.steps],
-            frames,
-        )
-        return task
-
-    def _film(
-        self,
-        task: Task,
-        renderer: FrameRenderer,
-        places: Sequence[tuple[int, int]],
-        frames: queue.Queue[Pixels | None],
-    ) -> None:
-        layers = self.context.canvas_area.canvas.layers
-        filming = FrameRecorder(
-            self.context.session,
-            renderer,
-            task,
-            places,
-            contours=layers["contours"].shown,
-            take=frames.put,
-            end=lambda: frames.put(None),
-            has_room=lambda: frames.qsize() < _AHEAD,
-        )
+        canvas = self.context.canvas_area.canvas
+        renderer = FrameRenderer(session.scene, canvas, self._part(plan.zoomed), plan.size)
+        filming = FrameRecorder(session, renderer, task, [(branch, step) for step in plan.steps], frames)
         self._filming = [*(other for other in self._filming if not other.over), filming]
+        return task
 
     def _ask_for_place(self, branch: int, plan: AnimationPlan) -> None:
         kinds = [Files(text, (suffix,)) for suffix, text in ANIMATED.items()]
