@@ -13,9 +13,8 @@ from app.model.state.situation import Condition, can_redo, can_undo, has_image, 
 from app.model.text.language import from_core, tr
 from app.views.canvas.canvas_area import FIRST_TOOL
 from app.views.canvas.tools import TOOLS
-from app.views.panels.history import HistoryPanel
 from app.views.widgets.actions import ActionSpec
-from app.views.window.feature import Feature, FeatureContext, Panel
+from app.views.window.feature import Feature
 from cpm_core.shapes import Everywhere, Kind
 
 _STARTS: tuple[tuple[Kind, str, str, str], ...] = (
@@ -140,19 +139,3 @@ class UndoSelectionFeature(Feature):
         selected = self.context.session.selected
         if selected is not None:
             self.context.canvas_area.grow(selected, by)
-
-
-class HistoryFeature(Feature):
-    """The panel of the history."""
-
-    def __init__(self, context: FeatureContext) -> None:
-        super().__init__(context)
-        session = context.session
-        self.panel = HistoryPanel(session.go_to)
-        session.document_changed.connect(lambda _: self.panel.show_changes(*session.changes))
-        self.panel.show_changes(*session.changes)
-
-    def panels(self) -> Sequence[Panel]:
-        """The history."""
-        title = tr("History")
-        return (Panel(name="history", title=title, widget=self.panel, tab="settings", shown=False, shortcut="Ctrl+H"),)
