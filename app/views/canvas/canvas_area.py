@@ -22,6 +22,7 @@ from app.views.canvas.pointed import Pointed, part_around, selected_places
 from app.views.canvas.tools import TOOLS
 from app.views.canvas.tools.select import SelectTool
 from app.views.canvas.tools.tool import Tool, ToolContext
+from app.views.widgets.containers import OfferBar
 from cpm_core import Image
 from cpm_core.numerics import Place, Position
 from cpm_core.shapes import Circle, Shape, Sphere
@@ -57,9 +58,9 @@ class CanvasArea(QWidget):
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(0)
-        self.offers, self.controls = QVBoxLayout(), QVBoxLayout()
-        """Lines above the canvas, and below it, which features add."""
-        layout.addLayout(self.offers)
+        self.offers, self.controls = OfferBar(), QVBoxLayout()
+        """The line above the canvas, and those below it, which features add."""
+        layout.addWidget(self.offers)
         self.views = _grid_around(self.canvas)
         """The canvas, and views next to it, which features add."""
         layout.addLayout(self.views, 1)

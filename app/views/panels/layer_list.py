@@ -13,6 +13,7 @@ from app.views.canvas.layers import Layers
 from app.views.canvas.layers.layer import Layer
 from app.views.canvas.layers.layer_form import LayerForm
 from app.views.theme.icons import swatch
+from app.views.theme.theme import Theme
 from app.views.widgets.actions import LAYER, native
 from app.views.widgets.fields import MarkedSlider
 
@@ -46,8 +47,8 @@ class LayersPanel(QWidget):
         outer.setContentsMargins(6, 8, 4, 4)
         outer.addWidget(self._area)
 
-    def show_colors(self) -> None:
-        """Show the colors in use, which the preferences change."""
+    def use_theme(self, theme: Theme) -> None:
+        """Show the colors of layers in use, which the preferences change."""
         for row in self.rows.values():
             row.show_color()
 

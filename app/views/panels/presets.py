@@ -15,7 +15,7 @@ from app.model.parameters.presets import SUFFIX, Preset
 from app.model.text.language import reason, tr
 from app.session.storage.presets import PresetStore
 from app.views.window.dialogs import Button, Files, Question, all_files, ask_for_text
-from app.views.window.feature import FeatureContext
+from app.views.window.window import MainWindow
 from cpm_core import PRESETS
 
 _TOPIC = "preset"
@@ -53,9 +53,9 @@ class PresetButton(QToolButton):
 class Presets(QObject):
     """Uses, saves, renames, deletes, imports and exports presets; the last four concern the preset in use."""
 
-    def __init__(self, context: FeatureContext, store: PresetStore) -> None:
-        super().__init__(context.window)
-        self._context = context
+    def __init__(self, window: MainWindow, store: PresetStore) -> None:
+        super().__init__(window)
+        self._window = window
         self.store = store
         self.current: Preset | None = None
         """The preset whose parameters are in use."""
@@ -67,13 +67,13 @@ class Presets(QObject):
         self.button = PresetButton(self.fill)
         self._compared: tuple[object, object] | None = None
         store.changed.connect(self._list)
-        context.session.document_changed.connect(self._show)
+        window.session.document_changed.connect(self._show)
         self._list()
 
     def use(self, preset: Preset) -> None:
         """Set the parameters of a preset."""
         name = tr("preset “{name}”").format(name=preset.name)
-        self._context.session.edit(name, lambda document: edits.use_preset(document, preset.parameters))
+        self._window.session.edit(name, lambda document: edits.use_preset(document, preset.parameters))
 
     def fill(self, menu: QMenu) -> None:
         """Fill a menu with the presets and the actions on them."""
@@ -92,7 +92,7 @@ class Presets(QObject):
 
         def add() -> None:
             preset = self.store.import_from(path)
-            self._context.session.say(tr("The preset “{name}” has been imported.").format(name=preset.name))
+            self._window.session.say(tr("The preset “{name}” has been imported.").format(name=preset.name))
 
         self._try(add)
 
@@ -104,7 +104,7 @@ class Presets(QObject):
         return action
 
     def _try(self, do: Callable[[], None]) -> None:
-        session = self._context.session
+        session = self._window.session
         session.attempt(_TOPIC)
         try:
             do()
@@ -113,7 +113,7 @@ class Presets(QObject):
 
     def _list(self) -> None:
         self._compared = None
-        self._show(self._context.session.document)
+        self._show(self._window.session.document)
 
     def _show(self, document: Document) -> None:
         # most changes of a document are of its shapes, and to compare all presets takes milliseconds
@@ -132,7 +132,7 @@ class Presets(QObject):
         self.button.setText(f"{name}  ▾")
 
     def _save(self) -> None:
-        session = self._context.session
+        session = self._window.session
         name = self._ask_name(self.current.name if self.current is not None and self.current.own else "")
         if name:
             about = tr("Made on {image}.").format(image=session.document.image.name) if session.document.image else ""
@@ -149,12 +149,12 @@ class Presets(QObject):
         assert self.current is not None
         text = tr("Delete the preset “{name}”?").format(name=self.current.name)
         buttons = Button("keep", tr("&Keep"), "cancel"), Button("delete", tr("&Delete"), "discard")
-        question = Question(self._context.window, tr("Delete preset"), text, tr("This cannot be undone."), buttons)
+        question = Question(self._window, tr("Delete preset"), text, tr("This cannot be undone."), buttons)
         if question.ask() == "delete":
             self.store.delete(self.current.name)
 
     def _import(self) -> None:
-        chosen = self._context.files.ask_for_file("preset", tr("Import preset"), (_presets(), all_files()))
+        chosen = self._window.files.ask_for_file("preset", tr("Import preset"), (_presets(), all_files()))
         if chosen is not None:
             self.import_file(chosen)
 
@@ -162,14 +162,14 @@ class Presets(QObject):
         preset = self.current
         assert preset is not None
         name = f"{preset.name}{SUFFIX}"
-        chosen = self._context.files.ask_where_to_save("preset", tr("Export preset"), name, [_presets()])
+        chosen = self._window.files.ask_where_to_save("preset", tr("Export preset"), name, [_presets()])
         if chosen is not None:
             self.store.export_to(preset, chosen)
-            self._context.session.say(tr("Exported to {path}.").format(path=chosen))
+            self._window.session.say(tr("Exported to {path}.").format(path=chosen))
 
     def _ask_name(self, suggestion: str) -> str | None:
         title, button = tr("Name of the preset"), tr("Use this name")
-        return ask_for_text(self._context.window, title, tr("Name:"), button, suggestion)
+        return ask_for_text(self._window, title, tr("Name:"), button, suggestion)
 
 
 def _presets() -> Files:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, cast
@@ -209,6 +209,17 @@ class FileDialogs:
             if path.exists() and not ask_to_replace(parent, path.name):
                 return None
         return self._chosen(purpose, str(path))
+
+    def ask_where_to_export(
+        self, title: str, ending: str, kinds: Mapping[str, str], parent: QWidget | None = None
+    ) -> Path | None:
+        """A file to export to, named after the image with an ending; `kinds` are the names of suffixes."""
+        image, stem = self._session.document.image, "cpm"
+        if image is not None:
+            in_volume = self._session.scene.slices is not None
+            stem = image.name.partition(".")[0] if in_volume else Path(image.name).stem
+        files = [Files(name, (suffix,)) for suffix, name in kinds.items()]
+        return self.ask_where_to_save("export", title, f"{stem}{ending}", files, parent=parent)
 
     def _chosen(self, purpose: Purpose, chosen: str) -> Path | None:
         if not chosen:

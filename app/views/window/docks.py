@@ -1,33 +1,68 @@
-"""Panels in docks around the canvas: their places and actions."""
+"""Panels in docks around the canvas: their places and actions, and the keyboard in them."""
 
 from __future__ import annotations
 
 import zlib
-from collections.abc import Callable, Iterable, Iterator
-from functools import partial
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Literal
 
 from PySide6.QtCore import QByteArray, QObject, Qt, QTimer
 from PySide6.QtGui import QAction, QKeySequence
-from PySide6.QtWidgets import QDockWidget, QMainWindow, QTabBar, QTabWidget, QWidget
+from PySide6.QtWidgets import QApplication, QDockWidget, QMainWindow, QTabBar, QTabWidget, QWidget
 
-from app.model.text.language import tr
-from app.views.window.feature import Area, Panel
-from app.views.window.keyboard import Areas
+from app.model.text.language import from_core, tr
+from app.views.window.keyboard import in_panel, take_keyboard
+
+Area = Literal["left", "right", "bottom"]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Panel:
+    """A panel next to the canvas; it can be moved, closed, and opened again from the menu View.
+
+    Attributes
+    ----------
+    name : str
+        Name in code and in the stored layout.
+    title : str
+        Heading, in English.
+    widget : QWidget
+        Content.
+    area : {"left", "right", "bottom"}
+        Initial area.
+    tab : str
+        Panels of one area with the same value are tabbed; empty for a panel without tab.
+    shown : bool
+        Whether it is initially open.
+    height : int
+        Initial height, as far as there is room; those of an area keep their proportions [px].
+    shortcut : str
+        Key that opens or closes it.
+    """
+
+    name: str
+    title: str
+    widget: QWidget
+    area: Area = "right"
+    tab: str = ""
+    shown: bool = True
+    height: int = 400
+    shortcut: str = ""
 
 
 class PanelAction(QAction):
-    """Checked while the panel is open; `enter` opens it, brings it to the front and gives it the keyboard.
+    """Checked while the panel is open; it opens the panel, brings it to the front and gives it the keyboard.
 
     A panel that is open behind a tab is not seen, so it is raised before it is closed. When a panel with the keyboard
-    closes, `leave` is called.
+    closes, the canvas gets it.
     """
 
-    def __init__(self, dock: QDockWidget, key: str, enter: Callable[[], None], leave: Callable[[], None]) -> None:
+    def __init__(self, docks: Docks, dock: QDockWidget, key: str) -> None:
         super().__init__(dock.windowTitle(), dock)
         self.setObjectName(f"panel_{dock.objectName()}")
+        self._docks = docks
         self._dock = dock
-        self._enter = enter
-        self._leave = leave
         self.setCheckable(True)
         self.setStatusTip(tr("Show or hide the panel {title}.").format(title=dock.windowTitle()))
         if key:
@@ -44,13 +79,13 @@ class PanelAction(QAction):
 
     def _do(self) -> None:
         if self._dock.isHidden() or self.behind:
-            self._enter()
+            self._docks.enter(self._dock.objectName())
         else:
             focused = self._dock.focusWidget()
             inside = focused is not None and focused.hasFocus()
             self._dock.close()
             if inside:
-                self._leave()
+                self._docks.give_back()
         self._follow()
 
     def _follow(self) -> None:
@@ -69,6 +104,9 @@ _FEATURES = (
     | QDockWidget.DockWidgetFeature.DockWidgetFloatable
 )
 
+_AROUND = ("parameters", "contours", "objects", "timeline")
+"""The panels that the keyboard visits after the canvas, in this order."""
+
 _WIDTH = 330
 """Initial width of the panels next to the canvas [px]."""
 
@@ -76,9 +114,10 @@ _WIDTH = 330
 class Docks(QObject):
     """One dock for each panel, which the user can move, close and open again; tabs replace the headings of panels."""
 
-    def __init__(self, window: QMainWindow, panels: Iterable[Panel], areas: Areas) -> None:
+    def __init__(self, window: QMainWindow, panels: Iterable[Panel], canvas: QWidget) -> None:
         super().__init__(window)
         self._window = window
+        self._canvas = canvas
         self.actions: list[PanelAction] = []
         self._panels = list(panels)
         self._docks: dict[str, QDockWidget] = {}
@@ -96,10 +135,10 @@ class Docks(QObject):
         )
         window.setTabPosition(Qt.DockWidgetArea.AllDockWidgetAreas, QTabWidget.TabPosition.North)
         for panel in self._panels:
-            dock = self._docks[panel.name] = QDockWidget(panel.title, window)
+            dock = self._docks[panel.name] = QDockWidget(from_core(panel.title), window)
             dock.setObjectName(panel.name)
             dock.setWidget(panel.widget)
-            self.actions.append(PanelAction(dock, panel.shortcut, partial(areas.enter, panel.name), areas.leave))
+            self.actions.append(PanelAction(self, dock, panel.shortcut))
             for changed in (dock.topLevelChanged, dock.dockLocationChanged, dock.visibilityChanged):
                 changed.connect(lambda *_: self._tidying.start())
         self.restore()
@@ -119,6 +158,29 @@ class Docks(QObject):
         """Open a panel and bring it to the front."""
         self._docks[name].show()
         self._docks[name].raise_()
+
+    def enter(self, name: str) -> None:
+        """Open a panel, bring it to the front and give it the keyboard."""
+        self.reveal(name)
+        panel = self._docks[name].widget()
+        panel.window().activateWindow()
+        take_keyboard(in_panel(panel))
+
+    def go_on(self, by: int = 1) -> None:
+        """Give the keyboard to the next area that is open, or for -1 to the previous one."""
+        focused = QApplication.focusWidget()
+        around = ["", *(name for name in _AROUND if not self._docks[name].isHidden())]
+        here = next((name for name in around[1:] if focused and self._docks[name].isAncestorOf(focused)), "")
+        name = around[(around.index(here) + by) % len(around)]
+        if name:
+            self.enter(name)
+        else:
+            self.give_back()
+
+    def give_back(self) -> None:
+        """Give the keyboard to the canvas."""
+        self._canvas.window().activateWindow()
+        self._canvas.setFocus(Qt.FocusReason.ShortcutFocusReason)
 
     def restore(self) -> None:
         """Move every panel to its initial place."""

@@ -126,34 +126,24 @@ class ContextMenus(QObject):
         for widget in widgets:
             widget.installEventFilter(self)
 
-    def open_at(self, widget: QWidget | None, place: QPoint) -> None:
-        """Open the menu of what lies in a widget at a point of the screen."""
+    def open_at(self, widget: QWidget | None, place: QPoint | None = None) -> None:
+        """Open the menu of what lies in a widget at a point of the screen, or of what is chosen in it."""
         while widget is not None:
             if isinstance(widget, MenuOwner):
-                thing, _ = widget.menu_at(widget.mapFromGlobal(place))
+                thing, at = widget.menu_at(None if place is None else widget.mapFromGlobal(place))
                 if thing:
-                    self._show(thing, widget, place)
+                    self._show(thing, widget, widget.mapToGlobal(at) if place is None else place)
                     return
             widget = widget.parentWidget()
-        self._show("", self._parent, place)
-
-    def open_by_key(self) -> None:
-        """Open the menu of what is chosen in the widget with the keyboard."""
-        widget = QApplication.focusWidget()
-        while widget is not None:
-            if isinstance(widget, MenuOwner):
-                thing, place = widget.menu_at(None)
-                if thing:
-                    self._show(thing, widget, widget.mapToGlobal(place))
-                    return
-            widget = widget.parentWidget()
+        if place is not None:
+            self._show("", self._parent, place)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Open the menu that no widget below has opened."""
         if not isinstance(event, QContextMenuEvent) or not isinstance(watched, QWidget):
             return False
         if event.reason() == QContextMenuEvent.Reason.Keyboard:
-            self.open_by_key()
+            self.open_at(QApplication.focusWidget())
         else:
             self.open_at(watched.childAt(event.pos()) or watched, event.globalPos())
         event.accept()

@@ -16,8 +16,8 @@ from app.session.storage.preferences import Preferences
 from app.views.features.contours import TruthFeature
 from app.views.features.files import OpenSaveFeature
 from app.views.features.run import ParametersFeature
-from app.views.main_window import MainWindow
 from app.views.window import dialogs
+from app.views.window.window import MainWindow
 
 pytestmark = pytest.mark.shared_window
 

@@ -19,7 +19,7 @@ from PySide6.QtWidgets import QApplication, QFileDialog, QListWidget, QMenu, QMe
 from app.model.document import edits
 from app.session.storage import session_file
 from app.views.features.files import OpenSaveFeature
-from app.views.main_window import MainWindow
+from app.views.window.window import MainWindow
 from cpm_core.contours.review import Mark
 from cpm_core.formats.sessions.session_file import SessionFile, load_session
 from cpm_core.shapes import Circle, Region
