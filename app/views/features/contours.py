@@ -19,7 +19,7 @@ from app.views.panels.contours import ContourPanel
 from app.views.panels.truth import TruthPanel
 from app.views.theme.icons import fill_colors
 from app.views.widgets.actions import ActionSpec, Submenu
-from app.views.window.dialogs import Files, all_files
+from app.views.window.dialogs import ALL_FILES, Files
 from app.views.window.docks import Panel
 from app.views.window.keyboard import Keys
 from app.views.window.window import Feature, MainWindow
@@ -41,7 +41,7 @@ class ContoursFeature(Feature):
         self._review = review = window.workspace.review
         layer = canvas.layers.contours
         self.panel = ContourPanel(session, review, self._fill_colors)
-        self.panels = (Panel("contours", "Contours", self.panel, "bottom", "below", False, 160, "F11"),)
+        self.panels = (Panel("contours", "Contours", self.panel, "below", False, 160, "F11"),)
         window.preferences.follow(UNIT, self.panel.table.show_items)
         self.name_field = NameField(canvas, tr("Name of the contour"))
         session.image_changed.connect(self.name_field.leave)
@@ -204,13 +204,13 @@ class TruthFeature(Feature):
     def _load(self) -> None:
         self.window.docks.reveal("truth")
         kinds = (
-            (Files(tr("Label volumes and surfaces"), (*READABLE, *SURFACES_READABLE)), all_files())
+            (Files(tr("Label volumes and surfaces"), (*READABLE, *SURFACES_READABLE)), ALL_FILES)
             if self.truth.in_volume
             else (
                 Files(tr("Masks and contours"), tuple(dict.fromkeys((*READABLE, *CONTOURS_READABLE)))),
                 Files(tr("Masks"), tuple(READABLE)),
                 Files(tr("Contours"), tuple(CONTOURS_READABLE)),
-                all_files(),
+                ALL_FILES,
             )
         )
         chosen = self.window.files.ask_for_file("truth", tr("Compare with ground truth"), kinds)

@@ -31,7 +31,7 @@ from app.session.tasks.tasks import Task
 from app.session.worker.commands import Copied
 from app.views.export.dialog import ExportDialog
 from app.views.widgets.actions import ActionSpec
-from app.views.window.dialogs import Button, Files, Question, all_files, ask_for_folder
+from app.views.window.dialogs import ALL_FILES, Button, Files, Question
 from app.views.window.window import Feature, MainWindow
 from cpm_core.formats import CONTOURS_READABLE, FOR_CENTERLINES, READABLE, SURFACES_READABLE, suffix_of
 
@@ -221,7 +221,7 @@ class ImportFeature(Feature):
 
     def _choose(self) -> None:
         in_volume = self.window.session.scene.slices is not None
-        kinds = (_FILES_IN_VOLUMES if in_volume else Files(tr("Contours"), tuple(CONTOURS_READABLE)), all_files())
+        kinds = (_FILES_IN_VOLUMES if in_volume else Files(tr("Contours"), tuple(CONTOURS_READABLE)), ALL_FILES)
         title = tr("Import surface") if in_volume else tr("Import contours")
         chosen = self.window.files.ask_for_file("truth", title, kinds)
         if chosen is not None:
@@ -294,7 +294,7 @@ class BatchFeature(Feature):
         )  # fmt: skip
 
     def _apply(self) -> None:
-        folder = ask_for_folder(self.window, tr("Folder of the images"), str(self.window.files.begin("open")))
+        folder = self.window.files.ask_for_folder(tr("Folder of the images"))
         if folder:
             self._task = apply_to_folder(self.window.session, Path(folder))
             self.window.refresh()

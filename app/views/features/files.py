@@ -30,7 +30,7 @@ from app.views.files.recent_files import RecentFiles
 from app.views.files.start_screen import Entry, StartScreen
 from app.views.widgets.actions import ActionSpec, Submenu
 from app.views.window import dialogs
-from app.views.window.dialogs import Button, Question, images_and_sessions, sessions
+from app.views.window.dialogs import ALL_FILES, SESSIONS, Button, Files, Question
 from app.views.window.window import Feature, MainWindow
 from cpm_core.formats import CONTOURS_READABLE, FOR_CENTERLINES, READABLE, SUFFIX, SURFACES_READABLE, Reading
 
@@ -110,7 +110,8 @@ class OpenSaveFeature(Feature):
 
     def ask_for_file(self) -> None:
         """Ask for a file and open it."""
-        chosen = self.window.files.ask_for_file("open", tr("Open"), images_and_sessions())
+        both, images = Files(tr("Images and sessions"), (*READABLE, SUFFIX)), Files(tr("Images"), tuple(READABLE))
+        chosen = self.window.files.ask_for_file("open", tr("Open"), (both, images, SESSIONS, ALL_FILES))
         if chosen is not None:
             self.take([chosen])
 
@@ -184,7 +185,7 @@ class OpenSaveFeature(Feature):
     def _ask_where(self) -> Path | None:
         path, name = self.document_file.path, self.document_file.name
         folder = path.parent if path is not None else None
-        return self.window.files.ask_where_to_save("session", tr("Save session"), name, [sessions()], folder)
+        return self.window.files.ask_where_to_save("session", tr("Save session"), name, [SESSIONS], folder)
 
     def _take_opened(self, opened: Opened) -> None:
         self._left = None

@@ -16,7 +16,7 @@ from app.session.signals import PREFERENCES
 from app.views.theme.icons import program_icon
 from app.views.widgets.actions import ActionSpec
 from app.views.window.guide import KEYS, Guide
-from app.views.window.preferences import PreferencesDialog, ShortcutsPage
+from app.views.window.preferences import PreferencesDialog
 from app.views.window.window import Feature, MainWindow, OneDialog
 
 SEEN = "guide/seen"
@@ -28,8 +28,7 @@ class HelpFeature(Feature):
 
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
-        self._guide = OneDialog(self._make_guide)
-        window.shortcuts.changed.connect(self._show_names)
+        self._guide = OneDialog(lambda: Guide(window, window.shortcuts, self._open_sample))
         self.actions = (
             ActionSpec(KEYS, "Help", "&Keys", "Show all keys.", self._show_keys, "?"),
             ActionSpec("guide", "Help", "&Guide", "First steps, examples step by step, and the use of the canvas.",
@@ -67,14 +66,6 @@ class HelpFeature(Feature):
     def close(self) -> bool:
         """Close the guide."""
         return self._guide.close()
-
-    def _make_guide(self) -> Guide:
-        return Guide(self.window, self.window.actions_by_name.specs, self._open_sample)
-
-    def _show_names(self) -> None:
-        """Name actions and keys as they are now."""
-        if self.guide is not None:
-            self.guide.use_actions(self.window.actions_by_name.specs)
 
     def _show_keys(self) -> None:
         if self.guide is not None and self.guide.page == KEYS:
@@ -122,7 +113,7 @@ class PreferencesFeature(Feature):
     def show(self) -> PreferencesDialog:
         """Open the dialog; the window stays usable."""
         window = self.window
-        dialog = PreferencesDialog(window, window.preferences, ShortcutsPage(window.shortcuts))
+        dialog = PreferencesDialog(window, window.preferences, window.shortcuts)
         dialog.finished.connect(dialog.deleteLater)
         dialog.open()
         return dialog

@@ -113,7 +113,7 @@ class TimelineFeature(Feature):
         self.navigation = to = window.workspace.navigation
         self.panel = TimelinePanel(to, lambda: is_running(window.session.situation))
         self.panels = (
-            Panel("timeline", "Timeline", self.panel, "bottom", "below", height=40, shortcut="F9"),
+            Panel("timeline", "Timeline", self.panel, "below", height=40, shortcut="F9"),
         )  # fmt: skip
         Keys(window.canvas_area.canvas, self._go_to_end)
         window.session.document_changed.connect(lambda _: self.panel.show_parameters())

@@ -182,7 +182,7 @@ class PagesFeature(Feature):
         self._pages = pages = window.workspace.pages
         self.bar = PageBar()
         self.panel = PagePanel(pages, WantedContour(pages, window.workspace.review).show)
-        self.panels = (Panel("pages", "Pages", self.panel, "bottom", "below", False, 160, "Shift+F11"),)
+        self.panels = (Panel("pages", "Pages", self.panel, "below", False, 160, "Shift+F11"),)
         self.bar.moved.connect(pages.open)
         self.bar.asked.connect(lambda: pages.cancel() if pages.running else pages.run())
         self.bar.followed.connect(self._follow)

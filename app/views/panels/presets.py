@@ -14,7 +14,7 @@ from app.model.document.document import Document
 from app.model.parameters.presets import SUFFIX, Preset
 from app.model.text.language import reason, tr
 from app.session.storage.presets import PresetStore
-from app.views.window.dialogs import Button, Files, Question, all_files, ask_for_text
+from app.views.window.dialogs import ALL_FILES, Button, Files, Question, ask_for_text
 from app.views.window.window import MainWindow
 from cpm_core import PRESETS
 
@@ -154,7 +154,7 @@ class Presets(QObject):
             self.store.delete(self.current.name)
 
     def _import(self) -> None:
-        chosen = self._window.files.ask_for_file("preset", tr("Import preset"), (_presets(), all_files()))
+        chosen = self._window.files.ask_for_file("preset", tr("Import preset"), (_presets(), ALL_FILES))
         if chosen is not None:
             self.import_file(chosen)
 

@@ -5,16 +5,16 @@ from __future__ import annotations
 import zlib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Literal
 
 from PySide6.QtCore import QByteArray, QObject, Qt, QTimer
 from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QApplication, QDockWidget, QMainWindow, QTabBar, QTabWidget, QWidget
 
 from app.model.text.language import from_core, tr
-from app.views.window.keyboard import in_panel, take_keyboard
+from app.views.window.keyboard import Keyboard, in_panel, take_keyboard
 
-Area = Literal["left", "right", "bottom"]
+BELOW = "below"
+"""Name of the tab of the panels below the canvas; all others are on the right."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -29,10 +29,8 @@ class Panel:
         Heading, in English.
     widget : QWidget
         Content.
-    area : {"left", "right", "bottom"}
-        Initial area.
     tab : str
-        Panels of one area with the same value are tabbed; empty for a panel without tab.
+        Panels with the same value are tabbed; empty for a panel without tab.
     shown : bool
         Whether it is initially open.
     height : int
@@ -44,7 +42,6 @@ class Panel:
     name: str
     title: str
     widget: QWidget
-    area: Area = "right"
     tab: str = ""
     shown: bool = True
     height: int = 400
@@ -85,24 +82,16 @@ class PanelAction(QAction):
             inside = focused is not None and focused.hasFocus()
             self._dock.close()
             if inside:
-                self._docks.give_back()
+                self._docks.keyboard.give_back()
         self._follow()
 
     def _follow(self) -> None:
         self.setChecked(not self._dock.isHidden())
 
 
-_AREAS: dict[Area, Qt.DockWidgetArea] = {
-    "left": Qt.DockWidgetArea.LeftDockWidgetArea,
-    "right": Qt.DockWidgetArea.RightDockWidgetArea,
-    "bottom": Qt.DockWidgetArea.BottomDockWidgetArea,
-}
-_LOW_AREAS = (Qt.DockWidgetArea.BottomDockWidgetArea, Qt.DockWidgetArea.TopDockWidgetArea)
-_FEATURES = (
-    QDockWidget.DockWidgetFeature.DockWidgetClosable
-    | QDockWidget.DockWidgetFeature.DockWidgetMovable
-    | QDockWidget.DockWidgetFeature.DockWidgetFloatable
-)
+_RIGHT, _BOTTOM = Qt.DockWidgetArea.RightDockWidgetArea, Qt.DockWidgetArea.BottomDockWidgetArea
+_LOW_AREAS = (_BOTTOM, Qt.DockWidgetArea.TopDockWidgetArea)
+_UPRIGHT = QDockWidget.DockWidgetFeature.DockWidgetVerticalTitleBar
 
 _AROUND = ("parameters", "contours", "objects", "timeline")
 """The panels that the keyboard visits after the canvas, in this order."""
@@ -114,10 +103,10 @@ _WIDTH = 330
 class Docks(QObject):
     """One dock for each panel, which the user can move, close and open again; tabs replace the headings of panels."""
 
-    def __init__(self, window: QMainWindow, panels: Iterable[Panel], canvas: QWidget) -> None:
+    def __init__(self, window: QMainWindow, panels: Iterable[Panel], keyboard: Keyboard) -> None:
         super().__init__(window)
         self._window = window
-        self._canvas = canvas
+        self.keyboard = keyboard
         self.actions: list[PanelAction] = []
         self._panels = list(panels)
         self._docks: dict[str, QDockWidget] = {}
@@ -126,13 +115,9 @@ class Docks(QObject):
         self._tidying = QTimer(self, singleShot=True, interval=0)
         self._tidying.timeout.connect(self._tidy)
         # Panels next to the canvas reach the bottom of the window; those below the canvas are as wide as the canvas.
-        window.setCorner(Qt.Corner.BottomRightCorner, Qt.DockWidgetArea.RightDockWidgetArea)
+        window.setCorner(Qt.Corner.BottomRightCorner, _RIGHT)
         window.setCorner(Qt.Corner.BottomLeftCorner, Qt.DockWidgetArea.LeftDockWidgetArea)
-        window.setDockOptions(
-            QMainWindow.DockOption.AnimatedDocks
-            | QMainWindow.DockOption.AllowTabbedDocks
-            | QMainWindow.DockOption.AllowNestedDocks
-        )
+        window.setDockNestingEnabled(True)
         window.setTabPosition(Qt.DockWidgetArea.AllDockWidgetAreas, QTabWidget.TabPosition.North)
         for panel in self._panels:
             dock = self._docks[panel.name] = QDockWidget(from_core(panel.title), window)
@@ -175,30 +160,25 @@ class Docks(QObject):
         if name:
             self.enter(name)
         else:
-            self.give_back()
-
-    def give_back(self) -> None:
-        """Give the keyboard to the canvas."""
-        self._canvas.window().activateWindow()
-        self._canvas.setFocus(Qt.FocusReason.ShortcutFocusReason)
+            self.keyboard.give_back()
 
     def restore(self) -> None:
         """Move every panel to its initial place."""
         window = self._window
-        first: dict[tuple[Area, str], QDockWidget] = {}
+        first: dict[str, QDockWidget] = {}
         for panel in self._panels:
-            dock, key = self._docks[panel.name], (panel.area, panel.tab)
+            dock = self._docks[panel.name]
             dock.setFloating(False)
-            if panel.tab and key in first:
-                window.tabifyDockWidget(first[key], dock)
+            if panel.tab in first:
+                window.tabifyDockWidget(first[panel.tab], dock)
             else:
-                window.addDockWidget(_AREAS[panel.area], dock)
-                first[key] = dock
+                window.addDockWidget(_BOTTOM if panel.tab == BELOW else _RIGHT, dock)
+                first[panel.tab or panel.name] = dock
             if dock.isHidden() == panel.shown:
                 dock.setVisible(panel.shown)
         for dock in first.values():
             dock.raise_()
-        beside = [dock for (area, _), dock in first.items() if area == "right"]
+        beside = [dock for tab, dock in first.items() if tab != BELOW]
         window.resizeDocks(beside, [_WIDTH] * len(beside), Qt.Orientation.Horizontal)
         window.resizeDocks(list(self), [panel.height for panel in self._panels], Qt.Orientation.Vertical)
         self._front = ""
@@ -223,9 +203,7 @@ class Docks(QObject):
             if tabbed != (dock.titleBarWidget() is not None):
                 dock.setTitleBarWidget(QWidget(dock) if tabbed else None)  # type: ignore[arg-type]  # None is Qt's own
             below = self._window.dockWidgetArea(dock) in _LOW_AREAS and not dock.isFloating() and not tabbed
-            dock.setFeatures(
-                _FEATURES | QDockWidget.DockWidgetFeature.DockWidgetVerticalTitleBar if below else _FEATURES
-            )
+            dock.setFeatures(dock.features() | _UPRIGHT if below else dock.features() & ~_UPRIGHT)
         for bar in self._window.findChildren(QTabBar, options=Qt.FindChildOption.FindDirectChildrenOnly):
             bar.setElideMode(Qt.TextElideMode.ElideNone)
             bar.setUsesScrollButtons(True)
@@ -238,7 +216,7 @@ class Docks(QObject):
         for panel in self._panels:
             dock = self._docks[panel.name]
             below = self._window.dockWidgetArea(dock) in _LOW_AREAS and not dock.isFloating()
-            if panel.area == "bottom" and below and not dock.visibleRegion().isEmpty():
+            if panel.tab == BELOW and below and not dock.visibleRegion().isEmpty():
                 if self._front not in (None, panel.name):
                     self._window.resizeDocks([dock], [panel.height], Qt.Orientation.Vertical)
                 self._front = panel.name

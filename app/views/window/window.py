@@ -26,7 +26,7 @@ from app.session.storage.session_file import DocumentFile
 from app.views.canvas.canvas_area import FIRST_TOOL, CanvasArea
 from app.views.canvas.status_fields import PointerReadout, ZoomField
 from app.views.theme import theme
-from app.views.widgets.actions import Actions, ActionSpec, Submenu
+from app.views.widgets.actions import LAYER, Actions, ActionSpec, Submenu
 from app.views.widgets.fields import SpeedControl
 from app.views.widgets.turns import Turns
 from app.views.window.bars import ToolBar, ToolPalette
@@ -137,7 +137,7 @@ class MainWindow(QMainWindow):
         self.menus = Menus(self.menuBar(), specs, self.actions_by_name)
         panels = [panel for feature in self.features.values() for panel in feature.panels]
         self.panels = {panel.name: panel.widget for panel in panels}
-        self.docks = Docks(self, panels, canvas)
+        self.docks = Docks(self, panels, self._keyboard)
         self._add_shortcuts()
         self.context_menus = self._add_menus(specs)
         self.addToolBar(ToolBar(self.actions_by_name, self.speed))
@@ -230,6 +230,7 @@ class MainWindow(QMainWindow):
         for spec in self.actions_by_name.specs:
             menu = spec.menu.partition(">")[0]
             group = tr("Tools") if spec.group == "tool" else MENUS[menu].replace("&", "")
+            group = tr("Layers") if spec.name.startswith(LAYER) else group
             add(spec.name, spec.title, group, spec.shortcuts, partial(self.actions_by_name.use_keys, spec.name))
         for action in self.docks.actions:
             keys = [key.toString() for key in action.shortcuts()]
