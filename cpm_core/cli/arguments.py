@@ -63,51 +63,55 @@ def places_in(numbers: Sequence[float], axes: int) -> tuple[tuple[float, ...], .
     return tuple(zip(*(numbers[axis::axes] for axis in range(axes)), strict=True))
 
 
-def add_image(parser: argparse.ArgumentParser, *, optional: bool = False) -> None:
-    """Add the path of an image, as `image`."""
-    parser.add_argument(
-        "image", metavar="IMAGE", nargs="?" if optional else None, help=f"image ({', '.join(READABLE)})"
-    )
-
-
-def add_images(parser: argparse.ArgumentParser) -> None:
-    """Add the paths of images, as `images`."""
-    parser.add_argument(
-        "images", metavar="IMAGE", nargs="+", help=f"image, folder or pattern such as *.tif ({', '.join(READABLE)})"
-    )
-
-
-def add_session(parser: argparse._ActionsContainer, *, required: bool = False) -> None:
-    """Add a session file, as `session`."""
-    parser.add_argument(
-        "--session",
-        metavar="FILE",
-        required=required,
-        help=f"session file ({SUFFIX}) with image, start, regions, parameters and review of contours",
-    )
-
-
-def add_part(parser: argparse._ActionsContainer, *, channel: bool = False) -> None:
-    """Add which part of a file is read, and the size of a pixel by hand; see `part_of`.
-
-    With `channel` the channel as well, which commands with a parameter of that name take from there.
-    """
-    parser.add_argument("--page", metavar="N", help="plane, page or frame of a file that holds several, from 1")
-    parser.add_argument("--time", metavar="N", help="point in time of a file that holds several, from 1")
-    if channel:
-        parser.add_argument("--channel", metavar="N", help=CHANNEL_HELP)
-    parser.add_argument(
-        "--series", metavar="N|NAME", help="series of a TIFF or of a folder of DICOM files, or array of an archive"
-    )
-    parser.add_argument(
-        "--pixel-size",
-        metavar="SIZE",
-        help="size of a pixel where the file does not tell, such as 0.25um, of rows and columns 0.5x0.25um, "
+_OPTIONS: dict[str, dict[str, Any]] = {
+    "image": {"metavar": "IMAGE", "help": f"image ({', '.join(READABLE)})"},
+    "images": {
+        "metavar": "IMAGE",
+        "nargs": "+",
+        "help": f"image, folder or pattern such as *.tif ({', '.join(READABLE)})",
+    },
+    "--session": {
+        "metavar": "FILE",
+        "help": f"session file ({SUFFIX}) with image, start, regions, parameters and review of contours",
+    },
+    "--page": {"metavar": "N", "help": "plane, page or frame of a file that holds several, from 1"},
+    "--time": {"metavar": "N", "help": "point in time of a file that holds several, from 1"},
+    "--channel": {"metavar": "N", "help": CHANNEL_HELP},
+    "--series": {
+        "metavar": "N|NAME",
+        "help": "series of a TIFF or of a folder of DICOM files, or array of an archive",
+    },
+    "--pixel-size": {
+        "metavar": "SIZE",
+        "help": "size of a pixel where the file does not tell, such as 0.25um, of rows and columns 0.5x0.25um, "
         "of planes, rows and columns 2x0.5x0.5mm",
-    )
+    },
+    "--preset": {"choices": tuple(PRESETS)},
+    "--max-steps": {"metavar": "N", "type": whole_number(), "help": "stop each run after so many steps"},
+    "--space": {
+        "choices": CONVENTIONS,
+        "help": "coordinates in files of a surface or of center lines: to the left, back and head of a patient, or to "
+        "the right, front and head (default: LPS)",
+    },
+    "--export": {"metavar": "PATH", "nargs": "+", "action": "extend", "default": []},
+}
+"""The options that several commands share; see `part_of` for those that choose a part of a file."""
+
+PART = ("--page", "--time", "--series", "--pixel-size")
+"""Options for the part of a file, and for the size of a pixel by hand."""
+
+EXPORTED = f"({', '.join(WRITABLE)})"
+"""Formats of contours, for the help."""
 
 
-_SIZE = re.compile(r"(?P<sides>[0-9.eE+-]+(?:x[0-9.eE+-]+){0,2})(?P<unit>nm|um|µm|μm|mm|cm|m)")
+def add(parser: argparse._ActionsContainer, *names: str, **changes: Any) -> None:
+    """Add shared options, with changes of their settings."""
+    for name in names:
+        parser.add_argument(name, **(_OPTIONS[name] | changes))
+
+
+_NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+_SIZE = re.compile(rf"({_NUMBER}(?:x{_NUMBER}){{0,2}})(nm|um|µm|μm|mm|cm|m)")
 """Sizes of a pixel and their unit."""
 
 
@@ -132,22 +136,13 @@ def part_of(arguments: argparse.Namespace, *, volume: bool = False, runs: bool =
         arguments.channel = None
     if arguments.pixel_size is not None:
         size = _SIZE.fullmatch(arguments.pixel_size.replace(" ", ""))
-        try:
-            sides = [] if size is None else [float(side) for side in size["sides"].split("x")]
-        except ValueError:
-            sides = []
-        if size is None or not sides:
+        if size is None:
             raise ValueError(
                 f"--pixel-size is {shown(arguments.pixel_size)} but must be one to three sizes and a unit (nm, um, mm, "
                 "cm or m), such as 0.25um or 2x0.5x0.5mm."
             )
-        part |= {"spacing": sides[0] if len(sides) == 1 else sides, "unit": size["unit"]}
+        part |= {"spacing": tuple(map(float, size[1].split("x"))), "unit": size[2]}
     return part
-
-
-def add_preset(parser: argparse._ActionsContainer, default: str) -> None:
-    """Add named settings, as `preset`."""
-    parser.add_argument("--preset", choices=tuple(PRESETS), help=f"named settings (default: {default})")
 
 
 def add_parameters(parser: argparse._ActionsContainer, names: Sequence[str] = (*PARAMETERS, *CHOICES)) -> None:
@@ -171,30 +166,6 @@ def parameters_of(arguments: argparse.Namespace, base: Parameters) -> Parameters
     """The parameters `base`, replaced by those given as flags; ValueError on a bad value."""
     given = {field.name: getattr(arguments, field.name, None) for field in fields(Parameters)}
     return replace(base, **{name: value for name, value in given.items() if value is not None})
-
-
-def add_max_steps(parser: argparse._ActionsContainer) -> None:
-    """Add the greatest number of steps, as `max_steps`."""
-    parser.add_argument("--max-steps", metavar="N", type=whole_number(), help="stop each run after so many steps")
-
-
-def add_export(parser: argparse._ActionsContainer, what: str) -> None:
-    """Add the paths to write, as `export`; see `check_targets`."""
-    parser.add_argument("--export", metavar="PATH", nargs="+", action="extend", default=[], help=f"write {what}")
-
-
-EXPORTED = f"({', '.join(WRITABLE)})"
-"""Formats of contours, for the help."""
-
-
-def add_space(parser: argparse._ActionsContainer) -> None:
-    """Add where coordinates in files of a volume point, as `space`."""
-    parser.add_argument(
-        "--space",
-        choices=CONVENTIONS,
-        help="coordinates in files of a surface or of center lines: to the left, back and head of a patient, or to the "
-        "right, front and head (default: LPS)",
-    )
 
 
 _READ = ("image", "session", "source", "start", "points", "truth", "within")

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core.cli.arguments import add_space, check_exports, check_targets, whole_number
-from cpm_core.cli.inputs import fitted, image_of, in_volume, reviewed
+from cpm_core.cli.arguments import add, check_exports, check_targets, whole_number
+from cpm_core.cli.inputs import fitted, image_of, in_volume, reviewed, segmented
 from cpm_core.cli.output import Files, StatusLine, announce_compilation, report, say, say_notes
 from cpm_core.contours.result import Result
 from cpm_core.formats import (
@@ -36,8 +36,7 @@ from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import counted
 from cpm_core.segmentation.engine import Engine
-from cpm_core.segmentation.evolve import segment
-from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on, starts_of
+from cpm_core.shapes.document_shapes import starts_of
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -57,7 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=f"files to write ({', '.join(dict.fromkeys((*WRITABLE, *FOR_VOLUMES, *FOR_CENTERLINES)))})",
     )
     parser.add_argument("--outlines", action="store_true", help="lines in label masks, open ones too, instead of areas")
-    add_space(parser)
+    add(parser, "--space")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -122,14 +121,7 @@ def _found(session: SessionFile, parameters: Parameters, image: Image, source: P
     if not starts_of(session.shapes):
         raise ValueError(f"{source.name} has no start and no contours: draw a start in the window, and save it again.")
     with StatusLine() as line:
-        return segment(
-            image,
-            seeds_on(image, session.shapes, parameters.smoothing, parameters.channel),
-            parameters,
-            progress=line.show_state,
-            regions=regions_of(session.shapes, session.objects.barriers),
-            charges=charges_of(session.shapes),
-        )
+        return segmented(image, session.shapes, parameters, session, progress=line.show_state)
 
 
 def _in_plane(source: Path, arguments: argparse.Namespace) -> Result:

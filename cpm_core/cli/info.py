@@ -6,15 +6,14 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from cpm_core.cli.arguments import add_images, add_part, part_of
+from cpm_core.cli.arguments import PART, add, part_of
 from cpm_core.cli.output import IN_PART, facts_on_place, lines_on_place, print_json, say
 from cpm_core.formats import holds_volume, load_image, load_volume
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    add_images(parser)
-    add_part(parser, channel=True)
+    add(parser, "images", *PART, "--channel")
     parser.add_argument("--volume", action="store_true", help="take all planes of a file that holds several")
 
 

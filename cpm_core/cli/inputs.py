@@ -6,8 +6,7 @@ import argparse
 import glob
 import os
 import re
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -28,11 +27,14 @@ from cpm_core.formats.images.dicom import is_series
 from cpm_core.formats.sessions.session_file import SessionFile, find_image, load_session, part_for
 from cpm_core.image.colors import LUMINANCE_NOTE
 from cpm_core.image.image import Image
-from cpm_core.image.pyramid import most_scales
+from cpm_core.image.volume_regions import AnyRegions
+from cpm_core.model.state import State
+from cpm_core.pages.follow import fitting
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
-from cpm_core.segmentation.evolve import with_hand_edits
-from cpm_core.shapes import Start
+from cpm_core.segmentation.evolve import segment, with_hand_edits
+from cpm_core.shapes import Shape, Start
+from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on
 from cpm_core.shapes.outlines import start_on_surface, starts_along, starts_in
 
 
@@ -119,10 +121,8 @@ def fitted(image: Image, parameters: Parameters, *, scales: bool = True) -> Para
 
 def with_room(parameters: Parameters, image: Image) -> tuple[Parameters, tuple[str, ...]]:
     """Parameters with as many scales as an image has room for, and a note where that changes them."""
-    most = most_scales(image.shape)
-    if parameters.scales <= most:
-        return parameters, ()
-    return replace(parameters, scales=most), (f"The image is small: scales is set to {most}.",)
+    fit = fitting(parameters, image)
+    return fit, () if fit == parameters else (f"The image is small: scales is set to {fit.scales}.",)
 
 
 def notes_on(image: Image, parameters: Parameters) -> tuple[str, ...]:
@@ -134,6 +134,28 @@ def notes_on(image: Image, parameters: Parameters) -> tuple[str, ...]:
         return (*image.notes, f"The image is gray: it has no channel {wanted}.")
     taken = f"The channel {wanted} of its colors was taken."
     return tuple(taken if note == LUMINANCE_NOTE else note for note in image.notes)
+
+
+def segmented(
+    image: Image,
+    shapes: Sequence[Shape],
+    parameters: Parameters,
+    session: SessionFile,
+    *,
+    max_steps: int | None = None,
+    progress: Callable[[State], object] | None = None,
+    regions: AnyRegions | None = None,
+) -> Result:
+    """The result of a run from shapes, with the barriers of a session unless there are `regions`."""
+    return segment(
+        image,
+        seeds_on(image, shapes, parameters.smoothing, parameters.channel),
+        parameters,
+        max_steps=max_steps,
+        progress=progress,
+        regions=regions or regions_of(shapes, session.objects.barriers),
+        charges=charges_of(shapes),
+    )
 
 
 def reviewed(found: Result, image: Image, parameters: Parameters, session: SessionFile, *, kept: bool = True) -> Result:

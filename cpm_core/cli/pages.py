@@ -7,20 +7,15 @@ import re
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
-from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
 from cpm_core.cli.arguments import check_targets
 from cpm_core.cli.inputs import notes_on
-from cpm_core.cli.output import IN_PART, Files, StatusLine, announce_compilation, facts_of_run, report, say, say_notes
+from cpm_core.cli.output import IN_PART, Files, StatusLine, announce_compilation, facts_of_run, report, say_notes
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats import load_pages
-from cpm_core.formats.common.content import differ
-from cpm_core.formats.contours.contour_json import load_stack_result
-from cpm_core.formats.contours.stack import check_stack_export, export_stack, stack_suffix_of
-from cpm_core.formats.images.stack import Pages
+from cpm_core.formats.contours.stack import check_stack_export, export_stack
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.types import Array
@@ -32,56 +27,6 @@ from cpm_core.parameters.quotation import counted, shown
 _NOT_OF_PAGES = ("page", "object", "close", "truth", "save_session")
 """Options that have a meaning for one image only; ``--not`` follows ``--object``."""
 
-_SAVED_EVERY = 30.0
-"""Least time between two writings of the pages that are done, so that little is lost when the program is killed [s]."""
-
-
-@dataclass(frozen=True, eq=False)
-class StackRun:
-    """What is asked of a stack.
-
-    Attributes
-    ----------
-    path : Path
-        The stack.
-    part : mapping
-        What `load_pages` is told in addition to the path.
-    parameters : Parameters
-        Parameters of all runs.
-    seeds : callable
-        Gives the start on an image.
-    drawn : sequence of mapping
-        What was drawn, as session files hold it.
-    max_steps : int or None
-        Greatest number of steps of each run.
-    regions, charges
-        Limits and placed charges on every page.
-    """
-
-    path: Path
-    part: Mapping[str, Any]
-    parameters: Parameters
-    seeds: Callable[[Image], Array]
-    drawn: Sequence[Mapping[str, Any]] = ()
-    max_steps: int | None = None
-    regions: AnyRegions | None = None
-    charges: Sequence[PlacedCharge] = ()
-
-
-def add_pages(parser: argparse._ActionsContainer) -> None:
-    """Add which pages are run, as `pages`, `follow` and `resume`."""
-    parser.add_argument(
-        "--pages",
-        metavar="all|N-M,...",
-        help="run each of these pages of a stack as an image of its own, in this order",
-    )
-    parser.add_argument(
-        "--follow", action="store_true", help="start each page from the contours of the one before, not from the start"
-    )
-    parser.add_argument(
-        "--resume", action="store_true", help="do not run the pages again that the .json file of --export holds already"
-    )
-
 
 def check_pages(arguments: argparse.Namespace, image: Path) -> None:
     """Raise ValueError for options that do not belong together, and for files that cannot be written."""
@@ -92,60 +37,74 @@ def check_pages(arguments: argparse.Namespace, image: Path) -> None:
     for path in arguments.export:
         check_stack_export(path)
     check_targets(arguments.export, arguments, image)
-    if arguments.resume and not _kept_in(arguments.export):
-        raise ValueError("--resume needs the .json file that holds the pages that are done: add it to --export.")
 
 
-def run_pages(arguments: argparse.Namespace, order: StackRun) -> int:
-    """Run the pages, and write what is found on all of them; what is done is written on Ctrl+C too."""
-    pages = load_pages(order.path, **order.part)
+def run_pages(
+    arguments: argparse.Namespace,
+    path: Path,
+    part: Mapping[str, Any],
+    parameters: Parameters,
+    seeds: Callable[[Image], Array],
+    *,
+    drawn: tuple[Mapping[str, Any], ...],
+    regions: AnyRegions | None,
+    charges: Sequence[PlacedCharge],
+) -> int:
+    """Run the pages, and write what is found on all of them; what is done is written on Ctrl+C too.
+
+    Parameters
+    ----------
+    arguments : Namespace
+        The arguments of the command.
+    path, part
+        The stack, and what `load_pages` is given in addition.
+    parameters, seeds
+        Parameters of all runs, and the start on an image.
+    drawn : tuple of mapping
+        What was drawn, as session files hold it.
+    regions, charges
+        Limits and placed charges on every page.
+    """
+    pages = load_pages(path, **part)
     numbers = numbers_of_pages(arguments.pages, len(pages), pages.name)
-    found = _known(arguments, order, pages, numbers)
-    left = numbers[len(found) :]
     with suppress(ValueError):  # which is reported when the page is run
-        say_notes(pages.name, notes_on(pages[numbers[0] - 1], order.parameters))
+        say_notes(pages.name, notes_on(pages[numbers[0] - 1], parameters))
     announce_compilation()
-    began, saved = time.perf_counter(), time.monotonic()
-
-    def whole() -> StackResult:
-        return StackResult(pages.name, len(pages), tuple(found), pages.axis, pages.alone, tuple(order.drawn))
-
+    began = time.perf_counter()
+    found: list[Page] = []
     runs = follow(
         pages,
-        order.seeds,
-        order.parameters,
-        numbers=left,
+        seeds,
+        parameters,
+        numbers=numbers,
         fresh=not arguments.follow,
-        max_steps=order.max_steps,
-        regions=order.regions,
-        charges=order.charges,
-        known=tuple(found),
+        max_steps=arguments.max_steps,
+        regions=regions,
+        charges=charges,
     )
-    files = Files()
+    interrupted, files = False, Files()
     try:
         with StatusLine() as line:
-            for done, page in enumerate(runs, start=1):
+            for page in runs:
                 found.append(page)
-                line.count(done, len(left))
+                line.count(len(found), len(numbers))
                 if page.trouble:
                     line.say(f"page {page.number}: {page.trouble}")
-                if time.monotonic() - saved > _SAVED_EVERY:
-                    saved = time.monotonic()
-                    export_stack(whole(), *_kept_in(arguments.export))
     except KeyboardInterrupt:
-        if not (whole().results and arguments.export):
-            raise
-        export_stack(whole(), *arguments.export, refused=files.refuse)
-        text = f"{len(found)} of {counted(len(numbers), 'page')} were done, and the files hold them"
-        more = "; the same command with --resume does the others" if _kept_in(arguments.export) else ""
-        raise KeyboardInterrupt(f"{text}{more}") from None
-    if not whole().results:
+        interrupted = True
+    whole = StackResult(pages.name, len(pages), tuple(found), pages.axis, pages.alone, drawn)
+    if interrupted and not (whole.results and arguments.export):
+        raise KeyboardInterrupt
+    if not whole.results:
         raise ValueError(f"No page of {pages.name} could be used. Page {found[0].number}: {found[0].trouble}")
     with files.writing(*arguments.export):
-        export_stack(whole(), *arguments.export, refused=files.refuse)
+        export_stack(whole, *arguments.export, refused=files.refuse)
+    if interrupted:
+        done = f"{len(found)} of {counted(len(numbers), 'page')} were done, and the files hold them"
+        raise KeyboardInterrupt(f"{done}; --pages runs the others")
     status = files.status()
-    _report(whole(), files, time.perf_counter() - began, as_json=arguments.json)
-    return status or (IN_PART if len(whole().results) < len(found) else 0)
+    _report(whole, files, time.perf_counter() - began, as_json=arguments.json)
+    return status or (IN_PART if len(whole.results) < len(found) else 0)
 
 
 def numbers_of_pages(given: str, count: int, name: str) -> list[int]:
@@ -165,31 +124,6 @@ def numbers_of_pages(given: str, count: int, name: str) -> list[int]:
     if len(set(numbers)) < len(numbers):
         raise ValueError(f"--pages is {shown(given)} but names a page twice: name each once.")
     return numbers
-
-
-def _kept_in(exports: Sequence[str]) -> list[str]:
-    """The files that hold all that is needed to go on."""
-    return [path for path in exports if stack_suffix_of(path) == ".json"]
-
-
-def _known(arguments: argparse.Namespace, order: StackRun, pages: Pages, numbers: Sequence[int]) -> list[Page]:
-    """The pages that an earlier run has done, as far as they are the first of those that are wanted."""
-    if not arguments.resume:
-        return []
-    path = _kept_in(arguments.export)[0]
-    if not Path(path).exists():
-        say(f"{path} does not exist yet: all pages are run.")
-        return []
-    earlier = load_stack_result(Path(path))
-    for _, result in earlier.results:
-        made = result.provenance
-        wanted = {name: getattr(order.parameters, name) for name in made.parameters if name != "scales"}
-        if differ(made.sha256, pages.sha256) or any(made.parameters[name] != value for name, value in wanted.items()):
-            raise ValueError(f"{path} was made of another stack, or with other parameters: leave --resume out.")
-    same = takewhile(lambda pair: pair[0].number == pair[1], zip(earlier.pages, numbers, strict=False))
-    known = [page for page, _ in same]
-    say(f"{counted(len(known), 'page')} done before.")
-    return known
 
 
 def _report(found: StackResult, files: Files, seconds: float, *, as_json: bool) -> None:

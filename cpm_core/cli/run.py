@@ -14,14 +14,9 @@ import numpy as np
 
 from cpm_core.cli.arguments import (
     EXPORTED,
-    add_export,
-    add_image,
-    add_max_steps,
+    PART,
+    add,
     add_parameters,
-    add_part,
-    add_preset,
-    add_session,
-    add_space,
     check_exports,
     numbers_of,
     parameters_of,
@@ -29,7 +24,16 @@ from cpm_core.cli.arguments import (
     places_in,
     whole_number,
 )
-from cpm_core.cli.inputs import fitted, image_of, in_volume, reviewed, session_of, starts_from_file, truth_for
+from cpm_core.cli.inputs import (
+    fitted,
+    image_of,
+    in_volume,
+    reviewed,
+    segmented,
+    session_of,
+    starts_from_file,
+    truth_for,
+)
 from cpm_core.cli.output import (
     Files,
     StatusLine,
@@ -41,7 +45,7 @@ from cpm_core.cli.output import (
     report,
     say,
 )
-from cpm_core.cli.pages import StackRun, add_pages, check_pages, run_pages
+from cpm_core.cli.pages import check_pages, run_pages
 from cpm_core.contours.agreement import compare
 from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.contours.result import Result
@@ -66,36 +70,14 @@ from cpm_core.formats.sessions.session_file import SUFFIX, ImageFile, SessionFil
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
 from cpm_core.model.state import State
-from cpm_core.numerics.types import Array
 from cpm_core.objects import Selection, objects_result, partition
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.quotation import counted, sized
 from cpm_core.reconstruction.curve.closing import close_contours
-from cpm_core.segmentation.evolve import segment
 from cpm_core.shapes import KINDS, Barrier, Circle, Everywhere, Points, Region, Shape, Sphere, Stroke
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on, starts_of
 
 _CLOSE = "Add --close to close those whose ends are near each other."
-
-_FORMS = {
-    2: {
-        "circle": "ROW,COL,RADIUS",
-        "stroke": "ROW,COL,...",
-        "region": "ROW,COL,...",
-        "barrier": "ROW,COL,...",
-        "object": "ROW,COL",
-        "not": "ROW,COL",
-    },
-    3: {
-        "sphere": "PLANE,ROW,COL,RADIUS",
-        "stroke": "PLANE,ROW,COL,...",
-        "region": "PLANE,ROW,COL,PLANE,ROW,COL",
-        "barrier": "PLANE,ROW,COL,PLANE,ROW,COL",
-        "object": "PLANE,ROW,COL",
-        "not": "PLANE,ROW,COL",
-    },
-}
-"""Forms of what is drawn on the command line, by the number of axes and the option."""
 
 Drawn = Mapping[str, Sequence[tuple[float, ...]]]
 """Numbers of what is drawn on the command line, by option."""
@@ -103,11 +85,18 @@ Drawn = Mapping[str, Sequence[tuple[float, ...]]]
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    add_image(parser, optional=True)
-    add_session(parser)
+    add(parser, "image", nargs="?")
+    add(parser, "--session")
     part = parser.add_argument_group("part of a file")
-    add_part(part)
-    add_pages(part)
+    add(part, *PART)
+    part.add_argument(
+        "--pages",
+        metavar="all|N-M,...",
+        help="run each of these pages of a stack as an image of its own, in this order",
+    )
+    part.add_argument(
+        "--follow", action="store_true", help="start each page from the contours of the one before, not from the start"
+    )
     start = parser.add_argument_group("start (one at least, of a session or here; several add up)")
     place = parser.add_argument_group("place (each may be repeated)")
     named = parser.add_argument_group("object (each may be repeated)")
@@ -130,15 +119,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     start.add_argument("--volume", action="store_true", help="IMAGE is a volume; places are then PLANE,ROW,COL")
     start.add_argument("--auto", choices=KINDS, help="everywhere, on the strongest edges, or midway between edges")
     parameters = parser.add_argument_group("parameters")
-    add_preset(parameters, "the publication's values, or the session's")
+    add(parameters, "--preset", help="named settings (default: the publication's values, or the session's)")
     add_parameters(parameters)
     outcome = parser.add_argument_group("outcome")
-    add_max_steps(outcome)
+    add(outcome, "--max-steps")
     outcome.add_argument(
         "--faces", metavar="N", type=whole_number(4), help="triangles that are left of the surface in a volume"
     )
-    add_space(outcome)
-    add_export(outcome, f"the contours {EXPORTED}")
+    add(outcome, "--space")
+    add(outcome, "--export", help=f"write the contours {EXPORTED}")
     outcome.add_argument(
         "--close",
         nargs="?",
@@ -165,9 +154,15 @@ def run(arguments: argparse.Namespace) -> int:
         or any(Path(path).suffix.lower() in of_volumes for path in arguments.start)
     )
     _check_options(arguments, session, volume)
+    place = "PLANE,ROW,COL" if volume else "ROW,COL"
+    forms = {
+        "sphere" if volume else "circle": f"{place},RADIUS",
+        "stroke": f"{place},...",
+        **dict.fromkeys(("region", "barrier"), f"{place},{place if volume else '...'}"),
+        **dict.fromkeys(("object", "not"), place),
+    }
     drawn: Drawn = {
-        name: [numbers_of(f"--{name}", text, form) for text in getattr(arguments, name)]
-        for name, form in _FORMS[3 if volume else 2].items()
+        name: [numbers_of(f"--{name}", text, form) for text in getattr(arguments, name)] for name, form in forms.items()
     }
     if drawn["not"] and not drawn["object"]:
         raise ValueError("--not is given without --object: name a place inside the object as well.")
@@ -177,23 +172,22 @@ def run(arguments: argparse.Namespace) -> int:
     path, reading = image_of(arguments.image, session, arguments.session)
     if arguments.pages is None:
         check_exports(arguments.export, arguments, path)
-    else:
-        check_pages(arguments, path)
-        reading.pop("page", None)
-    if arguments.pages is not None:
-        shapes = _flat_shapes(drawn, arguments)
-        order = StackRun(
-            path,
-            reading | part,
-            parameters,
-            lambda image: _seeds(arguments, session, image, parameters, shapes),
-            (*plain_shapes((*session.shapes, *shapes)), *_files_drawn(arguments)),
-            arguments.max_steps,
-            regions_of((*session.shapes, *shapes), session.objects.barriers),
-            charges_of(session.shapes),
-        )
-        return run_pages(arguments, order)
-    return _run_image(arguments, session, path, reading | part, parameters, drawn)
+        return _run_image(arguments, session, path, reading | part, parameters, drawn)
+    check_pages(arguments, path)
+    reading.pop("page", None)
+    shapes = _shapes(drawn, arguments)
+    return run_pages(
+        arguments,
+        path,
+        reading | part,
+        parameters,
+        lambda image: seeds_on(
+            image, _starting(arguments, session, image, shapes), parameters.smoothing, parameters.channel
+        ),
+        drawn=(*plain_shapes((*session.shapes, *shapes)), *_files_drawn(arguments)),
+        regions=regions_of((*session.shapes, *shapes), session.objects.barriers),
+        charges=charges_of(session.shapes),
+    )
 
 
 def _run_image(
@@ -210,9 +204,8 @@ def _run_image(
     parameters = fitted(image, parameters, scales=arguments.scales is None)
     truth = truth_for(arguments, image)
     started = time.perf_counter()
-    shapes = _shapes_in(image, drawn, arguments) if volume else _flat_shapes(drawn, arguments)
-    limits = _planes(drawn, session) if volume else None
-    seeds = _seeds(arguments, session, image, parameters, shapes)
+    shapes = _shapes(drawn, arguments, image if volume else None)
+    starting = _starting(arguments, session, image, shapes)
     announce_compilation()
     recorder = Recorder()
     with StatusLine() as line:
@@ -221,14 +214,9 @@ def _run_image(
             recorder(state)
             line.show_state(state)
 
-        found = segment(
-            image,
-            seeds,
-            parameters,
-            max_steps=arguments.max_steps,
-            progress=follow,
-            regions=limits or regions_of((*session.shapes, *shapes), session.objects.barriers),
-            charges=charges_of(session.shapes),
+        regions = _planes(drawn, session) if volume else None
+        found = segmented(
+            image, starting, parameters, session, max_steps=arguments.max_steps, progress=follow, regions=regions
         )
     made = with_shapes(found, (*session.shapes, *shapes), _files_drawn(arguments))
     chosen: Selection | None = None
@@ -238,12 +226,26 @@ def _run_image(
         result = shown = _contours(made, image, parameters, session, arguments)
         if drawn["object"]:
             chosen = _chosen(result, image, drawn)
-            shown = _as_result(chosen, result, image)
+            boundary = objects_result([chosen], image, channel=result.channel)
+            drew = (*result.provenance.shapes, *boundary.provenance.shapes)
+            shown = replace(boundary, provenance=replace(result.provenance, method="objects", shapes=drew))
     seconds = time.perf_counter() - started
     files = Files()
-    files.export(shown, arguments.export, image=path, space=arguments.space or "LPS", warn=_say_omission)
+    warn = lambda sentence: say(f"{sentence} {_CLOSE[:-1]}, or write SVG, GeoJSON or CSV.")  # noqa: E731
+    files.export(shown, arguments.export, image=path, space=arguments.space or "LPS", warn=warn)
     if arguments.save_session is not None:
-        whole = _saved(arguments, session, image, path, part, parameters, shapes)
+        own = arguments.image is None
+        whole = replace(
+            session,
+            image=ImageFile(str(path.absolute()), image.sha256, image.shape, reading=Reading(**part)),
+            shapes=starting,
+            parameters=parameters,
+            marks=session.marks if own else (),
+            hand_edits=session.hand_edits if own else (),
+            view=session.view if own else {},
+            pages={},
+            notes=(),
+        )
         with files.writing(arguments.save_session):
             save_session(with_run(whole, recorder), Path(arguments.save_session))
     status = files.status(_CLOSE if any(left_out(shown, suffix_of(path)) for path in files.refused) else "")
@@ -283,26 +285,28 @@ def _check_options(arguments: argparse.Namespace, session: SessionFile, volume: 
         check_place(Path(arguments.save_session))
 
 
-def _flat_shapes(drawn: Drawn, arguments: argparse.Namespace) -> tuple[Shape, ...]:
-    """The shapes that are drawn on the command line, in an image."""
-    return (
-        *(Circle((row, col), radius) for row, col, radius in drawn["circle"]),
-        *(Stroke(places_in(numbers, 2)) for numbers in drawn["stroke"]),
-        *(Points(tuple(map(tuple, load_points(path).tolist()))) for path in arguments.points),
-        *(Region(places_in(numbers, 2)) for numbers in drawn["region"]),
-        *(Barrier(places_in(numbers, 2)) for numbers in drawn["barrier"]),
-        *([Everywhere(arguments.auto)] if arguments.auto else []),
-    )
+def _shapes(drawn: Drawn, arguments: argparse.Namespace, volume: Image | None = None) -> tuple[Shape, ...]:
+    """The shapes that are drawn on the command line, in an image or in a volume, where limits are no shapes."""
+    axes = 2 if volume is None else 3
+    shapes: list[Shape] = [Stroke(places_in(numbers, axes)) for numbers in drawn["stroke"]]
+    shapes += [Points(tuple(map(tuple, load_points(path, axes).tolist()))) for path in arguments.points]
+    everywhere = [Everywhere(arguments.auto)] if arguments.auto else []
+    if volume is not None:
+        spheres = (Sphere.round(tuple(center), radius, volume.spacing) for *center, radius in drawn["sphere"])
+        return (*spheres, *shapes, *everywhere)
+    circles = (Circle((row, col), radius) for row, col, radius in drawn["circle"])
+    regions = (Region(places_in(numbers, 2)) for numbers in drawn["region"])
+    barriers = (Barrier(places_in(numbers, 2)) for numbers in drawn["barrier"])
+    return (*circles, *shapes, *regions, *barriers, *everywhere)
 
 
-def _shapes_in(volume: Image, drawn: Drawn, arguments: argparse.Namespace) -> tuple[Shape, ...]:
-    """The starts that are drawn on the command line, in a volume."""
-    return (
-        *(Sphere.round(tuple(center), radius, volume.spacing) for *center, radius in drawn["sphere"]),
-        *(Stroke(places_in(numbers, 3)) for numbers in drawn["stroke"]),
-        *(Points(tuple(map(tuple, load_points(path, 3).tolist()))) for path in arguments.points),
-        *([Everywhere(arguments.auto)] if arguments.auto else []),
-    )
+def _starting(
+    arguments: argparse.Namespace, session: SessionFile, image: Image, drawn: Sequence[Shape]
+) -> tuple[Shape, ...]:
+    """All shapes of a run: those of the session, those drawn, and those of files."""
+    files = (start for path in arguments.start for start in starts_from_file(path, image))
+    shapes = (*session.shapes, *drawn, *files)
+    return shapes if starts_of(shapes) else (*shapes, Everywhere("grid"))  # an object alone is named
 
 
 def _planes(drawn: Drawn, session: SessionFile) -> AnyRegions | None:
@@ -320,20 +324,6 @@ def _planes(drawn: Drawn, session: SessionFile) -> AnyRegions | None:
 def _files_drawn(arguments: argparse.Namespace) -> list[dict[str, Any]]:
     """The files whose contours a run starts from, as session files hold shapes."""
     return [{"shape": "points", "file": Path(path).name} for path in arguments.start]
-
-
-def _seeds(
-    arguments: argparse.Namespace,
-    session: SessionFile,
-    image: Image,
-    parameters: Parameters,
-    drawn: Sequence[Shape],
-) -> Array:
-    """All seeds on an image: those of the session, those drawn, and those of files."""
-    shapes = (*session.shapes, *drawn, *(start for path in arguments.start for start in starts_from_file(path, image)))
-    if not starts_of(shapes):  # an object alone is named
-        shapes = (*shapes, Everywhere("grid"))
-    return seeds_on(image, shapes, parameters.smoothing, parameters.channel)
 
 
 def _contours(
@@ -372,48 +362,6 @@ def _chosen(result: Result, image: Image, drawn: Drawn) -> Selection:
     if not chosen.mask.any():
         raise ValueError("There is no object at this place: name another one inside it.")
     return chosen
-
-
-def _as_result(chosen: Selection, result: Result, image: Image) -> Result:
-    """A result with the boundary of an object."""
-    found = objects_result([chosen], image, channel=result.channel)
-    shapes = (*result.provenance.shapes, *found.provenance.shapes)
-    return replace(found, provenance=replace(result.provenance, method="objects", shapes=shapes))
-
-
-def _saved(
-    arguments: argparse.Namespace,
-    session: SessionFile,
-    image: Image,
-    path: Path,
-    part: Mapping[str, Any],
-    parameters: Parameters,
-    drawn: Sequence[Shape],
-) -> SessionFile:
-    """The session of a run, without the run itself."""
-    files = (start for given in arguments.start for start in starts_from_file(given, image))
-    shapes = (*session.shapes, *drawn, *files)
-    if not starts_of(shapes):
-        shapes = (*shapes, Everywhere("grid"))
-    spacing = part.get("spacing")
-    if spacing is not None:
-        part = {**part, "spacing": tuple(np.atleast_1d(spacing).tolist())}
-    own = arguments.image is None
-    return replace(
-        session,
-        image=ImageFile(str(path.absolute()), image.sha256, image.shape, reading=Reading(**part)),
-        shapes=shapes,
-        parameters=parameters,
-        marks=session.marks if own else (),
-        hand_edits=session.hand_edits if own else (),
-        view=session.view if own else {},
-        pages={},
-        notes=(),
-    )
-
-
-def _say_omission(sentence: str) -> None:
-    say(f"{sentence} {_CLOSE[:-1]}, or write SVG, GeoJSON or CSV.")
 
 
 def _on_contours(result: Result, chosen: Selection | None, seconds: float) -> tuple[dict[str, Any], list[str]]:
@@ -473,14 +421,16 @@ def _on_run(result: Result, seconds: float) -> Iterator[str]:
 
 def _agreement(result: Result, truth: Truth | VolumeTruth) -> dict[str, Any]:
     """How well contours, or a surface, agree with a ground truth, as values by name."""
-    on_volume = isinstance(truth, VolumeTruth)
-    found: Any = (
-        compare_surface(result.surface, truth) if isinstance(truth, VolumeTruth) else compare(result.contours, truth)
-    )
-    measures = ["dice", "jaccard", "precision", "recall", "f", "hausdorff"] + (["hausdorff95"] if on_volume else [])
+    found: Any
+    measures, unit = ["dice", "jaccard", "precision", "recall", "f", "hausdorff"], {}
+    if isinstance(truth, VolumeTruth):
+        found, unit = compare_surface(result.surface, truth), {"unit": truth.unit}
+        measures.append("hausdorff95")
+    else:
+        found = compare(result.contours, truth)
     values = {name: getattr(found, name) for name in measures} | {"mean_distance": found.mean_boundary_distance}
     finite = {name: round(value, 6) if math.isfinite(value) else None for name, value in values.items()}
-    return {"source": truth.source, **finite} | ({"unit": truth.unit} if isinstance(truth, VolumeTruth) else {})
+    return {"source": truth.source, **finite, **unit}
 
 
 def _sentence_on(agreed: Mapping[str, Any]) -> str:

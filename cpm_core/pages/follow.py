@@ -34,7 +34,6 @@ def follow(
     max_steps: int | None = None,
     regions: AnyRegions | None = None,
     charges: Sequence[PlacedCharge] = (),
-    known: Sequence[Page] = (),
 ) -> Iterator[Page]:
     """Find the contours on each page of a stack, and follow objects from page to page.
 
@@ -52,8 +51,6 @@ def follow(
         Whether each page starts from `seeds` rather than from the contours of the last page that has any.
     max_steps, regions, charges
         As for `segment`, on every page.
-    known : sequence of Page
-        Pages that have been followed before those of `numbers`.
 
     Yields
     ------
@@ -69,7 +66,7 @@ def follow(
     1 [1]
     2 [1]
     """
-    wanted = _checked(pages, numbers, known)
+    wanted = _checked(pages, numbers)
 
     def found_on(number: int, follower: Follower) -> Result:
         image = as_plane(pages[number - 1])
@@ -79,15 +76,13 @@ def follow(
         chosen = fitting(parameters or Parameters(), image)
         return segment(image, start, chosen, max_steps=max_steps, regions=regions, charges=charges)
 
-    return _followed(wanted, found_on, Follower(known))
+    return _followed(wanted, found_on, Follower())
 
 
-def _checked(pages: object, numbers: Sequence[int] | None, known: object) -> Sequence[int]:
+def _checked(pages: object, numbers: Sequence[int] | None) -> Sequence[int]:
     """The pages that are wanted, all by default; ValueError for one that there is not, and for what are no pages."""
     if not _is_row(pages):
         raise ValueError(f"pages is {shown(pages)} but must be a sequence of images, such as load_pages(path).")
-    if not isinstance(known, Sequence) or not all(isinstance(page, Page) for page in known):
-        raise ValueError(f"known is {shown(known)} but must be the pages that have been followed before.")
     count = len(pages)
     wanted = range(1, count + 1) if numbers is None else numbers
     if not _is_row(wanted):

@@ -83,9 +83,6 @@ SEARCHED = {
         "depth": (0.3, 0.5, 0.65, 0.8, 0.95),
         "margin": (0.0, 10.0, 20.0, 30.0, 50.0),
     },
-    "grab_cut": {
-        "margin": (0.0, 10.0, 20.0, 30.0, 50.0),
-    },
 }
 """What was searched: values of each parameter."""
 

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
 from app.model.document.saving import to_file
 from app.model.text.language import cause, tr
-from app.session.exchange.messages import CommandFailed, Report
+from app.session.exchange.messages import CommandFailed
 from app.session.session import Session
 from app.session.tasks.opening import images_in
 from app.session.tasks.tasks import Task
-from cpm_core.formats import SUFFIX, SessionFile, fingerprint, save_session
+from cpm_core.formats import SUFFIX, SessionFile, save_session
 
 TOPIC = "batch"
 """What messages on it belong to."""
@@ -25,7 +26,7 @@ _RESULTS, _APPLIED, _TABLE = "contours", f"session{SUFFIX}", "summary.csv"
 
 
 @dataclass(frozen=True, slots=True)
-class BatchDone(Report):
+class BatchDone:
     """All images of a folder are done: how many there are, how many could not be used, and the table of all."""
 
     images: int
@@ -33,7 +34,7 @@ class BatchDone(Report):
     table: Path
 
 
-def apply_to_folder(session: Session, folder: Path) -> Task | None:
+def apply_to_folder(session: Session, folder: Path, then: Callable[[BatchDone], object]) -> Task | None:
     """Apply the session as it is to the images of a folder, on a thread; what is done there is not done again."""
     session.attempt(TOPIC)
     document = session.document
@@ -45,11 +46,11 @@ def apply_to_folder(session: Session, folder: Path) -> Task | None:
         return None
     name = tr("Running the images of {folder}…").format(folder=folder.name)
     work = partial(_apply, to_file(document, {}), folder)
-    return session.tasks.start(name, work, tr("running many images"), partial(CommandFailed, topic=TOPIC))
+    return session.tasks.start(name, work, tr("running many images"), partial(CommandFailed, topic=TOPIC), then=then)
 
 
-def _apply(session: SessionFile, folder: Path, task: Task) -> Report:
-    from cpm_core.cli.batch import Batch, Order
+def _apply(session: SessionFile, folder: Path, task: Task) -> BatchDone:
+    from cpm_core.cli.batch import Batch
     from cpm_core.cli.workers import here
 
     images, output = tuple(map(str, images_in(folder))), folder / _RESULTS
@@ -61,10 +62,8 @@ def _apply(session: SessionFile, folder: Path, task: Task) -> Report:
         text = tr("{folder} is no folder, and none can be made: {reason}.")
         raise ValueError(text.format(folder=output, reason=cause(error))) from error
     save_session(session, output / _APPLIED)
-    order = Order(images, session, fingerprint(output / _APPLIED), output, WRITTEN, session.parameters)
-    batch = Batch(order)
-    rows = dict(batch.known)
-    for number, row in batch.rows(here(batch.jobs, None, task.check_cancelled)):
-        rows[number] = row
-        task.fraction = len(rows) / len(images)
-    return BatchDone(len(images), sum(bool(row.trouble) for row in rows.values()), output / _TABLE)
+    batch = Batch(images, session, output / _APPLIED, output, WRITTEN)
+    for _ in batch.write(here(batch.jobs, None, task.check_cancelled)):
+        task.fraction = len(batch.rows) / len(images)
+    failed = sum(bool(row.trouble) for row in batch.rows.values())
+    return BatchDone(len(images), failed, output / _TABLE)

@@ -116,7 +116,7 @@ class MethodChoice(QWidget):
         for name, method in CONTOUR_METHODS.items():
             item = QListWidgetItem(from_core(method.title))
             item.setData(Qt.ItemDataRole.UserRole, name)
-            item.setToolTip(from_core(method.missing) or from_core(method.about))
+            item.setToolTip(from_core(method.about))
             self.list.addItem(item)
         self.list.setAccessibleName(tr("Compare methods"))
         self.list.setMaximumHeight(self.list.sizeHintForRow(0) * (self.list.count() + 1))

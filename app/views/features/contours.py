@@ -40,7 +40,7 @@ class ContoursFeature(Feature):
         session, canvas = window.session, window.canvas_area.canvas
         self._review = review = window.workspace.review
         layer = canvas.layers.contours
-        self.panel = ContourPanel(session, review, self._fill_colors)
+        self.panel = ContourPanel(review, self._fill_colors)
         self.panels = (Panel("contours", "Contours", self.panel, "below", False, 160, "F11"),)
         window.preferences.follow(UNIT, self.panel.table.show_items)
         self.name_field = NameField(canvas, tr("Name of the contour"))
@@ -170,12 +170,10 @@ class TruthFeature(Feature):
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
         self.truth = truth = window.workspace.truth
-        self.panel = TruthPanel(truth)
+        self.panel = TruthPanel(truth, self._load, self._jump)
         self.panels = (
             Panel("truth", "Ground truth", self.panel, tab="settings", shown=False, shortcut="F12"),
         )  # fmt: skip
-        self.panel.load_requested.connect(self._load)
-        self.panel.jump_requested.connect(self._jump)
         truth.changed.connect(window.refresh)
         truth.compared.connect(window.refresh)
 

@@ -19,9 +19,7 @@ from app.model.text.language import from_core, tr
 from app.session.exchange.messages import Exported, Opened
 from app.session.features.image_batch import TOPIC, BatchDone, apply_to_folder
 from app.session.features.import_contours import (
-    ContoursRead,
-    PictureKept,
-    PointsRead,
+    Found,
     keep_picture,
     read_file,
     read_pasted,
@@ -34,6 +32,7 @@ from app.views.widgets.actions import ActionSpec
 from app.views.window.dialogs import ALL_FILES, Button, Files, Question
 from app.views.window.window import Feature, MainWindow
 from cpm_core.formats import CONTOURS_READABLE, FOR_CENTERLINES, READABLE, SURFACES_READABLE, suffix_of
+from cpm_core.shapes import Points
 
 _SUFFIX = "files/export_suffix"
 """Preference: suffix of the last export."""
@@ -174,9 +173,6 @@ class ImportFeature(Feature):
 
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
-        window.session.listen(ContoursRead, self._ask)
-        window.session.listen(PointsRead, self._draw_points)
-        window.session.listen(PictureKept, lambda kept: window.open_image(kept.path))
         self.actions = (
             ActionSpec("import_contours", "File", "&Import contours…",
                        "Read contours of another program, as a start, as objects or as ground truth.", self._choose,
@@ -194,7 +190,7 @@ class ImportFeature(Feature):
             message = tr("{name} lies in a volume, but an image is open.")
         else:
             session.attempt(OPENING)
-            read_file(session, path)
+            read_file(session, path, partial(self._use, path))
             return
         session.say(message.format(name=path.name), True, OPENING)
 
@@ -207,9 +203,9 @@ class ImportFeature(Feature):
         if data.hasUrls():
             self.window.dropped.emit(data.urls())
         elif content and session.document.image is not None and session.scene.slices is None:
-            read_pasted(session, content)
+            read_pasted(session, content, partial(self._use, None))
         elif isinstance(picture, QImage) and not picture.isNull():
-            keep_picture(session, picture)
+            keep_picture(session, picture, self.window.open_image)
         else:
             trouble = tr("There is no picture and there are no contours on the clipboard.")
             if content and session.scene.slices is not None:
@@ -227,14 +223,16 @@ class ImportFeature(Feature):
         if chosen is not None:
             self.take(chosen)
 
-    def _ask(self, read: ContoursRead) -> None:
-        """Ask what contours are for, and use them so."""
-        session, found = self.window.session, read.imported
-        if read.generation != session.image_generation:
+    def _use(self, path: Path | None, found: Found) -> None:
+        """Draw points, and ask what contours are for; without a path they come from the clipboard."""
+        session = self.window.session
+        if isinstance(found, Points):
+            name = tr("draw {name}").format(name="" if path is None else path.name)
+            session.edit(name, lambda document: edits.add_shape(document, found))
             return
         whole = found.kind == "center lines" or not found.count
         question = tr("Use {name} as a start?") if whole else tr("What is {name} for?")
-        buttons = _buttons(found, read.path is not None)
+        buttons = _buttons(found, path is not None)
         text = question.format(name=found.name)
         answer = Question(self.window, _TITLES[found.kind], text, _explained(found), buttons).ask()
         if answer == "start":
@@ -243,13 +241,9 @@ class ImportFeature(Feature):
         elif answer == "objects":
             name = tr("take objects from {name}").format(name=found.name)
             session.edit(name, lambda document: imported.add_objects(document, found))
-        elif answer == "truth" and read.path is not None:
+        elif answer == "truth" and path is not None:
             self.window.docks.reveal("truth")
-            self.window.workspace.truth.load(read.path)
-
-    def _draw_points(self, read: PointsRead) -> None:
-        name, points = tr("draw {name}").format(name=read.path.name), read.points
-        self.window.session.edit(name, lambda document: edits.add_shape(document, points))
+            self.window.workspace.truth.load(path)
 
 
 def _contours_on(data: QMimeData) -> bytes:
@@ -285,7 +279,6 @@ class BatchFeature(Feature):
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
         self._task: Task | None = None
-        window.session.listen(BatchDone, self._report)
         self.actions = (
             ActionSpec("apply_to_folder", "File", "Apply this session to a &folder…",
                        "Run every image of a folder with what is drawn and set here, and write the contours.",
@@ -296,7 +289,7 @@ class BatchFeature(Feature):
     def _apply(self) -> None:
         folder = self.window.files.ask_for_folder(tr("Folder of the images"))
         if folder:
-            self._task = apply_to_folder(self.window.session, Path(folder))
+            self._task = apply_to_folder(self.window.session, Path(folder), self._report)
             self.window.refresh()
 
     def _report(self, done: BatchDone) -> None:

@@ -13,7 +13,6 @@ from PySide6.QtWidgets import QMenu
 
 from app.model.document.document import Document
 from app.model.document.samples import sample_at, samples
-from app.model.parameters.presets import SUFFIX as PRESET
 from app.model.preferences.table import SAVE_IN_FOLDER
 from app.model.state.situation import has_image
 from app.model.text.language import shortened, tr
@@ -24,7 +23,6 @@ from app.session.storage.recovery import Journal, Leftover, folder_of_journals, 
 from app.session.storage.session_file import Written
 from app.session.tasks.opening import Wanted
 from app.views.features.exchange import ImportFeature
-from app.views.features.run import ParametersFeature
 from app.views.files.folder_bar import FolderBar
 from app.views.files.recent_files import RecentFiles
 from app.views.files.start_screen import Entry, StartScreen
@@ -55,7 +53,7 @@ class OpenSaveFeature(Feature):
         self.document_file.restored.connect(self._use_view_state)
         session.document_changed.connect(lambda _: self._name_window())
         session.listen(Opened, self._take_opened)
-        session.listen(Written, lambda written: self._remember(written.order.path))
+        session.listen(Written, lambda written: self._remember(written.path))
         self._name_window()
         self.actions = (
             ActionSpec("open", "File", "&Open…", "Open an image or a session.", self.ask_for_file, "Ctrl+O",
@@ -71,9 +69,9 @@ class OpenSaveFeature(Feature):
         )  # fmt: skip
 
     def take(self, paths: Sequence[Path], resumes: bool = False) -> None:
-        """Open files by their kind: images, sessions, contours, points and presets.
+        """Open files by their kind: images, sessions, contours and points.
 
-        Contours and points are used in the image that is open, presets are imported.
+        Contours and points are used in the image that is open.
 
         An image that `resumes` is opened with the session next to it. Of a recent file that part is opened which was
         chosen last.
@@ -81,9 +79,7 @@ class OpenSaveFeature(Feature):
         self.window.canvas_area.messages.keep_only(*OF_THE_PROGRAM)
         documents = []
         for path in paths:
-            if path.suffix.lower() == PRESET:
-                self.window.feature(ParametersFeature).presets.import_file(path)
-            elif path.suffix.lower() in CONTOURS:
+            if path.suffix.lower() in CONTOURS:
                 self.window.feature(ImportFeature).take(path)
             else:
                 documents.append(path)

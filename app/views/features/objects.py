@@ -31,7 +31,7 @@ class ObjectsFeature(Feature):
 
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
-        area, fitting = window.canvas_area, window.workspace.object_fitting
+        area = window.canvas_area
         self._list = objects = window.workspace.object_list
         self._selection = selection = window.workspace.object_selection
         self.panel = ObjectPanel(window.session, objects, self._fill_classes)
@@ -66,10 +66,10 @@ class ObjectsFeature(Feature):
                        "Select the object again, beginning with what it is.", self._change, when=one),
             ActionSpec("fit_objects", "Objects", "F&it to the contours",
                        "Select the chosen objects again by their own clicks, on the contours of the last run.",
-                       lambda: fitting.fit(objects.chosen), when=some),
+                       lambda: selection.fit(objects.chosen), when=some),
             ActionSpec("objects_alike", "Objects", "All &like this",
                        "Find all objects like the chosen one; touching ones are parted.",
-                       lambda: fitting.find_like(objects.items[0].number), "Ctrl+L", when=one),
+                       lambda: selection.find_like(objects.items[0].number), "Ctrl+L", when=one),
             ActionSpec("all_objects", "Objects", "Choose all ob&jects", "Choose all objects.",
                        lambda: objects.choose(item.number for item in objects.objects.items), "Ctrl+Alt+A",
                        when=lambda situation: bool(situation.document.objects.items)),

@@ -88,7 +88,6 @@ class StackFeature(Feature):
         self.dialog: PartDialog | None = None
         self._opened: Opened | None = None
         self._looking = LatestOnlyWorker(window.session, "cpm-parts", tr("looking into the file"))
-        self._looking.done.connect(self._show_parts)
         window.session.listen(Opened, self._offer)
         self.actions = (
             ActionSpec("open_stack", "File", "Open all pages as one volu&me",
@@ -118,7 +117,7 @@ class StackFeature(Feature):
         colored = image.colors is not None or opened.reading.color != "luminance"
         self.dialog = PartDialog(self.window, opened.path.name, parts, opened.reading, image.ndim == 3, colored)
         self.dialog.asked.connect(
-            lambda series: self._looking.ask(lambda: parts_of(opened.path, Reading(series=series))[0])
+            lambda series: self._looking.ask(lambda: parts_of(opened.path, Reading(series=series))[0], self._show_parts)
         )
         self.dialog.chosen.connect(self._open)
         self.dialog.finished.connect(self.dialog.deleteLater)

@@ -14,12 +14,11 @@ from app.model.parameters.controls import CHANNEL
 from app.model.preferences.table import TIMELINE_MEMORY, UNIT, WORDING
 from app.model.state.resolve import resolve
 from app.model.state.situation import Situation, can_step, has_image, has_particles, is_running, is_started
-from app.model.text.language import from_core, tr, written
+from app.model.text.language import tr, written
 from app.model.text.wording import wording_called
-from app.session.features.comparison import ComparisonWritten
 from app.session.storage.presets import PresetStore
+from app.session.timeline.timeline import MEGABYTE
 from app.session.worker.commands import RunCall
-from app.session.worker.recorded_run import MEGABYTE
 from app.session.worker.run import Run
 from app.views.canvas.items.item import image_rectangle
 from app.views.comparison.dialog import CompareDialog
@@ -117,11 +116,13 @@ class TimelineFeature(Feature):
         )  # fmt: skip
         Keys(window.canvas_area.canvas, self._go_to_end)
         window.session.document_changed.connect(lambda _: self.panel.show_parameters())
-        window.shortcuts.changed.connect(self.panel.show_keys)
+        window.shortcuts.changed.connect(lambda: self.panel.use_actions(window.actions_by_name))
+        self._shown = False, False
+        to.changed.connect(self._follow)
         window.preferences.follow(TIMELINE_MEMORY, self._use_budget)
 
         def recorded(_: Situation) -> bool:
-            return to.recorded
+            return bool(to.branches)
 
         self.actions = (
             ActionSpec("timeline_back", _MENU, "One step &back",
@@ -140,7 +141,8 @@ class TimelineFeature(Feature):
                        "Go to the last step of the branch; End on the canvas does the same.", to.to_last, "Ctrl+End",
                        "last", when=recorded),
             ActionSpec("timeline_play", _MENU, "&Play the recorded steps", "Play or pause the recorded steps.",
-                       to.toggle_play, "Shift+Space", "play", when=recorded),
+                       to.toggle_play, "Shift+Space", "play", when=recorded,
+                       pictured=lambda _: "pause" if to.playing else "play"),
             ActionSpec("timeline_parameters", _MENU, "Use the pa&rameters of this step",
                        "Set the parameters with which the shown step was computed.", to.use_its_parameters, gap=True,
                        when=lambda situation: has_particles(situation) and to.other_parameters is not None),
@@ -149,6 +151,13 @@ class TimelineFeature(Feature):
                        lambda: to.drop(to.place[0]), icon="bin",
                        when=lambda _: bool(to.place[0]) and len(to.outline.branches) > 1),
         )  # fmt: skip
+
+    def _follow(self) -> None:
+        """Enable and picture the moves."""
+        shown = self.navigation.playing, bool(self.navigation.branches)
+        if shown != self._shown:
+            self._shown = shown
+            self.window.refresh()
 
     def _go_to_end(self, event: QKeyEvent) -> bool:
         """Go to the first or last step by Home and End on the canvas; in sliders and fields they keep their meaning."""
@@ -183,7 +192,7 @@ class ParametersFeature(Feature):
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
         self.presets = Presets(window, PresetStore(parent=window))
-        self.panel = ParametersPanel(window.session, self.presets.button)
+        self.panel = ParametersPanel(window.session, self.presets)
         self.panels = (Panel("parameters", "Parameters", self.panel, tab="settings", shortcut="F7"),)
         window.preferences.follow(
             WORDING, lambda: self.panel.use_wording(wording_called(window.preferences.value(WORDING)))
@@ -216,7 +225,6 @@ class ComparisonFeature(Feature):
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
         self.dialog = OneDialog(self._make)
-        window.session.listen(ComparisonWritten, self._report)
         self.actions = (
             ActionSpec("mosaic", "Run", "&Mosaic of two parameters…",
                        "Compare runs with several values of two parameters and choose the best.",
@@ -250,8 +258,3 @@ class ComparisonFeature(Feature):
         kinds = {TABLE: tr("Table of all methods"), PICTURE: tr("Picture of all methods")}
         kinds |= {suffix: each.format(format=name) for suffix, name in formats().items() if suffix not in kinds}
         return self.window.files.ask_where_to_export(tr("Export the comparison"), ".methods.csv", kinds, parent)
-
-    def _report(self, report: ComparisonWritten) -> None:
-        names = ", ".join(file.name for file in report.files)
-        wrote = tr("Wrote {name}.").format(name=names)
-        self.window.session.say(" ".join((*((wrote,) if names else ()), *map(from_core, report.notes))))

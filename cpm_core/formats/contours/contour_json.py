@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -51,7 +49,7 @@ def encode(result: Result | Skeleton) -> bytes:
 
 
 def encode_pages(found: StackResult) -> bytes:
-    """Write an object with a stack, its tracks and its pages; `load_stack_result` reads it back.
+    """Write an object with a stack, its tracks and its pages; `page_from_plain` reads a page back.
 
     ``stack`` has its ``name``, the number of its ``pages``, as ``axis`` z, t or c, and what was ``drawn``. Each of
     ``tracks`` has its number, its ``pages``, as ``origin`` the track that it split off, 0 for none, and how it
@@ -153,31 +151,6 @@ def read(content: dict[str, Any]) -> Contents:
             else:
                 found.add_place(contour.points[0], int(page.get("page", 0)))
     return found
-
-
-def load_stack_result(path: Path) -> StackResult:
-    """Read what has been found in a stack, as `encode_pages` has written it, so that the other pages can follow.
-
-    Raises
-    ------
-    ValueError
-        When there is no such file, or it was not written so; one sentence that says what to do.
-    """
-    try:
-        plain = json.loads(Path(path).read_text(encoding="utf-8"))
-        if plain["format"] != _OF_STACK:
-            raise ValueError("another format")
-        stack = plain["stack"]
-        pages = tuple(page_from_plain(entry) for entry in plain["pages"])
-        drawn = tuple(stack["drawn"])
-        return StackResult(str(stack["name"]), int(stack["pages"]), pages, stack["axis"], bool(stack["alone"]), drawn)
-    except OSError as error:
-        raise ValueError(f"{path} cannot be read: {error.strerror or error}.") from error
-    except (KeyError, TypeError, ValueError, IndexError, AttributeError, RecursionError) as error:
-        raise ValueError(
-            f"{Path(path).name} holds no pages of a stack: choose a .json file that was written of all pages, or name "
-            "another one."
-        ) from error
 
 
 def page_from_plain(plain: Mapping[str, Any]) -> Page:

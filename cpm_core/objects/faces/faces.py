@@ -12,11 +12,10 @@ import skimage
 
 from cpm_core.image.regions import Regions
 from cpm_core.numerics.grids import running_maximum
-from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.objects.faces.basins import Labels, basins
 from cpm_core.objects.faces.crossings import Crossings, crossings
-from cpm_core.objects.faces.face_graph import FaceGraph, changed_graph, face_graph
+from cpm_core.objects.faces.face_graph import FaceGraph, face_graph
 
 STRONG_PERCENTILE = 95.0
 """Percentile of the edge map above which an edge is strong."""
@@ -88,23 +87,8 @@ class Faces:
     @cached_property
     def boxes(self) -> Index:
         """First row, row behind the last, first column and column behind the last of each face, shape (F, 4)."""
-        return _boxes(self.labels, self.graph.count)
-
-
-@compiled
-def _boxes(labels: Labels, count: int) -> Index:
-    rows, cols = labels.shape
-    found = np.zeros((count, 4), np.int64)
-    for k in range(count):
-        found[k, 0], found[k, 2] = rows, cols
-    for r in range(rows):
-        for c in range(cols):
-            k = labels[r, c]
-            if k >= 0:
-                box = found[k]
-                box[0], box[1] = min(box[0], r), max(box[1], r + 1)
-                box[2], box[3] = min(box[2], c), max(box[3], c + 1)
-    return found
+        parts = scipy.ndimage.find_objects(self.labels + 1, self.graph.count)
+        return np.array([(rows.start, rows.stop, cols.start, cols.stop) for rows, cols in parts]).reshape(-1, 4)
 
 
 def ground(values: Array, strength: Array, contours: Sequence[Array], regions: Regions | None) -> Ground:
@@ -149,13 +133,10 @@ def split(faces: Faces, ground: Ground, inside: Index, outside: Index) -> Faces:
     both = both[both >= 0]
     if not len(both):
         return faces
-    count = faces.graph.count
-    changed = np.zeros(count + len(both) + 1, np.bool_)
-    changed[both] = True
-    concerned = changed[faces.labels]  # of label -1 the last entry, which stays false
-    window = _box(concerned)
     labels = faces.labels.copy()
-    for new, number in enumerate(both.tolist(), start=count):
+    for new, number in enumerate(both.tolist(), start=faces.graph.count):
+        top, bottom, left, right = faces.boxes[number]
+        window = slice(top, bottom), slice(left, right)
         markers = np.zeros(labels.shape, np.int32)
         markers[tuple(inside[own == number].T)] = 1
         markers[tuple(outside[other == number].T)] = 2
@@ -163,25 +144,7 @@ def split(faces: Faces, ground: Ground, inside: Index, outside: Index) -> Faces:
             ground.strength[window], markers[window], mask=faces.labels[window] == number
         )
         labels[window][parts == 2] = new
-        changed[new] = True
-    wide = tuple(slice(max(part.start - 1, 0), part.stop + 1) for part in window)
-    graph = changed_graph(
-        faces.graph,
-        changed[:-1],
-        (wide[0], wide[1]),
-        labels,
-        ground.values,
-        ground.strength,
-        ground.contours,
-        ground.barriers,
-    )
-    return Faces(labels, graph)
-
-
-def _box(chosen: Mask) -> tuple[slice, slice]:
-    """Rows and columns that hold all true pixels of a mask that has some."""
-    rows, cols = np.flatnonzero(chosen.any(axis=1)), np.flatnonzero(chosen.any(axis=0))
-    return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(cols[0]), int(cols[-1]) + 1)
+    return _measured(labels, ground)
 
 
 def _measured(labels: Labels, ground: Ground) -> Faces:

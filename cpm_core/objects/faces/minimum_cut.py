@@ -1,8 +1,7 @@
 """Minimum cut: the cheapest boundary between what is surely inside and what is surely outside.
 
-The algorithm of Boykov and Kolmogorov (2004), DOI 10.1109/TPAMI.2004.60, written from the paper: two trees grow from
-inside and outside until they touch, the path between them is filled with flow, and the branches that this cuts off are
-attached again. On graphs of neighbors in the plane it is far faster than algorithms with better bounds.
+The algorithm of Dinitz (1970): as long as a way leads from inside to outside, all shortest ones are filled with flow.
+What flow can still reach from inside is the smallest of the cheapest sets.
 """
 
 from __future__ import annotations
@@ -10,7 +9,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask
@@ -20,9 +18,6 @@ _WHOLE = 2.0**20
 
 _MOST = 2.0**40
 """Largest price, and that of a tied node."""
-
-_FREE, _INSIDE, _OUTSIDE = 0, 1, 2
-_NONE, _TERMINAL, _ORPHAN = -1, -2, -3
 
 
 class Arcs(NamedTuple):
@@ -121,167 +116,69 @@ class FreePart:
 @compiled
 def _cut(graph: Arcs, capacity: Index, excess: Index) -> Mask:
     """Fill the graph with flow; `capacity` and `excess` become what is left of them."""
-    begin, head, back, _ = graph
     count = len(excess)
-    tree = np.zeros(count, np.int8)
-    parent, stamp, depth = np.full(count, _NONE), np.zeros(count, np.int64), np.zeros(count, np.int64)
-    active, waiting = np.empty(count + 1, np.int64), np.zeros(count, np.bool_)
-    orphans = np.empty(count + 1, np.int64)
-    ends = np.zeros(4, np.int64)  # first and behind the last of the active nodes, and of the orphans
-    for i in range(count):
-        if excess[i] != 0:
-            tree[i] = _INSIDE if excess[i] > 0 else _OUTSIDE
-            parent[i], depth[i] = _TERMINAL, 1
-            _append(active, ends, 0, i)
-            waiting[i] = True
-    now = 0
-    while ends[0] != ends[1]:
-        i = active[ends[0]]
-        if tree[i] == _FREE:
-            waiting[i] = False
-            _drop(active, ends, 0)
-            continue
-        touching = _NONE
-        for a in range(begin[i], begin[i + 1]):
-            j = head[a]
-            if (capacity[a] if tree[i] == _INSIDE else capacity[back[a]]) == 0:
-                continue
-            if tree[j] == _FREE:
-                tree[j], parent[j], stamp[j], depth[j] = tree[i], back[a], stamp[i], depth[i] + 1
-                if not waiting[j]:
-                    waiting[j] = True
-                    _append(active, ends, 0, j)
-            elif tree[j] != tree[i]:
-                touching = a if tree[i] == _INSIDE else back[a]
-                break
-            elif stamp[j] <= stamp[i] and depth[j] > depth[i] + 1:
-                parent[j], stamp[j], depth[j] = back[a], stamp[i], depth[i] + 1
-        if touching == _NONE:
-            waiting[i] = False
-            _drop(active, ends, 0)
-            continue
-        now += 1
-        _augment(graph, capacity, excess, parent, orphans, ends, touching)
-        while ends[2] != ends[3]:
-            orphan = orphans[ends[2]]
-            _drop(orphans, ends, 2)
-            _adopt(graph, capacity, tree, parent, stamp, depth, active, waiting, orphans, ends, orphan, now)
-    inside: Mask = tree == _INSIDE
-    return inside
-
-
-@compiled
-def _append(ring: Index, ends: Index, which: int, node: int) -> None:
-    ring[ends[which + 1]] = node
-    ends[which + 1] = (ends[which + 1] + 1) % len(ring)
-
-
-@compiled
-def _drop(ring: Index, ends: Index, which: int) -> None:
-    ends[which] = (ends[which] + 1) % len(ring)
-
-
-@compiled
-def _augment(
-    graph: Arcs, capacity: Index, excess: Index, parent: Index, orphans: Index, ends: Index, touching: int
-) -> None:
-    """Send flow from inside to outside through an arc between the trees."""
-    head, back = graph.head, graph.back
-    flow = capacity[touching]
-    i = head[back[touching]]
-    while parent[i] != _TERMINAL:
-        flow = min(flow, capacity[back[parent[i]]])
-        i = head[parent[i]]
-    flow = min(flow, excess[i])
-    j = head[touching]
-    while parent[j] != _TERMINAL:
-        flow = min(flow, capacity[parent[j]])
-        j = head[parent[j]]
-    flow = min(flow, -excess[j])
-    capacity[touching] -= flow
-    capacity[back[touching]] += flow
-    for side, first in ((0, head[back[touching]]), (1, head[touching])):
-        i = first
-        while True:
-            a = parent[i]
-            if a == _TERMINAL:
-                excess[i] += flow if side else -flow
-                if excess[i] == 0:
-                    parent[i] = _ORPHAN
-                    _append(orphans, ends, 2, i)
-                break
-            up, down = (a, back[a]) if side else (back[a], a)
-            capacity[up] -= flow
-            capacity[down] += flow
-            following = head[a]
-            if capacity[up] == 0:
-                parent[i] = _ORPHAN
-                _append(orphans, ends, 2, i)
-            i = following
-
-
-@compiled
-def _origin(graph: Arcs, parent: Index, stamp: Index, depth: Index, node: int, now: int) -> int:
-    """Length of the way from a node to its terminal; 0 if it hangs on an orphan. Marks the nodes on the way."""
-    head = graph.head
-    i, steps = node, 0
+    level, order, way = np.empty(count, np.int64), np.empty(count, np.int64), np.empty(count, np.int64)
     while True:
-        if stamp[i] == now:
-            steps += depth[i]
-            break
-        a = parent[i]
-        steps += 1
-        if a == _TERMINAL:
-            stamp[i], depth[i] = now, 1
-            break
-        if a < 0:
-            return 0
-        i = head[a]
-    i, left = node, steps
-    while stamp[i] != now:
-        stamp[i], depth[i] = now, left
-        left -= 1
-        i = head[parent[i]]
-    return steps
+        sources = _measure(graph, capacity, excess, level, order)
+        if sources == 0:
+            inside: Mask = level >= 0
+            return inside
+        _fill(graph, capacity, excess, level, order[:sources], way)
 
 
 @compiled
-def _adopt(
-    graph: Arcs,
-    capacity: Index,
-    tree: NDArray[np.int8],
-    parent: Index,
-    stamp: Index,
-    depth: Index,
-    active: Index,
-    waiting: Mask,
-    orphans: Index,
-    ends: Index,
-    node: int,
-    now: int,
-) -> None:
-    """Attach an orphan to a neighbor of its tree, or set it free and make orphans of its children."""
+def _measure(graph: Arcs, capacity: Index, excess: Index, level: Index, order: Index) -> int:
+    """Lengths of the shortest ways from inside, -1 for none; return how many nodes they begin at, if one leads outside.
+
+    These nodes are the first ones in the order.
+    """
+    begin, head, _, _ = graph
+    last = 0
+    for i in range(len(excess)):
+        level[i] = -1
+        if excess[i] > 0:
+            level[i], order[last] = 0, i
+            last += 1
+    sources, first, leads_out = last, 0, False
+    while first < last:
+        i = order[first]
+        first += 1
+        leads_out |= excess[i] < 0
+        for a in range(begin[i], begin[i + 1]):
+            if capacity[a] > 0 and level[head[a]] < 0:
+                level[head[a]], order[last] = level[i] + 1, head[a]
+                last += 1
+    return sources if leads_out else 0
+
+
+@compiled
+def _fill(graph: Arcs, capacity: Index, excess: Index, level: Index, sources: Index, way: Index) -> None:
+    """Fill all shortest ways from some nodes with flow."""
     begin, head, back, _ = graph
-    best, nearest = _NONE, 0
-    for a in range(begin[node], begin[node + 1]):
-        j = head[a]
-        if tree[j] == tree[node] and (capacity[back[a]] if tree[node] == _INSIDE else capacity[a]) > 0:
-            steps = _origin(graph, parent, stamp, depth, j, now)
-            if steps > 0 and (best == _NONE or steps < nearest):
-                best, nearest = a, steps
-    parent[node] = best
-    if best != _NONE:
-        stamp[node], depth[node] = now, nearest + 1
-        return
-    stamp[node] = 0
-    for a in range(begin[node], begin[node + 1]):
-        j = head[a]
-        if tree[j] != tree[node]:
-            continue
-        if (capacity[back[a]] if tree[node] == _INSIDE else capacity[a]) > 0 and not waiting[j]:
-            waiting[j] = True
-            _append(active, ends, 0, j)
-        if parent[j] >= 0 and head[parent[j]] == node:
-            parent[j] = _ORPHAN
-            _append(orphans, ends, 2, j)
-    tree[node] = _FREE
+    at = begin.copy()
+    for root in sources:
+        i, depth = root, 0
+        while excess[root] > 0:
+            if excess[i] < 0:
+                flow = min(excess[root], -excess[i])
+                for a in way[:depth]:
+                    flow = min(flow, capacity[a])
+                for a in way[:depth]:
+                    capacity[a] -= flow
+                    capacity[back[a]] += flow
+                excess[root] -= flow
+                excess[i] += flow
+                i, depth = root, 0
+            elif at[i] < begin[i + 1]:
+                a = at[i]
+                if capacity[a] > 0 and level[head[a]] == level[i] + 1:
+                    i, way[depth] = head[a], a
+                    depth += 1
+                else:
+                    at[i] += 1
+            elif depth:
+                depth -= 1
+                i = head[back[way[depth]]]
+                at[i] += 1
+            else:
+                break

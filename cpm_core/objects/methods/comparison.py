@@ -25,7 +25,6 @@ from cpm_core.objects.methods.method import AnyMethod, ContourMethod, ContourSta
 from cpm_core.objects.methods.particles import PARTICLES, PROPOSED_OBJECT
 from cpm_core.objects.methods.regions import (
     CHAN_VESE,
-    GRAB_CUT,
     MORPHOLOGICAL_CHAN_VESE,
     MORPHOLOGICAL_GAC,
     RANDOM_WALKER,
@@ -45,7 +44,6 @@ _ALL: tuple[AnyMethod, ...] = (
     MORPHOLOGICAL_GAC,
     MORPHOLOGICAL_CHAN_VESE,
     RANDOM_WALKER,
-    GRAB_CUT,
 )
 
 CONTOUR_METHODS: Mapping[str, AnyMethod] = MappingProxyType({method.name: method for method in _ALL})
@@ -53,9 +51,8 @@ CONTOUR_METHODS: Mapping[str, AnyMethod] = MappingProxyType({method.name: method
 
 
 def runnable(ndim: int = 2) -> tuple[str, ...]:
-    """Names of the methods that lack nothing to run, in images or in volumes, which have three axes."""
-    found = (method for method in CONTOUR_METHODS.values() if ndim == 2 or method.in_volumes)
-    return tuple(method.name for method in found if not method.missing)
+    """Names of the methods for images, or for volumes, which have three axes."""
+    return tuple(name for name, method in CONTOUR_METHODS.items() if ndim == 2 or method.in_volumes)
 
 
 def method_named(name: str) -> AnyMethod:
@@ -141,8 +138,6 @@ def moments(method: AnyMethod, image: Image, start: Start, settings: Any = None)
         raise ValueError(
             f"the settings are {shown(settings)} but must be {method.settings.__name__}, those of {method.title}."
         )
-    if method.missing:
-        raise ValueError(method.missing)
     image = as_image(image)
     if image.ndim == 3 and not method.in_volumes:
         raise ValueError(f"{image.source} is a volume, but {method.title} is for images: choose another method.")

@@ -6,7 +6,6 @@ described by a `ContourMethod`, which is all that the command line, the benchmar
 
 from __future__ import annotations
 
-import importlib.util
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, partial
@@ -350,16 +349,12 @@ class ContourMethod(Generic[S]):
         Whether it finds surfaces in volumes as well.
     preset : settings, optional
         Its settings unless others are given; those of the class by default.
-    needs : (str, str), optional
-        Name of a module that need not be installed, and the extra of this program that it is installed with.
 
     Examples
     --------
     >>> method = cpm.CONTOUR_METHODS["chan_vese"]
     >>> method.title, method.defaults.__class__.__name__, method.most_steps, method.of_particles
     ('Chan-Vese', 'ChanVeseSettings', 500, False)
-    >>> method.missing
-    ''
     """
 
     name: str
@@ -371,14 +366,6 @@ class ContourMethod(Generic[S]):
     most_steps: int
     in_volumes: bool = False
     preset: S | None = None
-    needs: tuple[str, str] | None = None
-
-    @property
-    def missing(self) -> str:
-        """Says how a package is installed that it needs and that is missing; empty where nothing is."""
-        if self.needs is None or importlib.util.find_spec(self.needs[0]) is not None:
-            return ""
-        return f'{self.title} needs a package: install it (pip install "cpm-particles[{self.needs[1]}]").'
 
     @property
     def defaults(self) -> S:

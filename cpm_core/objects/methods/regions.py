@@ -1,8 +1,7 @@
-"""Methods of scikit-image and OpenCV that divide the image into regions, step by step where they have steps."""
+"""Methods of scikit-image that divide the image into regions, step by step where they have steps."""
 
 from __future__ import annotations
 
-import importlib
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -214,14 +213,6 @@ _NO_WARNING = 1.0
 """Error of probabilities up to which scikit-image does not warn; only which of two is larger counts."""
 
 
-def _margin() -> Any:
-    return number(
-        0.0, "b", "Background",
-        "Distance from a start inside the object from which pixels are seeds of the background; at 0 at the border.",
-        "More of it leaves more room around the start.", (0.0, 1e5), (0.0, 200.0), 1.0, "px",
-    )  # fmt: skip
-
-
 @dataclass(frozen=True)
 class RandomWalkerSettings(Settings):
     """Parameters of the random walker."""
@@ -235,7 +226,11 @@ class RandomWalkerSettings(Settings):
         "From a start around the object: the depth from which pixels are its seeds, as a fraction of the greatest.",
         "More of it leaves seeds only in the middle.", (0.0, 0.99), (0.0, 0.95), 0.05,
     )  # fmt: skip
-    margin: float = _margin()
+    margin: float = number(
+        0.0, "b", "Background",
+        "Distance from a start inside the object from which pixels are seeds of the background; at 0 at the border.",
+        "More of it leaves more room around the start.", (0.0, 1e5), (0.0, 200.0), 1.0, "px",
+    )  # fmt: skip
 
 
 def seeds(start: Start, shape: tuple[int, ...], settings: RandomWalkerSettings) -> NDArray[np.int32]:
@@ -244,21 +239,15 @@ def seeds(start: Start, shape: tuple[int, ...], settings: RandomWalkerSettings) 
     A start in the object is all object, and the border of the image, or what lies far from the start, background. A
     start around the object has only its middle in the object, and what lies outside it is background.
     """
-    inside, outer = start.mask(shape), _background(start, shape, settings.margin)
+    inside = start.mask(shape)
+    rim = np.ones(shape, dtype=bool)
+    rim[(slice(1, -1),) * len(shape)] = False
+    outer = rim if settings.margin == 0.0 else scipy.ndimage.distance_transform_edt(~inside) >= settings.margin
     if start.around:
+        outer = rim | ~inside
         depth = scipy.ndimage.distance_transform_edt(np.pad(inside, 1))[(slice(1, -1),) * len(shape)]
         inside &= depth >= settings.depth * depth.max()
     return np.where(inside, _OBJECT_SEED, np.where(outer, _BACKGROUND_SEED, 0)).astype(np.int32)
-
-
-def _background(start: Start, shape: tuple[int, ...], margin: float) -> Mask:
-    """The border of the image, or what lies far from the start, and all outside a start around the object."""
-    rim = np.ones(shape, dtype=bool)
-    rim[(slice(1, -1),) * len(shape)] = False
-    outside = ~start.mask(shape)
-    if start.around:
-        return rim | outside
-    return np.asarray(scipy.ndimage.distance_transform_edt(outside) >= margin) if margin > 0.0 else rim
 
 
 def _random_walk(image: Image, start: Start, settings: RandomWalkerSettings) -> Iterator[ContourState]:
@@ -283,48 +272,4 @@ RANDOM_WALKER = ContourMethod(
     _random_walk,
     1,
     in_volumes=True,
-)
-
-
-_GRAB_CUT_STEPS = 50
-
-
-@dataclass(frozen=True)
-class GrabCutSettings(Settings):
-    """Parameters of grab cut."""
-
-    margin: float = _margin()
-
-
-def _grab_cut(image: Image, start: Start, settings: GrabCutSettings) -> Iterator[ContourState]:
-    opencv: Any = importlib.import_module("cv2")
-    inside, outer = start.mask(image.shape), _background(start, image.shape, settings.margin)
-    likely = np.where(inside, opencv.GC_PR_FGD, opencv.GC_PR_BGD)
-    certain = inside & (not start.around)
-    labels = np.where(certain, opencv.GC_FGD, np.where(outer, opencv.GC_BGD, likely)).astype(np.uint8)
-    gray = 255.0 * np.repeat(unit_gray(image)[..., None], 3, axis=-1)
-    colors = np.rint(gray if image.colors is None else image.colors.samples[..., ::-1]).astype(np.uint8)
-
-    def masks() -> Iterator[Mask]:
-        yield inside
-        behind, before = np.zeros((1, 65)), np.zeros((1, 65))  # what OpenCV keeps of the colors of both regions
-        opencv.setRNGSeed(0)  # so that a run gives the same again
-        how = opencv.GC_INIT_WITH_MASK
-        while True:
-            opencv.grabCut(colors, labels, None, behind, before, 1, how)
-            yield np.isin(labels, (opencv.GC_FGD, opencv.GC_PR_FGD))
-            how = opencv.GC_EVAL
-
-    return until_at_rest(masks(), 0.5, 1, 0.0, _GRAB_CUT_STEPS)
-
-
-GRAB_CUT = ContourMethod(
-    "grab_cut",
-    "Grab cut",
-    "Minimum cuts between object and background, whose colors or gray levels are learned from the cut before.",
-    "Rother, Kolmogorov and Blake (2004), doi:10.1145/1015706.1015720; OpenCV's grabCut",
-    GrabCutSettings,
-    _grab_cut,
-    _GRAB_CUT_STEPS,
-    needs=("cv2", "opencv"),
 )

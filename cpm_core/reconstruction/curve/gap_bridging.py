@@ -15,7 +15,7 @@ import scipy
 import skimage
 from numpy.typing import NDArray
 
-from cpm_core.contours.contour import Bridge, Contour
+from cpm_core.contours.contour import Bridge
 from cpm_core.contours.graph import Graph
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.polyline import length, resampled
@@ -95,14 +95,6 @@ def bridge_gaps(
             grid.build(way.end, path[1:-1], way.other)
             built.append(Bridge(path, length(path), float(scale_field.strength(path).mean())))
     return tuple(built)
-
-
-def bridges_of(bridges: tuple[Bridge, ...], contours: tuple[Contour, ...]) -> tuple[Bridge, ...]:
-    """The bridges that are part of one of the contours."""
-    if not bridges:
-        return ()
-    places = {tuple(point) for contour in contours for point in contour.points.tolist()}
-    return tuple(bridge for bridge in bridges if tuple(bridge.points[1].tolist()) in places)
 
 
 class _CostGrid:

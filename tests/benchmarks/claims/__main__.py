@@ -26,7 +26,6 @@ _SHORT = {
     "morph_gac": "m-gac",
     "morph_chan_vese": "m-c-v",
     "random_walker": "walker",
-    "grab_cut": "g-cut",
 }
 
 
@@ -34,9 +33,6 @@ def main() -> None:
     """Run all methods on all trials, and print what follows for each claim."""
     warm_up()
     print(SEARCHED)
-    for method in CONTOUR_METHODS.values():
-        if method.missing:
-            print(f"Left out: {method.missing}")
     print(f"F of the boundaries up to 2 px; {', '.join(f'{_short(name)}: {_title(name)}' for name in taking_part())}.")
     print(_row("", [_short(name) for name in taking_part()]))
     found = scores(tell=_tell)

@@ -10,7 +10,7 @@ import PIL.Image
 import pytest
 import tifffile
 
-from cpm_core.cli import run as run_command
+from cpm_core.cli import inputs
 from cpm_core.formats.common.content import fingerprint
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 
@@ -167,7 +167,7 @@ def parameters_of(monkeypatch, disk, command):
             seen.append(parameters)
             raise ValueError("enough seen.")
 
-        monkeypatch.setattr(run_command, "segment", segment)
+        monkeypatch.setattr(inputs, "segment", segment)
         command("run", disk, *START, *arguments)
         return seen[0]
 
@@ -214,7 +214,7 @@ def test_an_interrupt_ends_the_run_cleanly_and_writes_nothing(disk, command, tmp
     def interrupted(*_, progress, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(run_command, "segment", interrupted)
+    monkeypatch.setattr(inputs, "segment", interrupted)
     status, _, err = command("run", disk, *START, "--export", tmp_path / "out.svg")
     assert (status, err) == (130, "cpm: interrupted.\n")
     assert not (tmp_path / "out.svg").exists()

@@ -10,8 +10,7 @@ import roifile
 import tifffile
 
 import cpm_core as cpm
-from cpm_core.formats.contours.contour_json import load_stack_result
-from cpm_core.formats.contours.stack import FOR_STACKS, export_stack
+from cpm_core.formats.contours.stack import export_stack
 from cpm_core.pages.page import Page, StackResult
 
 from .drawn import MOVING, SHAPE, SPLITTING
@@ -70,14 +69,6 @@ def test_a_set_of_selections_tells_the_page_of_each(found, tmp_path):
     assert next((one.position, one.z_position) for one in roifile.roiread(tmp_path / "b.zip")) == (0, 4)
 
 
-def test_what_was_written_as_json_gives_the_same_files_when_it_is_read_again(found, tmp_path):
-    names = [f"a{suffix}" for suffix in FOR_STACKS]
-    export_stack(found, *(tmp_path / name for name in names))
-    before = {name: (tmp_path / name).read_bytes() for name in names}
-    export_stack(load_stack_result(tmp_path / "a.json"), *(tmp_path / name for name in names))
-    assert {name: (tmp_path / name).read_bytes() for name in names} == before
-
-
 def test_a_stack_without_contours_refuses_what_would_be_empty_and_writes_the_rest(tmp_path):
     (bare,) = cpm.follow(MOVING[:1], cpm.circle((32, 22), 5.0), cpm.Parameters(min_length=1e4))
     nothing, refused = StackResult("cells.tif", 1, (bare,)), {}
@@ -87,10 +78,3 @@ def test_a_stack_without_contours_refuses_what_would_be_empty_and_writes_the_res
     assert [path.exists() for path in files] == [False, False, True, True]
     with pytest.raises(ValueError, match=r"No contour of cells\.tif is closed"):
         export_stack(nothing, tmp_path / "b.tif")
-
-
-@pytest.mark.parametrize("content", ["", "[]", '{"format": "cpm-pages"}', '{"format": "cpm-contours"}', "\x00"])
-def test_a_file_that_holds_no_pages_is_a_sentence(content, tmp_path):
-    (tmp_path / "a.json").write_text(content, encoding="utf-8")
-    with pytest.raises(ValueError, match=r"a\.json holds no pages of a stack"):
-        load_stack_result(tmp_path / "a.json")
