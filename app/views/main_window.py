@@ -24,7 +24,7 @@ from app.views.canvas.status_fields import PointerReadout, ZoomField
 from app.views.features import FEATURES
 from app.views.features.exchange import ImportFeature
 from app.views.features.files import OpenSaveFeature, StartFeature
-from app.views.features.run import ParametersFeature, RunControlFeature
+from app.views.features.run import RunControlFeature, TimelineFeature
 from app.views.features.view import AppearanceFeature
 from app.views.theme import theme
 from app.views.widgets.actions import Actions, ActionSpec, Submenu
@@ -85,6 +85,7 @@ class MainWindow(QMainWindow):
         specs = [spec for feature in self.features.values() for spec in feature.action_specs()]
         self._introduce_files()
         self.actions_by_name = Actions(self, (spec for spec in specs if isinstance(spec, ActionSpec)))
+        self.feature(TimelineFeature).panel.use_actions(self.actions_by_name)
         self.menus = Menus(self.menuBar(), specs, self.actions_by_name)
         panels = [panel for feature in self.features.values() for panel in feature.panels()]
         self.panels = {panel.name: panel.widget for panel in panels}
@@ -161,7 +162,6 @@ class MainWindow(QMainWindow):
         importing = self.feature(ImportFeature)
         files.import_contours = importing.take
         importing.open_files = files.take_dropped
-        files.bring_in = self.feature(ParametersFeature).presets.import_file
         self.feature(StartFeature).show_files_of(files.recent)
 
     def _keep_tool(self) -> None:

@@ -6,7 +6,9 @@ from cpm_core.contours.agreement import ObjectCounts as ObjectCounts
 from cpm_core.contours.agreement import agreement as agreement
 from cpm_core.contours.agreement import distance_to as distance_to
 from cpm_core.contours.contour import Reached as Reached
+from cpm_core.contours.contour import neighborhood as neighborhood
 from cpm_core.contours.contour import numbers_of as numbers_of
+from cpm_core.contours.graph import Graph as Graph
 from cpm_core.contours.hand_edits import HandEdit as HandEdit
 from cpm_core.contours.hand_edits import Kind as Kind
 from cpm_core.contours.hand_edits import Path as Path
@@ -16,7 +18,6 @@ from cpm_core.contours.measurements import centroid as centroid
 from cpm_core.contours.packed_surface import PackedSurface as PackedSurface
 from cpm_core.contours.review import REACH as REACH
 from cpm_core.contours.review import Mark as Mark
-from cpm_core.contours.review import Neighborhood as Neighborhood
 from cpm_core.contours.review import Outline as Outline
 from cpm_core.contours.review import ReviewedContour as ReviewedContour
 from cpm_core.contours.review import Verdict as Verdict

@@ -19,7 +19,7 @@ from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.rasterize import inside, paint
 from cpm_core.numerics.real_numbers import checked_number
 from cpm_core.numerics.segments import SegmentTree
-from cpm_core.numerics.types import Array, Mask
+from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.parameters.quotation import described
 
 TOLERANCE = 2.0
@@ -27,26 +27,6 @@ TOLERANCE = 2.0
 
 _WHOLE = 0.95
 """Fraction of each other's length that a closed contour and a true one must cover to be the same."""
-
-
-@dataclass(frozen=True, slots=True)
-class Match:
-    """An object of the ground truth, and the contour that covers it best.
-
-    Attributes
-    ----------
-    label : int
-        Label in `Truth.objects`.
-    contour : int or None
-        Index of the closed contour whose label has the highest Dice coefficient with the object; None when no contour
-        overlaps it.
-    dice : float
-        This coefficient.
-    """
-
-    label: int
-    contour: int | None
-    dice: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,14 +93,6 @@ class Agreement:
         both = self.recall + self.precision
         return 2.0 * self.recall * self.precision / both if both > 0.0 else 0.0
 
-    def __repr__(self) -> str:
-        away = f"mean distance {self.mean_boundary_distance:.3g} px"
-        return described(type(self).__name__, f"F {self.f:.3f} within {self.tolerance:g} px", away, *self._of_areas())
-
-    def _of_areas(self) -> tuple[str, ...]:
-        """What is said of enclosed areas."""
-        return ()
-
 
 @dataclass(frozen=True, eq=False)
 class Comparison(Agreement):
@@ -138,10 +110,6 @@ class Comparison(Agreement):
         For each contour the distance from each of its vertices to b [px].
     missing : ndarray, shape (M, 2)
         Points every quarter of a pixel along b that are farther from a than the tolerance [px].
-    extra_area, missing_area : ndarray of bool, shape (H, W)
-        A without B, and B without A.
-    matches : tuple of Match
-        One for each object.
     objects : ObjectCounts
         How many objects have been found, missed and merged.
 
@@ -158,16 +126,16 @@ class Comparison(Agreement):
     jaccard: float
     distances: tuple[Array, ...]
     missing: Array
-    extra_area: Mask
-    missing_area: Mask
-    matches: tuple[Match, ...]
     objects: ObjectCounts
 
-    def _of_areas(self) -> tuple[str, ...]:
-        found = f"{self.objects.found} of {self.objects.found + self.objects.missed} objects found"
-        return f"Dice {self.dice:.3f}", found
-
-    __repr__ = Agreement.__repr__
+    def __repr__(self) -> str:
+        return described(
+            "Comparison",
+            f"F {self.f:.3f} within {self.tolerance:g} px",
+            f"mean distance {self.mean_boundary_distance:.3g} px",
+            f"Dice {self.dice:.3f}",
+            f"{self.objects.found} of {self.objects.found + self.objects.missed} objects found",
+        )
 
 
 def agreement(contours: Sequence[Contour], others: Sequence[Contour], tolerance: float = TOLERANCE) -> Agreement:
@@ -234,19 +202,15 @@ def compare(
     _check(tolerance)
     a, b = (_Boundary(some, truth, tolerance) for some in (contours, truth.contours))
     found, true = inside(contours, truth.shape, holes=holes), truth.labels > 0
-    common, either = int((found & true).sum()), int((found | true).sum())
+    dice, jaccard = overlap(int((found & true).sum()), int(found.sum() + true.sum()))
     starts = np.cumsum([len(contour.points) for contour in contours])[:-1]
-    overlaps = _overlaps(contours, truth)
     return Comparison(
         **_boundaries(a, b, tolerance),
-        dice=2.0 * common / (common + either) if either else 1.0,
-        jaccard=common / either if either else 1.0,
+        dice=dice,
+        jaccard=jaccard,
         distances=tuple(np.split(b.tree.distances(_vertices(contours)), starts)) if contours else (),
         missing=b.samples[a.tree.distances(b.samples) > tolerance],
-        extra_area=found & ~true,
-        missing_area=true & ~found,
-        matches=_matches(contours, overlaps),
-        objects=object_counts(overlaps),
+        objects=object_counts(pixels_in_common(truth.objects, paint(contours, truth.shape))),
     )
 
 
@@ -260,15 +224,14 @@ def recovered(contours: Sequence[Contour], truth: Sequence[Contour], tolerance: 
 
     Open contours do not count; boundaries within the tolerance [px] count as the same.
     """
-    found = [_Boundary([one]) for one in contours if one.closed]
-    true = [_Boundary([one]) for one in truth if one.closed]
+    closed = [one for one in contours if one.closed]
     return sum(
         any(
-            _share(b.tree.distances(a.samples), tolerance) >= _WHOLE
-            and _share(a.tree.distances(b.samples), tolerance) >= _WHOLE
-            for a in found
+            min(seen.recall, seen.precision) >= _WHOLE
+            for seen in (agreement([one], [true], tolerance) for one in closed)
         )
-        for b in true
+        for true in truth
+        if true.closed
     )
 
 
@@ -303,15 +266,36 @@ def _cut(points: Array, truth: Truth, tolerance: float) -> Mask:
 def _boundaries(a: _Boundary, b: _Boundary, tolerance: float) -> dict[str, float]:
     """The attributes of `Agreement`."""
     there, back = b.tree.distances(a.samples), a.tree.distances(b.samples)
-    both = np.concatenate([there, back])
-    corners = np.concatenate([b.tree.distances(a.vertices), a.tree.distances(b.vertices)])
-    tails = [float(np.percentile(some, 95.0, method="inverted_cdf")) for some in (there, back) if len(some)]
+    corners = max(b.tree.distances(a.vertices).max(initial=0.0), a.tree.distances(b.vertices).max(initial=0.0))
+    return boundary_figures((there, np.ones(len(there))), (back, np.ones(len(back))), float(corners), tolerance)
+
+
+def boundary_figures(
+    there: tuple[Array, Array], back: tuple[Array, Array], corners: float, tolerance: float
+) -> dict[str, float]:
+    """The attributes of `Agreement`.
+
+    Parameters
+    ----------
+    there, back : tuple of two ndarray, shape (N,)
+        Distances of parts of a from b, and of parts of b from a, each with the sizes of the parts.
+    corners : float
+        Greatest distance of a corner of one from the other.
+    tolerance : float
+        Distance up to which boundaries count as the same.
+    """
+    precision, recall = (
+        float(size[away <= tolerance].sum() / size.sum()) if len(away) else 1.0 for away, size in (there, back)
+    )
+    both = [(away, size) for away, size in (there, back) if len(away)]
+    tails = [float(np.percentile(away, 95.0, weights=size, method="inverted_cdf")) for away, size in both]
+    whole = sum(float(size.sum()) for _, size in both)
     return {
-        "mean_boundary_distance": float(both.mean()) if len(both) else 0.0,
-        "hausdorff": float(max(both.max(initial=0.0), corners.max(initial=0.0))),
+        "mean_boundary_distance": sum(float(away @ size) for away, size in both) / whole if whole else 0.0,
+        "hausdorff": max([corners, *(float(away.max()) for away, _ in both)]),
         "hausdorff95": max(tails, default=0.0),
-        "recall": _share(back, tolerance),
-        "precision": _share(there, tolerance),
+        "recall": recall,
+        "precision": precision,
         "tolerance": tolerance,
     }
 
@@ -320,19 +304,19 @@ def _check(tolerance: float) -> None:
     checked_number("tolerance", tolerance, lambda distance: distance > 0.0, "a number of px above 0")
 
 
-def _share(distances: Array, tolerance: float) -> float:
-    return float((distances <= tolerance).mean()) if len(distances) else 1.0
+def overlap(common: int, both: int) -> tuple[float, float]:
+    """Dice and Jaccard coefficient, from the pixels in common and the sum of those of both."""
+    return (2.0 * common / both, common / (both - common)) if both else (1.0, 1.0)
 
 
-def _overlaps(contours: Sequence[Contour], truth: Truth) -> NDArray[np.int64]:
-    """Number of pixels of each true object (rows) in each closed contour (columns); the first of both is background."""
-    objects = truth.objects.astype(np.int64)
-    found = paint(contours, truth.shape).astype(np.int64)
-    height, width = int(objects.max(initial=0)) + 1, sum(contour.closed for contour in contours) + 1
-    return np.bincount((objects * width + found).ravel(), minlength=height * width).reshape(height, width)
+def pixels_in_common(true: NDArray[np.integer], found: NDArray[np.integer]) -> Index:
+    """Number of pixels of each true object (rows) in each found one (columns), by labels; the first is background."""
+    height, width = int(true.max(initial=0)) + 1, int(found.max(initial=0)) + 1
+    pairs = true.astype(np.int64) * width + found
+    return np.bincount(pairs.ravel(), minlength=height * width).reshape(height, width)
 
 
-def object_counts(table: NDArray[np.int64]) -> ObjectCounts:
+def object_counts(table: Index) -> ObjectCounts:
     """Counts from the pixels of each true object (rows) in each found one (columns).
 
     The first row and the first column are the background.
@@ -342,16 +326,3 @@ def object_counts(table: NDArray[np.int64]) -> ObjectCounts:
     found = int((2 * common > either).sum())  # above 1/2 there is at most one contour for an object, and one for it
     merged = int(((2 * common > sizes[:, None]).sum(axis=0) > 1).sum())
     return ObjectCounts(found, int((sizes > 0).sum()) - found, int((areas > 0).sum()) - found, merged)
-
-
-def _matches(contours: Sequence[Contour], table: NDArray[np.int64]) -> tuple[Match, ...]:
-    """The best matching contour of each object."""
-    closed = [index for index, contour in enumerate(contours) if contour.closed]
-    sizes, areas = table.sum(axis=1), table.sum(axis=0)
-    matches = []
-    for label in np.flatnonzero(sizes[1:]) + 1:
-        dice = 2.0 * table[label, 1:] / (sizes[label] + areas[1:])
-        best = int(dice.argmax()) if closed else -1
-        covered = best >= 0 and dice[best] > 0.0
-        matches.append(Match(int(label), closed[best] if covered else None, float(dice[best]) if covered else 0.0))
-    return tuple(matches)

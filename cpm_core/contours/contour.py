@@ -12,6 +12,7 @@ from typing import Literal, Protocol
 import numpy as np
 
 from cpm_core.numerics import polyline
+from cpm_core.numerics.segments import PathTree
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import counted, described, shown
 
@@ -193,3 +194,21 @@ def numbers_of(contours: Sequence[Contour]) -> tuple[int, ...]:
 def sampled(contours: Sequence[Contour]) -> Array:
     """Points every `SAMPLING` along contours, shape (N, 2) [px], for averages over their length."""
     return np.concatenate([np.empty((0, 2)), *(polyline.sampled(contour.path, SAMPLING) for contour in contours)])
+
+
+def neighborhood(contours: Sequence[Contour]) -> PathTree:
+    """Spatial index of contours, to find those near a position."""
+    return PathTree([contour.path for contour in contours])
+
+
+_ON = 0.01
+"""Distance from a contour up to which a bridge is part of it [px]: its vertices are also those of the contour."""
+
+
+def bridges_on(bridges: Sequence[Bridge], contours: Sequence[Contour]) -> tuple[Bridge, ...]:
+    """The bridges that are part of one of some contours."""
+    if not bridges or not contours:
+        return ()
+    middles = np.array([bridge.points[len(bridge.points) // 2] for bridge in bridges])
+    there = set(neighborhood(contours).pairs(middles, _ON)[0].tolist())
+    return tuple(bridge for number, bridge in enumerate(bridges) if number in there)

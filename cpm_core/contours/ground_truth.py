@@ -11,7 +11,7 @@ import scipy
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour, sampled
-from cpm_core.contours.graph import chains
+from cpm_core.contours.graph import Graph
 from cpm_core.contours.rasterize import inside, paint
 from cpm_core.contours.surface import Surface, surface_of_labels
 from cpm_core.image import drawing
@@ -70,9 +70,7 @@ class Truth(drawing.Pictured):
     @cached_property
     def objects(self) -> Labels:
         """Labels of the single objects, shape (H, W): those of a single class are its connected parts."""
-        if self.labels.max(initial=0) > 1:
-            return self.labels
-        return np.asarray(scipy.ndimage.label(self.labels)[0], dtype=np.int32)
+        return _single(self.labels)
 
     def __repr__(self) -> str:
         return described("Truth", self.source, sized(self.shape), counted(len(self.contours), "contour"))
@@ -83,6 +81,13 @@ class Truth(drawing.Pictured):
         drawing.show_image(ax, (self.labels > 0).astype(float))
         drawing.show_curves(ax, self.contours)
         return ax
+
+
+def _single(labels: Labels) -> Labels:
+    """Labels of the single objects: those of a single class are its connected parts."""
+    if labels.max(initial=0) > 1:
+        return labels
+    return np.asarray(scipy.ndimage.label(labels)[0], dtype=np.int32)
 
 
 def truth_of_contours(
@@ -159,34 +164,19 @@ def _between(labels: Labels) -> tuple[Contour, ...]:
     Around each corner of four pixels up to four sides separate labels. Two of them are joined; three or four meet at
     the corner.
     """
-    rows, cols = labels.shape
     vertical, horizontal = labels[:, :-1] != labels[:, 1:], labels[:-1] != labels[1:]
-    around = (vertical[:-1], vertical[1:], horizontal[:, :-1], horizontal[:, 1:])
-    row, col = np.nonzero(sum(side.astype(np.uint8) for side in around) > 1)
-    separating = np.stack([side[row, col] for side in around], axis=-1)
-    # numbers of the centers of vertical sides, of horizontal sides, and of corners
-    first, second = rows * (cols - 1), rows * (cols - 1) + (rows - 1) * cols
-    upper, left = row * (cols - 1) + col, first + row * cols + col
-    sides, corner = np.stack([upper, upper + cols - 1, left, left + 1], axis=-1), second + upper
-    count = separating.sum(axis=1)
-    pairs = sides[count == 2][separating[count == 2]].reshape(-1, 2)
-    many = count > 2
-    rays = np.stack([sides[many], np.repeat(corner[many, None], 4, axis=1)], axis=-1)[separating[many]]
+    around = np.stack([vertical[:-1], vertical[1:], horizontal[:, :-1], horizontal[:, 1:]], axis=-1)
+    row, col = np.nonzero(around.sum(axis=-1, dtype=np.uint8) > 1)
+    separating = around[row, col]
+    # numbers of places on a grid of half pixels: the corner, and the centers of the sides around it
+    width = 2 * labels.shape[1] - 1
+    corner = ((2 * row + 1) * width + 2 * col + 1)[:, None]
+    sides = corner + np.array([-width, width, -1, 1])
+    two = separating.sum(axis=1) == 2
+    pairs = sides[two][separating[two]].reshape(-1, 2)
+    rays = np.stack(np.broadcast_arrays(sides, corner), axis=-1)[separating & ~two[:, None]]
     used, edges = np.unique(np.concatenate([pairs, rays]), return_inverse=True)
-    return chains(_places(used, rows, cols), edges.reshape(-1, 2).astype(np.int64))
-
-
-def _places(numbers: NDArray[np.integer], rows: int, cols: int) -> Array:
-    """Positions of the centers of sides and the corners with these numbers, shape (N, 2) [px]."""
-    vertical, horizontal = rows * (cols - 1), (rows - 1) * cols
-    kind = np.searchsorted([vertical, vertical + horizontal], numbers, side="right")
-    offset = numbers - np.array([0, vertical, vertical + horizontal])[kind]
-    width = np.array([cols - 1, cols, cols - 1])[kind]
-    half = np.array([(0.0, 0.5), (0.5, 0.0), (0.5, 0.5)])[kind]
-    return np.asarray(np.stack([offset // width, offset % width], axis=1) + half)
-
-
-_MOST_OBJECTS = np.iinfo(np.int32).max
+    return Graph(0.5 * np.stack(np.divmod(used, width), axis=1), edges.reshape(-1, 2).astype(np.int64)).contours()
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,7 +220,8 @@ class VolumeTruth:
 
     def __post_init__(self) -> None:
         given = real_numbers(self.labels)
-        if given.ndim != 3 or given.size == 0 or not _are_labels(given):
+        most = np.iinfo(np.int32).max
+        if given.ndim != 3 or given.size == 0 or given.min() < 0 or given.max() > most or (given % 1.0).any():
             raise ValueError(
                 "the labels of a volume must be whole numbers of at least 0 with three axes, but those of "
                 f"{self.source} have the shape {given.shape} and lie between {given.min(initial=0):g} and "
@@ -247,9 +238,7 @@ class VolumeTruth:
     @cached_property
     def objects(self) -> Labels:
         """Labels of the single objects, shape (P, R, C): those of a single class are its connected parts."""
-        if self.labels.max(initial=0) > 1:
-            return self.labels
-        return np.asarray(scipy.ndimage.label(self.labels)[0], dtype=np.int32)
+        return _single(self.labels)
 
     @cached_property
     def surface(self) -> Surface:
@@ -262,11 +251,6 @@ class VolumeTruth:
     def __repr__(self) -> str:
         objects = len(np.unique(self.objects[self.objects > 0]))
         return described("VolumeTruth", self.source, sized(self.shape, "voxels"), counted(objects, "object"))
-
-
-def _are_labels(values: Array) -> bool:
-    """Whether values are whole numbers of at least 0 that a label can have."""
-    return bool(values.min() >= 0.0 and values.max() <= _MOST_OBJECTS and (values == np.floor(values)).all())
 
 
 def truth_of_volume(

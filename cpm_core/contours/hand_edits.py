@@ -15,10 +15,10 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour
+from cpm_core.contours.contour import Contour, bridges_on
 from cpm_core.contours.polygonal_line import PolygonalLine, joined, lines_of, ring
 from cpm_core.contours.result import Result
-from cpm_core.contours.review import REACH, Neighborhood
+from cpm_core.contours.review import REACH
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Position
 
@@ -46,9 +46,6 @@ of it [px]."""
 
 _FINE = 0.5
 """Distance between samples along a line that is compared with an outline [px]."""
-
-_ON_CONTOUR = 0.5
-"""Distance from a contour up to which a bridge is part of it [px]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,12 +157,7 @@ def apply_to_result(
     if not edits:
         return result, ()
     contours, missed = apply(result.contours, edits, measured)
-    bridges = result.bridges
-    if bridges:
-        middles = np.array([bridge.points[len(bridge.points) // 2] for bridge in bridges])
-        there = set(Neighborhood(contours).pairs(middles, _ON_CONTOUR)[0].tolist()) if contours else set()
-        bridges = tuple(bridge for number, bridge in enumerate(bridges) if number in there)
-    return replace(result, contours=contours, bridges=bridges), missed
+    return replace(result, contours=contours, bridges=bridges_on(result.bridges, contours)), missed
 
 
 # Removing

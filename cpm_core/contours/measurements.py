@@ -138,7 +138,9 @@ def measure(
     1 1 0 1804 1495
     2 2 1 309 309
     """
-    _check_spacing(spacing)
+    sizes = real_numbers(spacing)
+    if sizes.shape != (2,) or not (np.isfinite(sizes) & (sizes > 0.0)).all():
+        raise ValueError(f"spacing is {shown(spacing)} but must be two positive numbers, (row, col).")
     around = containment(contours)
     net = _net_areas(contours, around)
     numbers, labels = numbers_of(contours), contour_labels(contours)
@@ -169,19 +171,30 @@ def centroid(contour: Contour) -> Position:
     """Center (row, col) of the area that a closed contour encloses, or of the length of an open one [px]."""
     path = contour.path
     if contour.area > 0.0:
-        middle = path.mean(axis=0)  # so that squares of large coordinates do not cancel
-        one, other = path[:-1] - middle, path[1:] - middle
-        twice = one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
-        row, col = (middle + (one + other).T @ twice / (3.0 * twice.sum())).tolist()
+        area, *first = moments(path)[:3].tolist()
+        row, col = first[0] / area, first[1] / area
     else:
         row, col = middles(path, _PROBES * len(path)).mean(axis=0).tolist()
     return row, col
 
 
-def _check_spacing(spacing: Sequence[float]) -> None:
-    sizes = real_numbers(spacing)
-    if sizes.shape != (2,) or not (np.isfinite(sizes) & (sizes > 0.0)).all():
-        raise ValueError(f"spacing is {shown(spacing)} but must be two positive numbers, (row, col).")
+def moments(path: Array) -> Array:
+    """Moments of the inside of a closed path, whichever way it runs, about the origin (Green's theorem), shape (6,).
+
+    The area, its first moments (row, col), and its second ones (row row, col col, row col).
+    """
+    middle = path.mean(axis=0)  # so that squares of large coordinates do not cancel
+    one, other = path[:-1] - middle, path[1:] - middle
+    twice, both = one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0], one + other
+    area, (row, col) = 0.5 * twice.sum(), both.T @ twice / 6.0
+    second = sum((some.T * twice) @ some for some in (one, other, both)) / 24.0
+    down, right = middle
+    about = (
+        second[0, 0] + 2.0 * row * down + area * down**2,
+        second[1, 1] + 2.0 * col * right + area * right**2,
+        second[0, 1] + row * right + col * down + area * down * right,
+    )
+    return np.array([area, row + area * down, col + area * right, *about]) * (1.0 if area >= 0.0 else -1.0)
 
 
 def _net_areas(contours: Sequence[Contour], around: Sequence[int | None]) -> Array:
@@ -231,8 +244,7 @@ def containment(contours: Sequence[Contour]) -> tuple[int | None, ...]:
     count = len(contours)
     if not count:
         return ()
-    low = np.array([contour.points.min(axis=0) for contour in contours])
-    high = np.array([contour.points.max(axis=0) for contour in contours])
+    low, high = np.array([contour.box for contour in contours]).swapaxes(0, 1)
     area = np.array([contour.area for contour in contours])
     closed = np.array([contour.closed and len(contour.points) > 2 for contour in contours])
     # which boxes contain which: rows are contours, columns are candidates around them, the smallest first

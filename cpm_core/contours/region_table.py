@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import html
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,7 @@ import scipy
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.measurements import containment, contour_labels
+from cpm_core.contours.measurements import containment, contour_labels, moments
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Index
 from cpm_core.parameters.quotation import counted, described
@@ -95,24 +94,6 @@ _LENGTHS = (
 _AREAS = ("area", "area_filled", "area_convex")
 
 
-@dataclass(frozen=True, slots=True)
-class _Moments:
-    """Area, its first moments (2,) and its second ones (2, 2), about the origin."""
-
-    area: float
-    first: Array
-    second: Array
-
-    def without(self, other: _Moments) -> _Moments:
-        return _Moments(self.area - other.area, self.first - other.first, self.second - other.second)
-
-    def joined(self, other: _Moments) -> _Moments:
-        return _Moments(self.area + other.area, self.first + other.first, self.second + other.second)
-
-
-_NOTHING = _Moments(0.0, np.zeros(2), np.zeros((2, 2)))
-
-
 def region_table(
     contours: Sequence[Contour],
     labels: NDArray[np.integer],
@@ -164,22 +145,21 @@ def volume_table(labels: NDArray[np.integer], gray: Array | None, spacing: Seque
 def _row(label: int, outlines: Sequence[Contour], holes: Sequence[Contour], sides: Array) -> dict[str, object]:
     """The columns of one label except for gray levels."""
     paths, cuts = ([contour.path * sides for contour in some] for some in (outlines, holes))
-    filled, net = _NOTHING, _NOTHING
-    for path in paths:
-        filled = net = filled.joined(_moments(path))
-    for path in cuts:
-        net = net.without(_moments(path))
-    area = max(net.area, 0.0)
+    filled = sum((moments(path) for path in paths), np.zeros(6))
+    net = filled - sum((moments(path) for path in cuts), np.zeros(6))
+    area, whole = max(float(net[0]), 0.0), float(filled[0])
     outer = sum(polyline.length(path) for path in paths)
     points = np.concatenate([np.zeros((0, 2)), *paths])
-    hull = _convex_area(points, filled.area)
-    center = net.first / net.area if net.area > 0.0 else points.mean(axis=0) if len(points) else np.zeros(2)
+    hull = whole
+    if len(points) > 2 and np.linalg.matrix_rank(points - points[0]) == 2:
+        hull = float(scipy.spatial.ConvexHull(points).volume)
+    center = net[1:3] / area if area > 0.0 else points.mean(axis=0) if len(points) else np.zeros(2)
     low, high = (points.min(axis=0), points.max(axis=0)) if len(points) else (np.zeros(2), np.zeros(2))
     return {
         "label": label,
         "name": next((contour.name for contour in outlines if contour.name), ""),
         "area": area,
-        "area_filled": filled.area,
+        "area_filled": whole,
         "area_convex": hull,
         "perimeter": outer + sum(polyline.length(path) for path in cuts),
         "centroid-0": center[0],
@@ -191,31 +171,16 @@ def _row(label: int, outlines: Sequence[Contour], holes: Sequence[Contour], side
         **_ellipse(net, center),
         "equivalent_diameter_area": float(np.sqrt(4.0 * area / np.pi)),
         "solidity": area / hull if hull > 0.0 else np.nan,
-        "circularity": 4.0 * np.pi * filled.area / outer**2 if outer > 0.0 else np.nan,
+        "circularity": 4.0 * np.pi * whole / outer**2 if outer > 0.0 else np.nan,
     }
 
 
-def _moments(path: Array) -> _Moments:
-    """Moments of the inside of a closed path, whichever way it runs (Green's theorem)."""
-    middle = path.mean(axis=0)  # so that squares of large coordinates do not cancel
-    one, other = path[:-1] - middle, path[1:] - middle
-    twice = one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
-    area = 0.5 * float(twice.sum())
-    first = (one + other).T @ twice / 6.0
-    ends = np.einsum("k,ki,kj->ij", twice, one, one) + np.einsum("k,ki,kj->ij", twice, other, other)
-    second = (ends + np.einsum("k,ki,kj->ij", twice, one + other, one + other)) / 24.0
-    sign = 1.0 if area >= 0.0 else -1.0
-    moved = second + np.outer(first, middle) + np.outer(middle, first) + area * np.outer(middle, middle)
-    return _Moments(sign * area, sign * (first + area * middle), sign * moved)
-
-
-def _ellipse(net: _Moments, center: Array) -> dict[str, object]:
+def _ellipse(net: Array, center: Array) -> dict[str, object]:
     """The ellipse of the same second moments: its axes, eccentricity, and the angle between rows and its long axis."""
-    if net.area <= 0.0:
+    if net[0] <= 0.0:
         return dict.fromkeys(("axis_major_length", "axis_minor_length", "eccentricity", "orientation"), np.nan)
-    spread = net.second / net.area - np.outer(center, center)
-    small, large = np.maximum(np.linalg.eigvalsh(spread), 0.0).tolist()
-    rows, cols, mixed = spread[0, 0], spread[1, 1], spread[0, 1]
+    rows, cols, mixed = net[3:] / net[0] - (center[0] ** 2, center[1] ** 2, center[0] * center[1])
+    small, large = np.maximum(np.linalg.eigvalsh([[rows, mixed], [mixed, cols]]), 0.0).tolist()
     return {
         "axis_major_length": 4.0 * np.sqrt(large),
         "axis_minor_length": 4.0 * np.sqrt(small),
@@ -224,29 +189,20 @@ def _ellipse(net: _Moments, center: Array) -> dict[str, object]:
     }
 
 
-def _convex_area(points: Array, otherwise: float) -> float:
-    """Area of the convex hull of points, shape (N, 2); `otherwise` where they have none."""
-    if len(points) < 3 or np.linalg.matrix_rank(points - points[0]) < 2:
-        return otherwise
-    return float(scipy.spatial.ConvexHull(points).volume)
+_LEVELS = {"mean": "mean", "std": "standard_deviation", "min": "minimum", "max": "maximum"}
+"""Names of columns of gray levels, and of the functions of scipy.ndimage that measure them."""
 
 
 def _gray_columns(numbers: Index, labels: NDArray[np.integer], gray: Array | None) -> dict[str, Column]:
     """Mean, deviation, least and largest gray level of each label; NaN where no center of a pixel lies inside."""
-    if gray is None:
+    if gray is None or not len(numbers):
         return {}
-    inside = labels > 0
-    found, levels = labels[inside].astype(np.int64), gray[inside]
-    count = np.bincount(found, minlength=int(numbers.max(initial=0)) + 1).astype(float)
-    count[count == 0.0] = np.nan
-    mean = np.bincount(found, levels, minlength=len(count)) / count
-    spread = np.sqrt(np.bincount(found, (levels - mean[found]) ** 2, minlength=len(count)) / count)
-    low, high = np.full(len(count), np.inf), np.full(len(count), -np.inf)
-    np.minimum.at(low, found, levels)
-    np.maximum.at(high, found, levels)
-    ends = {"intensity_min": low, "intensity_max": high}
-    columns = {"intensity_mean": mean, "intensity_std": spread, **ends}
-    return {name: np.where(np.isnan(mean), np.nan, column)[numbers] for name, column in columns.items()}
+    there = np.isin(numbers, labels)
+    columns = {f"intensity_{name}": np.full(len(numbers), np.nan) for name in _LEVELS}
+    with np.errstate(invalid="ignore"):  # scipy divides by the size of labels that are not asked for, too
+        for name, measure in _LEVELS.items():
+            columns[f"intensity_{name}"][there] = getattr(scipy.ndimage, measure)(gray, labels, numbers[there])
+    return columns
 
 
 def _units(columns: dict[str, Column], unit: str, power: str) -> dict[str, str]:

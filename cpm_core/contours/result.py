@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -10,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.contours.contour import Bridge, Contour
+from cpm_core.contours.contour import Bridge, Contour, bridges_on
 from cpm_core.contours.measurements import centroid, contour_labels
 from cpm_core.contours.rasterize import paint
 from cpm_core.contours.region_table import Table, region_table, volume_table
@@ -19,8 +18,6 @@ from cpm_core.image import drawing
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.parameters.quotation import counted, described
 
@@ -181,15 +178,12 @@ class Result(drawing.Pictured):
         if particles and len(self.particles):
             drawing.show_particles(ax, self.particles)
         if labels:
-            named = [(one.name or str(n), centroid(one)) for one, n in self._labeled if n][:_MOST_NAMES]
+            numbered = zip(self.contours, contour_labels(self.contours), strict=True)
+            named = [(one.name or str(n), centroid(one)) for one, n in numbered if n][:_MOST_NAMES]
             drawing.show_names(ax, [name for name, _ in named], [place for _, place in named])
         if scale_bar:
             drawing.show_scale_bar(ax, self.shape, self.spacing, self.unit)
         return ax
-
-    @property
-    def _labeled(self) -> list[tuple[Contour, int]]:
-        return list(zip(self.contours, contour_labels(self.contours), strict=True))
 
     def __repr__(self) -> str:
         closed = sum(contour.closed for contour in self.contours)
@@ -217,14 +211,4 @@ def remaining(result: Result, stays: Sequence[bool]) -> Result:
     if all(stays):
         return result
     kept = tuple(contour for contour, stay in zip(result.contours, stays, strict=True) if stay)
-    dropped = [contour for contour, stay in zip(result.contours, stays, strict=True) if not stay]
-    lost = _on(dropped, [bridge.points for bridge in result.bridges])
-    found = _on(kept, [bridge.points for bridge in result.bridges])
-    bridges = tuple(b for b, off, on in zip(result.bridges, lost, found, strict=True) if on <= off)
-    return replace(result, contours=kept, bridges=bridges)
-
-
-def _on(contours: Sequence[Contour], paths: Sequence[Array]) -> list[float]:
-    """Distance of the middle of each path from the nearest of some contours [px]."""
-    places = [path[len(path) // 2] for path in paths]
-    return [min((float(polyline.distances(c.path, p[None])[0]) for c in contours), default=math.inf) for p in places]
+    return replace(result, contours=kept, bridges=bridges_on(result.bridges, kept))

@@ -14,13 +14,11 @@ from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cpm_core.contours.contour import Contour, check_name
+from cpm_core.contours.contour import Contour, check_name, neighborhood
 from cpm_core.contours.result import Result, remaining
 from cpm_core.numerics import polyline
-from cpm_core.numerics.segments import distances_to_segments
-from cpm_core.numerics.types import Array, Position
+from cpm_core.numerics.types import Position
 from cpm_core.parameters.quotation import shown
 
 Verdict = Literal["", "kept", "rejected"]
@@ -133,7 +131,14 @@ def reviewed(contours: Sequence[Contour], marks: Sequence[Mark]) -> tuple[Review
     """Each contour with its mark, in order; the marks may be from an earlier reconstruction."""
     owner = attached(contours, [mark.anchor for mark in marks])
     by_contour = {contour: mark for contour, mark in zip(owner, marks, strict=True) if contour is not None}
-    return tuple(_reviewed(contour, by_contour.get(index), index) for index, contour in enumerate(contours))
+    found = []
+    for index, contour in enumerate(contours):
+        mark = by_contour.get(index)
+        named = contour
+        if mark is not None and (mark.name, mark.color) != (contour.name, contour.color):
+            named = replace(contour, name=mark.name or contour.name, color=mark.color or contour.color)
+        found.append(ReviewedContour(named, mark, index))
+    return tuple(found)
 
 
 def apply(result: Result, marks: Sequence[Mark]) -> Result:
@@ -167,7 +172,7 @@ def attached(contours: Sequence[Contour], anchors: Sequence[Position], reach: fl
     found: list[int | None] = [None] * len(anchors)
     if not contours or not anchors:
         return found
-    near = Neighborhood(contours).pairs(np.array(anchors, dtype=float), reach)
+    near = neighborhood(contours).pairs(np.array(anchors, dtype=float), reach)
     pairs = sorted(
         (away, number, -contours[index].length, index)
         for number, index, away in zip(*(of_pair.tolist() for of_pair in near), strict=True)
@@ -178,51 +183,6 @@ def attached(contours: Sequence[Contour], anchors: Sequence[Position], reach: fl
             found[number] = index
             taken.add(index)
     return found
-
-
-class Neighborhood:
-    """Spatial index of contours, to find those near a position."""
-
-    def __init__(self, contours: Sequence[Contour]) -> None:
-        paths = [contour.path if len(contour.path) > 1 else contour.path[[0, 0]] for contour in contours]
-        begin = np.concatenate([np.empty((0, 2)), *(path[:-1] for path in paths)])
-        end = np.concatenate([np.empty((0, 2)), *(path[1:] for path in paths)])
-        owner = np.repeat(np.arange(len(paths)), [len(path) - 1 for path in paths])
-        row = 0.5 * (begin[:, 0] + end[:, 0])
-        order = np.argsort(row, kind="stable")
-        self._row = row[order]
-        self._begin, self._along, self._owner = begin[order], (end - begin)[order], owner[order]
-        half = 0.5 * np.abs(self._along)
-        self._middle_col = self._begin[:, 1] + 0.5 * self._along[:, 1]
-        self._half_col = half[:, 1]
-        self._tallest = float(half[:, 0].max(initial=0.0))
-
-    def passing(self, place: Position, reach: float) -> list[tuple[int, float]]:
-        """Index and distance [px] of the contours within `reach` [px] of a position, nearest first."""
-        _, index, away = self.pairs(np.array([place]), reach)
-        return sorted(zip(index.tolist(), away.tolist(), strict=True), key=lambda one: (one[1], one[0]))
-
-    def pairs(self, places: Array, reach: float) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
-        """Pairs of a position, of shape (N, 2), and a contour within `reach` [px] of it.
-
-        Returns the index of the position, that of the contour, and their distance [px], each of shape (P,).
-        """
-        # Segments are sorted by row, so that those near a position are contiguous.
-        width = reach + self._tallest
-        first = np.searchsorted(self._row, places[:, 0] - width)
-        count = np.searchsorted(self._row, places[:, 0] + width, side="right") - first
-        number = np.repeat(np.arange(len(places)), count)
-        segment = np.arange(len(number)) + np.repeat(first - np.cumsum(count) + count, count)
-        beside = np.abs(self._middle_col[segment] - places[number, 1]) <= reach + self._half_col[segment]
-        number, segment = number[beside], segment[beside]
-        away = distances_to_segments(places[number], self._begin[segment], self._along[segment])
-        near = away <= reach
-        number, owner, away = number[near], self._owner[segment[near]], away[near]
-        order = np.lexsort((away, owner, number))
-        number, owner, away = number[order], owner[order], away[order]
-        nearest = np.ones(len(number), np.bool_)  # the first row of a position and a contour is its nearest segment
-        nearest[1:] = (np.diff(number) != 0) | (np.diff(owner) != 0)
-        return number[nearest], owner[nearest], away[nearest]
 
 
 def middle(contour: Contour) -> Position:
@@ -245,12 +205,6 @@ def anchor(contours: Sequence[Contour], index: int) -> Position:
             clear = np.minimum(clear, polyline.distances(neighbor.path, places))
     row, col = places[int(np.argmax(clear))].tolist()
     return row, col
-
-
-def _reviewed(contour: Contour, mark: Mark | None, index: int) -> ReviewedContour:
-    if mark is not None and (mark.name, mark.color) != (contour.name, contour.color):
-        contour = replace(contour, name=mark.name or contour.name, color=mark.color or contour.color)
-    return ReviewedContour(contour, mark, index)
 
 
 _SAME = 2.0
@@ -309,7 +263,7 @@ def _missing(contours: Sequence[Contour], kept: Sequence[Mark]) -> list[Mark]:
         return list(kept)
     owner = attached(contours, [mark.anchor for mark in kept])
     places = [polyline.middles(mark.outline.contour().path, _SAMPLES) for mark in kept]
-    place, contour, _ = Neighborhood(contours).pairs(np.concatenate(places), _SAME)
+    place, contour, _ = neighborhood(contours).pairs(np.concatenate(places), _SAME)
     found = []
     for index, mark in enumerate(kept):
         along = (contour == owner[index]) & (place // _SAMPLES == index) if owner[index] is not None else np.zeros(1)

@@ -14,7 +14,15 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from cpm_core.contours.agreement import TOLERANCE, Agreement, ObjectCounts, object_counts
+from cpm_core.contours.agreement import (
+    TOLERANCE,
+    Agreement,
+    ObjectCounts,
+    boundary_figures,
+    object_counts,
+    overlap,
+    pixels_in_common,
+)
 from cpm_core.contours.ground_truth import VolumeTruth
 from cpm_core.contours.surface import Surface, numbered
 from cpm_core.numerics.real_numbers import checked_number
@@ -30,25 +38,8 @@ _AT_A_TIME = 20_000
 _LONGEST = 1.5
 """Length of a side above which a triangle is divided, in smallest sides of a voxel; marching cubes make none above."""
 
-_FINEST = 64
-"""Parts that a side of a triangle is divided into at most."""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class _Barycentric:
-    """The equal triangles that a triangle is divided into: weights of its corners, shape (N, 3, 3)."""
-
-    weights: Array
-
-    @classmethod
-    def of(cls, count: int) -> _Barycentric:
-        """With so many parts of each side."""
-        upright = [(i, j) for i in range(count) for j in range(count - i)]
-        turned = [(i, j) for i, j in upright if i + j < count - 1]
-        corners = [((i, j), (i + 1, j), (i, j + 1)) for i, j in upright]
-        corners += [((i + 1, j), (i + 1, j + 1), (i, j + 1)) for i, j in turned]
-        along = np.array(corners, dtype=float) / count
-        return cls(np.concatenate([1.0 - along.sum(axis=2, keepdims=True), along], axis=2))
+_HALVINGS = 6
+"""How often the sides of a triangle are halved at most."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,24 +53,6 @@ class Triangles:
     """
 
     corners: Array
-
-    @classmethod
-    def of(cls, surface: Surface, shape: tuple[int, ...]) -> Triangles:
-        """Those of a surface, no longer than one and a half of the smallest side of a voxel.
-
-        Only those between the centers of the outermost voxels of a volume of this shape: along its border a surface is
-        closed where no edge is.
-        """
-        sides = np.array(surface.spacing)
-        corners = (surface.vertices * sides)[surface.faces]
-        longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1, initial=0.0)
-        parts = np.clip(np.ceil(longest / (_LONGEST * sides.min())), 1, _FINEST).astype(int)
-        fine = [
-            np.einsum("nkc,tcx->tnkx", _Barycentric.of(count).weights, corners[parts == count]).reshape(-1, 3, 3)
-            for count in np.unique(parts).tolist()
-        ]
-        found = cls(np.concatenate([np.empty((0, 3, 3)), *fine]))
-        return cls(found.corners[within_border(found.centers / sides, shape)])
 
     @cached_property
     def centers(self) -> Array:
@@ -107,6 +80,25 @@ class Triangles:
             near = np.asarray(self._tree.query(points[some], k=np.arange(1, count + 1))[1], dtype=np.int64)
             found[some] = _from_triangles(points[some, None], self.corners[near]).min(axis=1)
         return found
+
+
+def triangles_of(surface: Surface, shape: tuple[int, ...]) -> Triangles:
+    """Those of a surface, no longer than one and a half of the smallest side of a voxel.
+
+    Only those between the centers of the outermost voxels of a volume of this shape: along its border a surface is
+    closed where no edge is.
+    """
+    sides = np.array(surface.spacing)
+    corners = (surface.vertices * sides)[surface.faces]
+    for _ in range(_HALVINGS):
+        longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1, initial=0.0)
+        large = longest > _LONGEST * sides.min()
+        a, b, c = corners[large].swapaxes(0, 1)
+        halves = 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)
+        four = (a, halves[0], halves[2]), (halves[0], b, halves[1]), (halves[2], halves[1], c), halves
+        corners = np.concatenate([corners[~large], *(np.stack(some, axis=1) for some in four)])
+    found = Triangles(corners)
+    return Triangles(corners[within_border(found.centers / sides, shape)])
 
 
 def within_border(voxels: Array, shape: tuple[int, ...]) -> Mask:
@@ -205,26 +197,33 @@ def compare_surface(surface: Surface | None, truth: VolumeTruth, tolerance: floa
     >>> agreed.dice, agreed.hausdorff < 1e-6, agreed.unit
     (1.0, True, 'mm')
     """
-    near, found = _checked(surface, truth, tolerance)
+    near = TOLERANCE * min(truth.spacing) if tolerance is None else tolerance
+    checked_number("tolerance", near, lambda distance: distance > 0.0, "a distance above 0")
+    found = Surface(np.empty((0, 3)), np.empty((0, 3), np.int64), truth.spacing) if surface is None else surface
+    if not np.allclose(found.spacing, truth.spacing, rtol=1e-3):
+        one, other = (" x ".join(f"{side:g}" for side in sides) for sides in (found.spacing, truth.spacing))
+        raise ValueError(
+            f"the voxels of the surface are {one} but those of {truth.source} {other}: compare a surface with the "
+            "ground truth of its own volume."
+        )
     shape, sides = truth.shape, np.array(truth.spacing)
-    a, b = Triangles.of(found, shape), Triangles.of(truth.surface, shape)
+    a, b = triangles_of(found, shape), triangles_of(truth.surface, shape)
     wrong, missing = (
         np.where(within_border(one.vertices, shape), other.distances(one.vertices * sides), 0.0)
         for one, other in ((found, b), (truth.surface, a))
     )
-    there, back = b.distances(a.centers), a.distances(b.centers)
-    tails = [_tail(away, some.areas) for away, some in ((there, a), (back, b)) if len(away)]
-    whole = float(a.areas.sum() + b.areas.sum())
-    mean = float(np.dot(there, a.areas) + np.dot(back, b.areas)) / whole if whole else 0.0
-    corners = max(wrong.max(initial=0.0), missing.max(initial=0.0))
-    dice, jaccard, objects = _overlap(found, truth)
+    dice, jaccard, objects = np.nan, np.nan, ObjectCounts(0, 0, 0, 0)
+    if found.closed or not len(found.faces):
+        table = pixels_in_common(truth.objects, numbered(found, shape))
+        dice, jaccard = overlap(int(table[1:, 1:].sum()), int(table[1:].sum() + table[:, 1:].sum()))
+        objects = object_counts(table)
     return SurfaceComparison(
-        mean_boundary_distance=mean,
-        hausdorff=float(max(there.max(initial=0.0), back.max(initial=0.0), corners)),
-        hausdorff95=max(tails, default=0.0),
-        recall=_share(back <= near, b.areas),
-        precision=_share(there <= near, a.areas),
-        tolerance=near,
+        **boundary_figures(
+            (b.distances(a.centers), a.areas),
+            (a.distances(b.centers), b.areas),
+            float(max(wrong.max(initial=0.0), missing.max(initial=0.0))),
+            near,
+        ),
         dice=dice,
         jaccard=jaccard,
         objects=objects,
@@ -232,45 +231,3 @@ def compare_surface(surface: Surface | None, truth: VolumeTruth, tolerance: floa
         missing=missing,
         unit=truth.unit,
     )
-
-
-def _checked(surface: Surface | None, truth: VolumeTruth, tolerance: float | None) -> tuple[float, Surface]:
-    """The tolerance, and the surface, without triangles where there is none."""
-    near = TOLERANCE * min(truth.spacing) if tolerance is None else tolerance
-    checked_number("tolerance", near, lambda distance: distance > 0.0, "a distance above 0")
-    found = Surface(np.empty((0, 3)), np.empty((0, 3), np.int64), truth.spacing) if surface is None else surface
-    if not np.allclose(found.spacing, truth.spacing, rtol=1e-3):
-        raise ValueError(
-            f"the voxels of the surface are {_sides(found.spacing)} but those of {truth.source} "
-            f"{_sides(truth.spacing)}: compare a surface with the ground truth of its own volume."
-        )
-    return near, found
-
-
-def _overlap(found: Surface, truth: VolumeTruth) -> tuple[float, float, ObjectCounts]:
-    """Dice and Jaccard of the voxels inside, and the counts of objects."""
-    if len(found.faces) and not found.closed:
-        return np.nan, np.nan, ObjectCounts(0, 0, 0, 0)
-    numbers = numbered(found, truth.shape)
-    height, width = int(truth.objects.max(initial=0)) + 1, int(numbers.max(initial=0)) + 1
-    table = np.bincount((truth.objects.astype(np.int64) * width + numbers).ravel(), minlength=height * width)
-    table = table.reshape(height, width)
-    common, both = int(table[1:, 1:].sum()), int(table[1:].sum() + table[:, 1:].sum())
-    dice = 2.0 * common / both if both else 1.0
-    return dice, common / (both - common) if both else 1.0, object_counts(table)
-
-
-def _tail(away: Array, weights: Array) -> float:
-    """The distance that 95 % of an area stay within."""
-    order = np.argsort(away)
-    share = np.cumsum(weights[order])
-    return float(away[order][min(int(np.searchsorted(share, 0.95 * share[-1])), len(away) - 1)])
-
-
-def _share(near: Mask, weights: Array) -> float:
-    """The part of an area; 1 of none."""
-    return float(weights[near].sum() / weights.sum()) if len(weights) else 1.0
-
-
-def _sides(spacing: tuple[float, ...]) -> str:
-    return " x ".join(f"{side:g}" for side in spacing)

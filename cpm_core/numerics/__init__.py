@@ -7,6 +7,7 @@ from cpm_core.numerics.polyline import coarser as coarser
 from cpm_core.numerics.polyline import length as length
 from cpm_core.numerics.polyline import thinned as thinned
 from cpm_core.numerics.real_numbers import voxel_sides as voxel_sides
+from cpm_core.numerics.segments import PathTree as PathTree
 from cpm_core.numerics.types import Array as Array
 from cpm_core.numerics.types import Index as Index
 from cpm_core.numerics.types import Mask as Mask

@@ -6,13 +6,15 @@ compiled loops, since a step of a run asks thousands of times.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.numerics.types import Array, Index, Mask, Position
 
 
 def segments_of(path: Array) -> Array:
@@ -75,6 +77,34 @@ class SegmentTree:
             nearest = self._tree.query_nearest(shapely.points(points), return_distance=True, all_matches=False)
             least[nearest[0][0]] = nearest[1]
         return least
+
+
+class PathTree:
+    """Paths, each of shape (K, 2) [px], to find those near a position."""
+
+    def __init__(self, paths: Sequence[Array]) -> None:
+        import shapely  # noqa: PLC0415 - takes long to load
+
+        # GEOS knows no distance from a line without length
+        lines = [shapely.LineString(path) if (path != path[0]).any() else shapely.Point(path[0]) for path in paths]
+        self._lines = np.array(lines, dtype=object)
+        self._tree = shapely.STRtree(self._lines)
+
+    def pairs(self, places: Array, reach: float) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
+        """Pairs of a position, of shape (N, 2), and a path within `reach` [px] of it.
+
+        Returns the index of the position, that of the path, and their distance [px], each of shape (P,).
+        """
+        import shapely  # noqa: PLC0415
+
+        points = shapely.points(places)
+        place, path = self._tree.query(points, "dwithin", reach)
+        return place, path, shapely.distance(points[place], self._lines[path])
+
+    def passing(self, place: Position, reach: float) -> list[int]:
+        """Indices of the paths within `reach` [px] of a position, nearest first."""
+        _, path, away = self.pairs(np.array([place]), reach)
+        return list(path[np.lexsort((path, away))].tolist())
 
 
 def _signed_area(p: Array, q: Array, a: Array) -> Any:

@@ -11,7 +11,7 @@ import numpy as np
 
 from cpm_core.model.starts import above
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Position
+from cpm_core.numerics.types import Array
 from cpm_core.shapes.path import ClosedPath, check_number
 
 FINEST, COARSEST = 2.0, 64.0
@@ -38,32 +38,26 @@ class Grid(ClosedPath):
 
     title: ClassVar[str] = "grid"
 
-    points: tuple[Position, ...]
     spacing: float = 8.0
 
     def __post_init__(self) -> None:
         ClosedPath.__post_init__(self)
-        check_number("spacing", self.spacing)
-        places = math.prod(length / self.spacing + 1.0 for length in _extent(self.points))
-        if not places <= MOST_PLACES:
-            raise ValueError(
-                f"spacing is {self.spacing:g} px, which gives {places:.3g} particles in the box of the area, but there "
-                f"may be {MOST_PLACES} at most: make the spacing wider or the area smaller."
-            )
+        check_spacing(self.spacing, self._lengths)
 
     def seeds(self) -> Array:
         """Positions of the particles, shape (N, 2), centered in the area; a single one where the area is too small."""
-        low, high = np.min(self.points, axis=0), np.max(self.points, axis=0)
-        along = [centered_along(length, self.spacing) for length in (high - low).tolist()]
-        places = np.stack(np.meshgrid(*along, indexing="ij"), axis=-1).reshape(-1, 2) + low
+        places = evenly(self._lengths, self.spacing) + np.min(self.points, axis=0)
         found = places[polyline.inside(self.points, places)]
         return np.asarray(found if len(found) else np.mean(self.points, axis=0)[None])
 
     def resized(self, by: float) -> Grid:
         """The same area with the spacing changed by so many px."""
-        box = math.prod(length + 1.0 for length in _extent(self.points))
-        finest = max(FINEST, math.ceil(math.sqrt(2.0 * box / MOST_PLACES)))
-        return replace(self, spacing=min(max(self.spacing + by, finest), max(COARSEST, finest)))
+        return replace(self, spacing=changed_spacing(self.spacing + by, self._lengths))
+
+    @property
+    def _lengths(self) -> list[float]:
+        """Lengths of the box around the area along rows and columns [px]."""
+        return list(np.ptp(np.array(self.points, dtype=float), axis=0).tolist())
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +75,6 @@ class Threshold(ClosedPath):
     title: ClassVar[str] = "threshold"
     follows_smoothing: ClassVar[bool] = True
 
-    points: tuple[Position, ...]
     fraction: float = 0.3
 
     def __post_init__(self) -> None:
@@ -100,15 +93,41 @@ class Threshold(ClosedPath):
 
     def resized(self, by: float) -> Threshold:
         """The same area with the threshold raised by so many steps of 0.02."""
-        return replace(self, fraction=round(min(max(self.fraction + STEP * by, LOWEST), HIGHEST), 6))
+        return replace(self, fraction=changed_fraction(self.fraction, by))
 
 
-def _extent(points: Sequence[Position]) -> list[float]:
-    """Lengths of the box around points along rows and columns [px]."""
-    return list(np.ptp(np.array(points, dtype=float), axis=0).tolist())
+def check_spacing(spacing: float, lengths: Sequence[float]) -> None:
+    """Check that a grid in a box of these lengths has no more particles than are allowed, else raise ValueError."""
+    check_number("spacing", spacing)
+    places = math.prod(length / spacing + 1.0 for length in lengths)
+    if not places <= MOST_PLACES:
+        raise ValueError(
+            f"spacing is {spacing:g}, which gives {places:.3g} particles in the box around the grid, but there may be "
+            f"{MOST_PLACES} at most: make the spacing wider or the box smaller."
+        )
 
 
-def centered_along(length: float, spacing: float) -> Array:
-    """Positions along a length, with the same margin at both ends."""
-    count = int(length // spacing) + 1
-    return np.asarray(0.5 * length + spacing * (np.arange(count) - 0.5 * (count - 1)), dtype=float)
+def finest_spacing(lengths: Sequence[float]) -> int:
+    """The least spacing at which a box of these lengths has no more particles than are allowed."""
+    side: float = (2.0 * math.prod(length + 1.0 for length in lengths) / MOST_PLACES) ** (1.0 / len(lengths))
+    return math.ceil(side)
+
+
+def changed_spacing(wanted: float, lengths: Sequence[float]) -> float:
+    """The spacing nearest to a wanted one that a grid in a box of these lengths can be given."""
+    finest = max(FINEST, finest_spacing(lengths))
+    return min(max(wanted, finest), max(COARSEST, finest))
+
+
+def changed_fraction(fraction: float, by: float) -> float:
+    """The fraction of a threshold raised by so many steps of 0.02."""
+    return round(min(max(fraction + STEP * by, LOWEST), HIGHEST), 6)
+
+
+def evenly(lengths: Sequence[float], spacing: float) -> Array:
+    """Positions in a box of D lengths, shape (N, D), with the same margin at opposite sides."""
+    along = []
+    for length in lengths:
+        count = int(length // spacing) + 1
+        along.append(0.5 * length + spacing * (np.arange(count) - 0.5 * (count - 1)))
+    return np.stack(np.meshgrid(*along, indexing="ij"), axis=-1).reshape(-1, len(lengths))

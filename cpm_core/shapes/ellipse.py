@@ -1,26 +1,63 @@
-"""Particles on a circle."""
+"""Particles on a circle or an ellipse."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import ClassVar
+import operator
+from dataclasses import dataclass, replace
+from typing import ClassVar, Self
 
 import numpy as np
 
 from cpm_core.model import starts as initialization
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Position
+from cpm_core.numerics.types import Array, Place, Position
 from cpm_core.shapes.path import LARGEST, check_number
 
 SMALLEST_RADIUS = 1.0
-"""Radius under which a drawn circle is taken for an accidental click [px]."""
+"""Radius under which a drawn circle or sphere is taken for an accidental click [px, sides of the smallest voxel]."""
 
 _CORNERS = 180
 
 
+class Round:
+    """What is as far from its center all around. Subclasses are frozen dataclasses."""
+
+    __slots__ = ()
+
+    center: Place
+    radius: float
+
+    def moved(self, by: Place) -> Self:
+        """The same shape displaced by so much along each axis."""
+        return replace(self, center=tuple(map(operator.add, self.center, by)))  # type: ignore[type-var]
+
+    def resized(self, by: float) -> Self:
+        """The shape with its radius changed by so much."""
+        return self._with_radius(self.radius + by)
+
+    def with_handle_at(self, handle: Place, to: Place) -> Self:
+        """The shape with the same center through a position, for any handle."""
+        return self._with_radius(self.away(to))
+
+    def away(self, position: Place) -> float:
+        """Distance of a position from the center, in the unit of the radius."""
+        return math.dist(self.center, position)
+
+    def distance(self, position: Place) -> float:
+        """Distance of a position from the line or the surface, in the unit of the radius."""
+        return abs(self.away(position) - self.radius)
+
+    def encloses(self, position: Place) -> bool:
+        """Whether a position lies inside."""
+        return self.away(position) <= self.radius
+
+    def _with_radius(self, radius: float) -> Self:
+        return replace(self, radius=min(max(radius, SMALLEST_RADIUS), LARGEST))  # type: ignore[type-var]
+
+
 @dataclass(frozen=True, slots=True)
-class Circle:
+class Circle(Round):
     """Particles on a circle.
 
     Attributes
@@ -49,33 +86,10 @@ class Circle:
         angle = np.linspace(0.0, 2.0 * np.pi, _CORNERS)
         return np.array(self.center) + self.radius * np.stack([np.sin(angle), np.cos(angle)], axis=1)
 
-    def moved(self, by: Position) -> Circle:
-        """The same circle displaced by (rows, cols)."""
-        return Circle((self.center[0] + by[0], self.center[1] + by[1]), self.radius)
-
-    def resized(self, by: float) -> Circle:
-        """The circle with its radius changed by so many px."""
-        return self._with_radius(self.radius + by)
-
     def handles(self) -> tuple[Position, ...]:
         """Positions on the line for resizing: top, right, bottom, left."""
         (row, col), radius = self.center, self.radius
         return ((row - radius, col), (row, col + radius), (row + radius, col), (row, col - radius))
-
-    def with_handle_at(self, handle: Position, to: Position) -> Circle:
-        """The circle with the same center through a position, for any handle."""
-        return self._with_radius(math.dist(self.center, to))
-
-    def distance(self, position: Position) -> float:
-        """Distance of a position from the line [px]."""
-        return abs(math.dist(self.center, position) - self.radius)
-
-    def encloses(self, position: Position) -> bool:
-        """Whether a position lies inside."""
-        return math.dist(self.center, position) <= self.radius
-
-    def _with_radius(self, radius: float) -> Circle:
-        return Circle(self.center, min(max(radius, SMALLEST_RADIUS), LARGEST))
 
 
 _ARM, _OUT = 1.25, 4.0
@@ -114,16 +128,14 @@ class Ellipse:
     def outline(self) -> Array:
         """Vertices of the line, shape (K, 2), the first repeated at the end."""
         turn = np.linspace(0.0, 2.0 * np.pi, _CORNERS)
-        (along, across), (first, second) = self._axes(), self.radii
+        (along, across), (first, second) = self._axes, self.radii
         return np.asarray(
-            np.array(self.center)
-            + first * np.cos(turn)[:, None] * np.array(along)
-            + second * np.sin(turn)[:, None] * np.array(across)
+            np.array(self.center) + first * np.cos(turn)[:, None] * along + second * np.sin(turn)[:, None] * across
         )
 
     def moved(self, by: Position) -> Ellipse:
         """The same ellipse displaced by (rows, cols)."""
-        return Ellipse((self.center[0] + by[0], self.center[1] + by[1]), self.radii, self.angle)
+        return replace(self, center=tuple(map(operator.add, self.center, by)))
 
     def resized(self, by: float) -> Ellipse:
         """The ellipse with both radii changed by so many px."""
@@ -131,46 +143,36 @@ class Ellipse:
 
     def handles(self) -> tuple[Position, ...]:
         """The four ends of the axes, for resizing, and one beyond the first, for rotation."""
-        (along, across), (first, second) = self._axes(), self.radii
-        return (
-            self._at(along, first),
-            self._at(across, second),
-            self._at(along, -first),
-            self._at(across, -second),
-            self._at(along, _ARM * first + _OUT),
-        )
+        first, second = np.array(self.radii)[:, None] * self._axes
+        beyond = (_ARM * self.radii[0] + _OUT) * self._axes[0]
+        return tuple(map(tuple, (np.array([first, second, -first, -second, beyond]) + self.center).tolist()))
 
     def with_handle_at(self, handle: Position, to: Position) -> Ellipse:
         """The ellipse with the radius of the handle reaching a position, or rotated toward it."""
         handles = self.handles()
         which = min(range(len(handles)), key=lambda index: math.dist(handles[index], handle))
-        row, col = to[0] - self.center[0], to[1] - self.center[1]
+        row, col = map(operator.sub, to, self.center)
         if which == len(handles) - 1:
-            turned = math.atan2(row, col) if (row, col) != (0.0, 0.0) else self.angle
-            return Ellipse(self.center, self.radii, turned)
-        down, right = self._axes()[which % 2]
-        reached = abs(row * down + col * right)
+            return replace(self, angle=math.atan2(row, col) if row or col else self.angle)
+        reached = abs(float(self._axes[which % 2] @ (row, col)))
         first, second = self.radii
         return self._with_radii(reached, second) if which % 2 == 0 else self._with_radii(first, reached)
 
     def distance(self, position: Position) -> float:
         """Distance of a position from the line [px]."""
-        return polyline.distance([(row, col) for row, col in self.outline.tolist()], position)
+        return polyline.distance(self.outline, position)
 
     def encloses(self, position: Position) -> bool:
         """Whether a position lies inside."""
-        row, col = position[0] - self.center[0], position[1] - self.center[1]
-        shares = ((row * a[0] + col * a[1]) / radius for a, radius in zip(self._axes(), self.radii, strict=True))
-        return sum(share**2 for share in shares) <= 1.0
+        shares = self._axes @ np.subtract(position, self.center) / self.radii
+        return bool(shares @ shares <= 1.0)
 
-    def _axes(self) -> tuple[Position, Position]:
-        """Directions of the first and the second radius."""
+    @property
+    def _axes(self) -> Array:
+        """Directions of the first and the second radius, shape (2, 2)."""
         down, right = math.sin(self.angle), math.cos(self.angle)
-        return (down, right), (right, -down)
-
-    def _at(self, direction: Position, distance: float) -> Position:
-        return (self.center[0] + distance * direction[0], self.center[1] + distance * direction[1])
+        return np.array([(down, right), (right, -down)])
 
     def _with_radii(self, first: float, second: float) -> Ellipse:
         first, second = (min(max(radius, SMALLEST_RADIUS), LARGEST) for radius in (first, second))
-        return Ellipse(self.center, (first, second), self.angle)
+        return replace(self, radii=(first, second))

@@ -45,26 +45,20 @@ class SeedCache:
         `smoothing` is the sigma of the Gaussian before the gradient [px], or "auto", for starts that depend on it;
         `channel` says what gives the gray levels of a color image.
         """
-        self._use(channel)
-        sigma = self._smoothing(smoothing)
-        found = {start: self._positions(start, sigma) for start in starts}
+        if channel != self._channel:
+            self._channel, self._values = channel, self._image.gray(channel)
+            self._automatic, self._strength, self._kept = None, None, {}
+        sigma, found = self._smoothing(smoothing), {}
+        for start in starts:
+            key = sigma if start.follows_smoothing else 0.0
+            if start not in self._kept or self._kept[start][0] != key:
+                self._kept[start] = key, self._found(start, sigma)
+            found[start] = self._kept[start][1]
         # Starts all over the image are switched on and off; others that are gone are not needed again soon.
         self._kept = {
             start: kept for start, kept in self._kept.items() if start in found or isinstance(start, Everywhere)
         }
         return {s: p if regions is None else p[regions.contains(p)] for s, p in found.items()}
-
-    def _use(self, channel: str) -> None:
-        """Forget what has been found in another channel."""
-        if channel != self._channel:
-            self._channel, self._values = channel, self._image.gray(channel)
-            self._automatic, self._strength, self._kept = None, None, {}
-
-    def _positions(self, start: ImageStart, smoothing: float) -> Array:
-        key = smoothing if start.follows_smoothing else 0.0
-        if start not in self._kept or self._kept[start][0] != key:
-            self._kept[start] = (key, self._found(start, smoothing))
-        return self._kept[start][1]
 
     def _found(self, start: ImageStart, smoothing: float) -> Array:
         if isinstance(start, Everywhere) and self._image.ndim == 3:

@@ -50,8 +50,6 @@ class Region(ClosedPath):
 
     title: ClassVar[str] = "region of interest"
 
-    points: tuple[Position, ...]
-
     def encloses(self, position: Position) -> bool:
         """Always false: a region is selected at its line only, since other shapes lie inside it."""
         return False
@@ -62,8 +60,6 @@ class Barrier(OpenPath):
     """A line that particles do not cross."""
 
     title: ClassVar[str] = "barrier"
-
-    points: tuple[Position, ...]
 
 
 @dataclass(frozen=True, slots=True)

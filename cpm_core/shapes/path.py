@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
 import numpy as np
 
 from cpm_core.numerics import polyline
 from cpm_core.numerics.polyline import MOST_HANDLES
-from cpm_core.numerics.types import Array, Place
+from cpm_core.numerics.types import Array, Place, Position
 
 SMALLEST, LARGEST = 0.5, 1e5
 """Bounds of radii and of distances between particles [px]."""
@@ -56,8 +56,9 @@ class WithoutOutline:
         return False
 
 
+@dataclass(frozen=True, slots=True)
 class OpenPath:
-    """A line from corner to corner. Subclasses are frozen dataclasses.
+    """A line from corner to corner.
 
     Attributes
     ----------
@@ -67,11 +68,9 @@ class OpenPath:
         How many of them must differ; with fewer, ValueError is raised.
     """
 
-    __slots__ = ()
-
     least: ClassVar[int] = 2
 
-    points: tuple[Place, ...]
+    points: tuple[Position, ...]
 
     def __post_init__(self) -> None:
         check_positions("points", self.points, self.least)
@@ -108,13 +107,12 @@ class OpenPath:
         return False
 
     def _with_points(self, points: tuple[Place, ...]) -> Self:
-        return replace(self, points=points) if len(set(points)) >= self.least else self  # type: ignore[type-var]
+        return replace(self, points=points) if len(set(points)) >= self.least else self
 
 
+@dataclass(frozen=True, slots=True)
 class ClosedPath(OpenPath):
-    """A line around an area; the last corner is joined to the first. Subclasses are frozen dataclasses."""
-
-    __slots__ = ()
+    """A line around an area; the last corner is joined to the first."""
 
     least: ClassVar[int] = 3
 

@@ -14,7 +14,8 @@ import numpy as np
 from cpm_core.image.volume_regions import Pair
 from cpm_core.model.volume import starts as volume_starts
 from cpm_core.numerics.types import Array, Place, Voxel
-from cpm_core.shapes.areas import COARSEST, FINEST, HIGHEST, LOWEST, MOST_PLACES, STEP, centered_along
+from cpm_core.shapes.areas import changed_fraction, changed_spacing, check_spacing, evenly, finest_spacing
+from cpm_core.shapes.ellipse import Round
 from cpm_core.shapes.path import LARGEST, WithoutOutline, check_number
 
 SMALLEST = 1.0
@@ -30,16 +31,15 @@ _CORNERS = np.array(list(product((False, True), repeat=3)))
 """Which corners of a box lie on the last face across each axis."""
 
 
+@dataclass(frozen=True, slots=True)
 class Cuboid(WithoutOutline):
-    """A box whose faces lie across the axes of the volume. Subclasses are frozen dataclasses.
+    """A box whose faces lie across the axes of the volume.
 
     Attributes
     ----------
     first, last : tuple of float
         The corners next to the first and to the last voxel of the volume, (plane, row, col) [voxels].
     """
-
-    __slots__ = ()
 
     first: Voxel
     last: Voxel
@@ -95,7 +95,7 @@ class Cuboid(WithoutOutline):
         return all(low <= at <= high for low, at, high in zip(self.first, position, self.last, strict=True))
 
     def _between(self, first: Sequence[float], last: Sequence[float]) -> Self:
-        return replace(self, first=tuple(first), last=tuple(last))  # type: ignore[type-var]
+        return replace(self, first=tuple(first), last=tuple(last))
 
 
 def _off(end: float, other: float) -> float:
@@ -108,9 +108,6 @@ class Box(Cuboid):
     """Particles on the faces of a box."""
 
     title: ClassVar[str] = "box"
-
-    first: Voxel
-    last: Voxel
 
     def seeds(self) -> Array:
         """Positions of the particles, shape (N, 3)."""
@@ -130,22 +127,15 @@ class BoxRegion(Cuboid):
 
     title: ClassVar[str] = "region of interest"
 
-    first: Voxel
-    last: Voxel
-
     @property
     def limit(self) -> Pair:
         """It as the engine takes it."""
-        return _three(self.first), _three(self.last)
+        (plane, row, col), (last_plane, last_row, last_col) = self.first, self.last
+        return (plane, row, col), (last_plane, last_row, last_col)
 
     def encloses(self, position: Place) -> bool:
         """Always false: a region is selected at its faces only, since other shapes lie inside it."""
         return False
-
-
-def _three(values: Voxel) -> tuple[float, float, float]:
-    plane, row, col = values
-    return plane, row, col
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,51 +154,34 @@ class BoxGrid(Cuboid):
 
     title: ClassVar[str] = "grid"
 
-    first: Voxel
-    last: Voxel
     spacing: float = 8.0
     sides: Voxel = (1.0, 1.0, 1.0)
 
     def __post_init__(self) -> None:
         Cuboid.__post_init__(self)
-        check_number("spacing", self.spacing)
         for side in self.sides:
             check_number("sides", side, 1e-3, 1e3)
-        places = math.prod(length / self.spacing + 1.0 for length in self._lengths)
-        if not places <= MOST_PLACES:
-            raise ValueError(
-                f"spacing is {self.spacing:g}, which gives {places:.3g} particles in the box, but there may be "
-                f"{MOST_PLACES} at most: make the spacing wider or the box smaller."
-            )
+        check_spacing(self.spacing, self._lengths)
 
     @classmethod
     def between(cls, one: Voxel, other: Voxel, spacing: tuple[float, ...]) -> BoxGrid:
         """A grid between two corners of a volume with this size of a voxel along each axis, no finer than allowed."""
         sides = tuple(side / min(spacing) for side in spacing)
         lengths = [abs(b - a) * side for a, b, side in zip(one, other, sides, strict=True)]
-        return cls(one, other, max(8.0, _finest(lengths)), sides)
+        return cls(one, other, max(8.0, finest_spacing(lengths)), sides)
 
     def seeds(self) -> Array:
         """Positions of the particles, shape (N, 3), centered in the box."""
-        along = [centered_along(length, self.spacing) for length in self._lengths]
-        places = np.stack(np.meshgrid(*along, indexing="ij"), axis=-1).reshape(-1, 3)
-        return np.asarray(places / np.array(self.sides) + self.first)
+        return np.asarray(evenly(self._lengths, self.spacing) / np.array(self.sides) + self.first)
 
     def resized(self, by: float) -> BoxGrid:
         """The same box with the spacing changed by so much."""
-        finest = max(FINEST, _finest(self._lengths))
-        return replace(self, spacing=min(max(self.spacing + by, finest), max(COARSEST, finest)))
+        return replace(self, spacing=changed_spacing(self.spacing + by, self._lengths))
 
     @property
     def _lengths(self) -> Sequence[float]:
         """Lengths of the box along the axes, in sides of the smallest voxel."""
         return [(b - a) * side for a, b, side in zip(self.first, self.last, self.sides, strict=True)]
-
-
-def _finest(lengths: Sequence[float]) -> int:
-    """The least spacing at which a box of these lengths has no more particles than are allowed."""
-    side: float = (2.0 * math.prod(length + 1.0 for length in lengths) / MOST_PLACES) ** (1.0 / 3.0)
-    return math.ceil(side)
 
 
 @dataclass(frozen=True, slots=True)
@@ -226,8 +199,6 @@ class BoxThreshold(Cuboid):
     title: ClassVar[str] = "threshold"
     follows_smoothing: ClassVar[bool] = True
 
-    first: Voxel
-    last: Voxel
     fraction: float = 0.3
 
     def __post_init__(self) -> None:
@@ -246,11 +217,11 @@ class BoxThreshold(Cuboid):
 
     def resized(self, by: float) -> BoxThreshold:
         """The same box with the threshold raised by so many steps of 0.02."""
-        return replace(self, fraction=round(min(max(self.fraction + STEP * by, LOWEST), HIGHEST), 6))
+        return replace(self, fraction=changed_fraction(self.fraction, by))
 
 
 @dataclass(frozen=True, slots=True)
-class Sphere(WithoutOutline):
+class Sphere(Round, WithoutOutline):
     """Particles on a sphere, evenly spread.
 
     Attributes
@@ -285,30 +256,7 @@ class Sphere(WithoutOutline):
         """Positions of the particles, shape (N, 3)."""
         return volume_starts.sphere(self.center, self.radius, spacing=self.sides)
 
-    def moved(self, by: Place) -> Sphere:
-        """The same sphere displaced by so much along each axis [voxels]."""
-        return replace(self, center=tuple(map(operator.add, self.center, by)))
-
-    def resized(self, by: float) -> Sphere:
-        """The sphere with another radius."""
-        return self._with_radius(self.radius + by)
-
-    def with_handle_at(self, handle: Place, to: Place) -> Sphere:
-        """The sphere with the same center through a position, for any handle."""
-        return self._with_radius(self.away(to))
-
     def away(self, position: Place) -> float:
         """Distance of a position from the center, in sides of the smallest voxel."""
         offsets = map(operator.sub, position, self.center)
         return math.hypot(*map(operator.mul, offsets, self.sides))
-
-    def distance(self, position: Place) -> float:
-        """Distance of a position from the surface, in sides of the smallest voxel."""
-        return abs(self.away(position) - self.radius)
-
-    def encloses(self, position: Place) -> bool:
-        """Whether a position lies inside."""
-        return self.away(position) <= self.radius
-
-    def _with_radius(self, radius: float) -> Sphere:
-        return replace(self, radius=min(max(radius, SMALLEST), LARGEST))

@@ -18,8 +18,9 @@ _SAME = 1e-6
 """Distance within which a handle is a corner [voxels]."""
 
 
+@dataclass(frozen=True, slots=True)
 class Extruded(WithoutOutline):
-    """A line in the slices across an axis, from one of them to another. Subclasses are frozen dataclasses.
+    """A line in the slices across an axis, from one of them to another.
 
     Attributes
     ----------
@@ -30,8 +31,6 @@ class Extruded(WithoutOutline):
     first, last : float
         Between which places along the axis it acts [voxels].
     """
-
-    __slots__ = ()
 
     flat: ClassVar[type[Region] | type[Barrier]]
     """What a slice across the axis shows."""
@@ -87,7 +86,7 @@ class Extruded(WithoutOutline):
         return place[: self.axis] + place[self.axis + 1 :]
 
     def _with(self, points: tuple[Position, ...], first: float, last: float) -> Self:
-        return replace(self, points=points, first=first, last=last)  # type: ignore[type-var]
+        return replace(self, points=points, first=first, last=last)
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,11 +96,6 @@ class PrismRegion(Extruded):
     title: ClassVar[str] = "region of interest"
     flat: ClassVar[type[Region]] = Region
 
-    points: tuple[Position, ...]
-    axis: int
-    first: float
-    last: float
-
 
 @dataclass(frozen=True, slots=True)
 class Wall(Extruded):
@@ -110,22 +104,16 @@ class Wall(Extruded):
     title: ClassVar[str] = "barrier"
     flat: ClassVar[type[Barrier]] = Barrier
 
-    points: tuple[Position, ...]
-    axis: int
-    first: float
-    last: float
 
-
+@dataclass(frozen=True, slots=True, repr=False)
 class Enclosed(WithoutOutline):
-    """The inside of a closed surface. Subclasses are frozen dataclasses.
+    """The inside of a closed surface.
 
     Attributes
     ----------
     surface : PackedSurface
         The surface.
     """
-
-    __slots__ = ()
 
     surface: PackedSurface
 
@@ -148,7 +136,7 @@ class Enclosed(WithoutOutline):
 
     def moved(self, by: Place) -> Self:
         """The same shape displaced by so much along each axis."""
-        return replace(self, surface=self.surface.moved(by))  # type: ignore[type-var]
+        return replace(self, surface=self.surface.moved(by))
 
     def distance(self, position: Place) -> float:
         """Distance of a position from the nearest corner of a triangle [voxels]."""
@@ -164,8 +152,6 @@ class EnclosedRegion(Enclosed):
 
     title: ClassVar[str] = "region of interest"
 
-    surface: PackedSurface
-
     @property
     def limit(self) -> Voxels:
         """The voxels whose centers lie inside."""
@@ -177,8 +163,6 @@ class EnclosingWall(Enclosed):
     """A barrier in a volume: the outermost voxels inside a surface, which no particle enters."""
 
     title: ClassVar[str] = "barrier"
-
-    surface: PackedSurface
 
     @property
     def limit(self) -> Voxels:

@@ -20,8 +20,9 @@ from app.views.canvas import canvas_area
 from app.views.canvas import layers as canvas_layers
 from app.views.canvas.items.curves import Curves
 from app.views.canvas.layers.layer import Layer
-from app.views.canvas.tools import START, TOOLS, ToolEntry
+from app.views.canvas.tools import TOOLS
 from app.views.canvas.tools.drawn import DraggedTool
+from app.views.canvas.tools.tool import START
 from app.views.features import edit
 from app.views.window import bars
 from cpm_core.cli import main
@@ -127,6 +128,9 @@ class DiameterTool(DraggedTool):
     """Draws the circle around a dragged diameter."""
 
     name = "bin"  # also the name of its icon
+    text = "&Diameter tool"
+    shortcut = "N"
+    group = START
     tip = "Drag along a diameter."
     activity = "draw a circle by its diameter"
     slip = "Drag along a diameter."
@@ -137,9 +141,8 @@ class DiameterTool(DraggedTool):
 
 
 def test_a_tool_is_a_class_and_an_entry_in_the_table_of_tools(monkeypatch, opened, hand_on) -> None:
-    entry = ToolEntry(DiameterTool, "&Diameter tool", "N", START, DiameterTool.name, DiameterTool.tip)
     for module in (canvas_area, edit, bars):
-        monkeypatch.setattr(module, "TOOLS", (*TOOLS, entry))
+        monkeypatch.setattr(module, "TOOLS", (*TOOLS, DiameterTool))
     window = opened()
     hand = hand_on(window)
     hand.key(Qt.Key.Key_N)

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cpm_core import Contour, Result, measure
-from cpm_core.contours import REACH, Mark, Measures, Neighborhood, attached, middle, with_kept
+from cpm_core.contours import REACH, Mark, Measures, attached, middle, neighborhood, with_kept
 from cpm_core.numerics import Position
 
 
@@ -100,7 +100,7 @@ class ContourNumbers:
         if not contours or not self.places:
             return {}
         numbers = list(self.places)
-        near = Neighborhood(contours).pairs(np.array(list(self.places.values())), REACH)
+        near = neighborhood(contours).pairs(np.array(list(self.places.values())), REACH)
         pairs = sorted(
             (int(away), numbers[place], -contours[index].length, index)
             for place, index, away in zip(*(of_pair.tolist() for of_pair in near), strict=True)

@@ -15,8 +15,8 @@ from app.model.text.language import tr
 from app.session.scene import NO_CONTOURS, Item, ReviewedContours
 from app.session.session import Session
 from cpm_core import Result
-from cpm_core.contours import Neighborhood, Verdict, anchor
-from cpm_core.numerics import Array, Position, polyline
+from cpm_core.contours import Verdict, anchor, neighborhood
+from cpm_core.numerics import Array, PathTree, Position, polyline
 
 _PLACES = 24
 """Number of places along a contour that are compared with an outline."""
@@ -40,7 +40,7 @@ class ContourReview(QObject):
         self._session = session
         self._contours: ReviewedContours = NO_CONTOURS
         self._by_key: dict[int, Item] = {}
-        self._around: Neighborhood | None = None
+        self._around: PathTree | None = None
         self._places: dict[int, Array] | None = None
         session.scene_changed.connect(self._follow)
         session.image_changed.connect(lambda: self.select(()))
@@ -82,8 +82,8 @@ class ContourReview(QObject):
     def under(self, place: Position, reach: float) -> int | None:
         """Key of the shown contour nearest to a place (row, col) within `reach` [px]."""
         if self._around is None:
-            self._around = Neighborhood([item.contour for item in self.items])
-        near = (self.items[index] for index, _ in self._around.passing(place, reach))
+            self._around = neighborhood([item.contour for item in self.items])
+        near = (self.items[index] for index in self._around.passing(place, reach))
         return next((item.key for item in near if self.rejected_seen or not item.reviewed.rejected), None)
 
     def within(self, outline: Sequence[Position]) -> frozenset[int]:

@@ -1,4 +1,4 @@
-"""The canvas: a view of the image on which the pointer works with tools."""
+"""The canvas: a view of the image on which the pointer works with the tool in use."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QApplication
 from app.model.text.language import tr
 from app.views.canvas.image_view import ImageView
 from app.views.canvas.layers.layer import Requests
-from app.views.canvas.tools.tool import Tool, ToolInUse
+from app.views.canvas.tools.tool import Tool
 from cpm_core.numerics import Position
 
 ZOOM = 1.2
@@ -61,8 +61,147 @@ class Wheel:
         return whole
 
 
-class Canvas(ImageView):
-    """Pans and zooms by the pointer, and passes the left button to the tool in use, at places in image or volume."""
+class ToolInUse:
+    """Passes what the pointer does to the tool in use, or to `grip`, which moves handles of what is selected."""
+
+    def __init__(self, tool: Tool, grip: Tool) -> None:
+        self.tool, self._grip = tool, grip
+        self._dragged: Tool | None = None
+
+    @property
+    def gesturing(self) -> bool:
+        """Whether a tool has an unfinished gesture or draft."""
+        return self.dragging or self.tool.drafting
+
+    @property
+    def dragging(self) -> bool:
+        """Whether the button is down for a tool."""
+        return self._dragged is not None
+
+    def cancel(self) -> None:
+        """Cancel the gesture or draft of the tool."""
+        if self.gesturing:
+            tool, self._dragged = self._dragged or self.tool, None
+            tool.cancel()
+
+    def take(self, tool: Tool) -> None:
+        """Use another tool."""
+        if self.dragging or not self.tool.lasting:
+            self.cancel()
+        self.tool.put_away()
+        self.tool.set_in_use(False)
+        self.tool = tool
+        tool.set_in_use(True)
+
+    def press(self, view: ImageView, at: Position, reach: float | None = None) -> None:
+        """Press the left button over a position; `reach` is the tolerance for hits [px of the image]."""
+        self._dragged = self.at(view, at)
+        self._dragged.press(view.placed(at), view.reach() if reach is None else reach)
+
+    def move(self, view: ImageView, at: Position) -> None:
+        """Move the pointer to a position."""
+        tool = self._dragged or self.tool
+        tool.here = view.here
+        if self.dragging:
+            tool.drag(view.placed(at))
+        else:
+            tool.hover(view.placed(at))
+            self.show_cursor(view, at)
+
+    def release(self) -> None:
+        """Release the left button."""
+        if self._dragged is not None:
+            tool, self._dragged = self._dragged, None
+            tool.release()
+
+    def set_modifiers(self, modifiers: Qt.KeyboardModifier) -> None:
+        """Pass the modifier keys that are held to the tool."""
+        (self._dragged or self.tool).modifiers = modifiers
+
+    def at(self, view: ImageView, at: Position) -> Tool:
+        """The tool that receives a press: one that takes hold of a handle has priority over the tool in use."""
+        self.tool.here = self._grip.here = view.here
+        grips = not self.tool.drafting and self._grip.grips(view.placed(at), view.reach())
+        return self._grip if grips else self.tool
+
+    def show_cursor(self, view: ImageView, at: Position) -> None:
+        """Show what a press at a position would do."""
+        view.viewport().setCursor(self.at(view, at).cursor(view.placed(at), view.reach()))
+
+
+class PointedView(ImageView):
+    """Passes the left button to the tool in use, and the drags of the others to `drag`."""
+
+    menu_wanted = Signal(object)
+    """The right button was clicked at a point of the screen: QPoint."""
+
+    def __init__(self, requests: Requests | None = None, original: ImageView | None = None) -> None:
+        super().__init__(requests, original)
+        self._panning = Panning()
+        self._wheel = Wheel()
+
+    @property
+    def main(self) -> Canvas:
+        """The canvas, which holds the tool."""
+        raise NotImplementedError
+
+    def move_to(self, at: Position) -> None:
+        """Move the pointer, or the cross-hair, to a position."""
+        raise NotImplementedError
+
+    def drag(self, event: QMouseEvent, moved: QPointF) -> None:
+        """Handle a drag of the middle or the right button; by default it moves the image."""
+        self.viewport().setCursor(Qt.CursorShape.ClosedHandCursor)
+        self.pan(moved.x(), moved.y())
+
+    # Called by Qt
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Begin a gesture or a drag."""
+        event.accept()
+        self.main.taken.emit()
+        self.main.setFocus()
+        if event.button() == Qt.MouseButton.LeftButton and self.shape is not None:
+            self.main.hold.set_modifiers(event.modifiers())
+            self.main.hold.press(self, self.position(event.position()))
+        elif event.button() in (Qt.MouseButton.MiddleButton, Qt.MouseButton.RightButton):
+            self._panning.begin(event.position(), at_once=event.button() == Qt.MouseButton.MiddleButton)
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Continue it, or report the position of the pointer."""
+        event.accept()
+        if self._panning.active:
+            moved = self._panning.move(event.position())
+            if not moved.isNull():
+                self.drag(event, moved)
+        elif not self.main.led_by_keys:
+            self.main.hold.set_modifiers(event.modifiers())
+            self.move_to(self.position(event.position()))
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """End it."""
+        event.accept()
+        hold = self.main.hold
+        if event.button() == Qt.MouseButton.LeftButton and hold.dragging:
+            hold.release()
+        elif self._panning.active:
+            if self._panning.end() and event.button() == Qt.MouseButton.RightButton and not hold.dragging:
+                self.menu_wanted.emit(event.globalPosition().toPoint())
+            hold.show_cursor(self, self.position(event.position()))
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        """Treat the second click like any other."""
+        self.mousePressEvent(event)
+
+    def leaveEvent(self, event: QEvent) -> None:
+        """Report that the pointer has left."""
+        if not self.main.led_by_keys and not self.main.hold.dragging:
+            self.main.leave()
+        super().leaveEvent(event)
+
+
+class Canvas(PointedView):
+    """Shows the image, or the slice that is worked on; the middle and the right button pan, the wheel zooms."""
 
     pointed = Signal(object)
     """Position (row, col) under the pointer, or None when it has left."""
@@ -76,8 +215,8 @@ class Canvas(ImageView):
     slice_wanted = Signal(int)
     """The slice so many further along is wanted."""
 
-    menu_wanted = Signal(object)
-    """The right button was clicked at a point of the screen: QPoint."""
+    hold: ToolInUse
+    """What receives the gestures; the tools are made for the layers of a canvas."""
 
     def __init__(self, requests: Requests) -> None:
         super().__init__(requests)
@@ -85,13 +224,15 @@ class Canvas(ImageView):
         self.setAcceptDrops(False)
         self.setMinimumSize(320, 240)
         self.setAccessibleName(tr("Image"))
-        self.hold = ToolInUse()
         self.led_by_keys = False
         self._pointer: Position | None = None
         self._over: QPointF | None = None
-        self._panning = Panning()
-        self._wheel = Wheel()
         self.view.sigRangeChanged.connect(self.point_again)
+
+    @property
+    def main(self) -> Canvas:
+        """Itself."""
+        return self
 
     def use_image(self) -> None:
         """Cancel what was begun on another image."""
@@ -117,7 +258,7 @@ class Canvas(ImageView):
     def leave(self) -> None:
         """Take the pointer off the canvas."""
         self._pointer = self._over = None
-        self.hold.leave()
+        self.hold.tool.put_away()
         self._report(None)
 
     def point_again(self) -> None:
@@ -132,49 +273,15 @@ class Canvas(ImageView):
 
     # Called by Qt
 
-    def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Begin a gesture or a pan."""
-        event.accept()
-        self.taken.emit()
-        if event.button() == Qt.MouseButton.LeftButton and self.shape is not None:
-            self.hold.set_modifiers(event.modifiers())
-            self.hold.press(self, self.position(event.position()))
-        elif event.button() in (Qt.MouseButton.MiddleButton, Qt.MouseButton.RightButton):
-            self._panning.begin(event.position(), at_once=event.button() == Qt.MouseButton.MiddleButton)
-
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Continue it, or report the position of the pointer."""
-        event.accept()
+        """Remember where the pointer is."""
         self._over = event.position()
-        at = self.position(self._over)
-        if self._panning.active:
-            moved = self._panning.move(event.position())
-            if not moved.isNull():
-                self.viewport().setCursor(Qt.CursorShape.ClosedHandCursor)
-                self.pan(moved.x(), moved.y())
-                self._report(at)
-        elif not self.led_by_keys:
-            self.hold.set_modifiers(event.modifiers())
-            self.move_to(at)
-
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """End it."""
-        event.accept()
-        if event.button() == Qt.MouseButton.LeftButton and self.hold.dragging:
-            self.hold.release()
-        elif self._panning.active:
-            if self._panning.end() and event.button() == Qt.MouseButton.RightButton and not self.hold.dragging:
-                self.menu_wanted.emit(event.globalPosition().toPoint())
-            self.hold.show_cursor(self, self.position(event.position()))
-
-    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        """Treat the second click like any other."""
-        self.mousePressEvent(event)
+        super().mouseMoveEvent(event)
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Zoom around the pointer; with Shift go through the slices of a volume."""
         event.accept()
-        if event.modifiers() & Qt.KeyboardModifier.ShiftModifier and self._scene.slices is not None:
+        if event.modifiers() & Qt.KeyboardModifier.ShiftModifier and self.here is not None:
             self.slice_wanted.emit(self._wheel.notches(event))
         else:
             self.zoom(ZOOM ** (event.angleDelta().y() / 120.0), event.position())
@@ -186,12 +293,6 @@ class Canvas(ImageView):
     def keyReleaseEvent(self, event: QKeyEvent) -> None:
         """Leave keys to the window."""
         event.ignore()
-
-    def leaveEvent(self, event: QEvent) -> None:
-        """Report that the pointer has left."""
-        if not self.led_by_keys:
-            self.leave()
-        super().leaveEvent(event)
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
         """Cancel the drag when the window loses the focus."""

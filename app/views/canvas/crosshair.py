@@ -50,11 +50,10 @@ class Crosshair:
     @property
     def advice(self) -> str:
         """One sentence on what keys do with the tool in use."""
-        tool = self._canvas.hold.tool
-        if self._at is None or tool is None:
+        if self._at is None:
             return ""
         text = tr("Arrow keys move the cross-hair, with Shift by 10 px. {what} {key:escape} puts it away.")
-        return with_keys(text, what=tool.by_keys)
+        return with_keys(text, what=self._canvas.hold.tool.by_keys)
 
     def toggle(self) -> None:
         """Show or hide it."""
@@ -94,17 +93,16 @@ class Crosshair:
 
     def enter(self) -> None:
         """Press, release, or click, depending on the tool."""
-        canvas, at = self._canvas, self._at
-        tool = canvas.hold.tool
-        if at is None or tool is None:
+        canvas, at, hold = self._canvas, self._at, self._canvas.hold
+        if at is None:
             return
-        if canvas.hold.dragging:
-            canvas.hold.release()
-        elif tool.clicks and canvas.hold.at(canvas, at) is tool:
-            canvas.hold.press(canvas, at, _FINE)
-            canvas.hold.release()
+        if hold.dragging:
+            hold.release()
+        elif hold.tool.clicks and hold.at(canvas, at) is hold.tool:
+            hold.press(canvas, at, _FINE)
+            hold.release()
         else:
-            canvas.hold.press(canvas, at)
+            hold.press(canvas, at)
         self._changed()
 
     def _place(self, at: Position) -> None:

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import pyqtgraph as pg
-from PySide6.QtCore import QEvent, QPointF, Qt, Signal
+from PySide6.QtCore import QPointF, Qt, Signal
 from PySide6.QtGui import QMouseEvent, QWheelEvent
-from PySide6.QtWidgets import QApplication, QWidget
+from PySide6.QtWidgets import QWidget
 
 from app.model.text.language import tr
 from app.model.volume.slices import AXES, Slices
 from app.session.features.slices import Sections
 from app.session.scene import Scene
-from app.views.canvas.canvas import ZOOM, Canvas, Panning, Wheel
+from app.views.canvas.canvas import ZOOM, Canvas, PointedView
 from app.views.canvas.image_view import ImageView
 from app.views.canvas.items.item import image_rectangle, line_pen
 from app.views.theme import theme
+from cpm_core.numerics import Position
 
 _Z = 8.5
 _SMALLEST = 120
@@ -41,7 +42,7 @@ class Cross:
                 line.setValue(at)
 
 
-class SideView(ImageView):
+class SideView(PointedView):
     """Shows the slice across one axis, at first as a whole, and takes the tool in use.
 
     The right button moves the cross, and a click of it on something opens its menu; the wheel goes through the slices,
@@ -50,8 +51,6 @@ class SideView(ImageView):
 
     went = Signal(object)
     """The user wants the slices through a place of the volume."""
-    asked = Signal(object)
-    """The right button was clicked at a point of the screen: QPoint."""
     passed = Signal(int, int)
     """The user wants the slice so many further along an axis: axis, number."""
 
@@ -62,10 +61,14 @@ class SideView(ImageView):
         self.setMinimumSize(_SMALLEST, _SMALLEST)
         self.cross = Cross(self)
         self._main = canvas
-        self._wheel = Wheel()
-        self._panning = Panning()
-        self._pressed = QPointF()
-        canvas.layers.drawing.drafting.connect(self._copy_draft)
+        drawing = canvas.layers.drawing
+        drawing.draft_shown.connect(self.layers.drawing.show_draft)
+        drawing.ring_shown.connect(self.layers.drawing.show_ring)
+
+    @property
+    def main(self) -> Canvas:
+        """The canvas."""
+        return self._main
 
     def show_slice(self, scene: Scene, axis: int) -> None:
         """Draw the slice of a scene across an axis."""
@@ -75,56 +78,23 @@ class SideView(ImageView):
         self.draw(scene)
         self.cross.show(self.drawn.slices)
 
+    def move_to(self, at: Position) -> None:
+        """Move the pointer to a position."""
+        self.main.hold.move(self, at)
+        self.main.placed_at.emit(self.placed(at))
+
+    def drag(self, event: QMouseEvent, moved: QPointF) -> None:
+        """Move the cross with the right button, the image with the middle one."""
+        if event.buttons() & Qt.MouseButton.RightButton:
+            self._go(event)
+        else:
+            super().drag(event, moved)
+
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Begin a gesture of the tool in use, or move the cross."""
-        event.accept()
-        self._main.taken.emit()
-        self._main.setFocus()
-        at = self.position(event.position())
-        self._pressed = event.position()
-        if event.button() == Qt.MouseButton.LeftButton:
-            self._main.hold.set_modifiers(event.modifiers())
-            self._main.hold.press(self, at)
-        elif event.button() == Qt.MouseButton.MiddleButton:
-            self._panning.begin(event.position(), at_once=True)
-        else:
-            self.went.emit(self.placed(at))
-
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Continue it, or show what a press would do."""
-        event.accept()
-        at = self.position(event.position())
-        if self._panning.active:
-            moved = self._panning.move(event.position())
-            self.pan(moved.x(), moved.y())
-        elif event.buttons() & Qt.MouseButton.RightButton:
-            self.went.emit(self.placed(at))
-        elif not self._main.led_by_keys:
-            self._main.hold.set_modifiers(event.modifiers())
-            self._main.hold.move(self, at)
-        self._main.placed_at.emit(self.placed(at))
-
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """End it."""
-        event.accept()
-        if event.button() == Qt.MouseButton.LeftButton:
-            self._main.hold.release()
-        elif self._panning.active:
-            self._panning.end()
-        elif event.button() == Qt.MouseButton.RightButton and not self._main.hold.dragging:
-            moved = (event.position() - self._pressed).manhattanLength()
-            if moved < QApplication.startDragDistance():
-                self.asked.emit(event.globalPosition().toPoint())
-
-    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        """Treat the second click like any other."""
-        self.mousePressEvent(event)
-
-    def leaveEvent(self, event: QEvent) -> None:
-        """The pointer has left."""
-        if not self._main.led_by_keys and not self._main.hold.dragging:
-            self._main.leave()
-        super().leaveEvent(event)
+        super().mousePressEvent(event)
+        if event.button() == Qt.MouseButton.RightButton:
+            self._go(event)
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Go through the slices of this view; with Ctrl zoom around the pointer, at the least to the whole slice."""
@@ -136,5 +106,8 @@ class SideView(ImageView):
         elif self.sections.axis is not None:
             self.passed.emit(self.sections.axis, self._wheel.notches(event))
 
-    def _copy_draft(self) -> None:
-        self._main.layers.drawing.copy_draft(self.layers.drawing)
+    def _go(self, event: QMouseEvent) -> None:
+        """Move the cross to the pointer."""
+        place = self.placed(self.position(event.position()))
+        self.went.emit(place)
+        self.main.placed_at.emit(place)

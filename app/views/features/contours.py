@@ -35,10 +35,10 @@ class ContoursFeature(Feature):
 
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
-        session, canvas = context.session, context.canvas_area.canvas
+        canvas = context.canvas_area.canvas
         self._review = context.workspace.review
         self._layer = canvas.layers.contours
-        self.panel = ContourPanel(session, self._review, self._fill_colors)
+        self.panel = ContourPanel(self._review, self._fill_colors)
         context.preferences.follow(UNIT, self.panel.table.show_items)
         self.name_field = NameField(canvas, tr("Name of the contour"))
         context.session.image_changed.connect(self.name_field.leave)
@@ -187,9 +187,7 @@ class TruthFeature(Feature):
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
         self.truth = context.workspace.truth
-        self.panel = TruthPanel(self.truth)
-        self.panel.load_requested.connect(self._load)
-        self.panel.jump_requested.connect(self._jump)
+        self.panel = TruthPanel(self.truth, self._load, self._jump)
         self.truth.changed.connect(context.refresh)
         self.truth.compared.connect(context.refresh)
 

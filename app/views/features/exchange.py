@@ -19,9 +19,7 @@ from app.model.text.language import from_core, tr
 from app.session.exchange.messages import Exported, Opened
 from app.session.features.image_batch import TOPIC, BatchDone, apply_to_folder
 from app.session.features.import_contours import (
-    ContoursRead,
-    PictureKept,
-    PointsRead,
+    Found,
     keep_picture,
     read_file,
     read_pasted,
@@ -34,6 +32,7 @@ from app.views.widgets.actions import ActionSpec
 from app.views.window.dialogs import Button, Files, Question, all_files, ask_for_folder
 from app.views.window.feature import Feature, FeatureContext
 from cpm_core.formats import CONTOURS_READABLE, FOR_CENTERLINES, READABLE, SURFACES_READABLE, suffix_of
+from cpm_core.shapes import Points
 
 _SUFFIX = "files/export_suffix"
 """Preference: suffix of the last export."""
@@ -185,9 +184,6 @@ class ImportFeature(Feature):
         super().__init__(context)
         self.open_files: Callable[[Sequence[QUrl]], None] = lambda urls: None
         """Opens files that were pasted; set by the window."""
-        context.session.listen(ContoursRead, self._ask)
-        context.session.listen(PointsRead, self._draw_points)
-        context.session.listen(PictureKept, lambda kept: context.open_file(kept.path, False))
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """Import contours, and paste."""
@@ -210,7 +206,7 @@ class ImportFeature(Feature):
             session.say(message.format(name=path.name), True, OPENING)
         else:
             session.attempt(OPENING)
-            read_file(session, path)
+            read_file(session, path, partial(self._use, path))
 
     def paste(self) -> None:
         """Open the picture or the files on the clipboard, or read the contours on it."""
@@ -220,9 +216,9 @@ class ImportFeature(Feature):
         if data.hasUrls():
             self.open_files(data.urls())
         elif content and session.document.image is not None and session.scene.slices is None:
-            read_pasted(session, content)
+            read_pasted(session, content, partial(self._use, None))
         elif isinstance(picture := data.imageData() if data.hasImage() else None, QImage) and not picture.isNull():
-            keep_picture(session, picture)
+            keep_picture(session, picture, lambda path: self.context.open_file(path, False))
         elif content and session.scene.slices is not None:
             message = tr("{name} has contours for an image, but a volume is open.")
             session.say(message.format(name=tr("the clipboard")), True, OPENING)
@@ -239,28 +235,24 @@ class ImportFeature(Feature):
         if chosen is not None:
             self.take(chosen)
 
-    def _ask(self, read: ContoursRead) -> None:
-        """Ask what contours are for, and use them so."""
+    def _use(self, path: Path | None, found: Found) -> None:
+        """Draw points, and ask what contours are for; without a path they come from the clipboard."""
         session = self.context.session
-        if read.generation != session.image_generation:
+        if isinstance(found, Points):
+            name = tr("draw {name}").format(name="" if path is None else path.name)
+            session.edit(name, lambda document: edits.add_shape(document, found))
             return
-        found = read.imported
-        of_file = read.path is not None
         words = _TITLES[found.kind], _question(found), _explained(found)
-        answer = Question(self.context.window, *words, _buttons(found, of_file)).ask()
+        answer = Question(self.context.window, *words, _buttons(found, path is not None)).ask()
         if answer == "start":
             name = tr("start from {name}").format(name=found.name)
             session.edit(name, lambda document: imported.add_starts(document, found))
         elif answer == "objects":
             name = tr("take objects from {name}").format(name=found.name)
             session.edit(name, lambda document: imported.add_objects(document, found))
-        elif answer == "truth" and read.path is not None:
+        elif answer == "truth" and path is not None:
             self.context.reveal("truth")
-            self.context.workspace.truth.load(read.path)
-
-    def _draw_points(self, read: PointsRead) -> None:
-        name = tr("draw {name}").format(name=read.path.name)
-        self.context.session.edit(name, lambda document: edits.add_shape(document, read.points))
+            self.context.workspace.truth.load(path)
 
 
 def _contours_on(data: QMimeData) -> bytes:
@@ -303,7 +295,6 @@ class BatchFeature(Feature):
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
         self._task: Task | None = None
-        context.session.listen(BatchDone, self._report)
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """The action."""
@@ -320,7 +311,7 @@ class BatchFeature(Feature):
         context = self.context
         folder = ask_for_folder(context.window, tr("Folder of the images"), str(context.files.begin("open")))
         if folder:
-            self._task = apply_to_folder(context.session, Path(folder))
+            self._task = apply_to_folder(context.session, Path(folder), self._report)
             context.refresh()
 
     def _report(self, done: BatchDone) -> None:

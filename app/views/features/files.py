@@ -13,7 +13,6 @@ from PySide6.QtWidgets import QMenu
 
 from app.model.document.document import Document
 from app.model.document.samples import sample_at, samples
-from app.model.parameters.presets import SUFFIX as PRESET
 from app.model.preferences.table import SAVE_IN_FOLDER
 from app.model.state.situation import Situation, has_image
 from app.model.text.language import shortened, tr
@@ -44,8 +43,6 @@ class OpenSaveFeature(Feature):
         super().__init__(context)
         self.document_file = context.document_file
         self.recent = RecentFiles(context.preferences, lambda path: self.take([path]))
-        self.bring_in: Callable[[Path], None] | None = None
-        """Imports the file of a preset; set by the window."""
         self.import_contours: Callable[[Path], None] | None = None
         """Reads a file of contours or points; set by the window."""
         self._left: tuple[Document, int] | None = None
@@ -54,7 +51,7 @@ class OpenSaveFeature(Feature):
         self.document_file.restored.connect(self._use_view_state)
         context.session.document_changed.connect(lambda _: self._name_window())
         context.session.listen(Opened, self._take_opened)
-        context.session.listen(Written, lambda written: self._remember(written.order.path))
+        context.session.listen(Written, lambda written: self._remember(written.path))
         self._name_window()
 
     def action_specs(self) -> Sequence[ActionSpec | Submenu]:
@@ -75,19 +72,17 @@ class OpenSaveFeature(Feature):
         )  # fmt: skip
 
     def take(self, paths: Sequence[Path], resumes: bool = False) -> None:
-        """Open files by their kind: images, sessions, contours, points and presets.
+        """Open files by their kind: images, sessions, contours and points.
 
-        Contours and points are used in the image that is open, presets are imported.
+        Contours and points are used in the image that is open.
 
         An image that `resumes` is opened with the session next to it. Of a recent file that part is opened which was
         chosen last.
         """
         self.context.canvas_area.messages.keep_only(*OF_THE_PROGRAM)
-        documents = [path for path in paths if path.suffix.lower() not in (*CONTOURS, PRESET)]
+        documents = [path for path in paths if path.suffix.lower() not in CONTOURS]
         for path in paths:
-            if path.suffix.lower() == PRESET and self.bring_in is not None:
-                self.bring_in(path)
-            elif path.suffix.lower() in CONTOURS and self.import_contours is not None:
+            if path.suffix.lower() in CONTOURS and self.import_contours is not None:
                 self.import_contours(path)
         if documents and self._may_open():
             as_volume, reading = self.recent.part_of(documents[0])

@@ -57,11 +57,11 @@ class ObjectsFeature(Feature):
                             when=self._one)  # fmt: skip
         fit = ActionSpec("fit_objects", "Objects", tr("F&it to the contours"),
                          tr("Select the chosen objects again by their own clicks, on the contours of the last "
-                         "run."), lambda: self.context.workspace.object_fitting.fit(self._list.chosen),
+                         "run."), lambda: self.context.workspace.object_selection.fit(self._list.chosen),
                          when=self._any_chosen)  # fmt: skip
         alike = ActionSpec("objects_alike", "Objects", tr("All &like this"),
                            tr("Find all objects like the chosen one; touching ones are parted."),
-                           lambda: self.context.workspace.object_fitting.find_like(self._list.items[0].number),
+                           lambda: self.context.workspace.object_selection.find_like(self._list.items[0].number),
                            "Ctrl+L", when=self._one)  # fmt: skip
         every = ActionSpec("all_objects", "Objects", tr("Choose all ob&jects"), tr("Choose all objects."),
                            lambda: self._list.choose(item.number for item in self._list.objects.items), "Ctrl+Alt+A",

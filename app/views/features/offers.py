@@ -139,7 +139,6 @@ class StackFeature(Feature):
         self.dialog: PartDialog | None = None
         self._opened: Opened | None = None
         self._looking = LatestOnlyWorker(context.session, "cpm-parts", tr("looking into the file"))
-        self._looking.done.connect(self._show_parts)
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """The other way to open a stack, and the choice of a part."""
@@ -210,7 +209,7 @@ class StackFeature(Feature):
 
     def _look(self, series: int) -> None:
         if self._opened is not None:
-            self._looking.ask(partial(_looked, self._opened.path, series))
+            self._looking.ask(partial(_looked, self._opened.path, series), self._show_parts)
 
     def _show_parts(self, found: object) -> None:
         if self.dialog is not None and isinstance(found, Parts):

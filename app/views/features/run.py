@@ -15,13 +15,12 @@ from app.model.parameters.controls import CHANNEL
 from app.model.preferences.table import TIMELINE_MEMORY, UNIT, WORDING
 from app.model.state.resolve import resolve
 from app.model.state.situation import can_step, has_image, has_particles, is_running, is_started
-from app.model.text.language import from_core, tr, written
+from app.model.text.language import tr, written
 from app.model.text.wording import wording_called
-from app.session.features.comparison import ComparisonWritten
 from app.session.features.timeline import TimelineNavigation
 from app.session.storage.presets import PresetStore
+from app.session.timeline.timeline import MEGABYTE
 from app.session.worker.commands import RunCall
-from app.session.worker.recorded_run import MEGABYTE
 from app.session.worker.run import Run
 from app.views.canvas.items.item import image_rectangle
 from app.views.comparison.dialog import CompareDialog
@@ -140,6 +139,8 @@ class TimelineFeature(Feature):
         self.navigation = context.workspace.navigation
         self.panel = TimelinePanel(self.navigation, lambda: is_running(context.session.situation))
         Keys(context.canvas_area.canvas, self._go_to_end)
+        self._shown = False, False
+        self.navigation.changed.connect(self._follow)
         context.session.document_changed.connect(lambda _: self.panel.show_parameters())
         context.preferences.follow(TIMELINE_MEMORY, self._use_budget)
 
@@ -148,7 +149,8 @@ class TimelineFeature(Feature):
         navigation = self.navigation
         moves = [
             ActionSpec(f"timeline_{name}", _MENU, text, tip, partial(go, navigation), keys, icon=icon,
-                       when=lambda _: navigation.recorded)
+                       when=lambda _: bool(navigation.branches),
+                       pictured=(lambda _: "pause" if navigation.playing else "play") if name == "play" else None)
             for name, text, go, keys, tip, icon in _MOVES
         ]  # fmt: skip
         return (
@@ -177,9 +179,12 @@ class TimelineFeature(Feature):
             ),
         )
 
-    def use_keys(self) -> None:
-        """Name the keys as they are now."""
-        self.panel.show_keys()
+    def _follow(self) -> None:
+        """Enable and picture the moves."""
+        shown = self.navigation.playing, bool(self.navigation.branches)
+        if shown != self._shown:
+            self._shown = shown
+            self.context.refresh()
 
     def _go_to_end(self, event: QKeyEvent) -> bool:
         """Go to the first or last step by Home and End on the canvas; in sliders and fields they keep their meaning."""
@@ -218,7 +223,7 @@ class ParametersFeature(Feature):
         super().__init__(context)
         store = PresetStore(parent=context.window)
         self.presets = Presets(context, store)
-        self.panel = ParametersPanel(context.session, self.presets.button)
+        self.panel = ParametersPanel(context.session, self.presets)
         context.preferences.follow(
             WORDING, lambda: self.panel.use_wording(wording_called(context.preferences.value(WORDING)))
         )
@@ -256,7 +261,6 @@ class ComparisonFeature(Feature):
     def __init__(self, context: FeatureContext) -> None:
         super().__init__(context)
         self.dialog = OneDialog(self._made)
-        context.session.listen(ComparisonWritten, self._report)
 
     def action_specs(self) -> Sequence[ActionSpec]:
         """Open it with the choice of parameters, or with that of methods."""
@@ -297,8 +301,3 @@ class ComparisonFeature(Feature):
         image = self.context.session.scene.image
         name = f"{Path(image.source).stem if image else ''}.methods.csv"
         return self.context.files.ask_where_to_save("export", tr("Export the comparison"), name, kinds, parent=parent)
-
-    def _report(self, report: ComparisonWritten) -> None:
-        names = ", ".join(file.name for file in report.files)
-        wrote = tr("Wrote {name}.").format(name=names)
-        self.context.session.say(" ".join((*((wrote,) if names else ()), *map(from_core, report.notes))))

@@ -170,7 +170,7 @@ class SlicesFeature(Feature):
         area.views.setColumnStretch(0, 2)
         area.views.addWidget(view, row, 1)
         self._draw_later(view)
-        view.asked.connect(self._open_menu)
+        view.menu_wanted.connect(self._open_menu)
         view.went.connect(self._slices.through)
         view.passed.connect(self._slices.pass_on)
         self.sides += (view,)

@@ -23,7 +23,8 @@ from app.model.document.modes import MODES
 from app.model.state.situation import remaining_text
 from app.model.text.language import tr
 from app.session.tasks.tasks import Task, Tasks
-from app.views.canvas.tools import OBJECT, START, TOOLS
+from app.views.canvas.tools import TOOLS
+from app.views.canvas.tools.tool import OBJECT, START
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
 from app.views.widgets.actions import PRIMARY, Actions

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cpm_core.contours.contour import Bridge, Contour
+from cpm_core.contours.contour import Bridge, Contour, bridges_on
 from cpm_core.contours.graph import Graph
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.regions import BarrierMap
@@ -10,7 +10,7 @@ from cpm_core.model.plane.births import deletion
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction.curve.end_linking import close_gaps
-from cpm_core.reconstruction.curve.gap_bridging import bridge_gaps, bridges_of
+from cpm_core.reconstruction.curve.gap_bridging import bridge_gaps
 from cpm_core.reconstruction.curve.hysteresis import LEAST_LENGTH, choose, drop_unreached, drop_weak, shortest
 from cpm_core.reconstruction.curve.ridge_tracing import trace
 from cpm_core.reconstruction.curve.subpixel import ridge_points
@@ -75,7 +75,7 @@ def find_contours(
     contours = choose(
         graph.contours(max(shortest(scale_field, parameters), parameters.min_length)), scale_field, parameters
     )
-    return contours, bridges_of(bridges, contours)
+    return contours, bridges_on(bridges, contours)
 
 
 def _cut(graph: Graph, barrier_map: BarrierMap) -> None:

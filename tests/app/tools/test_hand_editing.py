@@ -62,7 +62,7 @@ def gap(outlined: MainWindow, hand: Hand) -> MainWindow:
 
 def preview(hand: Hand) -> np.ndarray:
     """Places (row, col) of the line that shows what a release would do, shape (K, 2)."""
-    x, y = hand.canvas.layers.drawing._draft._path.getData()
+    x, y = hand.canvas.layers.drawing._draft.path.getData()
     return np.empty((0, 2)) if x is None else np.stack([y, x], axis=1)
 
 

@@ -60,7 +60,7 @@ def test_every_slice_takes_the_tool_in_use_and_shows_its_draft(volume, hand, cas
         press(view, (9, 15))
         release(view, (9, 15))
         move(view, (12, 20), Qt.MouseButton.NoButton)
-        x, y = view.layers.drawing._draft._path.getData()
+        x, y = view.layers.drawing._draft.path.getData()
         np.testing.assert_allclose(np.stack([y, x], axis=1), [(5, 6), (9, 15), (12, 20)], atol=PIXEL + 0.5)
         hand.key(KEY.Key_Return)
         stroke, here = only(volume, Stroke), view.here

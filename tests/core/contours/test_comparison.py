@@ -20,19 +20,12 @@ def disk(radius, center=CENTER):
     return Contour(circle_points(center, radius, 1000), closed=True)
 
 
-def square(top, left, side):
-    bottom, right = top + side, left + side
-    return Contour(np.array([(top, left), (top, right), (bottom, right), (bottom, left)], dtype=float), closed=True)
-
-
 def test_the_truth_agrees_with_itself():
     contours = [disk(30.0), disk(10.0)]
     seen = compare(contours, truth_of_contours(contours, SHAPE))
     assert (seen.dice, seen.jaccard, seen.recall, seen.precision, seen.f) == (1.0, 1.0, 1.0, 1.0, 1.0)
     assert max(seen.hausdorff, seen.hausdorff95, seen.mean_boundary_distance) < 1e-9
     assert seen.missing.shape == (0, 2)
-    assert not seen.extra_area.any()
-    assert not seen.missing_area.any()
     assert [len(distances) for distances in seen.distances] == [1000, 1000]
 
 
@@ -49,10 +42,6 @@ def test_circles_about_one_center(inner, wider):
     near = wider <= 1.0 - 1e-3
     assert near or wider <= 1.0 + 1e-3 or (seen.recall, seen.precision) == (0.0, 0.0)
     assert not near or (seen.recall, seen.precision) == (1.0, 1.0)
-    away = np.hypot(np.arange(SHAPE[0])[:, None] - CENTER[0], np.arange(SHAPE[1]) - CENTER[1])
-    between, beside = (away > inner) & (away < outer), np.minimum(abs(away - inner), abs(away - outer)) < 0.01
-    assert np.array_equal(seen.missing_area[~beside], between[~beside])
-    assert not seen.extra_area.any()
 
 
 def test_a_contour_in_another_is_a_hole_by_default():
@@ -61,26 +50,10 @@ def test_a_contour_in_another_is_a_hole_by_default():
     truth = truth_of_mask(mask)
     assert compare([*ring, core], truth).dice == 1.0
     assert compare([core, *ring], truth).dice == 1.0
-    filled = compare([*ring, core], truth, holes=False)
-    assert np.array_equal(filled.extra_area, inside([ring[1]], SHAPE) & ~inside([core], SHAPE))
+    assert compare([*ring, core], truth, holes=False).jaccard == truth.labels.sum() / inside([ring[0]], SHAPE).sum()
     nested = truth_of_contours(ring, SHAPE, holes=False)
     assert compare(ring, nested, holes=False).dice == 1.0
     assert nested.labels.max() == 2
-
-
-def test_each_object_is_matched_with_the_contour_that_covers_it_best():
-    labels = np.zeros(SHAPE, np.uint8)
-    labels[10:30, 10:30], labels[10:30, 30:50], labels[60:80, 60:80] = 50, 100, 150
-    found = [
-        square(9.5, 29.5, 20),
-        Contour(CENTER + np.zeros((3, 2)), False),
-        square(9.5, 9.5, 10),
-        disk(5.0, (100, 20)),
-    ]
-    first, second, third = compare(found, truth_of_mask(labels)).matches
-    assert (first.label, first.contour, first.dice) == (1, 2, 2 * 100 / (100 + 400))
-    assert (second.label, second.contour, second.dice) == (2, 0, 1.0)
-    assert (third.label, third.contour, third.dice) == (3, None, 0.0)
 
 
 def test_the_border_of_the_image_is_no_boundary_of_an_object_that_it_cuts():

@@ -20,7 +20,7 @@ from app.views.canvas.items.item import Markers, OverImage, cached, line_pen, to
 from app.views.canvas.layers.layer import Layer, Requests
 from app.views.theme import theme
 from cpm_core.field import RADIUS, REACH
-from cpm_core.numerics import Array, Place, Position
+from cpm_core.numerics import Array, Place
 from cpm_core.shapes import (
     Barrier,
     Charge,
@@ -100,36 +100,31 @@ class Draft:
     """A path with its corners, the closing segment of a closed path, and the ring of a tool."""
 
     def __init__(self, view: pg.ViewBox) -> None:
-        self._halo = pg.PlotCurveItem(antialias=True)
-        self._path = pg.PlotCurveItem(antialias=True)
-        self._closing = pg.PlotCurveItem(antialias=True)
+        self.path, self._closing, self._ring = (pg.PlotCurveItem(antialias=True) for _ in range(3))
         self._corners = Markers(size=6.0, symbol="s", pen=pg.mkPen(theme.HALO), brush=pg.mkBrush("w"))
-        self._ring = pg.PlotCurveItem(antialias=True)
-        self._rim = pg.PlotCurveItem(antialias=True)
-        for index, item in enumerate((self._halo, self._path, self._closing, self._corners, self._rim, self._ring)):
+        for index, item in enumerate((self.path, self._closing, self._corners, self._ring)):
             item.setZValue(_DRAFT_Z + 0.1 * index)
             view.addItem(item, ignoreBounds=True)
 
-    def show(self, corners: tuple[Position, ...], path: tuple[Position, ...], color: str, closed: bool) -> None:
-        """Show a path with corners, all (row, col)."""
-        line = np.array(path, dtype=float).reshape(-1, 2)
-        self._halo.setPen(line_pen(theme.HALO, 4.0, "shapes"))
-        self._path.setPen(line_pen(color, 2.0, "shapes"))
+    def show(self, corners: Array, path: Array, color: str, closed: bool) -> None:
+        """Show a path with corners, each of shape (K, 2)."""
+        _draw(self.path, path, color, 2.0, 4.0)
         dashed = line_pen(color, 1.4, "shapes")
         dashed.setStyle(Qt.PenStyle.DashLine)
         self._closing.setPen(dashed)
-        self._halo.setData(*to_xy(line))
-        self._path.setData(*to_xy(line))
-        self._closing.setData(*to_xy(line[[-1, 0]] if closed and len(line) > 2 else line[:0]))
-        x, y = to_xy(np.array(corners, dtype=float).reshape(-1, 2))
-        self._corners.setData(x=x, y=y)
+        self._closing.setData(*to_xy(path[[-1, 0]] if closed and len(path) > 2 else path[:0]))
+        self._corners.setData(*to_xy(corners))
 
     def show_ring(self, rim: Array, color: str) -> None:
         """Show the ring of a tool, shape (K, 2); an empty one hides it."""
-        self._rim.setPen(line_pen(theme.HALO, 3.4, "shapes"))
-        self._ring.setPen(line_pen(color, 1.6, "shapes"))
-        for item in (self._rim, self._ring):
-            item.setData(*to_xy(rim))
+        _draw(self._ring, rim, color, 1.6, 3.4)
+
+
+def _draw(item: pg.PlotCurveItem, path: Array, color: str, width: float, halo: float) -> None:
+    """Draw a path, shape (K, 2), with a halo."""
+    item.setPen(line_pen(color, width, "shapes"))
+    item.setShadowPen(line_pen(theme.HALO, halo, "shapes"))
+    item.setData(*to_xy(path))
 
 
 class DrawingLayer(Layer):
@@ -144,8 +139,10 @@ class DrawingLayer(Layer):
     tip = tr("What a run starts from, regions of interest, barriers and placed charges.")
     shortcut = "Alt+6"
     in_slices = True
-    drafting = Signal()
-    """The draft or the ring has changed."""
+    draft_shown = Signal(object, object, str, bool)
+    """Another draft is shown: what `show_draft` takes."""
+    ring_shown = Signal(object, float, str)
+    """Another ring is shown: what `show_ring` takes."""
     colors = (theme.DRAWING, theme.REGION, theme.BARRIER, theme.ATTRACTING, theme.REPELLING)
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
@@ -181,9 +178,6 @@ class DrawingLayer(Layer):
         self._acting = (self._regions, self._barriers, self._chosen_limit, *self._rings.values(), self._reach)
         self.add(*self._starts, self._handles, self._dim, *self._acting, self._charges, self._signs)
         self._draft = Draft(view)
-        self.drafted: tuple[tuple[Place, ...], tuple[Place, ...], str, bool] = ((), (), theme.DRAWING, False)
-        """Corners and path of the draft, its color, and whether it is closed."""
-        self.ringed: tuple[Place | None, float, str] = (None, 0.0, theme.DRAWING)
         self._image_starts: tuple[ImageStart, ...] = ()
         self._faint = 1.0
         self._chosen_start: ImageStart | None = None
@@ -212,22 +206,28 @@ class DrawingLayer(Layer):
         elif scene.image_seeds is not before.image_seeds:
             self._draw_everywhere()
 
-    def show_draft(self, corners: tuple[Place, ...], path: tuple[Place, ...], color: str, closed: bool) -> None:
-        """Show the draft of a path."""
-        self.drafted = (corners, path, color, closed)
+    def show_draft(
+        self,
+        corners: Sequence[Place] = (),
+        path: Sequence[Place] | Array = (),
+        color: str = theme.DRAWING,
+        closed: bool = False,
+    ) -> None:
+        """Show the draft of a path; without arguments, none."""
         self._draft.show(self._flat(corners), self._flat(path), color, closed)
-        self.drafting.emit()
+        self.draft_shown.emit(corners, path, color, closed)
 
-    def show_ring(self, center: Place | None, radius: float, color: str) -> None:
+    def show_ring(self, center: Place | None = None, radius: float = 0.0, color: str = theme.DRAWING) -> None:
         """Show the ring of a tool, in a volume that of a ball in sides of the smallest voxel; None hides it."""
-        self.ringed = (center, radius, color)
         self._draft.show_ring(self._ring(center, radius), color)
-        self.drafting.emit()
+        self.ring_shown.emit(center, radius, color)
 
-    def _flat(self, places: tuple[Place, ...]) -> tuple[Position, ...]:
-        """Places as (row, col) in the slice that is shown."""
-        slices = self.scene.slices
-        return tuple(slices.current.within(place) if slices and len(place) == 3 else place for place in places)
+    def _flat(self, places: Sequence[Place] | Array) -> Array:
+        """Places as (row, col) in the slice that is shown, shape (K, 2)."""
+        if not len(places):
+            return NO_POSITIONS
+        slices, flat = self.scene.slices, np.array(places, dtype=float)
+        return flat if slices is None or flat.shape[1] == 2 else slices.current.flattened(flat)
 
     def _ring(self, center: Place | None, radius: float) -> Array:
         """The line of a ring, shape (K, 2)."""
@@ -238,13 +238,6 @@ class DrawingLayer(Layer):
             return Circle(center, radius).outline
         cuts = sections(Sphere.round(center, radius, volume.spacing), slices.axis, slices.current.index)
         return np.concatenate([NO_POSITIONS, *(cut.outline for cut in cuts)])
-
-    def copy_draft(self, other: DrawingLayer) -> None:
-        """Show the same draft and ring on another canvas."""
-        if self.drafted != other.drafted:
-            other.show_draft(*self.drafted)
-        if self.ringed != other.ringed:
-            other.show_ring(*self.ringed)
 
     def _show_starts(self, shapes: Sequence[Section], chosen: Section | None, started: bool) -> None:
         rest = [shape for shape in shapes if shape is not chosen]

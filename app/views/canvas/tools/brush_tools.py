@@ -6,17 +6,14 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from PySide6.QtCore import Qt
 
-from app.model.document import edits
 from app.model.text.language import tr
 from app.session.features.object_list import ObjectBrush
 from app.session.undo_history import Erasure
-from app.views.canvas.tools.tool import TAKING_AWAY, ShapeTool, ToolContext
+from app.views.canvas.tools.tool import CONTOUR, SELECT, START, TAKING_AWAY, ShapeTool, ToolContext
 from app.views.theme import theme
-from cpm_core.numerics import Place, Position
-from cpm_core.objects.segmented import SegmentedObjects
-from cpm_core.shapes import Points, Shape
+from cpm_core.numerics import Place
+from cpm_core.shapes import Points
 
 _SHARE, _LEAST, _MOST = 0.03, 1.0, 500.0
 """Initial radius as a fraction of the longest side of the image, and bounds of the radius [px]."""
@@ -42,11 +39,9 @@ class RingTool(ShapeTool):
 
     def __init__(self, context: ToolContext) -> None:
         super().__init__(context)
-        self._drawing = context.drawing
         self._chosen: float | None = None
         self._at: Place | None = None
         self._last: Place | None = None
-        self._shapes: tuple[Shape, ...] = ()
 
     @property
     def radius(self) -> float:
@@ -57,14 +52,13 @@ class RingTool(ShapeTool):
         return max(_SHARE * max(image.shape), 4.0) if image is not None else 4.0
 
     def work(self, path: tuple[Place, ...]) -> None:
-        """Apply the tool along a path of the ring."""
+        """Apply the tool along a path of the ring, which has one place when the gesture begins."""
         raise NotImplementedError
 
     def press(self, at: Place, reach: float) -> None:
         """Begin a gesture."""
         self._begin()
         self._last, self.used = at, True
-        self._shapes = self._session.document.shapes
         self._session.select(None)
         self.hover(at)
         self.work((at,))
@@ -75,18 +69,6 @@ class RingTool(ShapeTool):
         if self._last is not None and at != self._last:
             path, self._last = (self._last, at), at
             self.work(path)
-
-    def release(self) -> None:
-        """End the gesture."""
-        self._last = None
-        super().release()
-
-    def cancel(self) -> None:
-        """Restore the shapes from before the gesture."""
-        if self._last is not None:
-            shapes = self._shapes
-            self._session.edit("", lambda document: edits.set_shapes(document, shapes), self._gesture)
-        self.release()
 
     def hover(self, at: Place) -> None:
         """Move the ring to the pointer."""
@@ -102,13 +84,16 @@ class RingTool(ShapeTool):
     def put_away(self) -> None:
         """Hide the ring."""
         self._at = None
-        self._drawing.show_ring(None, 0.0, self.color)
+        self._drawing.show_ring()
 
 
 class SprayTool(RingTool):
     """Scatters points in the ring while the button is down and the pointer moves."""
 
     name = "spray"
+    text = tr("Spra&y tool")
+    shortcut = "Y"
+    group = START
     tip = tr("Drag to scatter points; < and > change the ring.")
     color = theme.DRAWING
     guidance = tr("Drag to spray points; < and > make the ring smaller and larger.")
@@ -119,13 +104,10 @@ class SprayTool(RingTool):
         self._random = np.random.default_rng(0)
         self._taken: dict[tuple[int, int], Place] = {}
 
-    def press(self, at: Place, reach: float) -> None:
-        """Begin a new cloud of points."""
-        self._taken = {}
-        super().press(at, reach)
-
     def work(self, path: tuple[Place, ...]) -> None:
         """Scatter points along the path of the ring, none too near to another."""
+        if len(path) == 1:
+            self._taken = {}
         begin, end = (np.array(self.flat(place)) * self.sides for place in (path[0], path[-1]))
         far = math.dist(begin, end) / self.radius if len(path) > 1 else 2.0
         many = self._random.poisson(_DENSITY * math.pi * self.radius**2 * far) + (len(path) == 1)
@@ -161,6 +143,9 @@ class EraserTool(RingTool):
     """Erases the points in its ring, the other shapes that it touches, and the particles of a run in it."""
 
     name = "eraser"
+    text = tr("&Eraser")
+    shortcut = "E"
+    group = SELECT
     tip = tr("Drag to erase points, shapes and particles; < and > change its ring.")
     color = theme.CHOSEN
     guidance = tr("Drag over points, shapes or particles to erase them; < and > make the ring smaller and larger.")
@@ -171,24 +156,25 @@ class EraserTool(RingTool):
         self._erasure: Erasure | None = None
         self._erased = False
 
-    def press(self, at: Place, reach: float) -> None:
-        """Begin to erase."""
-        self._erasure, self._erased = self._session.live.begin_erasure(), False
-        super().press(at, reach)
-
     def work(self, path: tuple[Place, ...]) -> None:
         """Erase along the path of the ring."""
-        assert self._erasure is not None
+        if self._erasure is None:
+            self._erasure, self._erased = self._session.live.begin_erasure(), False
         before = self._session.document
         left, run_changed = self._session.live.erase(path, self.radius, self._erasure)
         self._session.edit(tr("erase"), lambda _: left, self._gesture, self._erasure if run_changed else None)
         self._erased = self._erased or run_changed or self._session.document is not before
 
+    def release(self) -> None:
+        """Keep what is left."""
+        self._erasure = None
+        super().release()
+
     def cancel(self) -> None:
         """Bring back what the gesture has erased."""
-        during = self._last is not None
+        erased = self._erasure is not None and self._erased
         self.release()
-        if during and self._erased:
+        if erased:
             self._session.undo()
 
 
@@ -196,6 +182,9 @@ class BrushTool(RingTool):
     """Adds what the ring goes over to an object; with Shift takes it away."""
 
     name = "brush"
+    text = tr("Paint objects &with a brush")
+    shortcut = "Z"
+    group = CONTOUR
     tip = tr("Drag to paint an object, Shift-drag to erase it; < and > change the brush.")
     color: str = theme.RESTING
     guidance = tr("Drag from an object to add to it, Shift-drag to erase it, elsewhere for a new one; < and > resize.")
@@ -203,46 +192,34 @@ class BrushTool(RingTool):
 
     def __init__(self, context: ToolContext) -> None:
         super().__init__(context)
-        self._brush = ObjectBrush(context.session, context.object_list)
+        self._brush = ObjectBrush(self._session, context.workspace.object_list)
         self._adds = True
-        self._objects: SegmentedObjects | None = None
-
-    def set_modifiers(self, modifiers: Qt.KeyboardModifier) -> None:
-        """With Shift, the next stroke takes away."""
-        if self._brush.painting:
-            return
-        self._adds = not modifiers & TAKING_AWAY
-        self.color = theme.RESTING if self._adds else theme.BARRIER
-        if self._at is not None:
-            self.hover(self._at)
-
-    def press(self, at: Place, reach: float) -> None:
-        """Begin a stroke."""
-        self._begin()
-        self.used = True
         self._objects = self._session.document.objects
-        self.hover(at)
-        self._brush.begin(_flat(at), self.radius, self._adds, self._gesture)
 
-    def drag(self, at: Place) -> None:
-        """Paint on."""
-        self.hover(at)
-        self._brush.paint(_flat(at))
+    def hover(self, at: Place) -> None:
+        """Move the ring, whose color shows what a stroke from here would do."""
+        if not self._brush.painting:
+            self._adds = not self.modifiers & TAKING_AWAY
+            self.color = theme.RESTING if self._adds else theme.BARRIER
+        super().hover(at)
+
+    def work(self, path: tuple[Place, ...]) -> None:
+        """Begin a stroke, or paint on."""
+        row, col = path[-1][-2:]
+        if len(path) == 1:
+            self._objects = self._session.document.objects
+            self._brush.begin((row, col), self.radius, self._adds, self._gesture)
+        else:
+            self._brush.paint((row, col))
 
     def release(self) -> None:
         """End the stroke."""
         self._brush.end()
-        self._objects = None
         super().release()
 
     def cancel(self) -> None:
         """Restore the objects from before the stroke."""
         before = self._objects
-        if self._brush.painting and before is not None:
+        if self._brush.painting:
             self._session.edit("", lambda document: replace(document, objects=before), self._gesture)
         self.release()
-
-
-def _flat(at: Place) -> Position:
-    row, col = at[-2:]
-    return row, col

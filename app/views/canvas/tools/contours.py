@@ -9,7 +9,7 @@ from PySide6.QtCore import Qt
 
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
-from app.views.canvas.tools.tool import Cursor, Tool, ToolContext
+from app.views.canvas.tools.tool import CONTOUR, Cursor, Tool, ToolContext
 from app.views.theme import theme
 from cpm_core.numerics import Position
 
@@ -27,6 +27,9 @@ class ContourTool(Tool):
     """
 
     name = "contours"
+    text = tr("C&ontour tool")
+    shortcut = "V"
+    group = CONTOUR
     tip = tr(
         "Click contours, drag a frame around them, or drag across them to select; {key:reject} rejects, "
         "{key:keep} keeps."
@@ -36,9 +39,7 @@ class ContourTool(Tool):
 
     def __init__(self, context: ToolContext) -> None:
         super().__init__(context)
-        self._context = context
-        self._review = context.review
-        self._held = Qt.KeyboardModifier.NoModifier
+        self._review = context.workspace.review
         self._reach = 0.0
         self._corner: Position | None = None
         """Where a frame begins."""
@@ -70,13 +71,18 @@ class ContourTool(Tool):
             self._corner, self._found = at, frozenset()
             return
         self._last, self._found = at, frozenset((key,))
-        self._removes = key in self._before if self._held & _ADDING else bool(self._held & _REMOVING)
+        self._removes = key in self._before if self.modifiers & _ADDING else bool(self.modifiers & _REMOVING)
         self._show()
 
     def drag(self, at: Position) -> None:
         """Select what lies in the frame, or what the pointer crosses."""
         if self._corner is not None:
-            self._drag_frame(self._corner, at)
+            corner = self._corner
+            frame = (corner, (corner[0], at[1]), at, (at[0], corner[1]))
+            self._removes = bool(self.modifiers & _REMOVING)
+            self._found = self._review.within(frame)
+            self._drawing.show_draft((), (*frame, corner), theme.CHOSEN)
+            self._show()
         elif self._last is not None:
             steps = math.dist(self._last, at) / max(0.5 * self._reach, 1e-9)
             way = np.linspace(self._last, at, 2 + min(int(steps), _MOST_STEPS))
@@ -87,13 +93,9 @@ class ContourTool(Tool):
 
     def release(self) -> None:
         """Keep the selection; a click next to all contours removes it."""
-        if self._corner is not None and not self._found and not self._held & (_ADDING | _REMOVING):
+        if self._corner is not None and not self._found and not self.modifiers & (_ADDING | _REMOVING):
             self._review.select(())
         self._end()
-
-    def set_modifiers(self, modifiers: Qt.KeyboardModifier) -> None:
-        """Remember the modifier keys: Shift adds to the selection, Ctrl removes from it."""
-        self._held = modifiers
 
     def cancel(self) -> None:
         """Select what was selected before, and highlight no contour."""
@@ -108,23 +110,16 @@ class ContourTool(Tool):
         self._review.hover(key)
         return Cursor.ArrowCursor if key is None else Cursor.PointingHandCursor
 
-    def _drag_frame(self, corner: Position, at: Position) -> None:
-        frame = (corner, (corner[0], at[1]), at, (at[0], corner[1]))
-        self._removes = bool(self._held & _REMOVING)
-        self._found = self._review.within(frame)
-        self._context.drawing.show_draft((), (*frame, corner), theme.CHOSEN, False)
-        self._show()
-
     def _show(self) -> None:
         """Select what has been found, as the modifier keys tell."""
         if self._removes:
             self._review.select(self._before - self._found)
         else:
-            self._review.select(self._found | self._before if self._held & _ADDING else self._found)
-        self._context.advised()
+            self._review.select(self._found | self._before if self.modifiers & _ADDING else self._found)
+        self._advised()
 
     def _end(self) -> None:
         self._corner = self._last = None
         self._found = frozenset()
-        self._context.drawing.show_draft((), (), theme.CHOSEN, False)
-        self._context.advised()
+        self._drawing.show_draft()
+        self._advised()

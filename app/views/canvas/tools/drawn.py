@@ -11,7 +11,7 @@ from app.model.document.document import ImageReference
 from app.model.text.language import from_core, tr
 from app.model.volume.slices import Slice
 from app.session.signals import EDITING
-from app.views.canvas.tools.tool import ShapeTool, ToolContext
+from app.views.canvas.tools.tool import CHARGE, START, ShapeTool, ToolContext
 from cpm_core.numerics import Place, Position
 from cpm_core.shapes import SMALLEST_RADIUS, Box, Charge, Circle, Ellipse, Points, Shape, Sphere
 from cpm_core.shapes.solids import SMALLEST
@@ -75,6 +75,9 @@ class CircleTool(DraggedTool):
     """Draws a circle from its center."""
 
     name = "circle"
+    text = tr("&Circle tool")
+    shortcut = "C"
+    group = START
     tip = tr("Drag from the center to draw a circle.")
     activity = tr("draw circle")
     slip = tr("Keep the button down and drag to draw a circle from its center.")
@@ -96,6 +99,9 @@ class EllipseTool(DraggedTool):
     """
 
     name = "ellipse"
+    text = tr("E&llipse tool")
+    shortcut = "L"
+    group = START
     tip = tr("Drag a box to draw an ellipse; Shift makes it round, Ctrl draws it from its center.")
     activity = tr("draw ellipse")
     slip = tr("Keep the button down and drag to draw an ellipse.")
@@ -103,20 +109,15 @@ class EllipseTool(DraggedTool):
     slip_in_volume = tr("Keep the button down and drag from corner to corner to draw a box.")
     guidance = tr("Drag a box around the ellipse; Shift makes it round, Ctrl draws it from its center.")
     by_keys = tr("Enter begins at a corner of its box, arrow keys move the opposite one, Enter ends.")
-    _held = Qt.KeyboardModifier.NoModifier
-
-    def set_modifiers(self, modifiers: Qt.KeyboardModifier) -> None:
-        """Remember the modifier keys."""
-        self._held = modifiers
 
     def shape(self, begin: Position, at: Position) -> Ellipse | Box:
         """The ellipse in the box, whose first radius lies along the row; in a volume the box."""
         (top, left), (down, right) = self.flat(begin), map(operator.sub, self.flat(at), self.flat(begin))
         high, wide = self.sides
-        if self._held & Qt.KeyboardModifier.ShiftModifier:
+        if self.modifiers & Qt.KeyboardModifier.ShiftModifier:
             size = max(abs(down) * high, abs(right) * wide)
             down, right = math.copysign(size / high, down), math.copysign(size / wide, right)
-        centered = bool(self._held & Qt.KeyboardModifier.ControlModifier)
+        centered = bool(self.modifiers & Qt.KeyboardModifier.ControlModifier)
         if self.volume is not None and self.here is not None:
             one = (top - down, left - right) if centered else (top, left)
             return Box(*box_between(one, (top + down, left + right), self.here, self.volume))
@@ -130,6 +131,9 @@ class PointTool(ShapeTool):
     """Places a point, which follows the pointer while the button is down."""
 
     name = "points"
+    text = tr("&Point tool")
+    shortcut = "P"
+    group = START
     tip = tr("Click to place a point.")
     clicks = True
     by_keys = tr("Enter places a point.")
@@ -184,6 +188,9 @@ class AttractTool(ChargeTool):
     """Places charges that attract particles."""
 
     name = "attract"
+    text = tr("&Attracting charge")
+    shortcut = "A"
+    group = CHARGE
     tip = tr("Place a charge that attracts particles, and drag it while they run; < and > change its strength.")
     guidance = tr("Click to place a charge that attracts particles; drag it while they run.")
     strength = 2.0
@@ -193,6 +200,9 @@ class RepelTool(ChargeTool):
     """Places charges that repel particles."""
 
     name = "repel"
+    text = tr("Repelling char&ge")
+    shortcut = "D"
+    group = CHARGE
     tip = tr("Place a charge that repels particles, and drag it while they run; < and > change its strength.")
     guidance = tr("Click to place a charge that repels particles; drag it while they run.")
     strength = -2.0

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
+import numpy as np
 from PySide6.QtCore import Qt
 
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
-from app.views.canvas.tools.tool import TAKING_AWAY, Cursor, Tool, ToolContext
+from app.views.canvas.tools.tool import CONTOUR, TAKING_AWAY, Cursor, Tool, ToolContext
 from app.views.theme import theme
 from cpm_core.contours import HandEdit
 from cpm_core.numerics import Array, Position
@@ -25,20 +27,21 @@ class EditContoursTool(Tool):
     """
 
     name = "edit_contours"
+    text = tr("Edit contours by han&d")
+    shortcut = "J"
+    group = CONTOUR
     tip = tr("Drag an end of a contour to another end to join them, or a stretch to move it; Shift-click cuts.")
     by_keys = tr("Enter picks up, arrow keys move, Enter puts down; twice on one place marks it.")
 
     def __init__(self, context: ToolContext) -> None:
         super().__init__(context)
-        self._context = context
-        self._editing, self._review = context.hand_editing, context.review
+        self._editing, self._review = context.workspace.hand_editing, context.workspace.review
         self._held: Contact | None = None
         self._pressed: Position | None = None
         self._pointer: Position | None = None
         self._dragged = False
         self._way = self._editing.way_from((0.0, 0.0))
         self._reach = 1.0
-        self._modifiers = Qt.KeyboardModifier.NoModifier
         self._editing.changed.connect(self._show)
 
     @property
@@ -68,10 +71,6 @@ class EditContoursTool(Tool):
             return tr("There are no contours to edit yet: let the particles run, or draw one with the outline tool.")
         return tr("Drag an end to another end, or drag a stretch. Click to mark a place, Shift-click to cut.")
 
-    def set_modifiers(self, modifiers: Qt.KeyboardModifier) -> None:
-        """Remember the modifier keys: in a click Shift cuts and Ctrl selects more, in a drag Shift bends freely."""
-        self._modifiers = modifiers
-
     def press(self, at: Position, reach: float) -> None:
         """Take hold of the contour under the pointer."""
         self.used = True
@@ -91,7 +90,7 @@ class EditContoursTool(Tool):
     def release(self) -> None:
         """Carry out what the preview shows, or mark the place that was clicked."""
         held, dragged = self._held, self._dragged
-        edits = self._edits() if dragged else ()
+        edits = self._meant()[0] if dragged and held is not None else ()
         self._end()
         if edits:
             self._editing.add(edits)
@@ -123,7 +122,7 @@ class EditContoursTool(Tool):
         """Hide the preview and the marks."""
         self._pointer = None
         self._review.hover(None)
-        self._context.drawing.show_draft((), (), theme.DRAWING, False)
+        self._drawing.show_draft()
 
     def cursor(self, at: Position, reach: float) -> Cursor:
         """A cross over an end, a hand elsewhere on a contour; the edges are prepared as soon as the tool is taken."""
@@ -141,9 +140,9 @@ class EditContoursTool(Tool):
             self._review.select(())
             return
         key = self._editing.key_of(held)
-        if self._modifiers & TAKING_AWAY:
+        if self.modifiers & TAKING_AWAY:
             self._editing.cut(held)
-        elif self._modifiers & Qt.KeyboardModifier.ControlModifier:
+        elif self.modifiers & Qt.KeyboardModifier.ControlModifier:
             self._review.select(self._review.selected ^ {key} if key is not None else self._review.selected)
         else:
             if key is not None:
@@ -152,34 +151,25 @@ class EditContoursTool(Tool):
             second = len(marked) == 1 and marked[0].same_contour(held) and marked[0].along != held.along
             self._editing.mark((*marked, held) if second else (held,))
 
-    def _edits(self) -> tuple[HandEdit, ...]:
-        """What letting go now would do."""
+    def _meant(self) -> tuple[Sequence[HandEdit], Array, list[Position]]:
+        """What letting go now would do: the edits, the line that they add, and the places that are held and met."""
         held, at = self._held, self._pointer
-        if held is None or at is None:
-            return ()
+        assert held is not None and at is not None
         if not held.at_end:
-            return (self._editing.pulled(held, at, not self._modifiers & Qt.KeyboardModifier.ShiftModifier),)
-        path, target = self._joining(held, at)
-        return connect(path, held, target)
-
-    def _joining(self, held: Contact, at: Position) -> tuple[Array, Contact | None]:
-        """The path from the end that is held to the pointer, and what it meets there."""
+            edit = self._editing.pulled(held, at, not self.modifiers & Qt.KeyboardModifier.ShiftModifier)
+            return (edit,), np.array(edit.added), [held.place]
         target = self._editing.contact(at, self._reach)
         if target is not None and target.same_contour(held) and abs(target.along - held.along) <= 2.0 * self._reach:
             target = None
-        return self._way(target.place if target is not None else at), target
+        path = self._way(at if target is None else target.place)
+        return connect(path, held, target), path, [held.place, *([] if target is None else [target.place])]
 
     def _show(self) -> None:
         """Draw the preview, or the marks and the place under the pointer."""
         corners: list[Position] = [mark.place for mark in self._editing.marked]
-        path: Array | tuple[Position, ...] = ()
+        path: Sequence[Position] | Array = ()
         if self._dragged and self._held is not None and self._pointer is not None:
-            if self._held.at_end:
-                path, target = self._joining(self._held, self._pointer)
-                corners = [self._held.place, *([target.place] if target is not None else [])]
-            else:
-                edits = self._edits()
-                path, corners = edits[0].added, [self._held.place]
+            _, path, corners = self._meant()
         else:
             under = self._editing.contact(self._pointer, self._reach) if self._pointer is not None else None
             self._review.hover(self._editing.key_of(under) if under is not None else None)
@@ -187,9 +177,8 @@ class EditContoursTool(Tool):
             if len(marks) == 2 and self._editing.marked and marks[0].same_contour(marks[1]):
                 path = self._editing.stretch(*marks)
             corners += [under.place] if under is not None else []
-        places = tuple((float(row), float(col)) for row, col in path)
-        self._context.drawing.show_draft(tuple(corners), places, theme.BY_HAND, False)
-        self._context.advised()
+        self._drawing.show_draft(corners, path, theme.BY_HAND)
+        self._advised()
 
     def _end(self) -> None:
         self._held = self._pressed = None

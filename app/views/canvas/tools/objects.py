@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import math
 
-from PySide6.QtCore import Qt
-
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
-from app.views.canvas.tools.tool import TAKING_AWAY, Cursor, Tool, ToolContext
+from app.views.canvas.tools.tool import OBJECT, TAKING_AWAY, Cursor, Tool, ToolContext
 from app.views.theme import theme
 from cpm_core.numerics import Place
 
@@ -27,6 +25,9 @@ class ObjectTool(Tool):
     """
 
     name = "objects"
+    text = tr("Select ob&jects")
+    shortcut = "W"
+    group = OBJECT
     tip = tr("Click in an object to select it, Shift-click to remove what does not belong to it; Enter accepts it.")
     by_keys = tr("Enter clicks, Shift+Enter removes what does not belong to the object; Ctrl+Enter accepts it.")
     clicks = True
@@ -34,11 +35,8 @@ class ObjectTool(Tool):
 
     def __init__(self, context: ToolContext) -> None:
         super().__init__(context)
-        self._selection = context.selection
-        self._list = context.object_list
-        self._drawing = context.drawing
+        self._selection, self._list = context.workspace.object_selection, context.workspace.object_list
         self._path: list[Place] = []
-        self._inside = True
 
     @property
     def drafting(self) -> bool:
@@ -68,25 +66,21 @@ class ObjectTool(Tool):
         """Let the image be prepared while the tool is in use."""
         self._selection.set_in_use(in_use)
 
-    def set_modifiers(self, modifiers: Qt.KeyboardModifier) -> None:
-        """With Shift, a click says what does not belong to the object."""
-        self._inside = not modifiers & TAKING_AWAY
-
     def press(self, at: Place, reach: float) -> None:
         """Begin a click or a stroke, or change the object under the pointer if none is being selected."""
         self.used = True
         existing = self._existing(at)
         if existing:
             self._list.begin_change(existing)
-            return
-        self._path = [at]
+        else:
+            self._path = [at]
 
     def drag(self, at: Place) -> None:
         """Continue a stroke."""
         if self._path and math.dist(self._path[-1], at) >= _APART:
             self._path.append(at)
             color = theme.RESTING if self._inside else theme.BARRIER
-            self._drawing.show_draft((), tuple(map(self.flat, self._path)), color, closed=False)
+            self._drawing.show_draft((), self._path, color)
 
     def release(self) -> None:
         """Say that the places of the click or stroke are inside, or outside."""
@@ -128,10 +122,15 @@ class ObjectTool(Tool):
         """A hand over an object that a click would change."""
         return Cursor.PointingHandCursor if self._existing(at) else Cursor.CrossCursor
 
+    @property
+    def _inside(self) -> bool:
+        """Whether a click adds: with Shift it says what does not belong to the object."""
+        return not self.modifiers & TAKING_AWAY
+
     def _existing(self, at: Place) -> int:
         """Number of the object that a click would change; 0 while another one is being selected."""
         return 0 if self._selection.selecting or not self._inside else self._list.under(at)
 
     def _end_stroke(self) -> None:
         self._path = []
-        self._drawing.show_draft((), (), theme.RESTING, closed=False)
+        self._drawing.show_draft()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from PySide6.QtCore import Qt
@@ -10,7 +11,7 @@ from PySide6.QtCore import Qt
 from app.model.text.language import tr
 from app.session.features.hand_editing import Way
 from app.session.signals import EDITING
-from app.views.canvas.tools.tool import Cursor, Tool, ToolContext
+from app.views.canvas.tools.tool import CONTOUR, Cursor, Tool, ToolContext
 from app.views.theme import theme
 from cpm_core.numerics import Array, Position, polyline
 from cpm_core.reconstruction import Contact, connect, outline
@@ -22,6 +23,18 @@ _SMALLEST = 4.0
 """Area below which an outline is taken for an accident [px²]."""
 
 
+class _Anchor(NamedTuple):
+    """Where the line is fixed, where the pointer was before it moved onto the edge, and what leads to it."""
+
+    place: Position
+    click: Position
+    piece: Array
+
+    def at(self, place: Position, reach: float) -> bool:
+        """Whether a click at a place means it."""
+        return min(math.dist(place, self.place), math.dist(place, self.click)) <= reach
+
+
 class OutlineTool(Tool):
     """Draws a contour by a live wire: clicks set anchors, and the line between them follows the edges.
 
@@ -30,24 +43,23 @@ class OutlineTool(Tool):
     """
 
     name = "outline"
+    text = tr("O&utline tool")
+    shortcut = "U"
+    group = CONTOUR
     tip = tr("Click from place to place around an object: the line follows the edges and becomes a contour.")
     clicks = True
     by_keys = tr("Enter sets an anchor; Enter once more on the first anchor closes the line, on the last one ends it.")
 
     def __init__(self, context: ToolContext) -> None:
         super().__init__(context)
-        self._context = context
-        self._editing = context.hand_editing
-        self._anchors: list[Position] = []
-        self._clicks: list[Position] = []  # where the pointer was for each anchor, before it moved onto the edge
-        self._pieces: list[Array] = []
+        self._editing = context.workspace.hand_editing
+        self._anchors: list[_Anchor] = []
         self._freehand: list[Position] = []
         self._begin: Contact | None = None
         self._way: Way | None = None
         self._pointer: Position | None = None
         self._pressed: Position | None = None
         self._reach = 1.0
-        self._straight = False
 
     @property
     def drafting(self) -> bool:
@@ -64,26 +76,20 @@ class OutlineTool(Tool):
             "freehand; Backspace takes the last anchor back."
         )
 
-    def set_modifiers(self, modifiers: Qt.KeyboardModifier) -> None:
-        """With Shift, draw straight lines, and freehand ones as they are."""
-        self._straight = bool(modifiers & Qt.KeyboardModifier.ShiftModifier)
-
     def press(self, at: Position, reach: float) -> None:
         """Set an anchor; on the first one close the line, on the last one end it."""
         self._reach = max(reach, 1.0)
-        if len(self._anchors) > 1 and self._on(0, at):
-            self._add(self._anchors[0], at)
-            self._make(closed=True)
-        elif self._anchors and self._on(-1, at):
+        if len(self._anchors) > 1 and self._anchors[0].at(at, self._reach):
+            place = self._anchors[0].place
+            self._add(place, at, self._piece(place))
+            self.finish(closed=True)
+        elif self._anchors and self._anchors[-1].at(at, self._reach):
             self.finish()
         else:
             place = self._place(at)
             if not self._anchors:
                 self._begin = self._contact(at)
-                self._anchors, self._clicks = [place], [at]
-            else:
-                self._add(place, at)
-            self._begin_piece()
+            self._add(place, at, self._piece(place))
             self._pressed, self._freehand = place, []
             self._show()
 
@@ -102,16 +108,14 @@ class OutlineTool(Tool):
         drawn, self._freehand, self._pressed = self._freehand, [], None
         if len(drawn) < 2:
             return
-        at, closes = drawn[-1], self._on(0, drawn[-1])
-        drawn[-1] = self._anchors[0] if closes else self._place(drawn[-1])
+        at, first = drawn[-1], self._anchors[0]
+        closes = first.at(at, self._reach)
+        drawn[-1] = first.place if closes else self._place(at)
         path = np.array(drawn)
-        self._pieces.append(path if self._straight else self._editing.snapped_path(path))
-        self._anchors.append(drawn[-1])
-        self._clicks.append(at)
+        self._add(drawn[-1], at, path if self._straight else self._editing.snapped_path(path))
         if closes:
-            self._make(closed=True)
+            self.finish(closed=True)
         else:
-            self._begin_piece()
             self._show()
 
     def hover(self, at: Position) -> None:
@@ -120,28 +124,48 @@ class OutlineTool(Tool):
         if self._anchors:
             self._show()
 
-    def finish(self) -> None:
-        """End the line at its last anchor."""
-        self._make(closed=False)
+    def finish(self, closed: bool = False) -> None:
+        """Make a contour of the line, which ends at its last anchor."""
+        begin, pieces = self._begin, self._pieces
+        last = self._contact(self._anchors[-1].place) if pieces else None
+        self.cancel()
+        if not pieces:
+            return
+        path = np.concatenate([pieces[0], *(piece[1:] for piece in pieces[1:])])
+        if closed and polyline.area(path) < _SMALLEST:
+            self._session.say(tr("That is too small for an outline. {advice}").format(advice=self.tip), topic=EDITING)
+        elif closed:
+            self._editing.add((outline(path[:-1]),))
+        else:
+            self._editing.add(connect(path, begin, last))
 
     def take_back(self) -> None:
         """Remove the last anchor."""
         if self._anchors:
             self._anchors.pop()
-            self._clicks.pop()
-            if self._pieces:
-                self._pieces.pop()
-            self._begin_piece()
+            self._way = None
             self._show()
 
     def cancel(self) -> None:
         """Discard the line."""
-        self._clear()
+        self.used = self.used or bool(self._anchors)
+        self._anchors, self._freehand = [], []
+        self._begin = self._way = self._pressed = None
+        self._show()
 
     def cursor(self, at: Position, reach: float) -> Cursor:
         """A cross; the edges are prepared as the tool is taken."""
         self._editing.prepare()
         return Cursor.CrossCursor
+
+    @property
+    def _straight(self) -> bool:
+        """Whether lines are straight, and freehand ones stay as they are."""
+        return bool(self.modifiers & Qt.KeyboardModifier.ShiftModifier)
+
+    @property
+    def _pieces(self) -> list[Array]:
+        return [anchor.piece for anchor in self._anchors[1:]]
 
     def _contact(self, at: Position) -> Contact | None:
         """What a line that begins or ends at a place touches."""
@@ -154,52 +178,24 @@ class OutlineTool(Tool):
         contact = self._contact(at)
         return contact.place if contact is not None else self._editing.snapped(at)
 
-    def _begin_piece(self) -> None:
-        """The line continues from the last anchor, and not along what has been drawn."""
-        self._way = self._editing.way_from(self._anchors[-1], self._pieces) if self._anchors else None
-
     def _piece(self, place: Position) -> Array:
-        """The line from the last anchor to a place."""
-        if self._straight or self._way is None:
-            return np.array([self._anchors[-1], place], dtype=float)
+        """The line from the last anchor to a place, which keeps off what has been drawn."""
+        begin = self._anchors[-1].place if self._anchors else place
+        if self._straight or not self._anchors:
+            return np.array([begin, place], dtype=float)
+        self._way = self._way or self._editing.way_from(begin, self._pieces)
         return self._way(place)
 
-    def _add(self, place: Position, click: Position) -> None:
-        self._pieces.append(self._piece(place))
-        self._anchors.append(place)
-        self._clicks.append(click)
-
-    def _on(self, anchor: int, at: Position) -> bool:
-        """Whether a place is that of an anchor, or where the pointer was for it."""
-        return min(math.dist(at, self._anchors[anchor]), math.dist(at, self._clicks[anchor])) <= self._reach
-
-    def _make(self, closed: bool) -> None:
-        """Make a contour of the line."""
-        begin, pieces = self._begin, self._pieces
-        last = self._contact(self._anchors[-1]) if self._anchors else None
-        self._clear()
-        if not pieces:
-            return
-        path = np.concatenate([pieces[0], *(piece[1:] for piece in pieces[1:])])
-        if closed and polyline.area(path) < _SMALLEST:
-            self._session.say(tr("That is too small for an outline. {advice}").format(advice=self.tip), topic=EDITING)
-        elif closed:
-            self._editing.add((outline(path[:-1]),))
-        else:
-            self._editing.add(connect(path, begin, last))
-
-    def _clear(self) -> None:
-        self.used = self.used or bool(self._anchors)
-        self._anchors, self._clicks, self._pieces, self._freehand = [], [], [], []
-        self._begin = self._way = self._pressed = None
-        self._show()
+    def _add(self, place: Position, click: Position, piece: Array) -> None:
+        self._anchors.append(_Anchor(place, click, piece))
+        self._way = None
 
     def _show(self) -> None:
-        parts = list(self._pieces)
+        parts = self._pieces
         if self._freehand:
             parts.append(np.array(self._freehand))
         elif self._anchors and self._pointer is not None and self._pressed is None:
             parts.append(self._piece(self._place(self._pointer)))
-        path = tuple((float(row), float(col)) for part in parts for row, col in part)
-        self._context.drawing.show_draft(tuple(self._anchors), path, theme.BY_HAND, False)
-        self._context.advised()
+        path = np.concatenate(parts) if parts else ()
+        self._drawing.show_draft([anchor.place for anchor in self._anchors], path, theme.BY_HAND)
+        self._advised()

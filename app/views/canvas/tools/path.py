@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
 
 from PySide6.QtCore import Qt
 
@@ -15,7 +13,7 @@ from app.model.text.language import tr
 from app.model.volume.slices import Slice
 from app.session.signals import EDITING
 from app.views.canvas.tools.drawn import box_between
-from app.views.canvas.tools.tool import Tool, ToolContext
+from app.views.canvas.tools.tool import LIMIT, START, Tool, ToolContext
 from app.views.theme import theme
 from cpm_core.numerics import Place, Position, polyline
 from cpm_core.shapes import (
@@ -41,111 +39,6 @@ _SHORTEST, _SMALLEST = 1.0, 4.0
 
 _Flat = tuple[Position, ...]
 
-_InVolume = Callable[[_Flat, Slice, ImageReference, bool], Shape]
-"""Makes a shape of a volume of corners in a slice; the last argument is whether they are of a dragged rectangle."""
-
-
-@dataclass(frozen=True, slots=True)
-class PathKind:
-    """What a path becomes.
-
-    Attributes
-    ----------
-    name, tip : str
-        Name of the tool, and how to use it.
-    make : callable
-        Corners to shape.
-    title : str
-        The shape in words.
-    color : str
-        Color of the draft.
-    closed : bool
-        Whether the last corner is joined to the first.
-    in_volume : callable or None
-        The same in a volume; None for a path in space.
-    """
-
-    name: str
-    make: Callable[[tuple[Place, ...]], Shape]
-    title: str
-    tip: str
-    color: str = theme.DRAWING
-    closed: bool = True
-    in_volume: _InVolume | None = None
-
-    @property
-    def least(self) -> int:
-        """Fewest corners that make a shape."""
-        return 3 if self.closed else 2
-
-    def is_slip(self, path: tuple[Place, ...]) -> bool:
-        """Whether a path is too small to be intended."""
-        if len(path) < self.least:
-            return True
-        return polyline.area(path) < _SMALLEST if self.closed else polyline.length(path) < _SHORTEST
-
-
-def _box_around(path: _Flat, here: Slice, volume: ImageReference) -> tuple[Place, Place]:
-    (top, left), (bottom, right) = (tuple(map(end, zip(*path, strict=True))) for end in (min, max))
-    return box_between((top, left), (bottom, right), here, volume)
-
-
-def _grid_in(path: _Flat, here: Slice, volume: ImageReference, boxed: bool) -> Shape:
-    return BoxGrid.between(*_box_around(path, here, volume), volume.spacing)
-
-
-def _threshold_in(path: _Flat, here: Slice, volume: ImageReference, boxed: bool) -> Shape:
-    return BoxThreshold(*_box_around(path, here, volume))
-
-
-def _region_in(path: _Flat, here: Slice, volume: ImageReference, boxed: bool) -> Shape:
-    if boxed:
-        return BoxRegion(*_box_around(path, here, volume))
-    return PrismRegion(path, here.axis, 0.0, volume.shape[here.axis] - 1.0)
-
-
-def _wall_in(path: _Flat, here: Slice, volume: ImageReference, boxed: bool) -> Shape:
-    return Wall(path, here.axis, 0.0, volume.shape[here.axis] - 1.0)
-
-
-STROKE = PathKind(
-    "stroke", Stroke, tr("stroke"), tr("Drag, or click corner by corner, where particles start."), closed=False
-)
-POLYGON = PathKind(
-    "polygon", Polygon, tr("polygon"), tr("Click corner by corner, or drag, along a closed line to start from.")
-)
-GRID = PathKind(
-    "grid_area",
-    Grid,
-    tr("grid"),
-    tr("Drag, or click corner by corner, around an area to cover with an even grid; < and > change its spacing."),
-    in_volume=_grid_in,
-)
-THRESHOLD = PathKind(
-    "threshold",
-    Threshold,
-    tr("threshold"),
-    tr("Drag, or click corner by corner, around where to start on strong edges; < and > change how strong."),
-    in_volume=_threshold_in,
-)
-REGION = PathKind(
-    "region",
-    Region,
-    tr("region of interest"),
-    tr("Drag, or click corner by corner, around what particles are to stay in."),
-    theme.REGION,
-    in_volume=_region_in,
-)
-BARRIER = PathKind(
-    "barrier",
-    Barrier,
-    tr("barrier"),
-    tr("Drag, or click corner by corner, where no particle is to cross."),
-    theme.BARRIER,
-    closed=False,
-    in_volume=_wall_in,
-)
-
 
 class PathTool(Tool):
     """Draws a path: a drag draws it freehand and finishes it; clicks place corners until it is finished.
@@ -156,17 +49,28 @@ class PathTool(Tool):
 
     clicks = True
     by_keys = tr("Enter places a corner; Enter once more on the same place ends it.")
+    made: type[Stroke | Polygon | Grid | Threshold | Region | Barrier]
+    """What the path becomes in an image."""
+    title: str
+    """The same in words."""
+    color = theme.DRAWING
+    closed = True
+    """Whether the last corner is joined to the first."""
+    spatial = False
+    """Whether it is a path in space in a volume, and not one in a slice."""
 
-    def __init__(self, context: ToolContext, kind: PathKind) -> None:
+    def __init__(self, context: ToolContext) -> None:
         super().__init__(context)
-        self.kind, self.name = kind, kind.name
-        self._context = context
         self._corners: list[Place] = []
         self._pointer: Place | None = None
         self._pressed: Place | None = None
-        self._first = self._freehand = self._boxed = self._eight_directions = False
+        self._first = self._freehand = self._boxed = False
         self._begun: Slice | None = None
         self._reach = 0.0
+
+    def solid(self, path: _Flat, here: Slice, volume: ImageReference) -> Shape:
+        """What a path in a slice becomes in a volume."""
+        raise NotImplementedError
 
     @property
     def drafting(self) -> bool:
@@ -174,33 +78,23 @@ class PathTool(Tool):
         return bool(self._corners)
 
     @property
-    def corners(self) -> tuple[Place, ...]:
-        """Corners of the path so far."""
-        return tuple(self._corners)
-
-    @property
-    def path(self) -> tuple[Place, ...]:
-        """The path as a click at the pointer would continue it."""
-        return (*self._corners, *([self._pointer] if self._corners and self._pointer else []))
-
-    @property
     def advice(self) -> str:
         """One sentence on what to do with this tool."""
         if not self._corners:
-            return "" if self.used else self.kind.tip
+            return "" if self.used else self.tip
         if self._freehand and self._first:
             return with_keys(tr("Let go to end it; {key:escape} cancels."))
         ends = tr("Enter or a double click ends it;")
-        if self.kind.closed:
+        if self.closed:
             ends = tr("Enter, a double click or the first corner ends it;")
         rest = tr("Shift keeps to eight directions; Backspace takes the last corner back; {key:escape} cancels.")
         return f"{ends} {with_keys(rest)}"
 
     def press(self, at: Place, reach: float) -> None:
         """Place a corner; a press on the last corner, or on the first one of a closed path, finishes it."""
-        ends = [*self._corners[-1:], *(self._corners[:1] if self.kind.closed else [])]
+        ends = [*self._corners[-1:], *(self._corners[:1] if self.closed else [])]
         if any(math.dist(at, end) <= reach for end in ends):
-            if len(self._corners) >= self.kind.least:
+            if len(self._corners) >= 2 + self.closed:
                 self.finish()
             return
         at = self._straight(at)
@@ -218,7 +112,7 @@ class PathTool(Tool):
         self._freehand = self._freehand or math.dist(self._pressed, at) > self._reach
         if not self._freehand:
             return
-        if self._first and self._begun is not None and self.kind.closed and self.kind.in_volume is not None:
+        if self._first and self._begun is not None and self.closed and not self.spatial:
             (top, left), (bottom, right) = self.flat(self._pressed), self.flat(at)
             corners = ((top, left), (top, right), (bottom, right), (bottom, left))
             self._corners, self._boxed = list(map(self.lifted, corners)), True
@@ -240,30 +134,26 @@ class PathTool(Tool):
             self._pointer = self._straight(at)
             self._changed()
 
-    def set_modifiers(self, modifiers: Qt.KeyboardModifier) -> None:
-        """With Shift, restrict the sides to eight directions."""
-        self._eight_directions = bool(modifiers & Qt.KeyboardModifier.ShiftModifier)
-
     def finish(self) -> None:
         """Make a shape from the path."""
         if not self._corners:
             return
-        kind, boxed, begun, volume = self.kind, self._boxed, self._begun, self.volume
-        path = tuple(self._corners) if boxed else polyline.thinned(self._corners)
+        begun, volume = self._begun, self.volume
+        path = tuple(self._corners) if self._boxed else polyline.thinned(self._corners)
+        flat = path if begun is None or (self.spatial and not self.closed) else tuple(map(begun.within, path))
+        shape: Shape | None = None
+        if polyline.area(flat) >= _SMALLEST if self.closed else polyline.length(flat) >= _SHORTEST:
+            if begun is None or volume is None or self.spatial:
+                shape = self.made(path)
+            else:
+                shape = self.solid(flat, begun, volume)
         self.cancel()
-        flat = path
-        if begun is not None and (kind.closed or kind.in_volume is not None):
-            flat = tuple(map(begun.within, path))
-        if kind.is_slip(flat):
-            advice = tr("That is too small for a {shape}. {advice}").format(shape=kind.title, advice=kind.tip)
+        if shape is None:
+            advice = tr("That is too small for a {shape}. {advice}").format(shape=self.title, advice=self.tip)
             self._session.say(advice, topic=EDITING)
             return
-        if begun is not None and volume is not None and kind.in_volume is not None:
-            shape = kind.in_volume(flat, begun, volume, boxed)
-        else:
-            shape = kind.make(path)
         self._session.edit(
-            tr("draw {shape}").format(shape=kind.title), lambda document: edits.add_shape(document, shape)
+            tr("draw {shape}").format(shape=self.title), lambda document: edits.add_shape(document, shape)
         )
         self._session.select(len(self._session.document.shapes) - 1)
 
@@ -284,7 +174,7 @@ class PathTool(Tool):
 
     def _straight(self, at: Place) -> Place:
         """With Shift, the place nearest to the pointer in one of eight directions from the last corner."""
-        if not (self._eight_directions and self._corners):
+        if not (self.modifiers & Qt.KeyboardModifier.ShiftModifier and self._corners):
             return at
         (row, col), (high, wide) = self.flat(self._corners[-1]), self.sides
         down, right = self.flat(at)
@@ -294,5 +184,107 @@ class PathTool(Tool):
         return self.lifted((row + far * math.sin(angle) / high, col + far * math.cos(angle) / wide))
 
     def _changed(self) -> None:
-        self._context.drawing.show_draft(self.corners, self.path, self.kind.color, self.kind.closed)
-        self._context.advised()
+        ahead = [self._pointer] if self._corners and self._pointer else []
+        self._drawing.show_draft(self._corners, [*self._corners, *ahead], self.color, self.closed)
+        self._advised()
+
+
+class StrokeTool(PathTool):
+    """Draws a line that particles start from."""
+
+    name = "stroke"
+    text = tr("S&troke tool")
+    shortcut = "T"
+    group = START
+    tip = tr("Drag, or click corner by corner, where particles start.")
+    made = Stroke
+    title = tr("stroke")
+    closed = False
+    spatial = True
+
+
+class PolygonTool(PathTool):
+    """Draws a closed line that particles start from."""
+
+    name = "polygon"
+    text = tr("P&olygon tool")
+    shortcut = "O"
+    group = START
+    tip = tr("Click corner by corner, or drag, along a closed line to start from.")
+    made = Polygon
+    title = tr("polygon")
+    spatial = True
+
+
+class GridTool(PathTool):
+    """Draws an area that is covered with an even grid of particles."""
+
+    name = "grid_area"
+    text = tr("&Grid tool")
+    shortcut = "G"
+    group = START
+    tip = tr("Drag, or click corner by corner, around an area to cover with an even grid; < and > change its spacing.")
+    made = Grid
+    title = tr("grid")
+
+    def solid(self, path: _Flat, here: Slice, volume: ImageReference) -> Shape:
+        """A grid in the box around the path."""
+        return BoxGrid.between(*_box_around(path, here, volume), volume.spacing)
+
+
+class ThresholdTool(PathTool):
+    """Draws an area in which particles start on strong edges."""
+
+    name = "threshold"
+    text = tr("T&hreshold tool")
+    shortcut = "H"
+    group = START
+    tip = tr("Drag, or click corner by corner, around where to start on strong edges; < and > change how strong.")
+    made = Threshold
+    title = tr("threshold")
+
+    def solid(self, path: _Flat, here: Slice, volume: ImageReference) -> Shape:
+        """The box around the path."""
+        return BoxThreshold(*_box_around(path, here, volume))
+
+
+class RegionTool(PathTool):
+    """Draws an area that particles stay in."""
+
+    name = "region"
+    text = tr("Region of &interest tool")
+    shortcut = "I"
+    group = LIMIT
+    tip = tr("Drag, or click corner by corner, around what particles are to stay in.")
+    made = Region
+    title = tr("region of interest")
+    color = theme.REGION
+
+    def solid(self, path: _Flat, here: Slice, volume: ImageReference) -> Shape:
+        """The box around a rectangle that has been dragged, or all that is seen through the area."""
+        if self._boxed:
+            return BoxRegion(*_box_around(path, here, volume))
+        return PrismRegion(path, here.axis, 0.0, volume.shape[here.axis] - 1.0)
+
+
+class BarrierTool(PathTool):
+    """Draws a line that no particle crosses."""
+
+    name = "barrier"
+    text = tr("&Barrier tool")
+    shortcut = "B"
+    group = LIMIT
+    tip = tr("Drag, or click corner by corner, where no particle is to cross.")
+    made = Barrier
+    title = tr("barrier")
+    color = theme.BARRIER
+    closed = False
+
+    def solid(self, path: _Flat, here: Slice, volume: ImageReference) -> Shape:
+        """A wall across all slices."""
+        return Wall(path, here.axis, 0.0, volume.shape[here.axis] - 1.0)
+
+
+def _box_around(path: _Flat, here: Slice, volume: ImageReference) -> tuple[Place, Place]:
+    (top, left), (bottom, right) = (tuple(map(end, zip(*path, strict=True))) for end in (min, max))
+    return box_between((top, left), (bottom, right), here, volume)

@@ -7,7 +7,7 @@ import operator
 from app.model.document.edits import Hit
 from app.model.text.language import from_core, tr
 from app.session.features.slices import hit_in
-from app.views.canvas.tools.tool import Cursor, ShapeTool, ToolContext
+from app.views.canvas.tools.tool import SELECT, Cursor, ShapeTool, ToolContext
 from cpm_core.numerics import Place
 from cpm_core.shapes import Circle
 
@@ -16,6 +16,9 @@ class SelectTool(ShapeTool):
     """Selects shapes, moves them, and reshapes them by their handles; where there is none, it moves the cross."""
 
     name = "select"
+    text = tr("&Select tool")
+    shortcut = "S"
+    group = SELECT
     tip = tr("Select, move and reshape what is drawn.")
     by_keys = tr("Enter picks up what lies under the cross-hair, arrow keys move it, Enter puts it down.")
 
@@ -23,7 +26,6 @@ class SelectTool(ShapeTool):
         super().__init__(context)
         self._part = ""
         self._anchor: Place = (0.0, 0.0)
-        self._slices = context.slices
         self._crossing = False
 
     def press(self, at: Place, reach: float) -> None:
@@ -40,7 +42,7 @@ class SelectTool(ShapeTool):
         """Move the selected shape, or its handle."""
         shape = self._before
         if self._crossing:
-            self._slices.through(at)
+            self._workspace.slices.through(at)
         if shape is None or at == self._anchor:
             return
         if self._part == "handle":

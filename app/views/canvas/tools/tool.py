@@ -5,29 +5,26 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QWidget
 
 from app.model.document import edits
 from app.model.document.document import ImageReference
 from app.model.text.language import tr
 from app.model.volume.slices import Slice
-from app.session.features.contour_review import ContourReview
-from app.session.features.hand_editing import HandEditing
-from app.session.features.object_list import ObjectList
-from app.session.features.object_selection import ObjectSelection
-from app.session.features.slices import ShownSlices
-from app.session.session import Session
+from app.session.features.workspace import Workspace
 from app.views.canvas.layers.drawing import DrawingLayer
-from cpm_core.numerics import Place, Position
+from cpm_core.numerics import Place
 from cpm_core.shapes import Shape
 
 Cursor = Qt.CursorShape
 
 TAKING_AWAY = Qt.KeyboardModifier.ShiftModifier | Qt.KeyboardModifier.AltModifier
 """Keys with which a click cuts or takes away; window managers on Linux keep clicks with Alt for themselves."""
+
+OBJECT, SELECT, START = tr("Objects"), tr("Select"), tr("Start")
+LIMIT, CHARGE, CONTOUR = tr("Limit"), tr("Charge"), tr("Contour")
+"""Groups of tools by purpose."""
 
 _gestures = itertools.count()
 
@@ -38,30 +35,15 @@ class ToolContext:
 
     Attributes
     ----------
-    session : Session
-        Its document is edited.
-    review : ContourReview
-        Selects contours.
-    hand_editing : HandEditing
-        Edits contours by hand.
-    selection : ObjectSelection
-        Selects objects.
-    object_list : ObjectList
-        The objects.
-    slices : ShownSlices
-        The slices of a volume that are shown.
+    workspace : Workspace
+        The session whose document is edited, and its features.
     drawing : DrawingLayer
         Shows drafts and rings.
     advised : callable
         Called when the advice of a tool may have changed.
     """
 
-    session: Session
-    review: ContourReview
-    hand_editing: HandEditing
-    selection: ObjectSelection
-    object_list: ObjectList
-    slices: ShownSlices
+    workspace: Workspace
     drawing: DrawingLayer
     advised: Callable[[], None]
 
@@ -74,6 +56,12 @@ class Tool:
 
     name: str
     """Name in code, and name of its icon."""
+    text: str
+    """Text in the menu."""
+    shortcut: str
+    """Its key."""
+    group: str
+    """Its purpose, one of the groups above."""
     tip: str = ""
     """One sentence on what the tool does."""
     guidance: str = ""
@@ -88,9 +76,12 @@ class Tool:
     """Whether its draft stays while another tool is used."""
     here: Slice | None = None
     """The slice that the pointer is in; None in an image."""
+    modifiers = Qt.KeyboardModifier.NoModifier
+    """Modifier keys that are held; they may constrain the shape."""
 
     def __init__(self, context: ToolContext) -> None:
-        self._session = context.session
+        self._workspace, self._drawing, self._advised = context.workspace, context.drawing, context.advised
+        self._session = context.workspace.session
         self.used = False
 
     @property
@@ -136,9 +127,6 @@ class Tool:
 
     def hover(self, at: Place) -> None:
         """Handle a move with the button up."""
-
-    def set_modifiers(self, modifiers: Qt.KeyboardModifier) -> None:
-        """Handle the modifier keys that are held now; they may constrain the shape."""
 
     def resize(self, by: float) -> None:
         """Make what it works with larger, or smaller for `by` below 0."""
@@ -215,104 +203,3 @@ class ShapeTool(Tool):
             self._session.edit(activity, lambda document: edits.replace_shape(document, index, shape), self._gesture)
         elif index is not None and self._before is None:
             self._session.edit(activity, lambda document: edits.add_shape(document, shape), self._gesture)
-
-
-class Surface(Protocol):
-    """A view in which a tool works."""
-
-    @property
-    def here(self) -> Slice | None:
-        """The slice that it shows; None for an image."""
-
-    def placed(self, position: Position) -> Place:
-        """Place in the image, or in the volume, of a position in what is shown."""
-
-    def reach(self) -> float:
-        """Distance at which the pointer takes hold of something [px of the image]."""
-
-    def viewport(self) -> QWidget:
-        """What shows the cursor."""
-
-
-class ToolInUse:
-    """Passes what the pointer does to the tool in use, or to `grip`, which moves handles of what is selected."""
-
-    def __init__(self) -> None:
-        self.tool: Tool | None = None
-        self.grip: Tool | None = None
-        self._dragged: Tool | None = None
-
-    @property
-    def gesturing(self) -> bool:
-        """Whether a tool has an unfinished gesture or draft."""
-        return self._dragged is not None or (self.tool is not None and self.tool.drafting)
-
-    @property
-    def dragging(self) -> bool:
-        """Whether the button is down for a tool."""
-        return self._dragged is not None
-
-    def cancel(self) -> None:
-        """Cancel the gesture or draft of the tool."""
-        tool = self._dragged or (self.tool if self.gesturing else None)
-        self._dragged = None
-        if tool is not None:
-            tool.cancel()
-
-    def take(self, tool: Tool) -> None:
-        """Use another tool."""
-        if self.dragging or not (self.tool is not None and self.tool.lasting):
-            self.cancel()
-        if self.tool is not None:
-            self.tool.put_away()
-            self.tool.set_in_use(False)
-        self.tool = tool
-        tool.set_in_use(True)
-
-    def press(self, view: Surface, at: Position, reach: float | None = None) -> None:
-        """Press the left button over a position; `reach` is the tolerance for hits [px of the image]."""
-        if self.tool is not None:
-            self._dragged = self.at(view, at)
-            self._dragged.press(view.placed(at), view.reach() if reach is None else reach)
-
-    def move(self, view: Surface, at: Position) -> None:
-        """Move the pointer to a position."""
-        if self._dragged is not None:
-            self._dragged.here = view.here
-            self._dragged.drag(view.placed(at))
-        elif self.tool is not None:
-            self.tool.here = view.here
-            self.tool.hover(view.placed(at))
-            self.show_cursor(view, at)
-
-    def release(self) -> None:
-        """Release the left button."""
-        if self._dragged is not None:
-            tool, self._dragged = self._dragged, None
-            tool.release()
-
-    def set_modifiers(self, modifiers: Qt.KeyboardModifier) -> None:
-        """Pass the modifier keys that are held to the tool; they may constrain the shape."""
-        tool = self._dragged or self.tool
-        if tool is not None:
-            tool.set_modifiers(modifiers)
-
-    def leave(self) -> None:
-        """Take the pointer off the view."""
-        if self.tool is not None:
-            self.tool.put_away()
-
-    def at(self, view: Surface, at: Position) -> Tool:
-        """The tool that receives a press: one that takes hold of a handle has priority over the tool in use."""
-        assert self.tool is not None
-        self.tool.here = view.here
-        if self.grip is not None and not self.tool.drafting:
-            self.grip.here = view.here
-            if self.grip.grips(view.placed(at), view.reach()):
-                return self.grip
-        return self.tool
-
-    def show_cursor(self, view: Surface, at: Position) -> None:
-        """Show what a press at a position would do."""
-        if self.tool is not None:
-            view.viewport().setCursor(self.at(view, at).cursor(view.placed(at), view.reach()))
