@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from cpm_core.image.pyramid import to_scale
 from cpm_core.numerics import polyline
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.segments import meet, nearest_distances, segments_of
+from cpm_core.numerics.segments import meet, nearest_distances, rim_of, segments_of
 from cpm_core.numerics.types import Array, Position
 from cpm_core.parameters.quotation import counted, described, shown
 
@@ -155,16 +155,7 @@ def _pixels(polygon: Line, shape: tuple[int, ...]) -> NDArray[np.bool_]:
 @lru_cache(maxsize=_KEPT)
 def _rims(interest: tuple[Line, ...]) -> Array:
     """Rim of the union of polygons; see `Regions.rims`."""
-    import shapely  # noqa: PLC0415 - needed for regions of interest only
-
-    parts = []
-    for polygon in interest:
-        line = shapely.union_all(shapely.LineString([*polygon, polygon[0]]))  # cut where it crosses itself
-        pieces = shapely.get_parts(shapely.polygonize([line]))
-        inner = shapely.get_coordinates(shapely.point_on_surface(pieces))
-        parts += pieces[polyline.inside(polygon, inner)].tolist()
-    rings = shapely.get_parts(shapely.boundary(shapely.union_all(parts)))
-    return np.concatenate([np.zeros((0, 4)), *(segments_of(shapely.get_coordinates(ring)) for ring in rings)])
+    return rim_of([polyline.corners_of(polygon) for polygon in interest])
 
 
 def _line(points: Array) -> Line:

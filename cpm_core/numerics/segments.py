@@ -179,3 +179,17 @@ def _turns(from_: Array, to: Array, points: Array, first: Index, last: Index) ->
             elif from_[k, 0] > to[k, 0] and left < 0.0:
                 turns[i] -= 1
     return turns
+
+
+def rim_of(polygons: Sequence[Array]) -> Array:
+    """Boundary of what some polygons, each of shape (K, 2), wind around, as segments, shape (S, 4)."""
+    import shapely  # noqa: PLC0415 - needed for regions of interest only
+
+    inside = []
+    for corners in polygons:
+        line = shapely.union_all(shapely.LineString([*corners, corners[0]]))  # cut where it crosses itself
+        pieces = shapely.get_parts(shapely.polygonize([line]))
+        places = shapely.get_coordinates(shapely.point_on_surface(pieces))
+        inside += pieces[winds_around(corners, places)].tolist()
+    rings = shapely.get_parts(shapely.boundary(shapely.union_all(inside)))
+    return np.concatenate([np.zeros((0, 4)), *(segments_of(shapely.get_coordinates(ring)) for ring in rings)])
