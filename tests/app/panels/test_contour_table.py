@@ -16,8 +16,8 @@ from app.model.document import edits
 from app.session.exchange.contour_tracking import ContourTracker
 from app.session.scene import ReviewedContours
 from app.views.features.contours import ContoursFeature
-from app.views.main_window import MainWindow
 from app.views.panels.contours import COLUMNS, ContourTable
+from app.views.window.window import MainWindow
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Circle
 from tests.app.conftest import Hand
