@@ -134,9 +134,9 @@ class Pointer(QObject):
             event.accept()
             self._does[event.type()](event)
             return True
-        hold = self._canvas.hold
-        if event.type() == QEvent.Type.Leave and not self._canvas.led_by_keys and not hold.dragging:
-            self._canvas.leave()
+        canvas = self._canvas
+        if event.type() == QEvent.Type.Leave and not (canvas.led_by_keys or canvas.hold.dragging):
+            canvas.leave()
         return False
 
     def _press(self, event: QMouseEvent) -> None:
