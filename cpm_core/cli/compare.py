@@ -31,7 +31,6 @@ from cpm_core.image.image import Image
 from cpm_core.objects.methods import (
     CONTOUR_METHODS,
     Compared,
-    Facts,
     Settings,
     Start,
     facts_of,
@@ -50,9 +49,6 @@ ABOUT = " ".join(f"{method.name}: {method.about}" for method in CONTOUR_METHODS.
 
 _OURS = tuple(name for name, method in CONTOUR_METHODS.items() if method.of_particles)
 """The methods whose settings are the parameters of a run."""
-
-_WIDTH = 24
-"""Width of the column of the methods [characters]."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -124,15 +120,15 @@ def run(arguments: argparse.Namespace) -> int:
     targets = [file for path in arguments.export for file in files_of(Path(path), names)]
     check_targets(targets, arguments)
     image = _image(arguments, session, targets)
-    if ndim == 3:
-        numbers = (numbers_of("--sphere", text, "PLANE,ROW,COL,RADIUS") for text in arguments.sphere)
-        spheres = tuple((plane, row, col, radius) for plane, row, col, radius in numbers)
-        plane, row, col = (side / min(image.spacing) for side in image.spacing)
-        start = Start((), arguments.around, spheres, (plane, row, col))
-    else:
-        start = _start_on(image, drawn, arguments, session)
+    start = _start_on(image, drawn, arguments, session)
     truth = truth_for(arguments, image)
     announce_compilation()
+    source, unit = (None, "px") if truth is None else (truth.source, "px")
+    if isinstance(truth, VolumeTruth):
+        unit = truth.unit or "vx"
+    scores = ("Dice", "F", f"Hausd. [{unit}]", f"mean [{unit}]") if truth else ()
+    if not arguments.json:
+        print(_cells("", "steps", "time", *scores, "contours", "closed"), " end")
     tiles: list[Tile] = []
     for name in names:
         moment = run_method(CONTOUR_METHODS[name], image, start, settings[name], arguments.max_steps)
@@ -140,45 +136,32 @@ def run(arguments: argparse.Namespace) -> int:
         if not facts.stop_reason:
             facts = replace(facts, stop_reason=f"stopped after {counted(facts.steps, 'step')}, as asked")
         if not arguments.json:
-            _print_row(facts, truth, first=not tiles)
+            agreed = (facts.dice, facts.f, facts.hausdorff, facts.mean_distance) if truth else ()
+            measures = (f"{value:.3f}" if value is not None and np.isfinite(value) else "-" for value in agreed)
+            title, seconds = CONTOUR_METHODS[name].title, f"{facts.seconds:.2f} s"
+            line = _cells(title, facts.steps, seconds, *measures, facts.contours, facts.closed)
+            print(line, "", facts.stop_reason, flush=True)
         tiles.append(Tile(moment.state.contours, facts, settings[name], moment.state.surface))
     files = Files()
     on_image = truth if isinstance(truth, Truth) else None
     files.written += map(str, write_comparison(image, start, tiles, arguments.export, say, on_image, files.refuse))
     status = files.status()
-    source = None if truth is None else truth.source
-    given = {"image": image.source, "around": start.around, "truth": source, "unit": _unit(truth)}
-    rows = [{name: _finite(value) for name, value in asdict(tile.facts).items()} for tile in tiles]
+    given = {"image": image.source, "around": start.around, "truth": source, "unit": unit}
+    # JSON has no infinite distances
+    rows = [
+        {
+            name: None if isinstance(value, float) and not np.isfinite(value) else value
+            for name, value in asdict(tile.facts).items()
+        }
+        for tile in tiles
+    ]
     report("compare", {**given, "methods": rows}, (), files, as_json=arguments.json)
     return status
 
 
-def _finite(value: object) -> object:
-    """A value as JSON can hold it: an infinite distance is null."""
-    return None if isinstance(value, float) and not np.isfinite(value) else value
-
-
-def _print_row(row: Facts, truth: Truth | VolumeTruth | None, *, first: bool) -> None:
-    """Print a line of the table, before the first its head."""
-    if first:
-        scores = f"{'Dice':>7}{'F':>7}{'Hausdorff':>12}{'mean dist.':>12}" if truth else ""
-        print(f"{'':{_WIDTH}}{'steps':>7}{'time':>10}{scores}{'contours':>10}{'closed':>8}  end")
-    agree = ""
-    if row.dice is not None and row.f is not None:
-        distances = (f"{_distance(row.hausdorff, truth):>12}", f"{_distance(row.mean_distance, truth):>12}")
-        agree = f"{row.dice:7.3f}{row.f:7.3f}{''.join(distances)}"
-    title, time = CONTOUR_METHODS[row.method].title, f"{row.seconds:.2f} s"
-    counts = f"{row.contours:10}{row.closed:8}"
-    print(f"{title:{_WIDTH}}{row.steps:7}{time:>10}{agree}{counts}  {row.stop_reason}", flush=True)
-
-
-def _distance(distance: float | None, truth: Truth | VolumeTruth | None) -> str:
-    return "-" if distance is None or not np.isfinite(distance) else f"{distance:.2f} {_unit(truth)}"
-
-
-def _unit(truth: Truth | VolumeTruth | None) -> str:
-    """Unit of distances: pixels of an image, or that of the sides of a voxel."""
-    return (truth.unit or "vx") if isinstance(truth, VolumeTruth) else "px"
+def _cells(title: str, *cells: object) -> str:
+    """The first cells of a line of the table."""
+    return f"{title:24}" + "".join(f"{cell!s:>12}" for cell in cells)
 
 
 def _image(arguments: argparse.Namespace, session: SessionFile, targets: Sequence[Path]) -> Image:
@@ -260,7 +243,12 @@ def _drawn(arguments: argparse.Namespace, session: SessionFile) -> list[Shape]:
 
 
 def _start_on(image: Image, drawn: Sequence[Shape], arguments: argparse.Namespace, session: SessionFile) -> Start:
-    """The start on an image: lines that are drawn, and those of the files of ``--start``."""
+    """The start: lines that are drawn, and those of the files of ``--start``, or in a volume spheres."""
+    if image.ndim == 3:
+        numbers = (numbers_of("--sphere", text, "PLANE,ROW,COL,RADIUS") for text in arguments.sphere)
+        spheres = tuple((plane, row, col, radius) for plane, row, col, radius in numbers)
+        plane, row, col = (side / min(image.spacing) for side in image.spacing)
+        return Start((), arguments.around, spheres, (plane, row, col))
     found = list(outlines_of(drawn))
     for path in arguments.start:
         shapes, name = starts_from_file(path, image), Path(path).name

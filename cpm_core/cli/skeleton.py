@@ -83,52 +83,36 @@ def run(arguments: argparse.Namespace) -> int:
     files = Files()
     files.export(found, arguments.export, **({"space": arguments.space or "LPS"} if volume else {}))
     status = files.status()
-    facts, lines = _on_lines(found, seconds) if isinstance(found, Centerlines) else _on_skeleton(found, seconds)
+    facts, lines = _outcome(found, seconds)
     report("skeleton", facts, lines, files, as_json=arguments.json)
     return status
 
 
-def _on_skeleton(found: Skeleton, seconds: float) -> tuple[dict[str, Any], list[str]]:
-    """What is said of a skeleton, as values by name and as sentences."""
-    closed = sum(contour.closed for contour in found.contours)
-    of = {-1: "dark", 0: "all", 1: "light"}[found.polarity]
-    facts = {
-        "contours": len(found.contours),
+def _outcome(found: Skeleton | Centerlines, seconds: float) -> tuple[dict[str, Any], list[str]]:
+    """What is said of a skeleton, or of center lines in a volume, as values by name and as sentences."""
+    closed, count = sum(contour.closed for contour in found.contours), len(found.contours)
+    if isinstance(found, Centerlines):
+        lengths, unit = found.lengths.tolist(), found.unit or "voxels"
+        facts: dict[str, Any] = {"unit": found.unit, ENTRY: facts_on(found.source, found.provenance)}
+        first = f"{counted(count, 'center line')} ({closed} closed)"
+    else:
+        lengths, unit = [contour.length for contour in found.contours], "px"
+        of = {-1: "dark", 0: "all", 1: "light"}[found.polarity]
+        facts = {"thickness": round(found.thickness, 3), "of": of, "max_width": round(found.width, 3)}
+        facts[ENTRY] = facts_of(found)
+        wide = f" and up to {found.width:.0f} px wide" if found.width else ""
+        what = "" if of == "all" else f" of what is {of}{wide}"
+        thick = f"thickness up to {found.thickness:.1f} px,"
+        first = f"skeleton{what} of {counted(count, 'line')} ({closed} closed), {thick}"
+    facts |= {
+        "contours": count,
         "closed": closed,
-        "length": round(found.length, 3),
-        "thickness": round(found.thickness, 3),
+        "length": round(float(sum(lengths)), 3),
         "largest_radius": round(max((float(radii.max()) for radii in found.radii), default=0.0), 3),
-        "of": of,
-        "max_width": round(found.width, 3),
         "seconds": round(seconds, 3),
-        ENTRY: facts_of(found),
     }
-    what = "" if of == "all" else f" of what is {of}" + (f" and up to {found.width:.0f} px wide" if found.width else "")
-    first = (
-        f"{found.source}: skeleton{what} of {counted(len(found.contours), 'line')} ({closed} closed), thickness up to "
-        f"{found.thickness:.1f} px, in {seconds:.2f} s"
-    )
-    lines = [(contour.length, radii) for contour, radii in zip(found.contours, found.radii, strict=True)]
-    return facts, [first, *longest(lines, lambda line: _on_line(line[0], line[1], "px"))]
-
-
-def _on_lines(found: Centerlines, seconds: float) -> tuple[dict[str, Any], list[str]]:
-    """The same of center lines in a volume."""
-    closed = sum(branch.closed for branch in found.branches)
-    facts = {
-        "contours": len(found.branches),
-        "closed": closed,
-        "length": round(float(found.lengths.sum()), 3),
-        "largest_radius": round(max((float(radii.max()) for radii in found.radii), default=0.0), 3),
-        "unit": found.unit,
-        "seconds": round(seconds, 3),
-        ENTRY: facts_on(found.source, found.provenance),
-    }
-    count = counted(len(found.branches), "center line")
-    lines = list(zip(found.lengths.tolist(), found.radii, strict=True))
-    first = f"{found.source}: {count} ({closed} closed) in {seconds:.2f} s"
-    return facts, [first, *longest(lines, lambda line: _on_line(line[0], line[1], found.unit or "voxels"))]
-
-
-def _on_line(length: float, radii: Any, unit: str) -> str:
-    return f"length {length:.1f} {unit}, radius {radii.min():.1f} to {radii.max():.1f} {unit}"
+    lines = [
+        f"length {length:.1f} {unit}, radius {radii.min():.1f} to {radii.max():.1f} {unit}"
+        for length, radii in zip(lengths, found.radii, strict=True)
+    ]
+    return facts, [f"{found.source}: {first} in {seconds:.2f} s", *longest(lines, str)]

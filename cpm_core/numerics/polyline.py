@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from cpm_core.numerics.segments import distances_to_segments, nearest_distances, winds_around
-from cpm_core.numerics.types import Array, Mask, Position
+from cpm_core.numerics.types import Array, Index, Mask, Position
 
 MOST_HANDLES = 24
 """Corners up to which each of them is a handle; freehand paths have more."""
@@ -157,6 +157,17 @@ def coarser(paths: Sequence[Array], off: float) -> list[Array]:
         left_out[::2] = False  # so that the neighbors stay
         corners, number = corners[~left_out], number[~left_out]
     return np.split(corners, np.flatnonzero(np.diff(number)) + 1)
+
+
+def stretches(on: Mask, closed: bool = False) -> list[Index]:
+    """Indices of consecutive marked vertices; those of a closed path go around its end, to the first one if all are."""
+    order = np.arange(len(on))
+    if on.all():
+        return [np.append(order, order[: int(closed)])] if len(on) else []
+    if closed:
+        order = np.roll(order, -int(np.argmin(on)))
+    pieces = np.split(order, np.flatnonzero(np.diff(on[order])) + 1)
+    return [piece for piece in pieces if on[piece[0]]]
 
 
 def moved(path: Sequence[Position], by: Position) -> tuple[Position, ...]:

@@ -96,15 +96,11 @@ def sensible_values(control: Control, parameters: Parameters, contrast: float, c
     low, high = slider_range(control, contrast)
     step = 1.0 if control.whole else control.step
     present = value_of(parameters, control.name)
-    middle = float(present) if isinstance(present, int | float) else 0.5 * (low + high)
-    middle = min(max(middle, low), high)
-    apart = max(step, _rounded(_SPREAD * (high - low) / (count - 1), step))
-    before = min((count - 1) // 2, math.floor((middle - low) / apart + 1e-9))
-    behind = min(count - 1 - before, math.floor((high - middle) / apart + 1e-9))
-    before = min(count - 1 - behind, math.floor((middle - low) / apart + 1e-9))
-    others = (_rounded(middle + index * apart, step) for index in range(-before, behind + 1) if index)
-    within = {round(min(max(value, low), high), 9) for value in others}
-    return tuple(sorted(within | {middle}))
+    middle = min(max(float(present), low), high) if isinstance(present, int | float) else 0.5 * (low + high)
+    apart = max(1, round(_SPREAD * (high - low) / (count - 1) / step)) * step
+    around = (middle, *(round((middle + index * apart) / step) * step for index in range(-count, count + 1) if index))
+    within = {round(value, 9) for value in around if low <= value <= high}
+    return tuple(sorted(sorted(within, key=lambda value: abs(value - middle))[:count]))
 
 
 def read_values(control: Control, text: str) -> tuple[float, ...]:
@@ -138,7 +134,3 @@ def _with(parameters: Parameters, values: Sequence[tuple[str, float]]) -> Parame
     for name, value in values:
         parameters = with_value(parameters, name, value)
     return parameters
-
-
-def _rounded(value: float, step: float) -> float:
-    return round(value / step) * step

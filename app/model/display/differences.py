@@ -7,13 +7,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.model.volume.slices import Slice
 from app.model.volume.surface_section import section
 from cpm_core import Comparison, Contour, Surface, SurfaceComparison, Truth, VolumeTruth
 from cpm_core.contours import distance_to
-from cpm_core.numerics import Array, Place
+from cpm_core.numerics import Array, Index, Mask, Place, polyline
 
 _APART = 0.6
 """Distance of neighboring points above which a new part begins; along a boundary it is a quarter of a pixel [px]."""
@@ -63,23 +62,10 @@ def _difference(kind: Literal["missing", "wrong"], points: Array, away: Array) -
     return Difference(kind, points, float(away[worst]), (row, col))
 
 
-def _stretches(far: NDArray[np.bool_], closed: bool) -> list[NDArray[np.intp]]:
+def _stretches(far: Mask, closed: bool) -> list[Index]:
     """Indices of consecutive far vertices, also around the end of a closed contour, with their near neighbors."""
-    if not far.any():
-        return []
-    count = len(far)
-    if far.all():
-        return [np.r_[np.arange(count), 0] if closed else np.arange(count)]
-    first = int(np.argmin(far)) if closed else 0  # a near vertex, so that no part goes around the end
-    order = (first + np.arange(count)) % count
-    runs = np.split(order, np.flatnonzero(np.diff(far[order])) + 1)
-    wide = []
-    for run in (run for run in runs if far[run[0]]):
-        low, high = run[0] - 1, run[-1] + 1
-        before = [low % count] if closed or low >= 0 else []
-        behind = [high % count] if closed or high < count else []
-        wide.append(np.array([*before, *run, *behind], dtype=np.intp))
-    return wide
+    around = np.pad(far, 1, "wrap" if closed else "constant")
+    return polyline.stretches(around[:-2] | far | around[2:], closed) if far.any() else []
 
 
 @dataclass(frozen=True, eq=False, slots=True)

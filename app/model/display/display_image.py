@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+import PIL.Image
 from numpy.typing import NDArray
 
 from cpm_core import Image
@@ -63,7 +64,7 @@ class DisplayImage:
         """Reduce shades until the longest side is short."""
         levels = [np.ascontiguousarray(shades)]
         while max(levels[-1].shape[:2]) > _OVERVIEW:
-            levels.append(_halved(levels[-1]))
+            levels.append(np.asarray(PIL.Image.fromarray(levels[-1]).reduce(2)))
         return DisplayImage(tuple(levels))
 
     @staticmethod
@@ -96,21 +97,6 @@ class DisplayVolume:
     shades: Shades
 
 
-def _halved(shades: Shades) -> Shades:
-    """Means of two by two pixels; the last row or column of an odd number counts twice."""
-    rows, cols = shades.shape[:2]
-    out = np.empty(((rows + 1) // 2, (cols + 1) // 2, *shades.shape[2:]), np.uint8)
-    for begin in range(0, len(out), _ROWS):
-        part = shades[2 * begin : 2 * (begin + _ROWS)].astype(np.uint16)
-        if len(part) % 2:
-            part = np.concatenate([part, part[-1:]])
-        rows_added = part[0::2] + part[1::2]
-        if cols % 2:
-            rows_added = np.concatenate([rows_added, rows_added[:, -1:]], axis=1)
-        out[begin : begin + _ROWS] = (rows_added[:, 0::2] + rows_added[:, 1::2] + 2) // 4
-    return out
-
-
 def display_of_image(values: Array) -> Shades:
     """Gray values from the smallest, 0, to the largest, 255."""
     return apply_window(values, IntensityWindow(float(values.min()), float(values.max())))
@@ -131,14 +117,8 @@ def apply_window(values: Array, window: IntensityWindow) -> Shades:
     top = 255.0 if window.gamma == 1.0 else _CODES - 1.0
     factor = top / max(window.high - window.low, 1e-300)
     curve = np.rint(255.0 * np.linspace(0.0, 1.0, _CODES) ** window.gamma).astype(np.uint8)
-    work = np.empty((min(_ROWS, len(values)), values.shape[1]))
     for begin in range(0, len(values), _ROWS):
-        part = values[begin : begin + _ROWS]
-        codes = work[: len(part)]
-        np.subtract(part, window.low, out=codes)
-        np.multiply(codes, factor, out=codes)
-        np.clip(codes, 0.0, top, out=codes)
-        np.rint(codes, out=codes)
+        codes = np.rint(np.clip((values[begin : begin + _ROWS] - window.low) * factor, 0.0, top))
         shown[begin : begin + _ROWS] = codes if window.gamma == 1.0 else curve[codes.astype(np.intp)]
     return shown
 

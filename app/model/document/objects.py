@@ -353,10 +353,5 @@ def _painted(curve: Line, path: Sequence[Position], radius: float) -> list[Line]
     """The stretches of a closed curve that run along the edge of a brush."""
     points = np.array(curve)
     on = np.abs(polyline.distances(path, points) - radius) <= _ON_BRUSH
-    if on.all():
-        return [(*curve, curve[0])]
-    first = int(np.argmin(on))  # off the brush, so that no stretch continues from the end to the beginning
-    points, on = np.roll(points, -first, axis=0), np.roll(on, -first)
-    ends = np.flatnonzero(np.diff(np.concatenate([[False], on, [False]]).astype(int)))
-    stretches = (points[begin:end] for begin, end in ends.reshape(-1, 2))
-    return [tuple((row, col) for row, col in line.tolist()) for line in stretches if len(line) > 1]
+    runs = polyline.stretches(on, closed=True)
+    return [tuple((row, col) for row, col in points[run].tolist()) for run in runs if len(run) > 1]

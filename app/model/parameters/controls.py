@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from types import MappingProxyType
 from typing import Any
 
 from app.model.text.language import from_core, tr, written
 from app.model.text.wording import FORMULAS, Wording, rich
 from cpm_core import PARAMETERS, Parameters
-from cpm_core.parameters import AUTOMATIC, CHOICES, DEFAULTS, OF_STARTS, Invalidates
+from cpm_core.parameters import AUTOMATIC, CHOICES, OF_STARTS, Invalidates
 
 RATIO = "ratio"
 HIGHEST_RATIO = 0.99
@@ -26,9 +26,38 @@ _BY_ITSELF = {
 }
 
 
+_BY_HAND = {"exponent": 2.0}
+"""Values for `Control.by_hand` by the names of their controls."""
+
+_WORDS: Mapping[str, tuple[tuple[float, str], ...]] = MappingProxyType(
+    {
+        "polarity": ((-1.0, tr("dark")), (0.0, tr("auto")), (1.0, tr("light"))),
+        "max_width": ((0.0, tr("auto")),),
+    }
+)
+"""Words for values by the names of their controls."""
+
+_IN_VOLUMES = {
+    "pruning": ("r", tr("Length up to which a side branch is left out, in radii of what it branches from.")),
+}
+"""Units and meanings that differ in volumes, by the names of their controls."""
+
+_ACTS = {
+    "contours": tr("Acts at once, on particles at rest too."),
+    "nothing": tr("Acts at the next step."),
+    "field": tr("Acts at the next step, with a new edge map and field."),
+    "run": tr("Acts from the next start on."),
+}
+
+
+def acts(invalidates: Invalidates) -> str:
+    """When a change of a parameter acts, in words."""
+    return _ACTS[invalidates]
+
+
 @dataclass(frozen=True, slots=True)
 class Control:
-    """One slider with its texts.
+    """One slider with its texts: what the core says of a parameter, in the language of the window.
 
     Attributes
     ----------
@@ -40,24 +69,12 @@ class Control:
         Values that may be typed.
     slider_low, slider_high, step : float
         Range and increment of the slider.
-    default : float or str
-        Default value.
     meaning, more, equation : str
         What it is, what a larger value does, and its equation.
+    invalidates : {"nothing", "contours", "field", "run"}
+        What a change of it makes out of date.
     advanced : bool
         Whether it is hidden at first.
-    acts : str
-        When a change acts, in words.
-    automatic : bool
-        Whether the program can choose it (``"auto"``).
-    whole : bool
-        Whether it takes only whole numbers.
-    moves : bool
-        Whether it only changes how particles move.
-    by_hand : float or None
-        Value with which it begins where the program no longer chooses it by default.
-    words : tuple of (float, str)
-        Words for some of its values, shown in their place.
     """
 
     name: str
@@ -69,17 +86,41 @@ class Control:
     slider_low: float
     slider_high: float
     step: float
-    default: float | str
     meaning: str
     more: str
     equation: str
+    invalidates: Invalidates
     advanced: bool
-    acts: str
-    automatic: bool = False
-    whole: bool = False
-    moves: bool = False
-    by_hand: float | None = None
-    words: tuple[tuple[float, str], ...] = ()
+
+    @property
+    def default(self) -> float | str:
+        """Default value."""
+        return value_of(Parameters(), self.name)
+
+    @property
+    def acts(self) -> str:
+        """When a change acts, in words."""
+        return acts(self.invalidates)
+
+    @property
+    def automatic(self) -> bool:
+        """Whether the program can choose it (``"auto"``)."""
+        return self.name in AUTOMATIC
+
+    @property
+    def whole(self) -> bool:
+        """Whether it takes only whole numbers."""
+        return self.name == "scales"
+
+    @property
+    def by_hand(self) -> float | None:
+        """Value with which it begins where the program no longer chooses it by default."""
+        return _BY_HAND.get(self.name)
+
+    @property
+    def words(self) -> tuple[tuple[float, str], ...]:
+        """Words for some of its values, shown in their place."""
+        return _WORDS.get(self.name, ())
 
     @property
     def decimals(self) -> int:
@@ -108,65 +149,22 @@ class Control:
         return f"{self.rich_symbol} &nbsp;{self.title}"
 
     @property
-    def span(self) -> str:
-        """Allowed values with their unit, and the default."""
+    def facts(self) -> str:
+        """Symbol, equation, range with its unit and default in one line."""
         unit = f" {self.unit}" if self.unit else ""
         default = self.default if isinstance(self.default, str) else written(f"{self.default:.3g}")
+        span = tr("{low} to {high}, default {default}")
+        low, high = f"{self.low:g}", f"{self.high:g}{unit}"
         if self.high >= 1e6:
-            return tr("{low} or more, default {default}").format(low=written(f"{self.low:g}{unit}"), default=default)
-        return tr("{low} to {high}, default {default}").format(
-            low=written(f"{self.low:g}"), high=written(f"{self.high:g}{unit}"), default=default
-        )
-
-    @property
-    def in_gray_levels(self) -> bool:
-        """Whether its unit is gray levels, so that its values depend on the image."""
-        return PARAMETERS[self.name].unit.startswith("gray") if self.name in PARAMETERS else False
-
-    @property
-    def facts(self) -> str:
-        """Symbol, equation, range and default in one line."""
-        return " · ".join(part for part in (self.symbol, self.equation, self.span) if part)
-
-
-_BY_HAND: Mapping[str, float] = MappingProxyType({"exponent": 2.0})
-"""Values for `Control.by_hand` by the names of their controls."""
-
-_WORDS: Mapping[str, tuple[tuple[float, str], ...]] = MappingProxyType(
-    {
-        "polarity": ((-1.0, tr("dark")), (0.0, tr("auto")), (1.0, tr("light"))),
-        "max_width": ((0.0, tr("auto")),),
-    }
-)
-"""Words for values by the names of their controls."""
-
-_IN_VOLUMES: Mapping[str, tuple[str, str]] = MappingProxyType(
-    {
-        "pruning": (
-            "r",
-            tr("Length up to which a side branch is left out, in radii of what it branches from."),
-        ),
-    }
-)
-"""Units and meanings that differ in volumes, by the names of their controls."""
-
-_ACTS = {
-    "contours": tr("Acts at once, on particles at rest too."),
-    "nothing": tr("Acts at the next step."),
-    "field": tr("Acts at the next step, with a new edge map and field."),
-    "run": tr("Acts from the next start on."),
-}
-
-
-def acts(invalidates: Invalidates) -> str:
-    """When a change of a parameter acts, in words."""
-    return _ACTS[invalidates]
+            span, low = tr("{low} or more, default {default}"), f"{low}{unit}"
+        span = span.format(low=written(low), high=written(high), default=default)
+        return " · ".join(part for part in (self.symbol, self.equation, span) if part)
 
 
 def controls() -> tuple[Control, ...]:
     """All controls in the order shown: how far a start reaches, the motion, which contours there are, advanced ones."""
     made = [_ratio() if name == "w1" else _of_parameter(name) for name in PARAMETERS]
-    return tuple(sorted(made, key=lambda control: (control.advanced, control.name not in OF_STARTS, not control.moves)))
+    return tuple(sorted(made, key=lambda one: (one.advanced, one.name not in OF_STARTS, one.invalidates != "nothing")))
 
 
 def in_dimension(control: Control, ndim: int) -> Control:
@@ -179,7 +177,8 @@ def in_dimension(control: Control, ndim: int) -> Control:
 
 def slider_range(control: Control, contrast: float) -> tuple[float, float]:
     """Range of the slider; that of parameters in gray levels is scaled by the contrast of the image."""
-    if not control.in_gray_levels or contrast <= 0:
+    in_gray_levels = control.name in PARAMETERS and PARAMETERS[control.name].unit.startswith("gray")
+    if not in_gray_levels or contrast <= 0:
         return control.slider_low, control.slider_high
     return control.slider_low, control.slider_high * contrast / _FULL_CONTRAST
 
@@ -211,33 +210,12 @@ def with_value(parameters: Parameters, name: str, value: float | str) -> Paramet
 
 
 def _of_parameter(name: str) -> Control:
-    info = PARAMETERS[name]
-    return Control(
-        name=name,
-        symbol=info.symbol,
-        unit=from_core(info.unit),
-        title=from_core(info.title),
-        low=info.low,
-        high=info.high,
-        slider_low=info.slider_low,
-        slider_high=info.slider_high,
-        step=info.step,
-        default=DEFAULTS[name],
-        meaning=from_core(info.meaning),
-        more=from_core(info.more),
-        equation=from_core(info.equation),
-        advanced=info.advanced,
-        acts=acts(info.invalidates),
-        automatic=name in AUTOMATIC,
-        whole=name == "scales",
-        moves=info.invalidates == "nothing",
-        by_hand=_BY_HAND.get(name),
-        words=_WORDS.get(name, ()),
-    )
+    values = asdict(PARAMETERS[name])
+    texts = {part: from_core(values[part]) for part in ("unit", "title", "meaning", "more", "equation")}
+    return Control(**values | texts)
 
 
 def _ratio() -> Control:
-    standard = Parameters()
     return replace(
         _of_parameter("w1"),
         name=RATIO,
@@ -249,10 +227,8 @@ def _ratio() -> Control:
         slider_low=LOWEST_RATIO,
         slider_high=HIGHEST_RATIO,
         step=0.01,
-        default=standard.w1 / standard.w2,
         meaning=tr("Repulsion between particles as a fraction of the attraction by edges."),
         advanced=False,
-        moves=True,
     )
 
 

@@ -96,7 +96,7 @@ def read(content: bytes, source: str) -> Preset:
     except (ValueError, TypeError, KeyError, RecursionError):
         known = False
     if not known:
-        message = tr("{file} is not a preset of CPM: choose a file that was exported as one.")
+        message = tr("{file} is not a preset of CPM: save it again.")
         raise ValueError(message.format(file=source))
     if kept.get("version") != _VERSION:
         message = tr("{file} has version {version} but this program reads version {most}.")

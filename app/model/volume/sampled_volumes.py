@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 
 from app.model.volume.slices import Slice
 from cpm_core.numerics import Array, Single
@@ -33,15 +34,12 @@ class SampledForce:
 
     def slice_of(self, here: Slice, shape: tuple[int, ...]) -> Array:
         """The force along a slice of this shape, (2, H, W), as a displacement in its pixels."""
-        axes = [axis for axis in range(3) if axis != here.axis]
-        planes = np.moveaxis(self.force, 1 + here.axis, 1)
-        at = min(here.index / self.step, planes.shape[1] - 1.0)
-        low = int(at)
-        high = min(low + 1, planes.shape[1] - 1)
-        cut = (1.0 - (at - low)) * planes[axes, low] + (at - low) * planes[axes, high]
-        down, across = (_between(side, count, self.step) for side, count in zip(shape, cut.shape[1:], strict=True))
-        pixels = np.array([self.sides[axis] for axis in axes])
-        return np.asarray(down @ cut.astype(float) @ across.T / pixels[:, None, None])
+        places = np.insert(np.indices(shape) / self.step, here.axis, here.index / self.step, axis=0)
+        along = [
+            scipy.ndimage.map_coordinates(force, places, float, order=1, mode="nearest") / side
+            for force, side in zip(here.sides(tuple(self.force)), here.sides(self.sides), strict=True)
+        ]
+        return np.stack(along)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -66,9 +64,3 @@ class SampledValues:
 
 def _step(size: int, most: int) -> int:
     return max(1, int(np.ceil((size / most) ** (1.0 / 3.0))))
-
-
-def _between(side: int, count: int, step: int) -> Array:
-    """Weights, shape (side, count), of samples so many pixels apart for each pixel in between."""
-    at = np.minimum(np.arange(side) / step, count - 1.0)
-    return np.asarray(np.maximum(0.0, 1.0 - np.abs(at[:, None] - np.arange(count))))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import product
 
 import numpy as np
 
@@ -201,12 +200,15 @@ def _of_sphere(sphere: Sphere, axis: int, index: float) -> Iterator[StartSection
         return
     radius = math.sqrt(sphere.radius**2 - off**2)
     center, (down, right) = (_flat(values, axis) for values in (sphere.center, sphere.sides))
-    seeds = sphere.seeds()
-    near = np.abs(seeds[:, axis] - index) * sphere.sides[axis] <= NEAR
-    row, col = center
-    along, across = max(radius / right, SMALLEST), max(radius / down, SMALLEST)
-    held = ((row, col + along), (row + across, col), (row, col - along), (row - across, col))
-    yield StartSection(Ellipse((row, col), (along, across)), held, _spread(np.delete(seeds[near], axis, axis=1)))
+    line = Ellipse(center, (max(radius / right, SMALLEST), max(radius / down, SMALLEST)))
+    near = _seeds_near(sphere, axis, index, NEAR / sphere.sides[axis])
+    yield StartSection(line, line.handles()[:4], _spread(near))
+
+
+def _seeds_near(start: Sphere | Box | BoxGrid, axis: int, index: float, reach: float) -> Array:
+    """The particles of a start so many voxels from a slice, as places in it."""
+    seeds = start.seeds()
+    return np.delete(seeds[np.abs(seeds[:, axis] - index) <= reach], axis, axis=1)
 
 
 def _of_box(box: Cuboid, axis: int, index: float) -> Iterator[Section]:
@@ -214,31 +216,23 @@ def _of_box(box: Cuboid, axis: int, index: float) -> Iterator[Section]:
         return
     (top, left), (bottom, right) = _flat(box.first, axis), _flat(box.last, axis)
     corners = ((top, left), (top, right), (bottom, right), (bottom, left))
+    row, col = 0.5 * (top + bottom), 0.5 * (left + right)
+    held = (*corners, (top, col), (row, right), (bottom, col), (row, left))
     if isinstance(box, Box):
-        seeds = box.seeds()
-        near = np.abs(seeds[:, axis] - index) <= max(NEAR, 0.6 * box.apart)
-        yield StartSection(Polygon(corners), _on_sides(corners), _spread(np.delete(seeds[near], axis, axis=1)))
+        yield StartSection(Polygon(corners), held, _spread(_seeds_near(box, axis, index, max(NEAR, 0.6 * box.apart))))
     elif isinstance(box, BoxGrid):
-        seeds = box.seeds()
-        near = np.abs(seeds[:, axis] - index) * box.sides[axis] <= max(NEAR, 0.5 * box.spacing)
-        yield StartSection(Grid(corners, box.spacing), _on_sides(corners), np.delete(seeds[near], axis, axis=1))
+        reach = max(NEAR, 0.5 * box.spacing) / box.sides[axis]
+        yield StartSection(Grid(corners, box.spacing), held, _seeds_near(box, axis, index, reach))
     elif isinstance(box, BoxThreshold):
         yield Threshold(corners, box.fraction)
     else:
-        yield RegionSection(corners, held=_on_sides(corners))
+        yield RegionSection(corners, held=held)
 
 
 def _spread(places: Array) -> Array:
     """One of the places in each pixel of the slice: more of them would hide each other by their rims."""
     _, first = np.unique(np.round(places), axis=0, return_index=True)
     return places[np.sort(first)]
-
-
-def _on_sides(corners: Sequence[Position]) -> tuple[Position, ...]:
-    """Corners of a rectangle, and the middles of its sides."""
-    following = (*corners[1:], corners[0])
-    middles = ((0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])) for a, b in zip(corners, following, strict=True))
-    return (*corners, *middles)
 
 
 def _of_line(line: Stroke | Polygon, axis: int, index: float) -> Iterator[Shape]:
@@ -305,7 +299,6 @@ def _crossings(shape: Extruded, axis: int, index: float, other: int) -> list[flo
     return found
 
 
-_TURN = np.linspace(0.0, 2.0 * np.pi, 49)
 _ARM = 2.0
 """Half the size of the cross that marks a point, in sides of the smallest voxel."""
 
@@ -318,16 +311,14 @@ def wires(shape: Shape, sides: tuple[float, ...]) -> Array:
 
     `sides` are those of a voxel, in the smallest of them.
     """
-    if isinstance(shape, Sphere):
-        return _circles(shape.center, shape.radius, shape.sides)
+    if isinstance(shape, Sphere | EnclosedRegion | EnclosingWall):
+        return _through_middle(shape)
     if isinstance(shape, Box | BoxRegion | BoxGrid | BoxThreshold):
-        return np.asarray(shape.outline[_EDGES])
+        return _drawn_through(shape.outline[[0, 1, 3, 2, 0], 1:], 0, shape.first[0], shape.last[0])
     if isinstance(shape, PrismRegion | Wall):
-        return _drawn_through(shape)
-    if isinstance(shape, EnclosedRegion | EnclosingWall):
-        return _around(shape)
+        return _drawn_through(shape.flat(shape.points).outline, shape.axis, shape.first, shape.last)
     if isinstance(shape, Charge) and len(shape.position) == 3:
-        ball = _circles(shape.position, RADIUS, sides)
+        ball = _through_middle(Sphere(shape.position, RADIUS, sides))
         return np.concatenate([ball, _crosses(np.array([shape.position]), sides)])
     if isinstance(shape, Stroke | Polygon) and len(shape.points[0]) == 3:
         return _pieces_of(shape.outline) if len(shape.points) > 1 else _crosses(shape.outline, sides)
@@ -336,13 +327,12 @@ def wires(shape: Shape, sides: tuple[float, ...]) -> Array:
     return np.empty((0, 2, 3))
 
 
-def _around(shape: EnclosedRegion | EnclosingWall) -> Array:
-    """The lines in which slices through its middle, one across each axis, cut a surface."""
-    cuts = (Slice(axis, round(at)) for axis, at in enumerate(shape.center))
+def _through_middle(shape: Sphere | EnclosedRegion | EnclosingWall) -> Array:
+    """The lines in which slices through its middle, one across each axis, cut a shape."""
     paths = (
-        np.insert(line.path, cut.axis, cut.index, axis=1)
-        for cut in cuts
-        for line in section(shape.surface.surface, cut)
+        np.insert(cut.outline, axis, at, axis=1)
+        for axis, at in enumerate(shape.center if isinstance(shape, Sphere) else map(round, shape.center))
+        for cut in _sections(shape, axis, at, ())
     )
     return np.concatenate([np.empty((0, 2, 3)), *map(_pieces_of, paths)])
 
@@ -352,35 +342,14 @@ def _pieces_of(path: Array) -> Array:
     return np.stack([path[:-1], path[1:]], axis=1)
 
 
-def _circles(center: tuple[float, ...], radius: float, sides: tuple[float, ...]) -> Array:
-    """The circles of a sphere across the three axes."""
-    circle = np.stack([np.cos(_TURN), np.sin(_TURN)], axis=1) * radius
-    turned = (np.array(center) + np.insert(circle, axis, 0.0, axis=1) / np.array(sides) for axis in range(3))
-    return np.concatenate([_pieces_of(path) for path in turned])
-
-
 def _crosses(places: Array, sides: tuple[float, ...]) -> Array:
     """Three lines at each place, shape (N, 3)."""
     arms = np.diag(_ARM / np.array(sides))
     return (places[:, None, None] + np.stack([-arms, arms], axis=1)).reshape(-1, 2, 3)
 
 
-_CORNERS = list(product((0, 1), repeat=3))
-_EDGES = np.array(
-    [
-        (one, other)
-        for other in range(8)
-        for one in range(other)
-        if sum(a != b for a, b in zip(_CORNERS[one], _CORNERS[other], strict=True)) == 1
-    ]
-)
-"""Numbers of the corners of a box that its twelve edges join."""
-
-
-def _drawn_through(shape: Extruded) -> Array:
-    """The line in its first and its last slice, and edges from one to the other."""
-    line = shape.flat(shape.points).outline
-    first, last = (np.insert(line, shape.axis, at, axis=1) for at in (shape.first, shape.last))
-    every = -(-len(line) // _MOST_EDGES)
-    chosen = sorted({*range(0, len(line), every), len(line) - 1})
-    return np.concatenate([_pieces_of(first), _pieces_of(last), np.stack([first[chosen], last[chosen]], axis=1)])
+def _drawn_through(line: Array, axis: int, first: float, last: float) -> Array:
+    """A line in its first and its last slice, and edges from one to the other."""
+    ends = [np.insert(line, axis, at, axis=1) for at in (first, last)]
+    chosen = sorted({*range(0, len(line), -(-len(line) // _MOST_EDGES)), len(line) - 1})
+    return np.concatenate([*map(_pieces_of, ends), np.stack([end[chosen] for end in ends], axis=1)])

@@ -7,12 +7,13 @@ from dataclasses import replace
 from weakref import WeakKeyDictionary
 
 import numpy as np
+import scipy
 
 from app.model.document.objects import AnySelection
 from app.model.volume.slices import Slice
 from cpm_core import Contour, Selection, Skeleton, Surface, VolumeSelection
-from cpm_core.contours import Measures
-from cpm_core.numerics import Array, Index, Place, polyline
+from cpm_core.contours import Graph, Measures
+from cpm_core.numerics import Array, Place, polyline
 from cpm_core.objects.segmented import Click, Line, SegmentedObject, SegmentedObjects
 
 _MOST = 8
@@ -33,50 +34,19 @@ def section(surface: Surface, cut: Slice) -> tuple[Contour, ...]:
 
 
 def _section(surface: Surface, cut: Slice) -> tuple[Contour, ...]:
-    faces = surface.faces
     heights = surface.vertices[:, cut.axis] - cut.index
     above = heights >= 0.0  # a vertex in the slice lies on one side, so that each triangle is cut once or never
-    one, two, three = (above[faces[:, corner]] for corner in range(3))
-    crossing = (one != two) | (one != three)
-    if not crossing.any():
+    corners = above[surface.faces]
+    faces = surface.faces[corners.any(axis=1) & ~corners.all(axis=1)]
+    if not len(faces):
         return ()
-    faces = faces[crossing]
-    sides = above[faces]
-    alone = sides == (sides.sum(axis=1) == 1)[:, None]
-    corner, rows = alone.argmax(axis=1), np.arange(len(faces))
-    tip = faces[rows, corner]
-    ends = np.stack([tip, faces[rows, (corner + 1) % 3], tip, faces[rows, (corner + 2) % 3]], axis=1).reshape(-1, 2)
+    sides = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    ends = sides[above[sides[:, 0]] != above[sides[:, 1]]]  # two of each triangle, one after the other
     edges, numbers = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)
-    first, last = heights[edges[:, 0]], heights[edges[:, 1]]
+    first, last = heights[edges].T
     share = (first / (first - last))[:, None]
     places = surface.vertices[edges[:, 0]] * (1.0 - share) + surface.vertices[edges[:, 1]] * share
-    return _lines(cut.flattened(places), numbers.reshape(-1, 2))
-
-
-def _lines(points: Array, segments: Index) -> tuple[Contour, ...]:
-    """Contours along segments between points, those with ends first."""
-    at: list[list[int]] = [[] for _ in range(len(points))]
-    for number, (one, other) in enumerate(segments.tolist()):
-        at[one].append(number)
-        at[other].append(number)
-    ends: list[tuple[int, int]] = [(one, other) for one, other in segments.tolist()]
-    free = [True] * len(ends)
-
-    def walk(node: int) -> list[int]:
-        path = [node]
-        while (number := next((number for number in at[node] if free[number]), None)) is not None:
-            free[number] = False
-            one, other = ends[number]
-            node = other if one == node else one
-            path.append(node)
-        return path
-
-    starts = [node for node, found in enumerate(at) if len(found) == 1]
-    starts += [one for one, _ in ends]
-    paths = [path for node in starts if len(path := walk(node)) > 2]
-    return tuple(
-        Contour(points[path[:-1] if path[0] == path[-1] else path], closed=path[0] == path[-1]) for path in paths
-    )
+    return Graph(cut.flattened(places), numbers.reshape(-1, 2)).contours()
 
 
 def unmeasured(contour: Contour, number: int) -> Measures:
@@ -172,13 +142,10 @@ def skeleton_in(found: Skeleton, here: Slice) -> Skeleton:
 def _pieces(path: Array, radii: Array, here: Slice) -> list[tuple[Array, Array]]:
     """Stretches of a line near a slice, flattened, with the vertices before and after."""
     near = np.abs(path[:, here.axis] - here.index) <= _LINES_NEAR
-    cuts = np.flatnonzero(np.diff(near)) + 1
     found = []
-    for run in np.split(np.arange(len(path)), cuts):
-        if near[run[0]]:
-            wider = np.arange(max(run[0] - 1, 0), min(run[-1] + 2, len(path)))
-            flat = here.flattened(path[wider])
-            moved = np.append(True, (np.diff(flat, axis=0) != 0.0).any(axis=1))
-            if moved.sum() > 1:
-                found.append((flat[moved], radii[wider][moved]))
+    for run in polyline.stretches(scipy.ndimage.binary_dilation(near)):
+        flat = here.flattened(path[run])
+        distinct = np.append(True, (np.diff(flat, axis=0) != 0.0).any(axis=1))
+        if distinct.sum() > 1:
+            found.append((flat[distinct], radii[run][distinct]))
     return found

@@ -44,18 +44,10 @@ class PresetStore(QObject):
         kept = replace(preset, name=checked_name(preset.name), key="")
         readable = re.sub(r"[^A-Za-z0-9]+", "_", kept.name).strip("_")[:40]
         unique = f"{readable}-{hashlib.sha256(kept.name.encode()).hexdigest()[:8]}{SUFFIX}"
-        self.export_to(kept, self._files.get(kept.name, self.folder / unique))
+        self.folder.mkdir(parents=True, exist_ok=True)
+        write_together([(self._files.get(kept.name, self.folder / unique), written(kept))])
         self._read_folder()
         return kept
-
-    def rename(self, old: str, new: str) -> None:
-        """Rename a preset of the user; ValueError when there is none, or the new name is invalid or taken."""
-        name, preset = checked_name(new), self.called(old)
-        if name in self._files and name != old:
-            raise ValueError(tr("There is a preset “{name}” already: choose another name.").format(name=name))
-        if preset is not None and name != old:
-            self.save(replace(preset, name=name))
-            self.delete(old)
 
     def delete(self, name: str) -> None:
         """Remove a preset of the user; ValueError when there is none of this name."""
@@ -63,22 +55,6 @@ class PresetStore(QObject):
             raise ValueError(tr("There is no preset “{name}” of your own.").format(name=name))
         self._files[name].unlink(missing_ok=True)
         self._read_folder()
-
-    def import_from(self, path: Path) -> Preset:
-        """Import a preset file; a name that is taken gets a number.
-
-        ValueError when the file is not a valid preset, OSError when it cannot be read.
-        """
-        preset = read(path.read_bytes(), path.name)
-        name, number = preset.name, 2
-        while name in self._files:
-            name, number = f"{preset.name} {number}", number + 1
-        return self.save(replace(preset, name=name))
-
-    def export_to(self, preset: Preset, path: Path) -> None:
-        """Export a preset to a file; OSError when it cannot be written."""
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write_together([(path, written(preset))])
 
     def _read_folder(self) -> None:
         """Read the folder; files that cannot be read are left out."""

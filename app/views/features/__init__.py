@@ -9,7 +9,7 @@ from app.views.features.exchange import BatchFeature, ClipboardFeature, ExportFe
 from app.views.features.files import FolderFeature, OpenSaveFeature, RecoveryFeature, StartFeature
 from app.views.features.help import HelpFeature, PreferencesFeature
 from app.views.features.objects import ObjectsFeature
-from app.views.features.offers import BeginningFeature, LargeImageFeature, PixelSizeFeature, StackFeature
+from app.views.features.offers import BeginningFeature, PixelSizeFeature, StackFeature
 from app.views.features.run import (
     ComparisonFeature,
     ParametersFeature,
@@ -17,9 +17,9 @@ from app.views.features.run import (
     TasksFeature,
     TimelineFeature,
 )
-from app.views.features.view import AppearanceFeature, ComparingFeature, KeyboardFeature, LayersFeature, LevelsFeature
+from app.views.features.view import ComparingFeature, KeyboardFeature, LayersFeature, LevelsFeature
 from app.views.features.volumes import PagesFeature, SlicesFeature, SpaceFeature
-from app.views.window.feature import Feature
+from app.views.window.window import Feature
 
 FEATURES: tuple[type[Feature], ...] = (
     OpenSaveFeature,
@@ -39,7 +39,6 @@ FEATURES: tuple[type[Feature], ...] = (
     ModesFeature,
     ParametersFeature,
     BeginningFeature,
-    LargeImageFeature,
     StackFeature,
     PixelSizeFeature,
     ContoursFeature,
@@ -56,7 +55,6 @@ FEATURES: tuple[type[Feature], ...] = (
     PagesFeature,
     SpaceFeature,
     KeyboardFeature,
-    AppearanceFeature,
     PreferencesFeature,
     HelpFeature,
 )

@@ -1,26 +1,19 @@
-"""The panel of the contours: the table, with thresholds and review buttons next to it."""
+"""The panel of the contours: the table, with review buttons next to it."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
-import numpy as np
-from PySide6.QtCore import QRectF, QSize, Signal
-from PySide6.QtGui import QColor, QFont, QGuiApplication, QPainter, QPaintEvent, QPalette
-from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QMenu, QSizePolicy, QWidget
+from PySide6.QtGui import QColor, QFont, QGuiApplication, QPalette
+from PySide6.QtWidgets import QComboBox, QMenu
 
-from app.model.display.filter_counts import Distribution
 from app.model.display.lengths import shown_in
-from app.model.document import edits
-from app.model.document.document import Document
-from app.model.parameters.controls import Control, controls
-from app.model.text.language import tr, written
+from app.model.text.language import tr
 from app.session.features.contour_review import ContourReview
 from app.session.scene import Item
-from app.session.session import Session
 from app.views.panels.tables import (
     Column,
     ItemTable,
@@ -29,11 +22,11 @@ from app.views.panels.tables import (
     TableModel,
     TablePanel,
     button_grid,
+    menu_button,
     wide_button,
 )
 from app.views.theme import theme
 from app.views.theme.icons import swatch
-from app.views.widgets.fields import MarkedSlider
 from cpm_core.contours import Reached
 
 VERDICTS = {"kept": tr("✓ kept"), "rejected": tr("✗ rejected"), "": "–"}
@@ -128,117 +121,6 @@ def _look(item: Item, role: int, of_name: bool) -> Any:
     return None
 
 
-_BINS = 40
-_STEP = 1 / 200
-_LEAST = 10.0
-
-
-class Histogram(QWidget):
-    """A histogram; bars below the threshold are pale."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._counts = np.zeros(_BINS, int)
-        self._threshold = 0.0
-        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
-
-    def sizeHint(self) -> QSize:
-        """About two lines of text high."""
-        return QSize(160, 30)
-
-    def show(self, shares: np.ndarray, threshold: float) -> None:  # type: ignore[override]  # shows values, not itself
-        """Show values, each as its position along the slider from 0 to 1."""
-        self._counts = np.histogram(shares, _BINS, (0.0, 1.0))[0]
-        self._threshold = threshold
-        self.update()
-
-    def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw a bar for each bin that is not empty."""
-        painter = QPainter(self)
-        palette = self.palette()
-        # The groove of the slider below starts and ends half a handle from its sides.
-        inset = 6.0
-        width, height = (self.width() - 2 * inset) / _BINS, self.height() - 1.0
-        most = max(1, int(self._counts.max()))
-        for index, count in enumerate(self._counts.tolist()):
-            if count:
-                role = QPalette.ColorRole.Highlight if (index + 1) / _BINS > self._threshold else QPalette.ColorRole.Mid
-                # the root keeps a single value visible next to hundreds
-                tall = max(3.0, height * math.sqrt(count / most))
-                painter.fillRect(
-                    QRectF(inset + index * width, height - tall, max(1.5, width - 1), tall), palette.color(role)
-                )
-        painter.setPen(palette.color(QPalette.ColorRole.Mid))
-        painter.drawLine(int(inset), self.height() - 1, self.width() - int(inset), self.height() - 1)
-        painter.end()
-
-
-class Threshold(QWidget):
-    """Lower limit of a measure of contours, set by a slider that is finer for small values."""
-
-    moved_to = Signal(float)
-    """The user has moved the slider to a value."""
-    released = Signal()
-    """The user has released the slider."""
-
-    def __init__(self, control: Control) -> None:
-        super().__init__()
-        self.title, self._unit = control.title, control.unit
-        self._top = _LEAST
-        self._value = 0.0
-        self._distribution = Distribution()
-        self.histogram = Histogram()
-        self.slider = MarkedSlider(0.0, 1.0, _STEP, None)
-        self.slider.setAccessibleName(self.title)
-        self.label = QLabel()
-        self.setToolTip(f"{control.meaning} {control.acts}")
-        grid = QGridLayout(self)
-        grid.setContentsMargins(0, 0, 0, 0)
-        grid.setVerticalSpacing(0)
-        grid.addWidget(QLabel(self.title), 0, 0)
-        grid.addWidget(self.label, 0, 1)
-        grid.addWidget(self.histogram, 1, 0, 1, 2)
-        grid.addWidget(self.slider, 2, 0, 1, 2)
-        grid.setColumnStretch(0, 1)
-        self.slider.moved_to.connect(lambda share: self._report(self._top * share**2))
-        self.slider.restored.connect(lambda: self._report(0.0))
-        self.slider.sliderReleased.connect(self.released)
-        self._show()
-
-    def show_values(self, moment: object, values: Sequence[float]) -> None:
-        """Show the values of the present contours.
-
-        `moment` identifies the state that the contours were reconstructed from. While it stays the same, values that
-        the threshold has excluded are remembered, so that the user sees the whole distribution.
-        """
-        self._distribution.update(moment, self._value, values)
-        self._show()
-
-    def show_value(self, value: float) -> None:
-        """Show the present threshold."""
-        if value != self._value:
-            self._value = value
-            self._show()
-
-    def _report(self, value: float) -> None:
-        self.moved_to.emit(float(f"{value:.3g}"))
-
-    def _show(self) -> None:
-        values = self._distribution.values
-        self._top = _nice(max([_LEAST, self._value, *values[-1:].tolist()]))
-        share = math.sqrt(self._value / self._top)
-        if not self.slider.isSliderDown():
-            self.slider.show_value(share)
-        self.histogram.show(np.sqrt(values / self._top), share)
-        self.label.setText(written(f"{self._value:.3g} {self._unit}"))
-
-
-def _nice(value: float) -> float:
-    """Round up to the next of 1, 2, 5, 10, 20, …, so that the range rarely changes."""
-    power = 10.0 ** math.floor(math.log10(value))
-    return next(step * power for step in (1.0, 2.0, 5.0, 10.0) if step * power >= value)
-
-
 _SHOWN: tuple[tuple[str, str | None], ...] = (
     (tr("All contours"), None),
     (tr("Kept"), "kept"),
@@ -251,72 +133,40 @@ _SHOWN: tuple[tuple[str, str | None], ...] = (
 class ContourPanel(TablePanel[ContourTable]):
     """Shows the contours and their review; `fill_colors` fills a menu with the colors on offer."""
 
-    def __init__(self, session: Session, review: ContourReview, fill_colors: Callable[[QMenu], None]) -> None:
+    def __init__(self, review: ContourReview, fill_colors: Callable[[QMenu], None]) -> None:
         table = ContourTable(review)
         super().__init__(table)
-        self._session = session
         self._review = review
-        filters = [control for control in controls() if control.name in ("min_strength", "min_length")]
-        self.thresholds = {control.name: Threshold(control) for control in filters}
         self.shown = QComboBox()
         self.shown.setAccessibleName(tr("Contours in the table"))
         self.shown.setToolTip(tr("Which contours the table shows."))
         for text, verdict in _SHOWN:
             self.shown.addItem(text, verdict)
         self.shown.currentIndexChanged.connect(lambda _: table.show_only(self.shown.currentData()))
-        colors = QMenu(self)
-        colors.aboutToShow.connect(colors.clear)
-        colors.aboutToShow.connect(lambda: fill_colors(colors))
         self.buttons = {
-            "keep": wide_button(tr("✓ Keep")),
-            "reject": wide_button(tr("✗ Reject")),
-            "name": wide_button(tr("Name…")),
-            "colour": wide_button(tr("Color"), colors),
+            "keep": wide_button(tr("✓ Keep"), partial(review.judge, "kept")),
+            "reject": wide_button(tr("✗ Reject"), partial(review.judge, "rejected")),
+            "name": wide_button(tr("Name…"), table.name_selected),
+            "colour": menu_button(tr("Color"), fill_colors),
         }
-        self.buttons["keep"].clicked.connect(lambda: review.judge("kept"))
-        self.buttons["reject"].clicked.connect(lambda: review.judge("rejected"))
-        self.buttons["name"].clicked.connect(table.name_selected)
-        self.add(self.shown, *self.thresholds.values(), button_grid(self.buttons.values()))
-        for name, threshold in self.thresholds.items():
-            threshold.moved_to.connect(partial(self._set, name))
-            threshold.released.connect(session.seal)
+        self.add(self.shown, button_grid(self.buttons.values()))
         review.changed.connect(self._show)
         review.selection_changed.connect(self._enable)
-        session.document_changed.connect(self._use_document)
         self._show()
 
-    def _set(self, name: str, value: float) -> None:
-        change = tr("change of {parameter}").format(parameter=self.thresholds[name].title.lower())
-        self._session.edit(change, lambda document: edits.set_parameter(document, name, value), f"threshold {name}")
-
-    def _use_document(self, document: Document) -> None:
-        for name, threshold in self.thresholds.items():
-            threshold.show_value(getattr(document.parameters, name))
-        self._enable()
-
     def _show(self) -> None:
-        items, result = self._review.items, self._review.result
-        moment = (self._session.generation, result.steps) if result is not None else None
-        self.thresholds["min_strength"].show_values(moment, [item.measures.strength for item in items])
-        self.thresholds["min_length"].show_values(moment, [item.measures.length for item in items])
-        self.summary.setText(self._summary())
-        self._enable()
-
-    def _summary(self) -> str:
         items = self._review.items
-        if not items:
-            return tr("No contours yet. Start the run.")
         closed = sum(item.contour.closed for item in items)
-        rejected = sum(item.reviewed.verdict == "rejected" for item in items)
-        kept = sum(item.reviewed.verdict == "kept" for item in items)
-        summary = tr("{closed} closed, {open} open; {kept} kept, {rejected} rejected, {undecided} undecided.")
-        return summary.format(
+        verdicts = Counter(item.reviewed.verdict for item in items)
+        summary = tr("{closed} closed, {open} open; {kept} kept, {rejected} rejected, {undecided} undecided.").format(
             closed=closed,
             open=len(items) - closed,
-            kept=kept,
-            rejected=rejected,
-            undecided=len(items) - kept - rejected,
+            kept=verdicts["kept"],
+            rejected=verdicts["rejected"],
+            undecided=verdicts[""],
         )
+        self.summary.setText(summary if items else tr("No contours yet. Start the run."))
+        self._enable()
 
     def _enable(self) -> None:
         for button in self.buttons.values():

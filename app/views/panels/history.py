@@ -12,6 +12,7 @@ from app.model.text.language import tr
 from app.session.undo_history import ChangeInWords
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
+from app.views.widgets.containers import arrange
 
 
 class HistoryPanel(QWidget):
@@ -35,9 +36,7 @@ class HistoryPanel(QWidget):
         self.addAction(self._there)
         self._list.itemClicked.connect(self._choose)
         self._list.itemActivated.connect(self._choose)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.addWidget(self._list)
+        arrange(QVBoxLayout(self), self._list)
         self._theme: Theme | None = None
         self._shown: tuple[tuple[ChangeInWords, ...], int] = ((), -1)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 from PySide6.QtCore import Qt
@@ -17,7 +16,17 @@ from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.session.features.object_list import Figures, ObjectList
 from app.session.session import Session
-from app.views.panels.tables import Column, ItemTable, Role, Selection, TableModel, TablePanel, button_grid, wide_button
+from app.views.panels.tables import (
+    Column,
+    ItemTable,
+    Role,
+    Selection,
+    TableModel,
+    TablePanel,
+    button_grid,
+    menu_button,
+    wide_button,
+)
 from app.views.theme.icons import swatch
 from cpm_core.objects.segmented import SegmentedObject
 
@@ -143,26 +152,14 @@ class ObjectPanel(TablePanel[ObjectTable]):
         table = ObjectTable(session, object_list)
         super().__init__(table)
         self._list = object_list
-        classes = QMenu(self)
-        classes.aboutToShow.connect(classes.clear)
-        classes.aboutToShow.connect(partial(fill_classes, classes))
         self.buttons = {
-            "class": wide_button(tr("Class"), classes),
-            "name": wide_button(tr("Name…")),
-            "freeze": wide_button(tr("Freeze")),
-            "hide": wide_button(tr("Hide")),
-            "merge": wide_button(tr("Merge")),
-            "delete": wide_button(tr("Delete")),
+            "class": menu_button(tr("Class"), fill_classes),
+            "name": wide_button(tr("Name…"), table.name_selected),
+            "freeze": wide_button(tr("Freeze"), object_list.toggle_frozen),
+            "hide": wide_button(tr("Hide"), object_list.toggle_hidden),
+            "merge": wide_button(tr("Merge"), object_list.merge),
+            "delete": wide_button(tr("Delete"), object_list.delete),
         }
-        actions = (
-            table.name_selected,
-            object_list.toggle_frozen,
-            object_list.toggle_hidden,
-            object_list.merge,
-            object_list.delete,
-        )
-        for name, action in zip(("name", "freeze", "hide", "merge", "delete"), actions, strict=True):
-            self.buttons[name].clicked.connect(action)
         self.add(button_grid(self.buttons.values()))
         object_list.changed.connect(self.show_keys)
         object_list.selection_changed.connect(self.show_keys)
@@ -172,14 +169,10 @@ class ObjectPanel(TablePanel[ObjectTable]):
     def show_keys(self) -> None:
         """Show what can be done now, by which keys."""
         items, chosen = self._list.objects.items, self._list.items
-        self.summary.setText(self._summary())
+        nothing = with_keys(tr("No objects yet. Take the tool Select objects ({key:objects}) and click in one."))
+        some = tr("1 object.") if len(items) == 1 else tr("{count} objects.").format(count=len(items))
+        self.summary.setText(some if items else nothing)
         for name, button in self.buttons.items():
             button.setEnabled(len(chosen) > 1 if name == "merge" else bool(chosen) or (name == "class" and bool(items)))
         self.buttons["freeze"].setText(tr("Release") if chosen and all(i.frozen for i in chosen) else tr("Freeze"))
         self.buttons["hide"].setText(tr("Show") if chosen and all(item.hidden for item in chosen) else tr("Hide"))
-
-    def _summary(self) -> str:
-        count = len(self._list.objects.items)
-        if not count:
-            return with_keys(tr("No objects yet. Take the tool Select objects ({key:objects}) and click in one."))
-        return tr("1 object.") if count == 1 else tr("{count} objects.").format(count=count)

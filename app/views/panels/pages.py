@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QAbstractItemView, QCheckBox, QFrame, QHBoxLayout, QLabel, QPushButton, QSlider, QSpinBox
 
@@ -14,6 +14,7 @@ from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.session.features.stack_pages import StackPages
 from app.views.panels.tables import ENTER, Column, Index, Table, TableModel, TablePanel
+from app.views.widgets.containers import arrange
 from cpm_core.contours import Measures
 
 _JUMP = 10
@@ -95,18 +96,14 @@ class PagePanel(TablePanel[PageTable]):
         size = shown_in((1.0, 1.0), None) if first is None else shown_in(first.spacing, first.unit)
         self.table.rows.update(self._pages.rows, size)
         self.export.setEnabled(first is not None)
-        self.summary.setText(self._summary())
-
-    def _summary(self) -> str:
-        found = self._pages.result
-        if found is None or not found.pages:
-            return tr("Nothing has been found on the pages of a stack yet: run this page, or all of them.")
-        failed = len(found.pages) - len(found.results)
-        text = tr("{done} of {count} pages are done; tracks: {tracks}.").format(
-            done=len(found.results), count=found.count, tracks=len(found.tracks)
-        )
-        more = tr("{failed} could not be used.").format(failed=failed)
-        return f"{text} {more}" if failed else text
+        text = tr("Nothing has been found on the pages of a stack yet: run this page, or all of them.")
+        if found is not None and found.pages:
+            text = tr("{done} of {count} pages are done; tracks: {tracks}.").format(
+                done=len(found.results), count=found.count, tracks=len(found.tracks)
+            )
+            if failed := len(found.pages) - len(found.results):
+                text += " " + tr("{failed} could not be used.").format(failed=failed)
+        self.summary.setText(text)
 
 
 class PageBar(QFrame):
@@ -136,14 +133,8 @@ class PageBar(QFrame):
         )
         self.follow.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.run.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        row = QHBoxLayout(self)
-        row.setContentsMargins(10, 3, 10, 3)
-        row.setSpacing(4)
-        row.addWidget(QLabel(tr("Page")))
-        row.addWidget(self.slider, 1)
-        for widget in (self.number, self.of, self.follow, self.run):
-            row.addWidget(widget)
-        row.insertSpacing(4, 8)
+        fields = (QLabel(tr("Page")), self.slider, self.number, self.of, self.follow, self.run)
+        arrange(QHBoxLayout(self), *fields, margins=(10, 3, 10, 3), spacing=4, wide=self.slider).insertSpacing(4, 8)
         self.slider.valueChanged.connect(self.moved)
         self.number.valueChanged.connect(self.moved)
         self.follow.toggled.connect(self.followed)
@@ -158,14 +149,12 @@ class PageBar(QFrame):
         """Show which page is open; hidden where there are not several."""
         self.setVisible(count > 1)
         for field in (self.slider, self.number):
-            field.blockSignals(True)
-            field.setRange(1, max(count, 1))
-            field.setValue(number)
-            field.blockSignals(False)
+            with QSignalBlocker(field):
+                field.setRange(1, max(count, 1))
+                field.setValue(number)
         self.of.setText(tr("of {last}").format(last=count))
-        self.follow.blockSignals(True)
-        self.follow.setChecked(following)
-        self.follow.blockSignals(False)
+        with QSignalBlocker(self.follow):
+            self.follow.setChecked(following)
         self.run.setText(tr("Stop") if running else tr("Run all pages"))
         self.run.setToolTip(
             tr("Stop after the pages that are done.")

@@ -26,7 +26,6 @@ from PySide6.QtWidgets import (
     QAbstractItemView,
     QBoxLayout,
     QGridLayout,
-    QLabel,
     QLineEdit,
     QMenu,
     QSizePolicy,
@@ -40,7 +39,7 @@ from PySide6.QtWidgets import (
 from app.model.display.lengths import PixelSize
 from app.model.text.keys import with_keys
 from app.model.text.language import tr, written
-from app.views.widgets.containers import Scrolled
+from app.views.widgets.containers import Scrolled, arrange, wrapped
 
 Row = TypeVar("Row")
 Index = QModelIndex | QPersistentModelIndex
@@ -461,20 +460,12 @@ class TablePanel(QWidget, Generic[AnyTable]):
         super().__init__()
         self.table = table
         self.setFocusProxy(table)
-        self.summary = QLabel()
-        self.summary.setWordWrap(True)
-        self.summary.setObjectName("dim")
+        self.summary = wrapped(dim=True)
         self._content = QWidget()
-        self._column = QVBoxLayout(self._content)
-        self._column.setContentsMargins(0, 0, 0, 0)
-        self._column.setSpacing(6)
-        self._column.addWidget(self.summary)
-        self._column.addStretch(1)
-        self._layout = QBoxLayout(QBoxLayout.Direction.LeftToRight, self)
-        self._layout.setContentsMargins(12, 6, 12, 6)
-        self._layout.setSpacing(12)
-        self._layout.addWidget(Scrolled(self._content, _LEAST))
-        self._layout.addWidget(table, 1)
+        self._column = arrange(QVBoxLayout(self._content), self.summary, None, spacing=6)
+        row = QBoxLayout(QBoxLayout.Direction.LeftToRight, self)
+        side = Scrolled(self._content, _LEAST)
+        self._layout = arrange(row, side, table, margins=(12, 6, 12, 6), spacing=12, wide=table)
 
     def add(self, *widgets: QWidget) -> None:
         """Place widgets next to the table, below the summary."""
@@ -497,14 +488,24 @@ class TablePanel(QWidget, Generic[AnyTable]):
         super().resizeEvent(event)
 
 
-def wide_button(text: str, menu: QMenu | None = None) -> QToolButton:
-    """A button as wide as its place, which opens a menu if there is one."""
+def wide_button(text: str, do: Callable[[], object] | None = None) -> QToolButton:
+    """A button as wide as its place."""
     button = QToolButton()
     button.setText(text)
     button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
-    if menu is not None:
-        button.setMenu(menu)
-        button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+    if do is not None:
+        button.clicked.connect(lambda _=False: do())
+    return button
+
+
+def menu_button(text: str, fill: Callable[[QMenu], None]) -> QToolButton:
+    """A wide button that opens a menu, which is filled each time."""
+    button = wide_button(text)
+    menu = QMenu(button)
+    menu.aboutToShow.connect(menu.clear)
+    menu.aboutToShow.connect(partial(fill, menu))
+    button.setMenu(menu)
+    button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
     return button
 
 

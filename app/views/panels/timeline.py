@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import partial
 
-from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, QSignalBlocker, QSize, Qt, QTimer, Signal
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, QSignalBlocker, QSize, Qt, QTimer
 from PySide6.QtGui import (
     QAction,
     QColor,
-    QFocusEvent,
     QHelpEvent,
     QKeyEvent,
     QMouseEvent,
@@ -34,13 +32,14 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.display.lengths import round_up
-from app.model.text.keys import with_keys
 from app.model.text.language import tr, written
 from app.session.features.timeline import TimelineNavigation
-from app.session.timeline.timeline import Branch
+from app.session.timeline.stored_runs import Branch
 from app.views.theme import theme
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
+from app.views.widgets.actions import Actions
+from app.views.widgets.containers import arrange, wrapped
 from app.views.window.dialogs import ask_for_text
 
 _ROW, _FOOT, _HEAD, _SIDE = 24, 16, 6, 10
@@ -64,20 +63,9 @@ _NARROW = 316
 _KEYS = {Qt.Key.Key_Left: -1, Qt.Key.Key_Right: 1, Qt.Key.Key_PageUp: -10, Qt.Key.Key_PageDown: 10}
 _ALL_KEYS = (*_KEYS, Qt.Key.Key_Home, Qt.Key.Key_End, Qt.Key.Key_Up, Qt.Key.Key_Down)
 
-_TIPS = {
-    "first": tr("Go to the first step of the run ({key:timeline_first})."),
-    "back": tr("Go one step back ({key:timeline_back})."),
-    "play": tr("Play or pause the recorded steps ({key:timeline_play})."),
-    "forward": tr("Go one recorded step forward ({key:timeline_forward})."),
-    "last": tr("Go to the last step of the branch ({key:timeline_last})."),
-}
-
 
 class TimelineView(QWidget):
     """Branches over steps; the pointer and the arrow keys go to any of them."""
-
-    step_requested = Signal(int, int)
-    """Branch and step that the user asks to see."""
 
     def __init__(self, navigation: TimelineNavigation) -> None:
         super().__init__()
@@ -91,7 +79,7 @@ class TimelineView(QWidget):
 
     def sizeHint(self) -> QSize:
         """High enough for all branches."""
-        return QSize(420, self.height_of(len(self._navigation.outline.branches)))
+        return QSize(420, self.height_of(len(self._navigation.branches)))
 
     @staticmethod
     def height_of(branches: int) -> int:
@@ -111,7 +99,7 @@ class TimelineView(QWidget):
 
     def point(self, branch: int, step: int) -> QPointF:
         """Position of a step of a branch."""
-        rows = [known.identity for known in self._navigation.outline.branches]
+        rows = [known.identity for known in self._navigation.branches]
         left, width = self._axis()
         x = left + width * (step - self._navigation.first) / self._steps()
         return QPointF(x, _HEAD + _ROW * (rows.index(branch) + 0.5))
@@ -130,12 +118,12 @@ class TimelineView(QWidget):
 
     def _steps(self) -> int:
         """Number of steps of the axis."""
-        lasts = [self._navigation.last(branch.identity) for branch in self._navigation.outline.branches]
+        lasts = [self._navigation.last(branch.identity) for branch in self._navigation.branches]
         return max(max(lasts, default=0) - self._navigation.first, _SHORTEST)
 
     def _axis(self) -> tuple[float, float]:
         """Left end of the axis, right of the names, and its width [px]."""
-        names = [self.fontMetrics().horizontalAdvance(branch.name) for branch in self._navigation.outline.branches]
+        names = [self.fontMetrics().horizontalAdvance(branch.name) for branch in self._navigation.branches]
         left = _SIDE + min(max(names, default=0), _LONGEST_NAME, self.width() / 3) + 14.0
         return left, max(self.width() - 2 * _SIDE - left, 1.0)
 
@@ -150,14 +138,14 @@ class TimelineView(QWidget):
 
     def _branch_at(self, y: float) -> int | None:
         """The branch of a row; on the axis, the branch that is shown."""
-        branches = self._navigation.outline.branches
+        branches = self._navigation.branches
         if not branches or y > self._base():
             return self._navigation.place[0] if branches else None
         return branches[min(max(int((y - _HEAD) / _ROW), 0), len(branches) - 1)].identity
 
     def _request(self, branch: int, point: QPointF) -> None:
         on_name = point.x() < self._axis()[0] - _SIDE
-        self.step_requested.emit(branch, self._navigation.beside(branch) if on_name else self._step_at(point.x()))
+        self._navigation.go(branch, self._navigation.beside(branch) if on_name else self._step_at(point.x()))
 
     # Qt interface
 
@@ -165,7 +153,7 @@ class TimelineView(QWidget):
         """Draw the branches, the axis and the shown step."""
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        branches = self._navigation.outline.branches
+        branches = self._navigation.branches
         if branches:
             for branch in branches:
                 self._draw_branch(painter, branch)
@@ -183,51 +171,32 @@ class TimelineView(QWidget):
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Start scrubbing along a branch."""
-        branch = self._branch_at(event.position().y())
-        if event.button() == Qt.MouseButton.LeftButton and branch is not None:
-            self._dragged = branch
-            self._request(branch, event.position())
-        event.accept()
+        self._dragged = self._branch_at(event.position().y()) if event.button() == Qt.MouseButton.LeftButton else None
+        self.mouseMoveEvent(event)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Scrub along the branch."""
-        if self._dragged is not None:
+        if self._dragged is not None and event.buttons() & Qt.MouseButton.LeftButton:
             self._request(self._dragged, event.position())
-        event.accept()
-
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """End scrubbing."""
-        self._dragged = None
-        event.accept()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Move along a branch or to the next one by arrow keys."""
         navigation = self._navigation
         branch, step = navigation.place
-        key, branches = Qt.Key(event.key()), [known.identity for known in navigation.outline.branches]
+        key, branches = Qt.Key(event.key()), [known.identity for known in navigation.branches]
         if not branches or key not in _ALL_KEYS:
             event.ignore()
         elif branch not in branches:  # no run is shown, as after a reset
-            self.step_requested.emit(branches[-1], navigation.last(branches[-1]))
+            self._navigation.go(branches[-1], navigation.last(branches[-1]))
         elif key in _KEYS:
             fast = 10 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1
-            self.step_requested.emit(branch, step + fast * _KEYS[key])
+            self._navigation.go(branch, step + fast * _KEYS[key])
         elif key in (Qt.Key.Key_Home, Qt.Key.Key_End):
-            self.step_requested.emit(branch, navigation.first if key == Qt.Key.Key_Home else navigation.last(branch))
+            self._navigation.go(branch, navigation.first if key == Qt.Key.Key_Home else navigation.last(branch))
         else:
             row = branches.index(branch) + (1 if key == Qt.Key.Key_Down else -1)
             other = branches[min(max(row, 0), len(branches) - 1)]
-            self.step_requested.emit(other, navigation.beside(other))
-
-    def focusInEvent(self, event: QFocusEvent) -> None:
-        """Show the focus outline."""
-        self.update()
-        super().focusInEvent(event)
-
-    def focusOutEvent(self, event: QFocusEvent) -> None:
-        """Hide the focus outline."""
-        self.update()
-        super().focusOutEvent(event)
+            self._navigation.go(other, navigation.beside(other))
 
     def event(self, event: QEvent) -> bool:
         """Show the step under the pointer as a tooltip, and keep the keys that move along a branch."""
@@ -312,39 +281,28 @@ class TimelinePanel(QWidget):
         super().__init__()
         self._navigation = navigation
         self._running = running
-        self._theme: Theme | None = None
         self.view = TimelineView(navigation)
         self.setFocusProxy(self.view)
-        self.view.step_requested.connect(navigation.go)
-        moves: dict[str, Callable[[], object]] = {
-            "first": navigation.to_first,
-            "back": partial(navigation.by, -1),
-            "play": navigation.toggle_play,
-            "forward": partial(navigation.by, 1),
-            "last": navigation.to_last,
-        }
-        self.buttons = {name: _button(name, with_keys(_TIPS[name]), do) for name, do in moves.items()}
+        self.buttons = {name: _button(name) for name in ("first", "back", "play", "forward", "last")}
         self.step = QSpinBox()
         self.step.setKeyboardTracking(False)
         self.step.setAccessibleName(tr("Step"))
         self.step.setToolTip(tr("Shown step; type a number to go there."))
         self.step.valueChanged.connect(lambda step: navigation.go(navigation.place[0], step))
-        self._of, self.difference = QLabel(), QLabel()
+        self._of, self.difference = QLabel(), wrapped(dim=True)
         self._of.setObjectName("dim")
-        self.difference.setObjectName("dim")
-        self.difference.setWordWrap(True)
-        tip = tr("This step was computed with different parameters. Set them again to repeat it.")
-        self.parameters = _button("parameters", tip, navigation.use_its_parameters)
+        self.difference.hide()
+        self.parameters = _button("parameters")
+        self.parameters.setToolTip(tr("This step was computed with different parameters. Set them again to repeat it."))
+        self.parameters.clicked.connect(navigation.use_its_parameters)
         self.rename = QAction(tr("Re&name the branch…"), self)
         self.rename.triggered.connect(self._rename)
-        self.delete = QAction(tr("&Delete the branch"), self)
-        self.delete.triggered.connect(lambda: navigation.drop(navigation.place[0]))
         self.compare = QMenu(tr("&Compare the branch with"), self)
         self.compare.aboutToShow.connect(self._fill_compare)
-        self.branch_menu = QMenu(self)
-        self.branch_menu.addActions([self.rename, self.delete, self.compare.menuAction()])
         self.view.addActions([self.rename, self.compare.menuAction()])
-        self.branch = _button("branch", tr("Name, delete and compare the branch."), self._open_branch_menu)
+        self.branch = _button("branch")
+        self.branch.setToolTip(tr("Name, delete and compare the branch."))
+        self.branch.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         self._lay_out()
         self._later = QTimer(self, singleShot=True, interval=_SLOWLY)
         self._later.timeout.connect(self._show)
@@ -352,17 +310,16 @@ class TimelinePanel(QWidget):
         navigation.comparison.found_changed.connect(self._show_difference)
         self._show()
 
-    def use_theme(self, theme: Theme) -> None:
-        """Color the icons."""
-        self._theme = theme
-        for name, button in (*self.buttons.items(), ("branch", self.branch), ("restore", self.parameters)):
-            shown = "pause" if name == "play" and self._navigation.playing else name
-            button.setIcon(icon(shown, theme.text, faded=theme.line))
-
-    def show_keys(self) -> None:
-        """Name the keys as they are now."""
+    def use_actions(self, actions: Actions) -> None:
+        """Let the buttons be those of the actions of the menu."""
         for name, button in self.buttons.items():
-            button.setToolTip(with_keys(_TIPS[name]))
+            button.setDefaultAction(actions[f"timeline_{name}"])
+        self.branch.addActions([self.rename, actions["timeline_delete"], self.compare.menuAction()])
+
+    def use_theme(self, theme: Theme) -> None:
+        """Color the icons of the buttons that belong to no action."""
+        self.branch.setIcon(icon("branch", theme.text, faded=theme.line))
+        self.parameters.setIcon(icon("restore", theme.text, faded=theme.line))
 
     def show_parameters(self) -> None:
         """Offer the parameters of the step if they differ from the present ones."""
@@ -376,17 +333,8 @@ class TimelinePanel(QWidget):
     # Internal
 
     def _lay_out(self) -> None:
-        transport, step = QHBoxLayout(), QHBoxLayout()
-        transport.setSpacing(2)
-        for button in (*self.buttons.values(), self.branch):
-            transport.addWidget(button)
-        transport.addStretch(1)
-        step.setSpacing(6)
         label = QLabel(tr("Step"))
         label.setBuddy(self.step)
-        for widget in (label, self.step, self._of, self.parameters):
-            step.addWidget(widget)
-        step.addStretch(1)
         scroll = self._scroll = QScrollArea()
         scroll.setWidget(self.view)
         scroll.setWidgetResizable(True)
@@ -399,13 +347,12 @@ class TimelinePanel(QWidget):
         grid.setContentsMargins(8, 2, 8, 2)
         grid.setHorizontalSpacing(10)
         grid.setVerticalSpacing(1)
-        grid.addLayout(transport, 0, 0)
-        grid.addLayout(step, 1, 0)
+        grid.addLayout(arrange(QHBoxLayout(), *self.buttons.values(), self.branch, None, spacing=2), 0, 0)
+        grid.addLayout(arrange(QHBoxLayout(), label, self.step, self._of, self.parameters, None, spacing=6), 1, 0)
         grid.addWidget(scroll, 0, 1, 3, 1)
         grid.addWidget(self.difference, 3, 0, 1, 2)
         grid.setColumnStretch(1, 1)
         grid.setRowStretch(2, 1)
-        self.difference.hide()
 
     def _follow(self) -> None:
         if not self._running():
@@ -417,32 +364,20 @@ class TimelinePanel(QWidget):
     def _show(self) -> None:
         navigation = self._navigation
         branch, step = navigation.place
-        known, last, count = navigation.branch(branch), navigation.last(branch), len(navigation.outline.branches)
-        there = known is not None
+        there, last, count = navigation.branch(branch) is not None, navigation.last(branch), len(navigation.branches)
         with QSignalBlocker(self.step):
             self.step.setRange(navigation.first, max(last, step))
             self.step.setValue(step)
         self.step.setEnabled(there)
         self._of.setText(tr("of {last}").format(last=last) if there else "")
-        earlier, later = step > navigation.first, step < last
-        enabled = {"first": earlier, "back": earlier, "play": True, "forward": later, "last": later}
-        for name, button in self.buttons.items():
-            button.setEnabled(enabled[name] if there else navigation.recorded and name in ("back", "last"))
         self.branch.setEnabled(count > 0)
         self.rename.setEnabled(there)
-        self.delete.setEnabled(there and count > 1)
         self.compare.setEnabled(there and count > 1)
         self.show_parameters()
-        if self._theme is not None and self.buttons["play"].property("playing") != navigation.playing:
-            self.buttons["play"].setProperty("playing", navigation.playing)
-            self.use_theme(self._theme)
         self.view.refresh()
         self._scroll.setMinimumHeight(self.view.height_of(min(count, _ROWS)))
         if there:
             self._scroll.ensureVisible(0, round(self.view.point(branch, step).y()), 0, _ROW)
-
-    def _open_branch_menu(self) -> None:
-        self.branch_menu.popup(self.branch.mapToGlobal(QPoint(0, self.branch.height())))
 
     def _rename(self) -> None:
         known = self._navigation.branch(self._navigation.place[0])
@@ -454,7 +389,7 @@ class TimelinePanel(QWidget):
 
     def _fill_compare(self) -> None:
         comparison = self._navigation.comparison
-        others = [known for known in self._navigation.outline.branches if known.identity != self._navigation.place[0]]
+        others = [known for known in self._navigation.branches if known.identity != self._navigation.place[0]]
         self.compare.clear()
         for name, identity in ((tr("none"), None), *((known.name, known.identity) for known in others)):
             action = self.compare.addAction(name.replace("&", "&&"))
@@ -464,34 +399,26 @@ class TimelinePanel(QWidget):
 
     def _show_difference(self) -> None:
         compared = self._navigation.comparison.found
-        if compared is None or compared.state is None:
-            self.difference.setText("")
-            self.difference.hide()
-            return
-        ended = compared.state.step < self._navigation.place[1]
-        counts = (
-            tr("{there} particles at its last step, {here} here")
-            if ended
-            else tr("{there} particles there, {here} here")
-        )
-        sentence = counts.format(there=compared.state.count, here=self._navigation.count)
-        apart = compared.apart
-        if apart is not None and math.isfinite(apart.hausdorff):
-            template = tr("{particles}; contours {mean} px apart on average, {largest} px at most.")
-            mean, largest = written(f"{apart.mean_boundary_distance:.2f}"), written(f"{apart.hausdorff:.2f}")
-            sentence = template.format(particles=sentence, mean=mean, largest=largest)
+        sentence = ""
+        if compared is not None and compared.state is not None:
+            words = (
+                tr("{there} particles at its last step, {here} here")
+                if compared.state.step < self._navigation.place[1]
+                else tr("{there} particles there, {here} here")
+            )
+            sentence = words.format(there=compared.state.count, here=self._navigation.count)
+            apart = compared.apart
+            if apart is not None and math.isfinite(apart.hausdorff):
+                template = tr("{particles}; contours {mean} px apart on average, {largest} px at most.")
+                mean, largest = written(f"{apart.mean_boundary_distance:.2f}"), written(f"{apart.hausdorff:.2f}")
+                sentence = template.format(particles=sentence, mean=mean, largest=largest)
+            self.difference.setToolTip(tr("Compared at step {step}.").format(step=compared.state.step))
         self.difference.setText(sentence)
-        self.difference.setToolTip(tr("Compared at step {step}.").format(step=compared.state.step))
-        self.difference.show()
+        self.difference.setVisible(bool(sentence))
 
 
-def _button(name: str, tip: str, do: Callable[[], object]) -> QToolButton:
-    """A button of the timeline; the tip has its key in parentheses."""
+def _button(name: str) -> QToolButton:
     button = QToolButton()
     button.setObjectName(f"timeline_{name}")
     button.setAutoRaise(True)
-    button.setToolTip(tip)
-    button.setAccessibleName(tip.partition(" (")[0].rstrip("."))
-    button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-    button.clicked.connect(lambda _=False: do())
     return button

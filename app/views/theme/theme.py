@@ -6,7 +6,8 @@ Items of the canvas read the look when they paint, so that layers need not know 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
+from string import Template
 from typing import Literal
 
 from PySide6.QtCore import Qt
@@ -150,7 +151,7 @@ def system_theme() -> Theme:
 def apply_theme(theme: Theme) -> None:
     """Set the theme of the application, unless it is set already, because that takes long."""
     application = QApplication.instance()
-    sheet = _style_sheet(theme)
+    sheet = _STYLE.substitute(asdict(theme))
     if isinstance(application, QApplication) and application.styleSheet() != sheet:
         application.setPalette(_palette(theme))
         application.setStyleSheet(sheet)
@@ -186,140 +187,121 @@ def _palette(theme: Theme) -> QPalette:
     return palette
 
 
-def _style_sheet(theme: Theme) -> str:
-    return "".join(part(theme) for part in (_bars, _panels, _controls, _canvas))
+_STYLE = Template("""
+/* Menus, tool bars, status bar */
+QToolTip { color: $text; background: $base; border: 1px solid $line; padding: 4px; }
+QMenuBar { background: $window; }
+QToolBar { background: $window; border: none; border-bottom: 1px solid $line;
+            spacing: 2px; padding: 4px; }
+QToolBar#palette { border-bottom: none; border-right: 1px solid $line; }
+QToolBar::separator { background: $line; width: 1px; height: 1px; margin: 5px; }
+QToolBar QToolButton { padding: 4px 6px; border: 1px solid transparent; border-radius: 5px; }
+QToolBar QToolButton:hover { background: $button; border-color: $line; }
+QToolBar QToolButton:focus { border-color: $accent; }
+QToolBar QToolButton:checked { background: $button; border-color: $accent; }
+QToolBar QToolButton:disabled { color: $faded; }
+QToolBar QToolButton::menu-indicator { subcontrol-origin: padding; subcontrol-position: right center;
+                                        right: 3px; }
+QToolBar QToolButton#starts { padding-right: 16px; }
+QToolBar QToolButton#qt_toolbar_ext_button { padding: 0; background: $button; border-color: $line; }
+QToolBar QToolButton#primary { background: $accent; color: $accent_text; font-weight: 600; }
+QToolBar QToolButton#primary:hover { background: $accent_hover; }
+QToolBar QToolButton#primary:focus { border: 2px solid $text; padding: 3px 5px; }
+QToolBar QToolButton#primary:disabled { background: $button; color: $faded; }
+QWidget#segments QToolButton { background: $base; border: 1px solid $line; border-radius: 0;
+                                padding: 4px 9px; }
+QWidget#segments QToolButton[segment="first"] { border-right: none; border-top-left-radius: 6px;
+                                                 border-bottom-left-radius: 6px; }
+QWidget#segments QToolButton[segment="last"] { border-left: none; border-top-right-radius: 6px;
+                                                border-bottom-right-radius: 6px; }
+QWidget#segments QToolButton:hover { background: $button; }
+QWidget#segments QToolButton:checked { background: $chosen; color: $text; font-weight: 600;
+                                        border: 1px solid $accent; }
+QWidget#segments QToolButton:focus { border: 1px solid $accent; }
+QStatusBar { border-top: 1px solid $line; }
+QStatusBar::item { border: none; }
+QComboBox#zoom { background: transparent; border: 1px solid transparent; border-radius: 4px; padding: 0 4px; }
+QComboBox#zoom:hover, QComboBox#zoom:focus { background: $base; border-color: $line; }
+QComboBox#zoom QLineEdit { background: transparent; border: none; }
 
+/* Docks with their headings and tabs.
+   The line between docks is one pixel wide, the separator that is dragged three: for one of a single pixel Qt makes a
+   hidden widget whenever docks are shown, and keeps it until the window is closed. */
+QMainWindow::separator { width: 1px; height: 1px; margin: 1px; background: $line; }
+QMainWindow::separator:hover { background: $accent; }
+QDockWidget { color: $dim; font-weight: 600; }
+QToolButton#quiet { border: 1px solid transparent; border-radius: 4px; padding: 1px; }
+QToolButton#quiet:hover { background: $button; }
+QToolButton#quiet:focus { border-color: $accent; }
+QTabBar::tab { color: $dim; padding: 5px 4px 4px 4px; border: none; border-bottom: 2px solid transparent;
+                background: $window; }
+QTabBar::tab:hover { color: $text; background: $button; }
+QTabBar::tab:selected { color: $text; border-bottom-color: $accent; }
+QTabBar::tab:focus { color: $text; }
+QTabBar QToolButton { background: $button; border: 1px solid $line; }
+QListWidget#contents::item { padding: 6px; }
+QFrame#popup { background: $panel; border: 1px solid $line; }
+QLabel#heading { color: $dim; font-weight: 600; }
+QLabel#dim { color: $dim; }
+QLabel#state { font-weight: 600; }
+QWidget#explanation { border-top: 1px solid $line; }
+QToolButton#fold { border: none; color: $dim; font-weight: 600; padding: 2px 0; }
+QToolButton#fold:hover { color: $text; }
+QToolButton#fold:focus { color: $accent; }
+QToolButton#chip { border: 1px solid $line; border-radius: 4px; padding: 1px 5px; color: $dim; }
+QToolButton#chip:checked { background: $button; color: $text; }
+QToolButton#chip:focus { border-color: $accent; }
+QToolButton#restore { border: 1px solid transparent; border-radius: 3px; padding: 0; }
+QToolButton#restore:focus { border-color: $accent; }
+QScrollArea, QWidget#scrolled { background: transparent; border: none; }
+QScrollBar:vertical { background: transparent; width: 9px; margin: 0; }
+QScrollBar::handle:vertical { background: $line; border-radius: 4px; min-height: 28px; }
+QScrollBar::handle:vertical:hover { background: $dim; }
+QScrollBar:horizontal { background: transparent; height: 9px; margin: 0; }
+QScrollBar::handle:horizontal { background: $line; border-radius: 4px; min-width: 28px; }
+QScrollBar::add-line, QScrollBar::sub-line { width: 0; height: 0; }
+QScrollBar::add-page, QScrollBar::sub-page { background: transparent; }
+QHeaderView::section { color: $dim; background: $window; border: none; padding: 4px 6px;
+                        border-bottom: 1px solid $line; }
+QTableView, QTreeView, QListView { background: $base; alternate-background-color: $panel;
+                                    border: 1px solid $line; gridline-color: $line; }
 
-def _bars(theme: Theme) -> str:
-    """Menus, tool bars, status bar."""
-    return f"""
-    QToolTip {{ color: {theme.text}; background: {theme.base}; border: 1px solid {theme.line}; padding: 4px; }}
-    QMenuBar {{ background: {theme.window}; }}
-    QToolBar {{ background: {theme.window}; border: none; border-bottom: 1px solid {theme.line};
-                spacing: 2px; padding: 4px; }}
-    QToolBar#palette {{ border-bottom: none; border-right: 1px solid {theme.line}; }}
-    QToolBar::separator {{ background: {theme.line}; width: 1px; height: 1px; margin: 5px; }}
-    QToolBar QToolButton {{ padding: 4px 6px; border: 1px solid transparent; border-radius: 5px; }}
-    QToolBar QToolButton:hover {{ background: {theme.button}; border-color: {theme.line}; }}
-    QToolBar QToolButton:focus {{ border-color: {theme.accent}; }}
-    QToolBar QToolButton:checked {{ background: {theme.button}; border-color: {theme.accent}; }}
-    QToolBar QToolButton:disabled {{ color: {theme.faded}; }}
-    QToolBar QToolButton::menu-indicator {{ subcontrol-origin: padding; subcontrol-position: right center;
-                                            right: 3px; }}
-    QToolBar QToolButton#starts {{ padding-right: 16px; }}
-    QToolBar QToolButton#qt_toolbar_ext_button {{ padding: 0; background: {theme.button}; border-color: {theme.line}; }}
-    QToolBar QToolButton#primary {{ background: {theme.accent}; color: {theme.accent_text}; font-weight: 600; }}
-    QToolBar QToolButton#primary:hover {{ background: {theme.accent_hover}; }}
-    QToolBar QToolButton#primary:focus {{ border: 2px solid {theme.text}; padding: 3px 5px; }}
-    QToolBar QToolButton#primary:disabled {{ background: {theme.button}; color: {theme.faded}; }}
-    QWidget#segments QToolButton {{ background: {theme.base}; border: 1px solid {theme.line}; border-radius: 0;
-                                    padding: 4px 9px; }}
-    QWidget#segments QToolButton[segment="first"] {{ border-right: none; border-top-left-radius: 6px;
-                                                     border-bottom-left-radius: 6px; }}
-    QWidget#segments QToolButton[segment="last"] {{ border-left: none; border-top-right-radius: 6px;
-                                                    border-bottom-right-radius: 6px; }}
-    QWidget#segments QToolButton:hover {{ background: {theme.button}; }}
-    QWidget#segments QToolButton:checked {{ background: {theme.chosen}; color: {theme.text}; font-weight: 600;
-                                            border: 1px solid {theme.accent}; }}
-    QWidget#segments QToolButton:focus {{ border: 1px solid {theme.accent}; }}
-    QStatusBar {{ border-top: 1px solid {theme.line}; }}
-    QStatusBar::item {{ border: none; }}
-    QComboBox#zoom {{ background: transparent; border: 1px solid transparent; border-radius: 4px; padding: 0 4px; }}
-    QComboBox#zoom:hover, QComboBox#zoom:focus {{ background: {theme.base}; border-color: {theme.line}; }}
-    QComboBox#zoom QLineEdit {{ background: transparent; border: none; }}
-    """
+/* Sliders, fields and buttons in the panels */
+QSlider::groove:horizontal { height: 4px; border-radius: 2px; background: $line; }
+QSlider::sub-page:horizontal { height: 4px; border-radius: 2px; background: $accent; }
+QSlider::handle:horizontal { width: 12px; height: 12px; margin: -5px 0; border-radius: 7px;
+                              background: $base; border: 1px solid $dim; }
+QSlider::handle:horizontal:hover { border-color: $accent; }
+QSlider::handle:horizontal:focus { border: 2px solid $accent; width: 10px; height: 10px; }
+QSlider::sub-page:horizontal:disabled { background: $line; }
+QSlider::handle:horizontal:disabled { background: $window; border-color: $line; }
+QPushButton { background: $button; color: $text; border: 1px solid $line; border-radius: 5px;
+               padding: 4px 12px; }
+QPushButton:hover, QPushButton:focus { border-color: $accent; }
+QPushButton:pressed, QPushButton:checked { background: $chosen; }
+QPushButton:default { border-color: $accent; }
+QPushButton:disabled { color: $faded; border-color: $line; }
+QDockWidget QToolButton#preset, QFrame#popup QToolButton { background: $button; color: $text;
+                            border: 1px solid $line; border-radius: 5px; padding: 4px 8px; }
+QDockWidget QToolButton#preset:hover, QFrame#popup QToolButton:hover,
+QDockWidget QToolButton#preset:focus, QFrame#popup QToolButton:focus { border-color: $accent; }
+QFrame#popup QToolButton:disabled { color: $faded; }
+QPushButton:disabled, QDockWidget QToolButton#preset:disabled, QFrame#popup QToolButton:disabled {
+    background: $window; color: $faded; }
+QDialogButtonBox, QMessageBox { dialogbuttonbox-buttons-have-icons: 0; }
+QMessageBox QLabel#qt_msgbox_label { font-weight: 600; }
+QMessageBox QLabel#qt_msgbox_informativelabel { min-width: 320px; }
 
-
-def _panels(theme: Theme) -> str:
-    """Docks with their headings and tabs.
-
-    The line between docks is one pixel wide, the separator that is dragged three: for one of a single pixel Qt makes a
-    hidden widget whenever docks are shown, and keeps it until the window is closed.
-    """
-    return f"""
-    QMainWindow::separator {{ width: 1px; height: 1px; margin: 1px; background: {theme.line}; }}
-    QMainWindow::separator:hover {{ background: {theme.accent}; }}
-    QDockWidget {{ color: {theme.dim}; font-weight: 600; }}
-    QToolButton#quiet {{ border: 1px solid transparent; border-radius: 4px; padding: 1px; }}
-    QToolButton#quiet:hover {{ background: {theme.button}; }}
-    QToolButton#quiet:focus {{ border-color: {theme.accent}; }}
-    QTabBar::tab {{ color: {theme.dim}; padding: 5px 4px 4px 4px; border: none; border-bottom: 2px solid transparent;
-                    background: {theme.window}; }}
-    QTabBar::tab:hover {{ color: {theme.text}; background: {theme.button}; }}
-    QTabBar::tab:selected {{ color: {theme.text}; border-bottom-color: {theme.accent}; }}
-    QTabBar::tab:focus {{ color: {theme.text}; }}
-    QTabBar QToolButton {{ background: {theme.button}; border: 1px solid {theme.line}; }}
-    QListWidget#contents::item {{ padding: 6px; }}
-    QFrame#popup {{ background: {theme.panel}; border: 1px solid {theme.line}; }}
-    QLabel#heading {{ color: {theme.dim}; font-weight: 600; }}
-    QLabel#dim {{ color: {theme.dim}; }}
-    QLabel#state {{ font-weight: 600; }}
-    QWidget#explanation {{ border-top: 1px solid {theme.line}; }}
-    QToolButton#fold {{ border: none; color: {theme.dim}; font-weight: 600; padding: 2px 0; }}
-    QToolButton#fold:hover {{ color: {theme.text}; }}
-    QToolButton#fold:focus {{ color: {theme.accent}; }}
-    QToolButton#chip {{ border: 1px solid {theme.line}; border-radius: 4px; padding: 1px 5px; color: {theme.dim}; }}
-    QToolButton#chip:checked {{ background: {theme.button}; color: {theme.text}; }}
-    QToolButton#chip:focus {{ border-color: {theme.accent}; }}
-    QToolButton#restore {{ border: 1px solid transparent; border-radius: 3px; padding: 0; }}
-    QToolButton#restore:focus {{ border-color: {theme.accent}; }}
-    QScrollArea, QWidget#scrolled {{ background: transparent; border: none; }}
-    QScrollBar:vertical {{ background: transparent; width: 9px; margin: 0; }}
-    QScrollBar::handle:vertical {{ background: {theme.line}; border-radius: 4px; min-height: 28px; }}
-    QScrollBar::handle:vertical:hover {{ background: {theme.dim}; }}
-    QScrollBar:horizontal {{ background: transparent; height: 9px; margin: 0; }}
-    QScrollBar::handle:horizontal {{ background: {theme.line}; border-radius: 4px; min-width: 28px; }}
-    QScrollBar::add-line, QScrollBar::sub-line {{ width: 0; height: 0; }}
-    QScrollBar::add-page, QScrollBar::sub-page {{ background: transparent; }}
-    QHeaderView::section {{ color: {theme.dim}; background: {theme.window}; border: none; padding: 4px 6px;
-                            border-bottom: 1px solid {theme.line}; }}
-    QTableView, QTreeView, QListView {{ background: {theme.base}; alternate-background-color: {theme.panel};
-                                        border: 1px solid {theme.line}; gridline-color: {theme.line}; }}
-    """
-
-
-def _controls(theme: Theme) -> str:
-    """Sliders, fields and buttons in the panels."""
-    return f"""
-    QSlider::groove:horizontal {{ height: 4px; border-radius: 2px; background: {theme.line}; }}
-    QSlider::sub-page:horizontal {{ height: 4px; border-radius: 2px; background: {theme.accent}; }}
-    QSlider::handle:horizontal {{ width: 12px; height: 12px; margin: -5px 0; border-radius: 7px;
-                                  background: {theme.base}; border: 1px solid {theme.dim}; }}
-    QSlider::handle:horizontal:hover {{ border-color: {theme.accent}; }}
-    QSlider::handle:horizontal:focus {{ border: 2px solid {theme.accent}; width: 10px; height: 10px; }}
-    QSlider::sub-page:horizontal:disabled {{ background: {theme.line}; }}
-    QSlider::handle:horizontal:disabled {{ background: {theme.window}; border-color: {theme.line}; }}
-    QPushButton {{ background: {theme.button}; color: {theme.text}; border: 1px solid {theme.line}; border-radius: 5px;
-                   padding: 4px 12px; }}
-    QPushButton:hover, QPushButton:focus {{ border-color: {theme.accent}; }}
-    QPushButton:pressed, QPushButton:checked {{ background: {theme.chosen}; }}
-    QPushButton:default {{ border-color: {theme.accent}; }}
-    QPushButton:disabled {{ color: {theme.faded}; border-color: {theme.line}; }}
-    QDockWidget QToolButton#preset, QFrame#popup QToolButton {{ background: {theme.button}; color: {theme.text};
-                                border: 1px solid {theme.line}; border-radius: 5px; padding: 4px 8px; }}
-    QDockWidget QToolButton#preset:hover, QFrame#popup QToolButton:hover,
-    QDockWidget QToolButton#preset:focus, QFrame#popup QToolButton:focus {{ border-color: {theme.accent}; }}
-    QFrame#popup QToolButton:disabled {{ color: {theme.faded}; }}
-    QPushButton:disabled, QDockWidget QToolButton#preset:disabled, QFrame#popup QToolButton:disabled {{
-        background: {theme.window}; color: {theme.faded}; }}
-    QDialogButtonBox, QMessageBox {{ dialogbuttonbox-buttons-have-icons: 0; }}
-    QMessageBox QLabel#qt_msgbox_label {{ font-weight: 600; }}
-    QMessageBox QLabel#qt_msgbox_informativelabel {{ min-width: 320px; }}
-    """
-
-
-def _canvas(theme: Theme) -> str:
-    """The line below the canvas."""
-    return f"""
-    QFrame#slices {{ background: {theme.window}; border: none; border-top: 1px solid {theme.line}; }}
-    QFrame#slices QToolButton {{ padding: 2px 8px; border-radius: 5px; border: 1px solid transparent; }}
-    QFrame#slices QToolButton:checked {{ background: {theme.chosen}; }}
-    QFrame#slices QToolButton:focus {{ border-color: {theme.accent}; }}
-    QFrame#strip {{ background: {theme.window}; border: none; border-top: 1px solid {theme.line}; }}
-    QLabel#over_image {{ background: rgba(16, 18, 22, 205); color: #f2f4f7; border-radius: 6px; padding: 3px 9px; }}
-    QFrame#error {{ background: {theme.error}; border: none; }}
-    QFrame#error QLabel, QFrame#error QToolButton {{ color: {theme.error_text}; }}
-    QFrame#message {{ background: {theme.message}; border: none; }}
-    QFrame#message QLabel, QFrame#message QToolButton {{ color: {theme.message_text}; }}
-    QFrame#offer {{ background: {theme.panel}; border: none; border-bottom: 1px solid {theme.line}; }}
-    """
+/* The line below the canvas */
+QFrame#slices { background: $window; border: none; border-top: 1px solid $line; }
+QFrame#slices QToolButton { padding: 2px 8px; border-radius: 5px; border: 1px solid transparent; }
+QFrame#slices QToolButton:checked { background: $chosen; }
+QFrame#slices QToolButton:focus { border-color: $accent; }
+QFrame#strip { background: $window; border: none; border-top: 1px solid $line; }
+QLabel#over_image { background: rgba(16, 18, 22, 205); color: #f2f4f7; border-radius: 6px; padding: 3px 9px; }
+QFrame#error { background: $error; border: none; }
+QFrame#error QLabel, QFrame#error QToolButton { color: $error_text; }
+QFrame#message { background: $message; border: none; }
+QFrame#message QLabel, QFrame#message QToolButton { color: $message_text; }
+QFrame#offer { background: $panel; border: none; border-bottom: 1px solid $line; }
+""")

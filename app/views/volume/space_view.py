@@ -102,7 +102,6 @@ class SpaceView(QWidget):
         self._last = QPointF()
         self._drag = (Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier)
         self._painter = LatestOnlyWorker(session, "cpm-space", tr("drawing the view in space"))
-        self._painter.done.connect(self._take)
         self._still = QTimer(self, interval=_STILL, singleShot=True)
         self._still.timeout.connect(partial(self._ask, 1))
 
@@ -264,7 +263,7 @@ class SpaceView(QWidget):
         self._asked += 1
         look = replace(self.look, radius=max(self.look.radius / coarseness, 0.6))
         camera = self.camera.enlarged(1.0 / coarseness)
-        self._painter.ask(partial(_draw, self._view, camera, (rows, cols), coarseness, look, self._asked))
+        self._painter.ask(partial(_draw, self._view, camera, (rows, cols), coarseness, look, self._asked), self._take)
 
     def _take(self, frame: _Frame) -> None:
         """Show a picture that has been drawn."""

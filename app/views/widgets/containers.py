@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TypeVar
 
-from PySide6.QtCore import QEvent, QSize, Qt, Signal
+from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
 from PySide6.QtGui import QIcon, QKeyEvent, QPainter, QPaintEvent, QPixmap, QResizeEvent
 from PySide6.QtWidgets import (
+    QBoxLayout,
     QFrame,
     QHBoxLayout,
     QLabel,
+    QLayout,
     QListWidget,
     QListWidgetItem,
     QPushButton,
@@ -24,8 +27,39 @@ from app.model.text.language import tr
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
 
+Layout = TypeVar("Layout", bound=QBoxLayout)
+
 _GAP = 5
 """Between the content and the scroll bar [px]."""
+
+
+def arrange(
+    layout: Layout,
+    *parts: QWidget | QLayout | None,
+    margins: tuple[int, int, int, int] = (0, 0, 0, 0),
+    spacing: int | None = None,
+    wide: QWidget | None = None,
+) -> Layout:
+    """Fill a row or a column, and return it; None is free room, `wide` the part that takes what remains."""
+    layout.setContentsMargins(*margins)
+    if spacing is not None:
+        layout.setSpacing(spacing)
+    for part in parts:
+        if part is None:
+            layout.addStretch(1)
+        elif isinstance(part, QLayout):
+            layout.addLayout(part)
+        else:
+            layout.addWidget(part, part is wide)
+    return layout
+
+
+def wrapped(text: str = "", dim: bool = False) -> QLabel:
+    """A label that breaks lines, in a pale color if `dim`."""
+    label = QLabel(text)
+    label.setWordWrap(True)
+    label.setObjectName("dim" if dim else "")
+    return label
 
 
 class Scrolled(QScrollArea):
@@ -62,6 +96,12 @@ class Scrolled(QScrollArea):
         if event.oldSize().height() != event.size().height():
             self.updateGeometry()
 
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Pass on that the content wants another size, which scroll areas keep to themselves."""
+        if event.type() == QEvent.Type.LayoutRequest:
+            self.updateGeometry()
+        return super().eventFilter(watched, event)
+
     def _bar(self) -> int:
         """Width of the scroll bar and its gap, 0 where there is none."""
         needed = self._content.minimumSizeHint().height() > self.height()
@@ -80,14 +120,9 @@ class Section(QWidget):
         self.fold.setCheckable(True)
         self.fold.setChecked(unfolded)
         self.fold.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
-        self.fold.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.fold.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self.fold.toggled.connect(self._show)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.setSpacing(2)
-        layout.addWidget(self.fold)
-        layout.addWidget(content)
+        arrange(QVBoxLayout(self), self.fold, content, spacing=2)
         self._show(unfolded)
 
     def _show(self, unfolded: bool) -> None:
@@ -145,10 +180,7 @@ class ElidedLabel(QLabel):
 
 
 class OfferBar(QFrame):
-    """One sentence, buttons, and a cross that turns the offer down; it waits without a limit of time."""
-
-    changed = Signal()
-    """Something is offered, or no longer."""
+    """One sentence, buttons, and a cross that turns the offer down; other offers wait behind it."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -164,43 +196,46 @@ class OfferBar(QFrame):
         self.cross.setToolTip(tr("No, thank you"))
         self.cross.setAccessibleName(tr("No, thank you"))
         self.cross.clicked.connect(self.end)
-        self._row = QHBoxLayout(self)
-        self._row.setContentsMargins(12, 4, 6, 4)
-        self._row.setSpacing(8)
-        self._row.addWidget(self._label, 1)
-        self._row.addWidget(self.cross)
-        self.waiting = False
-        """Whether something is offered that has not been answered."""
+        row = QHBoxLayout(self)
+        self._row = arrange(row, self._label, self.cross, margins=(12, 4, 6, 4), spacing=8, wide=self._label)
+        self._offers: list[tuple[str, tuple[tuple[str, Callable[[], object]], ...]]] = []
         self.hide()
 
     @property
     def text(self) -> str:
         """The offer, or empty."""
-        return "" if self.isHidden() else self._label.text()
+        return self._offers[0][0] if self._offers else ""
 
     def offer(self, sentence: str, *answers: tuple[str, Callable[[], object]]) -> None:
-        """Offer something in place of what was offered before; each answer has a text and what it does."""
-        self._label.setText(sentence)
-        self._label.setToolTip(sentence)
-        for button in self.buttons:
-            self._row.removeWidget(button)
-            button.deleteLater()
-        self.buttons = [self._button(text, do) for text, do in answers]
-        for place, button in enumerate(self.buttons, start=1):
-            self._row.insertWidget(place, button)
-        self.waiting = True
-        self.show()
-        self.changed.emit()
+        """Offer something after what is offered already; each answer has a text and what it does."""
+        self._offers.append((sentence, answers))
+        self._show()
 
     def end(self) -> None:
+        """Show the next offer in place of the one that is shown."""
+        self._offers = self._offers[1:]
+        self._show()
+
+    def clear(self) -> None:
         """Offer nothing any more."""
-        self.waiting = False
-        self.hide()
-        self.changed.emit()
+        self._offers = []
+        self._show()
 
     def use_theme(self, theme: Theme) -> None:
         """Tint the cross."""
         self.cross.setIcon(icon("close", theme.text))
+
+    def _show(self) -> None:
+        for button in self.buttons:
+            self._row.removeWidget(button)
+            button.deleteLater()
+        sentence, answers = self._offers[0] if self._offers else ("", ())
+        self._label.setText(sentence)
+        self._label.setToolTip(sentence)
+        self.buttons = [self._button(text, do) for text, do in answers]
+        for place, button in enumerate(self.buttons, start=1):
+            self._row.insertWidget(place, button)
+        self.setVisible(bool(self._offers))
 
     def _button(self, text: str, do: Callable[[], object]) -> QPushButton:
         button = QPushButton(text)

@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Sequence
 
-from PySide6.QtCore import QPointF, Qt, Signal
+from PySide6.QtCore import QPointF, QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QMouseEvent, QPainter, QPaintEvent, QPalette, QPolygonF, QValidator, QWheelEvent
 from PySide6.QtWidgets import (
     QDoubleSpinBox,
@@ -22,18 +22,29 @@ from PySide6.QtWidgets import (
 from app.model.state.resolve import FIRST_PACE, PACES, pace_text
 from app.model.text.language import tr
 from app.session.session import Session
+from app.views.widgets.containers import arrange
 
 _POINT = "."
 _GROUP = 3
 """Digits between separators of groups."""
 
 
-class DecimalField(QDoubleSpinBox):
+class WheelWithFocus:
+    """A field that the wheel changes only while it has the focus; otherwise the column around it scrolls."""
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Leave the wheel to what is around the field, unless it has the focus."""
+        if self.hasFocus():  # type: ignore[attr-defined]  # of the widget that it is mixed into
+            super().wheelEvent(event)  # type: ignore[misc]
+        else:
+            event.ignore()
+
+
+class DecimalField(WheelWithFocus, QDoubleSpinBox):
     """Takes numbers as the language writes them, and with a point where that cannot be meant as a separator.
 
     Where the language writes a comma, ``0.25`` is a quarter; ``1.250`` is what the language says, unless that is out of
-    range. The wheel changes it only while it has the focus, otherwise the column scrolls. `words` stand in place of
-    some values.
+    range. `words` stand in place of some values.
     """
 
     def __init__(self, words: Sequence[tuple[float, str]] = ()) -> None:
@@ -50,9 +61,8 @@ class DecimalField(QDoubleSpinBox):
         """Show a value without emitting a signal."""
         self._exact = value
         if not self._shows(value):
-            self.blockSignals(True)
-            self.setValue(value)
-            self.blockSignals(False)
+            with QSignalBlocker(self):
+                self.setValue(value)
 
     def move_to(self, value: float) -> None:
         """Set a value as if the user had set it, and drop what has been typed."""
@@ -81,13 +91,6 @@ class DecimalField(QDoubleSpinBox):
         value = self._word(text)
         return super().valueFromText(self._as_written(text)) if value is None else value
 
-    def wheelEvent(self, event: QWheelEvent) -> None:
-        """Change the value only while the field has the focus."""
-        if self.hasFocus():
-            super().wheelEvent(event)
-        else:
-            event.ignore()
-
     def _shows(self, value: float) -> bool:
         return math.isclose(self.value(), value, abs_tol=0.5 * 10.0 ** -self.decimals())
 
@@ -112,7 +115,7 @@ class DecimalField(QDoubleSpinBox):
 _MARK = 3.5
 
 
-class MarkedSlider(QSlider):
+class MarkedSlider(WheelWithFocus, QSlider):
     """Slider in steps of a given size; a double click restores the default.
 
     Parameters
@@ -135,16 +138,15 @@ class MarkedSlider(QSlider):
         """The value that it was last given, which may lie between two steps."""
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.set_range(low, high, step)
-        self.valueChanged.connect(self._moved)
+        self.valueChanged.connect(self._report)
 
     def set_range(self, low: float, high: float, step: float) -> None:
         """Change range and increment; call `show_value` afterwards."""
         self._low, self._step = low, step
-        self.blockSignals(True)
         count = max(1, round((high - low) / step))
-        self.setRange(0, count)
+        with QSignalBlocker(self):
+            self.setRange(0, count)
         self.setPageStep(max(1, count // 10))
-        self.blockSignals(False)
         self.update()
 
     def move_to(self, value: float) -> None:
@@ -156,16 +158,8 @@ class MarkedSlider(QSlider):
     def show_value(self, value: float) -> None:
         """Show a value without emitting a signal; one outside the range is shown at its end."""
         self.exact = value
-        self.blockSignals(True)
-        self.setValue(round((value - self._low) / self._step))
-        self.blockSignals(False)
-
-    def wheelEvent(self, event: QWheelEvent) -> None:
-        """Change the value only while the slider has the focus; otherwise the column scrolls."""
-        if self.hasFocus():
-            super().wheelEvent(event)
-        else:
-            event.ignore()
+        with QSignalBlocker(self):
+            self.setValue(round((value - self._low) / self._step))
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """Restore the default."""
@@ -194,7 +188,7 @@ class MarkedSlider(QSlider):
         painter.drawPolygon(QPolygonF([QPointF(x, y - _MARK), QPointF(x - _MARK, y), QPointF(x + _MARK, y)]))
         painter.end()
 
-    def _moved(self, value: int) -> None:
+    def _report(self, value: int) -> None:
         self.exact = round(self._low + value * self._step, 9)
         self.moved_to.emit(self.exact)
 
@@ -216,13 +210,8 @@ class SpeedControl(QWidget):
         self.label.setMinimumWidth(self.label.fontMetrics().horizontalAdvance(max(map(pace_text, PACES), key=len)) + 8)
         name = QLabel(tr("Speed"))
         name.setObjectName("dim")
-        for widget in (self, self.slider, self.label, name):
-            widget.setToolTip(tr("Largest number of steps per second ([ slower, ] faster)."))
-        layout = QHBoxLayout(self)
-        layout.setContentsMargins(6, 0, 6, 0)
-        layout.addWidget(name)
-        layout.addWidget(self.slider)
-        layout.addWidget(self.label)
+        self.setToolTip(tr("Largest number of steps per second ([ slower, ] faster)."))
+        arrange(QHBoxLayout(self), name, self.slider, self.label, margins=(6, 0, 6, 0))
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Preferred)
         self.slider.valueChanged.connect(self._change)
 

@@ -1,15 +1,13 @@
-"""Presets: used from a menu, saved, renamed, deleted and shared as files; a damaged file is reported."""
+"""Presets: used from a menu, saved and deleted; a damaged file is reported."""
 
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QFileDialog
 
 from app.model.parameters.presets import Preset, built_in, checked_name, read, written
 from app.session.storage.presets import PresetStore
@@ -77,25 +75,14 @@ def test_arbitrary_bytes_raise_only_a_value_error(content) -> None:
         read(content, "a file")
 
 
-def test_a_preset_is_saved_found_renamed_and_deleted(store, qtbot) -> None:
+def test_a_preset_is_saved_found_and_deleted_and_damaged_files_are_ignored(store, qtbot) -> None:
     with qtbot.waitSignal(store.changed):
         store.save(OWN)
-    assert PresetStore(store.folder).called(OWN.name) == OWN
-    store.rename(OWN.name, "Other")
-    assert PresetStore(store.folder).called("Other") == replace(OWN, name="Other")
-    assert store.called(OWN.name) is None
-    store.delete("Other")
-    assert not list(store.folder.iterdir())
-    assert [preset.own for preset in store.presets] == [False] * len(PLANE_PRESETS)
-
-
-def test_a_preset_is_imported_under_a_free_name_and_damaged_files_are_ignored(store, tmp_path) -> None:
-    shared = tmp_path / "shared.cpmpreset"
-    store.export_to(OWN, shared)
-    assert store.import_from(shared).name == OWN.name
-    assert store.import_from(shared).name == f"{OWN.name} 2"
     (store.folder / "broken.cpmpreset").write_bytes(b"{")
-    assert len(PresetStore(store.folder).presets) == len(PLANE_PRESETS) + 2
+    assert PresetStore(store.folder).called(OWN.name) == OWN
+    assert len(PresetStore(store.folder).presets) == len(PLANE_PRESETS) + 1
+    store.delete(OWN.name)
+    assert [preset.own for preset in store.presets] == [False] * len(PLANE_PRESETS)
 
 
 # In the window
@@ -108,14 +95,14 @@ def presets(window) -> Presets:
 
 def test_a_preset_is_chosen_with_the_keys_and_undone(window, hand, presets) -> None:
     assert presets.current.key == "shape"
-    presets.button.setFocus()
-    hand.qtbot.keyClick(presets.button, Qt.Key.Key_Return)
-    hand.qtbot.keyClick(presets.button.popup, Qt.Key.Key_Down)
-    hand.qtbot.keyClick(presets.button.popup, Qt.Key.Key_Down)
-    hand.qtbot.keyClick(presets.button.popup, Qt.Key.Key_Return)
-    assert not presets.button.popup.isVisible()
+    presets.setFocus()
+    hand.qtbot.keyClick(presets, Qt.Key.Key_Return)
+    hand.qtbot.keyClick(presets.popup, Qt.Key.Key_Down)
+    hand.qtbot.keyClick(presets.popup, Qt.Key.Key_Down)
+    hand.qtbot.keyClick(presets.popup, Qt.Key.Key_Return)
+    assert not presets.popup.isVisible()
     assert window.session.document.parameters == PRESETS["automatic"]
-    assert "Automatic" in presets.button.text()
+    assert "Automatic" in presets.text()
     window.panels["parameters"].rows["beta"].slider.setValue(3)
     assert presets.current is None
     window.session.undo()
@@ -123,23 +110,14 @@ def test_a_preset_is_chosen_with_the_keys_and_undone(window, hand, presets) -> N
     assert presets.current.key == "shape"
 
 
-def test_own_presets_are_saved_renamed_shared_and_deleted(window, presets, monkeypatch, tmp_path) -> None:
+def test_own_presets_are_saved_and_deleted(window, presets, monkeypatch) -> None:
     window.panels["parameters"].rows["beta"].slider.setValue(3)
     mine = window.session.document.parameters
-    assert not presets.rename.isEnabled()
+    assert not presets.delete.isEnabled()
     monkeypatch.setattr(dialogs, "ask_for_text", lambda *_: "Soft")
     presets.save.trigger()
     assert presets.store.called("Soft").parameters == mine
     assert presets.current.name == "Soft"
-    monkeypatch.setattr(dialogs, "ask_for_text", lambda *given: f"{given[-1]}er")
-    presets.rename.trigger()
-    assert presets.current.name == "Softer"
-    shared = tmp_path / "softer.cpmpreset"
-    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(shared), ""))
-    presets.export_action.trigger()
     monkeypatch.setattr(Question, "ask", lambda _: "delete")
     presets.delete.trigger()
-    assert presets.store.called("Softer") is None
-    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(shared), ""))
-    presets.import_action.trigger()
-    assert presets.current.name == "Softer"
+    assert presets.store.called("Soft") is None

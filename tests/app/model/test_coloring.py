@@ -12,7 +12,7 @@ from PySide6.QtCore import Qt
 
 from app.model.display.coloring import QUANTITIES, SHADES, InsertionTimes, age, colored, convergence, speed
 from app.model.display.lengths import round_up
-from app.session.worker.recorded_run import RunRecord
+from app.session.timeline.moments import RunRecord
 from app.views.theme import color_maps
 from cpm_core import Engine, Parameters
 from cpm_core.model.coverage import no_coverage

@@ -15,9 +15,8 @@ from app.session.storage.folders import first_folder, remember_folder
 from app.session.storage.preferences import Preferences
 from app.views.features.contours import TruthFeature
 from app.views.features.files import OpenSaveFeature
-from app.views.features.run import ParametersFeature
-from app.views.main_window import MainWindow
 from app.views.window import dialogs
+from app.views.window.window import MainWindow
 
 pytestmark = pytest.mark.shared_window
 
@@ -47,8 +46,6 @@ ASKS: dict[str, Callable[[MainWindow], object]] = {
     "Open": lambda window: window.feature(OpenSaveFeature).ask_for_file(),
     "Save session": lambda window: window.feature(OpenSaveFeature).save_as(),
     "Compare with ground truth": lambda window: window.feature(TruthFeature)._load(),
-    "Import preset": lambda window: window.feature(ParametersFeature).presets.import_action.trigger(),
-    "Export preset": lambda window: window.feature(ParametersFeature).presets._export(),
 }
 
 

@@ -16,8 +16,8 @@ from app.model.document import edits
 from app.session.exchange.contour_tracking import ContourTracker
 from app.session.scene import ReviewedContours
 from app.views.features.contours import ContoursFeature
-from app.views.main_window import MainWindow
 from app.views.panels.contours import COLUMNS, ContourTable
+from app.views.window.window import MainWindow
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Circle
 from tests.app.conftest import Hand
@@ -263,29 +263,6 @@ def test_a_color_is_chosen_from_the_menu_drawn_and_exported(found, table, hand, 
     assert "#e69f00" in [contour["color"] for contour in exported(hand, found, tmp_path)]
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
     assert layer._curves[True].count == 4
-
-
-def test_a_threshold_excludes_contours_at_once_and_is_undone_in_one_step(found, table, hand) -> None:
-    name = "min_strength"
-    threshold = found.panels["contours"].thresholds[name]
-    weakest = min(float(value) for value in table.column(name.removeprefix("min_")))
-    threshold.slider.setFocus()
-    threshold.slider.move_to(round(0.97 * np.sqrt(weakest / threshold._top), 2))  # near the first that is excluded
-    hand.wait(lambda: found.session.idle)
-    assert len(table.column("number")) == 4
-    for _ in range(100):
-        hand.qtbot.keyClick(threshold.slider, KEY.Key_Right)
-        hand.wait(lambda: found.session.idle)
-        if len(table.column("number")) == 3:
-            break
-    assert len(table.column("number")) == 3
-    assert all(float(length) > 2 * np.pi * 11 for length in table.column("length")), "the weakest is the shortest, too"
-    assert threshold.histogram._counts.sum() == 4, "excluded values stay in the histogram"
-    assert getattr(found.session.document.parameters, name) > 0.0
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
-    hand.wait(lambda: len(table.column("number")) == 4)
-    assert getattr(found.session.document.parameters, name) == 0.0
 
 
 def test_a_reconstruction_preserves_selection_order_and_a_name_being_edited(found, table, hand) -> None:

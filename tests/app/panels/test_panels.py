@@ -21,7 +21,7 @@ def test_every_tooltip_has_symbol_range_default_and_effect(window) -> None:
     rows = window.panels["parameters"].rows
     assert [row.control for row in rows.values()] == list(controls())
     for name, row in rows.items():
-        tip = row.slider.toolTip()
+        tip = row.toolTip()
         for part in (row.control.symbol, row.control.meaning, row.control.more, "default"):
             assert part in tip, name
 
@@ -63,7 +63,7 @@ def test_a_choice_is_taken_with_the_keys_undone_and_explained(window, hand) -> N
     window.actions_by_name["undo"].trigger()
     assert window.session.document.parameters.edges == "gradient"
     assert row.box.currentText() == "gray levels"
-    assert all(effect in row.box.toolTip() for effect in CHOICES["edges"].choices.values())
+    assert all(effect in row.toolTip() for effect in CHOICES["edges"].choices.values())
 
 
 def test_layers_are_switched_from_panel_menu_and_key_alike(window, hand) -> None:
@@ -101,7 +101,7 @@ def test_the_plot_draws_all_values_that_a_run_can_have(qtbot) -> None:
     for epsilon in ([np.nan], [np.nan, np.nan, 0.0], [0.1, np.nan, 1e-12, 1e9], np.geomspace(1, 1e-7, 5000)):
         values = np.asarray(epsilon, dtype=float)
         steps = np.arange(1.0, len(values) + 1)
-        plot.show_metrics(RunMetrics(steps, values, steps, steps, values, values, -values, steps // 7, steps))
+        plot.chart.show_metrics(RunMetrics(steps, values, steps, steps, values, values, -values, steps // 7, steps))
         drawn = plot.grab().toImage()
     assert drawn != empty
 

@@ -10,7 +10,7 @@ from PySide6.QtCore import Qt
 
 from app.model.display.lengths import short_text
 from app.model.display.plots import PLOTS, RunMetrics, figure
-from app.session.worker.recorded_run import RunRecord
+from app.session.timeline.moments import RunRecord
 from app.views.panels.run import PlotPanel
 from cpm_core import Engine, Parameters
 from tests.app.conftest import disc
@@ -59,7 +59,7 @@ def test_the_metrics_are_those_of_the_recorded_states(compiled_loops):
 def test_pointer_and_keys_read_the_values_of_a_step(panel, qtbot):
     chart, metrics = panel.chart, trace_of(61)
     panel.show_plots([plot.name for plot in PLOTS])
-    panel.show_metrics(metrics)
+    panel.chart.show_metrics(metrics)
     qtbot.waitUntil(lambda: 0 < chart.point(30).x() < chart.width())
     qtbot.mouseMove(chart.viewport(), chart.point(30).toPoint())
     qtbot.waitUntil(lambda: chart.reading != "")
@@ -76,11 +76,11 @@ def test_pointer_and_keys_read_the_values_of_a_step(panel, qtbot):
 
 
 def test_going_back_in_a_run_clears_a_reading_beyond_its_end(panel):
-    panel.show_metrics(trace_of(60))
+    panel.chart.show_metrics(trace_of(60))
     panel.chart.read(50)
-    panel.show_metrics(trace_of(10))
+    panel.chart.show_metrics(trace_of(10))
     assert panel.chart.reading == ""
-    panel.show_metrics(None)
+    panel.chart.show_metrics(None)
     panel.grab()
 
 
@@ -107,13 +107,15 @@ def test_each_curve_and_each_change_of_scale_is_drawn(panel):
     pictures = []
     for names in ([], *([plot.name] for plot in PLOTS)):
         panel.show_plots(names)
-        panel.show_metrics(trace_of(60))
+        panel.chart.show_metrics(trace_of(60))
         pictures.append(panel.chart.grab().toImage())
     assert all(one != other for i, one in enumerate(pictures) for other in pictures[:i])
     panel.show_plots(["count"])
     metrics = trace_of(60)
     with_scales = panel.chart.grab().toImage()
-    panel.show_metrics(RunMetrics(*[column if name != "scale" else 0 * column for name, column in columns(metrics)]))
+    panel.chart.show_metrics(
+        RunMetrics(*[column if name != "scale" else 0 * column for name, column in columns(metrics)])
+    )
     assert panel.chart.grab().toImage() != with_scales
 
 

@@ -123,7 +123,7 @@ def test_the_run_that_is_gone_back_to_can_be_deleted(rested, hand) -> None:
     run_from_elsewhere(rested, hand)
     press_name(rested, hand, 1)
     wait_for_branch(rested, hand, 1)
-    rested.panels["timeline"].delete.trigger()
+    rested.actions_by_name["timeline_delete"].trigger()
     hand.wait(lambda: names(rested) == ["Run 2"] and rested.session.idle)
     assert navigation(rested).outline.branch == navigation(rested).outline.branches[0].identity
 

@@ -19,7 +19,7 @@ from PySide6.QtWidgets import QApplication, QFileDialog, QListWidget, QMenu, QMe
 from app.model.document import edits
 from app.session.storage import session_file
 from app.views.features.files import OpenSaveFeature
-from app.views.main_window import MainWindow
+from app.views.window.window import MainWindow
 from cpm_core.contours.review import Mark
 from cpm_core.formats.sessions.session_file import SessionFile, load_session
 from cpm_core.shapes import Circle, Region
@@ -247,14 +247,14 @@ def test_closing_overtakes_no_save_and_does_not_ask_again(ready, asked, tmp_path
     assert load_session(path).shapes == expected
 
 
-def test_a_save_that_fails_or_has_no_path_keeps_the_window(ready, asked, monkeypatch, tmp_path) -> None:
+def test_a_save_that_fails_or_has_no_path_keeps_the_window(ready, hand, asked, monkeypatch, tmp_path) -> None:
     answers = iter([("", ""), (str(tmp_path / "none" / "a.cpm"), "")])
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: next(answers))
     for _ in range(2):
         with answering("Save"):
             assert not ready.close()
         assert ready.isVisible()
-    assert "none" in ready.canvas_area.messages.text
+    hand.wait(lambda: "none" in ready.canvas_area.messages.text)
     ready.feature(OpenSaveFeature).document_file.forget()
 
 

@@ -12,7 +12,7 @@ from PySide6.QtCore import Qt
 
 from app.views.features.contours import ContoursFeature
 from app.views.features.files import OpenSaveFeature
-from app.views.main_window import MainWindow
+from app.views.window.window import MainWindow
 from cpm_core.formats.sessions.session_file import load_session
 from tests.app.conftest import Hand
 

@@ -14,7 +14,6 @@ from PySide6.QtWidgets import QAbstractButton, QLabel, QTableView, QWidget
 
 from app.model.text.keys import Named, use_names, with_keys
 from app.views.features.help import HelpFeature
-from app.views.features.run import TimelineFeature
 from app.views.widgets.actions import native
 
 pytestmark = pytest.mark.shared_window
@@ -113,9 +112,6 @@ def test_no_translation_says_a_key_that_is_not_in_its_sentence(catalog) -> None:
 def test_changed_keys_are_in_every_sentence_of_the_window(window, renamed) -> None:
     said = texts_of(window)
     assert not [text for text in said if "{key:" in text]
-    timeline = window.feature(TimelineFeature).panel
-    for name, button in timeline.buttons.items():
-        assert f"({renamed[f'timeline_{name}']})" in button.toolTip()
     for name in ("objects", "escape", "previous_slice", "next_slice", "name_contour", "keep", "reject"):
         assert any(renamed[name] in text for text in said), name
     assert renamed["reject"] in window.actions_by_name["contours"].toolTip()

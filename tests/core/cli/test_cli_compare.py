@@ -131,4 +131,4 @@ def test_surfaces_are_compared_in_a_volume(volume, command, tmp_path):
         assert load_surface(tmp_path / f"a.{row['method']}.ply").closed
     rows = list(csv.DictReader(io.StringIO(paths[0].read_text(encoding="utf-8"))))
     assert [row["method"] for row in rows] == ["cpm", "morph_chan_vese"]
-    assert " vx" in command("compare", volume, *options)[1]
+    assert "[vx]" in command("compare", volume, *options)[1]

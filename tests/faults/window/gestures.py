@@ -25,7 +25,7 @@ from PySide6.QtWidgets import (
 from shiboken6 import isValid
 
 from app.views.canvas.tools import TOOLS
-from app.views.main_window import MainWindow
+from app.views.window.window import MainWindow
 
 Gesture = Iterator[float]
 """Sends an event between one pause and the next [s]."""
@@ -36,7 +36,7 @@ PLAIN, CTRL, SHIFT = (
     Qt.KeyboardModifier.ControlModifier,
     Qt.KeyboardModifier.ShiftModifier,
 )
-WRITTEN = ("a.cpm", "b.cpm", "c.geojson", "d.csv", "e.svg", "f.gif", "g.png", "h.cpmpreset", "i.json", "j.zip")
+WRITTEN = ("a.cpm", "b.cpm", "c.geojson", "d.csv", "e.svg", "f.gif", "g.png", "i.json", "j.zip")
 """Names of files that are written; each suffix decides on a format where the dialog offers it."""
 
 _HELD = (QAbstractButton, QAbstractSlider, QAbstractItemView, QComboBox, QLineEdit, QTabBar, QMenuBar, QSplitter)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import cos, pi, sin
+from math import pi
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from cpm_core.numerics import Array
@@ -56,14 +57,21 @@ class Camera:
 
     def turned(self, right: float, down: float) -> Camera:
         """Turn the volume, as a ball under a finger that moves to the right and down by these angles [rad]."""
-        sideways = np.array([[cos(right), 0.0, sin(right)], [0.0, 1.0, 0.0], [-sin(right), 0.0, cos(right)]])
-        upright = np.array([[1.0, 0.0, 0.0], [0.0, cos(down), sin(down)], [0.0, -sin(down), cos(down)]])
-        return replace(self, axes=_orthonormal(upright.T @ sideways.T @ self.axes))
+        return self._turned(0.0, -right, 0.0)._turned(down, 0.0, 0.0)
 
     def rolled(self, angle: float) -> Camera:
         """Turn the picture about its middle, clockwise [rad]."""
-        roll = np.array([[cos(angle), sin(angle), 0.0], [-sin(angle), cos(angle), 0.0], [0.0, 0.0, 1.0]])
-        return replace(self, axes=_orthonormal(roll @ self.axes))
+        return self._turned(0.0, 0.0, -angle)
+
+    def _turned(self, *about: float) -> Camera:
+        """Turned about the axes of the picture, without the errors of rounding that many small turns add up."""
+        turn = scipy.spatial.transform.Rotation.from_rotvec(about).as_matrix()
+        right, down, away = turn @ self.axes
+        right /= np.linalg.norm(right)
+        down -= right * (down @ right)
+        down /= np.linalg.norm(down)
+        across = np.cross(right, down)
+        return replace(self, axes=np.array([right, down, across * np.sign(across @ away)]))
 
     def moved(self, right: float, down: float) -> Camera:
         """Move the volume in the picture [px]."""
@@ -82,13 +90,9 @@ class Camera:
     def seen(self, positions: NDArray[Any], size: tuple[int, int]) -> Seen:
         """Where positions (N, 3) in units of length lie in a picture of so many rows and columns."""
         away = np.asarray(positions, np.float32) - self.center.astype(np.float32)
-        onto = (self.axes * self.scale).astype(np.float32)
-        found = np.empty((len(away), 3), np.float32)
-        for axis in range(3):
-            found[:, axis] = away[:, 0] * onto[axis, 0] + away[:, 1] * onto[axis, 1] + away[:, 2] * onto[axis, 2]
-        found[:, 0] += 0.5 * (size[1] - 1)
-        found[:, 1] += 0.5 * (size[0] - 1)
-        return found
+        found = away @ (self.axes * self.scale).astype(np.float32).T
+        found[:, :2] += 0.5 * (size[1] - 1), 0.5 * (size[0] - 1)
+        return np.asarray(found)
 
     def corner(self, size: tuple[int, int]) -> Array:
         """Position in the picture's plane that its first pixel shows, in units of length."""
@@ -103,12 +107,3 @@ def turntable(camera: Camera, frames: int) -> list[Camera]:
 
 def _limited(scale: float) -> float:
     return min(max(scale, _SMALLEST), _LARGEST)
-
-
-def _orthonormal(axes: NDArray[Any]) -> Array:
-    """Axes without the errors of rounding that many small turns add up."""
-    right = axes[0] / np.linalg.norm(axes[0])
-    down = axes[1] - right * (axes[1] @ right)
-    down /= np.linalg.norm(down)
-    handed = np.sign(np.linalg.det(axes))
-    return np.array([right, down, handed * np.cross(right, down)])

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +18,7 @@ Colors = NDArray[np.uint8]
 FAR = np.float32(3e38)
 """Distance of what shows nothing."""
 
-ROWS = 32
+_ROWS = 32
 """Rows that one thread fills at the least."""
 
 
@@ -42,30 +44,17 @@ class Picture:
 
     def covered_by(self, other: Picture, opacity: float) -> None:
         """Lay another picture of the same size over this one, with this opacity, where what it shows is nearer."""
+        nearer = other.depths < self.depths
+        mixed = self.colors[nearer] * np.float32(1.0 - opacity) + other.colors[nearer] * np.float32(opacity)
+        self.colors[nearer] = np.rint(mixed).astype(np.uint8)
+
+    def draw(self, kernel: Callable[..., None], *drawn: Any) -> None:
+        """Let a compiled function draw what is given into parts of the rows, on several threads."""
 
         def some(begin: int, end: int) -> None:
-            _cover(self.colors, self.depths, other.colors, other.depths, np.float32(opacity), begin, end)
+            kernel(*drawn, self.colors, self.depths, begin, end)
 
-        share(some, self.size[0], ROWS)
-
-
-@compiled
-def _cover(
-    colors: Colors,
-    depths: NDArray[np.float32],
-    over: Colors,
-    near: NDArray[np.float32],
-    opacity: np.float32,
-    begin: int,
-    end: int,
-) -> None:
-    rest = np.float32(1.0) - opacity
-    for row in range(begin, end):
-        for col in range(depths.shape[1]):
-            if near[row, col] < depths[row, col]:
-                for channel in range(3):
-                    mixed = rest * colors[row, col, channel] + opacity * over[row, col, channel]
-                    colors[row, col, channel] = np.uint8(mixed + np.float32(0.5))
+        share(some, self.size[0], _ROWS)
 
 
 def draw_lines(picture: Picture, seen: Seen, colors: Colors) -> None:
@@ -77,37 +66,31 @@ def draw_lines(picture: Picture, seen: Seen, colors: Colors) -> None:
 def _draw_lines(seen: Seen, colors: Colors, shown: Colors, depths: NDArray[np.float32]) -> None:
     height, width = depths.shape
     for i in range(seen.shape[0] // 2):
-        x, y, z = np.float64(seen[2 * i, 0]), np.float64(seen[2 * i, 1]), np.float64(seen[2 * i, 2])
-        d_x, d_y, d_z = seen[2 * i + 1, 0] - x, seen[2 * i + 1, 1] - y, seen[2 * i + 1, 2] - z
-        steps = max(abs(d_x), abs(d_y), 1e-6)
-        begin, end = _inside(x, d_x, width, 0.0, 1.0)
-        begin, end = _inside(y, d_y, height, begin, end)
+        start = seen[2 * i].astype(np.float64)
+        way = seen[2 * i + 1] - start
+        steps = max(abs(way[0]), abs(way[1]), 1e-6)
+        begin, end = within(start[0], way[0], width, 0.0, 1.0)
+        begin, end = within(start[1], way[1], height, begin, end)
         for step in range(int(np.ceil(begin * steps)), int(np.floor(end * steps)) + 1):
-            part = step / steps
-            col, row = int(np.rint(x + part * d_x)), int(np.rint(y + part * d_y))
-            depth = np.float32(z + part * d_z)
+            at = start + step / steps * way
+            col, row, depth = int(np.rint(at[0])), int(np.rint(at[1])), np.float32(at[2])
             if 0 <= col < width and 0 <= row < height and depth < depths[row, col]:
                 depths[row, col] = depth
-                for channel in range(3):
-                    shown[row, col, channel] = colors[i, channel]
+                shown[row, col] = colors[i]
 
 
 @compiled
-def _inside(start: float, way: float, size: int, begin: float, end: float) -> tuple[float, float]:
-    """The part of a line that lies in the picture, along one of its sides."""
+def within(start: float, way: float, size: int, begin: float, end: float) -> tuple[float, float]:
+    """The part of a line that lies in a picture or a volume, along one of its sides."""
     if abs(way) < 1e-9:
-        return (begin, end) if -0.5 <= start <= size - 0.5 else (1.0, 0.0)
+        return (begin, end) if -0.5 <= start < size - 0.5 else (1.0, 0.0)
     one, other = (-0.5 - start) / way, (size - 0.5 - start) / way
     return max(begin, min(one, other)), min(end, max(one, other))
 
 
 def draw_balls(picture: Picture, seen: Seen, colors: Colors, radius: float) -> None:
     """Draw balls of a radius [px] at places in a picture, in their colors (N, 3)."""
-
-    def some(begin: int, end: int) -> None:
-        _draw_balls(seen, colors, np.float32(radius), picture.colors, picture.depths, begin, end)
-
-    share(some, picture.size[0], ROWS)
+    picture.draw(_draw_balls, seen, colors, np.float32(radius))
 
 
 @compiled

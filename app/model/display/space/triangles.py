@@ -10,32 +10,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.model.display.space.camera import Camera, Seen
-from app.model.display.space.picture import ROWS, Colors, Picture
+from app.model.display.space.picture import Colors, Picture
 from cpm_core import Surface
-from cpm_core.numerics import compiled, share
+from cpm_core.numerics import compiled
 
 Single = NDArray[np.float32]
 
-_LIGHT = -0.35, -0.45, -0.82
+_LIGHT = np.array([-0.35, -0.45, -0.82])
 """Direction to the light: from the left above, behind the viewer; along right, down, away."""
 
 
 @dataclass(frozen=True)
 class Cut:
-    """A plane that cuts surfaces open: what lies on the side of its normal is not drawn.
+    """A plane across an axis that cuts surfaces open: what lies before it is not drawn [units of length]."""
 
-    `normal` is a unit vector along (plane, row, col), `offset` the distance of the plane from the origin along it, both
-    in units of length.
-    """
+    axis: int
+    at: float
 
-    normal: tuple[float, float, float]
-    offset: float
-
-    def beyond(self, positions: NDArray[Any]) -> Single:
-        """How far positions (N, 3) lie beyond the plane; negative for those that are drawn."""
-        a, b, c = (np.float32(part) for part in self.normal)
-        at = np.asarray(positions, np.float32)
-        return np.asarray(at[:, 0] * a + at[:, 1] * b + at[:, 2] * c - np.float32(self.offset), np.float32)
+    def before(self, positions: NDArray[Any]) -> Single:
+        """How far positions (N, 3) lie before the plane; negative for those that are drawn."""
+        return np.asarray(np.float32(self.at) - np.asarray(positions[:, self.axis], np.float32))
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,17 +64,12 @@ def draw_mesh(
 ) -> None:
     """Draw a surface with a color for its outside, and one for its inside, which a cut lays open."""
     seen = camera.seen(mesh.positions, picture.size)
-    right, down, away = (_LIGHT[axis] * camera.axes[axis] for axis in range(3))
-    light = np.asarray((right + down + away) / np.linalg.norm(_LIGHT), np.float32)
-    lit = np.asarray(mesh.normals[:, 0] * light[0] + mesh.normals[:, 1] * light[1] + mesh.normals[:, 2] * light[2])
-    beyond = np.full(len(seen), -1.0, np.float32) if cut is None else cut.beyond(mesh.positions)
+    light = np.asarray(_LIGHT @ camera.axes / np.linalg.norm(_LIGHT), np.float32)
+    lit = mesh.normals @ light
+    beyond = np.full(len(seen), -1.0, np.float32) if cut is None else cut.before(mesh.positions)
     colors = np.array([outside, inside], np.float32)
-    turn = float(np.sign(np.linalg.det(camera.axes)))
-
-    def some(begin: int, end: int) -> None:
-        _draw(seen, lit, beyond, mesh.faces, np.float32(turn), colors, picture.colors, picture.depths, begin, end)
-
-    share(some, picture.size[0], ROWS)
+    turn = np.float32(np.sign(np.linalg.det(camera.axes)))
+    picture.draw(_draw, seen, lit, beyond, mesh.faces, turn, colors)
 
 
 @compiled

@@ -128,10 +128,7 @@ class ViewInSpace:
     def cut(self) -> Cut | None:
         """The plane before which nothing of surface and particles is shown: the side of the first voxels is away."""
         axis = self.shown.cut_axis
-        if axis is None:
-            return None
-        normal = (-1.0 * (axis == 0), -1.0 * (axis == 1), -1.0 * (axis == 2))
-        return Cut(normal, -self.shown.cut_at * self.lengths[axis])
+        return None if axis is None else Cut(axis, self.shown.cut_at * self.lengths[axis])
 
     def drawn(self, camera: Camera, size: tuple[int, int], look: Look) -> Picture:
         """Draw it in a picture of so many rows and columns."""
@@ -156,7 +153,7 @@ class ViewInSpace:
     def _draw_particles(self, picture: Picture, particles: Particles, camera: Camera, look: Look) -> None:
         places, colors, cut = particles.positions * np.array(self.image.spacing), particles.colors, self.cut
         if cut is not None:
-            kept = cut.beyond(places) <= 0.0
+            kept = cut.before(places) <= 0.0
             places, colors = places[kept], colors[kept]
         draw_balls(picture, camera.seen(places, picture.size), colors, particles.size * look.radius)
 

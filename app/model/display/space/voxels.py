@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from app.model.display.display_image import IntensityWindow, apply_window
 from app.model.display.space.camera import Camera
-from app.model.display.space.picture import ROWS, Colors, Picture
+from app.model.display.space.picture import Colors, Picture, within
 from app.model.volume.slices import Slice
 from cpm_core.numerics import Array, compiled, share
 
@@ -57,11 +57,7 @@ def draw_projection(
     right, down = (camera.axes[k] / camera.scale / sizes for k in range(2))
     away = camera.axes[2] / sizes
     away = away / np.abs(away).max()
-
-    def some(begin: int, end: int) -> None:
-        _draw_projection(volume.voxels, volume.maxima, corner, right, down, away, table, picture.colors, begin, end)
-
-    share(some, picture.size[0], ROWS)
+    picture.draw(_draw_projection, volume.voxels, volume.maxima, corner, right, down, away, table)
 
 
 @compiled
@@ -74,11 +70,12 @@ def _draw_projection(
     away: Array,
     table: Colors,
     shown: Colors,
+    depths: NDArray[np.float32],
     begin: int,
     end: int,
 ) -> None:
     for row in range(begin, end):
-        for col in range(shown.shape[1]):
+        for col in range(depths.shape[1]):
             plane = corner[0] + col * right[0] + row * down[0]
             brightest = _brightest(
                 voxels,
@@ -87,8 +84,7 @@ def _draw_projection(
                 away,
             )
             if brightest > 0:
-                for channel in range(3):
-                    shown[row, col, channel] = table[brightest, channel]
+                shown[row, col] = table[brightest]
 
 
 @compiled
@@ -96,13 +92,7 @@ def _brightest(voxels: Bytes, maxima: Bytes, start: tuple[float, float, float], 
     """The brightest voxel on a line, by steps of one voxel along its longest component."""
     near, far = -1e30, 1e30
     for axis in range(3):
-        size = voxels.shape[axis]
-        if abs(away[axis]) < 1e-9:
-            if not -0.5 <= start[axis] < size - 0.5:
-                return 0
-        else:
-            one, other = (-0.5 - start[axis]) / away[axis], (size - 0.5 - start[axis]) / away[axis]
-            near, far = max(near, min(one, other)), min(far, max(one, other))
+        near, far = within(start[axis], away[axis], voxels.shape[axis], near, far)
     z, y, x = start[0] + 0.5, start[1] + 0.5, start[2] + 0.5
     at, found = near + 1e-6, 0
     while at < far:
@@ -134,40 +124,23 @@ def draw_slice(picture: Picture, place: Slice, colors: Colors, camera: Camera, s
     if abs(camera.axes[2, across]) < 1e-6:
         return
     down, right = (axis for axis in range(3) if axis != across)
-    corner = camera.corner(picture.size)
-    steps = camera.axes / camera.scale
-    origin = np.array([place.index * spacing[across] - corner[across], corner[down], corner[right]])
-    sides = np.array([[steps[k, axis] for axis in (across, down, right)] for k in range(3)])
-    sizes = np.array([spacing[down], spacing[right]])
-
-    def some(begin: int, end: int) -> None:
-        _draw_slice(colors, origin, sides, sizes, picture.colors, picture.depths, begin, end)
-
-    share(some, picture.size[0], ROWS)
+    onto = camera.axes * camera.scale  # column, row and depth in the picture, for a unit along each axis
+    origin = onto[:, across] * place.index * spacing[across] - onto @ camera.corner(picture.size)
+    voxels = np.stack([onto[:, down] * spacing[down], onto[:, right] * spacing[right], origin], axis=1)
+    back = np.linalg.inv(np.vstack([voxels[1::-1], (0.0, 0.0, 1.0)]))  # from row and column of the picture to the slice
+    picture.draw(_draw_slice, colors, np.vstack([back[:2], voxels[2] @ back]))
 
 
 @compiled
 def _draw_slice(
-    colors: Colors,
-    origin: Array,
-    sides: Array,
-    sizes: Array,
-    shown: Colors,
-    depths: NDArray[np.float32],
-    begin: int,
-    end: int,
+    colors: Colors, places: Array, shown: Colors, depths: NDArray[np.float32], begin: int, end: int
 ) -> None:
-    """Each pixel's line of sight meets the plane once."""
-    rows, cols = colors.shape[:2]
+    """Row and column of the slice, and the depth, which `places` gives for each pixel of the picture."""
     for row in range(begin, end):
         for col in range(depths.shape[1]):
-            depth = (origin[0] - col * sides[0, 0] - row * sides[1, 0]) / sides[2, 0]
-            if depth >= depths[row, col]:
-                continue
-            at_row = (origin[1] + col * sides[0, 1] + row * sides[1, 1] + depth * sides[2, 1]) / sizes[0]
-            at_col = (origin[2] + col * sides[0, 2] + row * sides[1, 2] + depth * sides[2, 2]) / sizes[1]
-            if -0.5 <= at_row < rows - 0.5 and -0.5 <= at_col < cols - 0.5:
-                depths[row, col] = np.float32(depth)
-                i, j = int(at_row + 0.5), int(at_col + 0.5)
-                for channel in range(3):
-                    shown[row, col, channel] = colors[i, j, channel]
+            i = int(np.floor(places[0, 0] * row + places[0, 1] * col + places[0, 2] + 0.5))
+            j = int(np.floor(places[1, 0] * row + places[1, 1] * col + places[1, 2] + 0.5))
+            depth = np.float32(places[2, 0] * row + places[2, 1] * col + places[2, 2])
+            if depth < depths[row, col] and 0 <= i < colors.shape[0] and 0 <= j < colors.shape[1]:
+                depths[row, col] = depth
+                shown[row, col] = colors[i, j]

@@ -105,7 +105,7 @@ def test_each_pixel_shows_the_nearest_triangle_on_its_line_of_sight(seed, camera
 def test_a_cut_lays_the_inside_open() -> None:
     mesh, camera = Mesh(ball(8.0, 0.0, 48)), front()
     picture = blank()
-    draw_mesh(picture, mesh, camera, RED, GREEN, Cut((-1.0, 0.0, 0.0), 0.0))
+    draw_mesh(picture, mesh, camera, RED, GREEN, Cut(0, 0.0))
     assert picture.depths[19, 29] == pytest.approx(8.0, abs=0.1)
     assert picture.colors[19, 29, 1] > picture.colors[19, 29, 0]
     assert picture.depths.min() >= -0.01
