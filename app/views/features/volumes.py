@@ -110,7 +110,7 @@ class SlicesFeature(Feature):
         area = self.window.canvas_area
         thing, _ = area.menu_at(area.mapFromGlobal(point))
         if thing != "image":
-            area.canvas.menu_wanted.emit(point)
+            area.canvas.pointer.menu_wanted.emit(point)
 
     def _toggle(self) -> None:
         self._wanted = not self._wanted
@@ -159,7 +159,7 @@ class SlicesFeature(Feature):
         area.views.setColumnStretch(0, 2)
         area.views.addWidget(view, row, 1)
         self._draw_later(view)
-        view.menu_wanted.connect(self._open_menu)
+        view.pointer.menu_wanted.connect(self._open_menu)
         view.went.connect(self._slices.through)
         view.passed.connect(self._slices.pass_on)
         self.sides += (view,)
